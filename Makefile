@@ -1,0 +1,45 @@
+# Everything runs in a virtual environment of its own; python3 with venv, and make, are all that it takes.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/ready
+FLAGSHIP := scenarios/Synchronizer/changing_master
+
+.PHONY: run test build lint format references pictures benchmark clean
+
+run: build ## build the FMUs and simulate the flagship scenario
+	$(BIN)/motionsync run $(FLAGSHIP)
+
+test: lint ## everything that proves the project
+	$(BIN)/python -m pytest $(PYTEST)
+
+build: $(READY) ## build/python/<FMU>.fmu
+	$(BIN)/motionsync build
+
+lint: $(READY) ## style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: $(READY)
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+references: $(READY) ## the cross-check files of all scenarios, from the scripts and the oracles
+	$(BIN)/python tests/regenerate.py
+
+pictures: $(READY) ## the README's pictures
+	$(BIN)/python -m motionsync_fmu.documentation docs
+
+benchmark: $(READY)
+	$(BIN)/python benchmarks/step_cost.py
+
+clean:
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find build -mindepth 1 ! -name README.md -delete
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(READY): pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	touch $@

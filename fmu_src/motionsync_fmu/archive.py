@@ -1,0 +1,61 @@
+"""What goes into an FMU: a block's own sources, their hash, and a zip file that is the same every time."""
+
+import ast
+import hashlib
+import importlib
+import os
+import time
+import zipfile
+from pathlib import Path
+
+HERE = Path(__file__).parent
+Files = dict[str, bytes]
+
+
+def sources(module: str) -> Files:
+    """The module and all it imports from its own package, by their paths in the package, with forward slashes."""
+    package = module.partition(".")[0]
+    found: Files = {}
+    wanted = [f"{package}.__init__", module]
+    root = Path(str(importlib.import_module(package).__file__)).parent
+    while wanted:
+        path = root.joinpath(*wanted.pop().split(".")[1:]).with_suffix(".py")
+        name = path.relative_to(root).as_posix()
+        if name in found:
+            continue
+        found[name] = path.read_bytes().replace(b"\r\n", b"\n")
+        for node in ast.walk(ast.parse(found[name])):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                wanted += [f"{package}.{m}" for m in ([node.module] if node.module else [a.name for a in node.names])]
+    return dict(sorted(found.items()))
+
+
+def runtime() -> Files:
+    """The part of this package that runs inside the FMU."""
+    return {name: (HERE / name).read_bytes().replace(b"\r\n", b"\n") for name in ("slave.py", "variables.py")}
+
+
+def digest(files: Files) -> str:
+    """A hash of names and contents, whatever the order."""
+    h = hashlib.sha256()
+    for part in (p for name in sorted(files) for p in (name.encode(), files[name])):
+        h.update(len(part).to_bytes(8, "little") + part)
+    return h.hexdigest()
+
+
+def epoch() -> int:
+    """The build's time: SOURCE_DATE_EPOCH, or the first instant a zip file can hold."""
+    return max(int(os.environ.get("SOURCE_DATE_EPOCH", "0")), 315532800)
+
+
+def write(target: Path, files: Files) -> None:
+    """Sorted, deflated, every file with the build's time; a target that is being replaced is never half written."""
+    stamp = time.gmtime(epoch())[:6]
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_suffix(f".{os.getpid()}.part")
+    with zipfile.ZipFile(part, "w") as z:
+        for name in sorted(files):
+            info = zipfile.ZipInfo(name, stamp)
+            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+            z.writestr(info, files[name], compresslevel=9)
+    part.replace(target)

@@ -1,0 +1,148 @@
+"""Builds the FMU of a block, and tells whether a built one is up to date."""
+
+import zipfile
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from importlib import metadata
+from importlib.resources import files as package_files
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import ParseError, fromstring, tostring
+
+from motionsync.blocks import BLOCKS
+
+from .archive import Files, digest, runtime, sources, write
+from .description import BASES, describe, finish
+from .documentation import pages, picture
+from .errors import UserError, choose
+from .variables import Variable, variables
+
+SCRIPT = """from {package}_{tag}.{module} import {name}
+from motionsync_fmu_{tag}.slave import BlockSlave, keep
+
+keep(globals())
+
+
+class {name}Slave(BlockSlave):
+    block_type = {name}
+    build = "{tag}"
+    starts = {starts!r}
+"""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What an FMU is built from: a block, the unit of its positions, and start values to bake in (name to text)."""
+
+    name: str
+    unit: str = "mm"
+    starts: Mapping[str, str] = field(default_factory=dict)
+
+    def block(self) -> Any:
+        """A new block with the baked start values.
+
+        Raises:
+            UserError: an unknown block, unit or variable, or a value that the variable does not allow.
+        """
+        block = choose(BLOCKS, self.name, "block").type()
+        choose(BASES, self.unit, "unit")
+        by_name = {v.name: v for v in variables(block) if v.settable}
+        for name, text in self.starts.items():
+            v = choose(by_name, name, f"parameter or input of {self.name}")
+            v.cell.set(parse(v, text))
+        return block
+
+    def guid(self) -> str:
+        """A hash of the variables and of the source: the same for both flavours, and for every build of it."""
+        block = self.block()
+        files = sources(type(block).__module__) | {f"fmu/{name}": text for name, text in runtime().items()}
+        h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit))})
+        return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def parse(v: Variable, text: str) -> Any:
+    """A start value given as text: a number, true or false, a member's name or number.
+
+    Raises:
+        UserError: it is none of these, or outside the variable's limits.
+    """
+    value: Any = None
+    if v.kind == "Boolean":
+        value = {"true": True, "false": False, "1": True, "0": False}.get(text.lower())
+    elif v.choices and text in (names := {member.name: member.value for member in v.choices}):
+        value = names[text]
+    else:
+        with suppress(ValueError):
+            value = float(text) if v.kind == "Real" else int(text)
+    if value is None:
+        allowed = "true or false" if v.kind == "Boolean" else v.range
+        raise UserError(f"{v.name} = {text} is no {v.kind}: it must be {allowed}")
+    if refusal := v.refusal(value):
+        raise UserError(refusal)
+    return value
+
+
+def build_python(recipe: Recipe, target: Path) -> Path:
+    """PythonFMU's library, PythonFMU itself, and our sources under names that carry their hash: all the FMUs of a
+    process share one interpreter, and so one `sys.modules`."""
+    block, guid, name = recipe.block(), recipe.guid(), recipe.name
+    tag = guid[1:9] + guid[10:14]
+    package, _, module = type(block).__module__.partition(".")
+    starts = {v.name: plain(v.start) for v in variables(block) if v.name in recipe.starts}
+    script = SCRIPT.format(name=name, tag=tag, package=package, module=module, starts=starts)
+    files: Files = {
+        f"resources/{name.lower()}_{tag}.py": script.encode(),
+        "resources/slavemodule.txt": f"{name.lower()}_{tag}".encode(),
+        f"resources/motionsync_fmu_{tag}/__init__.py": b"",
+    }
+    files |= {f"resources/{package}_{tag}/{n}": text for n, text in sources(type(block).__module__).items()}
+    files |= {f"resources/motionsync_fmu_{tag}/{n}": text for n, text in runtime().items()}
+    pythonfmu = Path(str(package_files("pythonfmu")))
+    files |= {f"resources/pythonfmu/{p.name}": p.read_bytes() for p in pythonfmu.glob("*.py")}
+    for library in (pythonfmu / "resources" / "binaries").glob("*/*"):
+        files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
+    files |= {f"documentation/licenses/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
+    files |= {f"documentation/{n}": text for n, text in pages(recipe.name, block, recipe.unit).items()}
+    files |= {
+        "model.png": picture(recipe.name),
+        "modelDescription.xml": finish(describe(block, recipe.unit), guid),
+    }
+    write(target, files)
+    return target
+
+
+def plain(value: Any) -> Any:
+    """The number behind an enumeration's member: a script shows its value, not its name."""
+    return int(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def licences(*distributions: str) -> Files:
+    """The licence texts of installed distributions, by file name."""
+    found: Files = {}
+    for name in distributions:
+        for file in metadata.files(name) or []:
+            if "LICEN" in file.name.upper():
+                found[f"{name}.txt"] = file.read_binary()
+        if f"{name}.txt" not in found:
+            raise UserError(f"the licence of {name} is not installed: install motionsync with pip")
+    return found
+
+
+def fmu_path(recipe: Recipe, folder: Path) -> Path:
+    """build/python/<FMU>.fmu; a build in another unit than mm lies in a folder of that unit's name."""
+    return folder / "python" / ("" if recipe.unit == "mm" else recipe.unit) / f"{recipe.name}.fmu"
+
+
+def outdated(fmu: Path, recipe: Recipe) -> str:
+    """Why a built FMU cannot be used as it is: "missing", "stale" (its sources have changed); empty if it can.
+
+    A file that is no FMU of this block is stale too."""
+    if not fmu.exists():
+        return "missing"
+    try:
+        with zipfile.ZipFile(fmu) as z:
+            built = fromstring(z.read("modelDescription.xml")).get("guid")
+    except (zipfile.BadZipFile, KeyError, ParseError):
+        built = None
+    return "" if built == recipe.guid() else "stale"

@@ -1,0 +1,162 @@
+"""modelDescription.xml, the same for both flavours."""
+
+import math
+import time
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from motionsync.declare import Unit
+
+from . import __version__
+from .archive import epoch
+from .variables import Variable, members, variables
+
+BASES = {  # a build's position unit in SI base units: exponents' unit and factor
+    "mm": ("m", 1e-3),
+    "m": ("m", 1.0),
+    "deg": ("rad", math.pi / 180.0),
+    "rad": ("rad", 1.0),
+    "1": ("", 1.0),
+}
+CATEGORIES = {
+    "logStatusWarning": "refused commands",
+    "logStatusError": "refused values and failed calls",
+    "logAll": "all messages",
+}
+
+
+def describe(block: Any, unit: str) -> Element:
+    """Everything that both flavours and every build of this source share; `finish` adds GUID and date.
+
+    `unit`: of positions, a key of BASES.
+    """
+    vs = variables(block)
+    name = type(block).__name__
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=name,
+        guid="",
+        description=summary(type(block)),
+        version=__version__,
+        license="MIT",
+        generationTool=f"motionsync {__version__}",
+        variableNamingConvention="structured",
+    )
+    SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=name,
+        canHandleVariableCommunicationStepSize="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+        needsExecutionTool="false",
+        canBeInstantiatedOnlyOncePerProcess="false",
+        canNotUseMemoryManagementFunctions="true",
+    )
+    _units(SubElement(root, "UnitDefinitions"), vs, unit)
+    _types(SubElement(root, "TypeDefinitions"), vs, unit)
+    categories = SubElement(root, "LogCategories")
+    for category, text in CATEGORIES.items():
+        SubElement(categories, "Category", name=category, description=text)
+    SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize="0.001")
+    model = SubElement(root, "ModelVariables")
+    for reference, v in enumerate(vs):
+        model.append(_variable(v, reference))
+    _structure(SubElement(root, "ModelStructure"), vs)
+    return root
+
+
+def finish(root: Element, guid: str) -> bytes:
+    root.set("guid", guid)
+    root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(epoch())))
+    indent(root)
+    return bytes(tostring(root, "UTF-8", xml_declaration=True)) + b"\n"
+
+
+def summary(thing: Any) -> str:
+    """The first line of a docstring, without its full stop."""
+    return (thing.__doc__ or "").strip().split("\n")[0].rstrip(".")
+
+
+def unit_name(kind: Unit, unit: str) -> str:
+    """The name of a unit where positions are in `unit`: mm/s2, 1/deg2; of a pure number, the empty string."""
+    symbol = "" if unit == "1" else unit
+    above = _power(symbol, kind.position)
+    below = "".join(f"/{p}" for p in (_power(symbol, -kind.position), _power("s", -kind.second)) if p)
+    return (above or "1") + below if above or below or kind is not Unit.NONE else ""
+
+
+def _power(symbol: str, exponent: int) -> str:
+    return "" if not symbol or exponent <= 0 else symbol + (str(exponent) if exponent > 1 else "")
+
+
+def _used_units(vs: list[Variable]) -> list[Unit]:
+    return list(dict.fromkeys(v.declaration.unit for v in vs if v.declaration.unit is not Unit.NONE))
+
+
+def _units(parent: Element, vs: list[Variable], unit: str) -> None:
+    base, factor = BASES[unit]
+    definitions = {unit_name(u, unit): u for u in reversed(_used_units(vs))}
+    for name, u in sorted(definitions.items()):
+        powers = {base: u.position, "s": u.second}
+        exponents = {symbol: str(power) for symbol, power in powers.items() if symbol and power}
+        scale = {} if factor == 1.0 else {"factor": repr(_scaled(factor, u.position))}
+        SubElement(SubElement(parent, "Unit", name=name), "BaseUnit", exponents | scale)
+
+
+def _scaled(factor: float, exponent: int) -> float:
+    return factor**exponent if exponent >= 0 else 1.0 / factor**-exponent
+
+
+def _types(parent: Element, vs: list[Variable], unit: str) -> None:
+    for u in _used_units(vs):
+        simple = SubElement(parent, "SimpleType", name=u.quantity)
+        SubElement(simple, "Real", quantity=u.quantity, unit=unit_name(u, unit))
+    for choice in dict.fromkeys(v.cell.type for v in vs if v.choices):
+        simple = SubElement(parent, "SimpleType", name=choice.__name__, description=summary(choice))
+        enumeration = SubElement(simple, "Enumeration")
+        for member in members(choice):
+            SubElement(enumeration, "Item", name=member.name, value=str(member.value), description=member.description)
+
+
+def _variable(v: Variable, reference: int) -> Element:
+    d = v.declaration
+    scalar = Element(
+        "ScalarVariable",
+        name=v.name,
+        valueReference=str(reference),
+        description=d.description,
+        causality=v.causality,
+        variability=v.variability,
+    )
+    value = SubElement(scalar, v.kind)
+    if v.choices:
+        value.set("declaredType", v.cell.type.__name__)
+    elif d.unit is not Unit.NONE:
+        value.set("declaredType", d.unit.quantity)
+    if v.kind == "Real":
+        for limit, number in (("min", max(d.min, d.above)), ("max", d.max)):
+            if math.isfinite(number):
+                value.set(limit, repr(number))
+    if v.settable:
+        value.set("start", literal(v, v.start))
+    return scalar
+
+
+def literal(v: Variable, value: Any) -> str:
+    """A value as modelDescription.xml and command lines write it."""
+    if v.kind == "Boolean":
+        return str(bool(value)).lower()
+    return repr(float(value)) if v.kind == "Real" else str(int(value))
+
+
+def _structure(parent: Element, vs: list[Variable]) -> None:
+    """At a communication point no output follows an input (only doStep moves it); after initialization, as declared."""
+    index = {v.name: str(i) for i, v in enumerate(vs, 1)}
+    outputs, initial = SubElement(parent, "Outputs"), SubElement(parent, "InitialUnknowns")
+    for v in vs:
+        if v.causality == "output":
+            known = " ".join(sorted((index[name] for name in v.depends), key=int))
+            SubElement(outputs, "Unknown", index=index[v.name], dependencies="")
+            SubElement(initial, "Unknown", index=index[v.name], dependencies=known)

@@ -1,0 +1,142 @@
+"""The pages inside an FMU: what the block does, its variables, and a picture of a transition; all from its source."""
+
+import io
+from typing import Any
+
+import jinja2
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from motionsync.blocks import BLOCKS
+from motionsync.declare import Unit
+from motionsync.master import MasterInput
+
+from . import __version__
+from .archive import Files
+from .description import literal, summary, unit_name
+from .variables import Variable, cells, members, variables
+
+TEMPLATES = jinja2.Environment(
+    loader=jinja2.PackageLoader("motionsync_fmu"), autoescape=True, trim_blocks=True, lstrip_blocks=True
+)
+STYLE: Any = {  # the same picture at every build
+    "svg.hashsalt": "motionsync",
+    "svg.fonttype": "none",
+    "font.family": "sans-serif",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+}
+MASTER, SLAVE = "#7a8793", "#c8451b"
+SAMPLES = 500
+
+
+def pages(name: str, block: Any, unit: str) -> Files:
+    """index.html, its picture, and externalDependencies.html; `block` has the FMU's start values."""
+    values = {
+        "name": name,
+        "version": __version__,
+        "summary": summary(type(block)),
+        "paragraphs": paragraphs(type(block)),
+        "caption": BLOCKS[name].example.caption,
+        "inputs": list(MasterInput),
+        "rows": [row(v, unit) for v in variables(block)],
+        "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
+        "codes": [c for v in variables(block) if v.declaration.codes for c in members(v.declaration.codes)],
+        "describe": summary,
+    }
+    files = {
+        page: TEMPLATES.get_template(f"{page}.j2").render(values).encode()
+        for page in ("index.html", "externalDependencies.html")
+    }
+    return files | {"transition.svg": transition(name, unit)}
+
+
+def paragraphs(thing: Any) -> list[str]:
+    """A docstring's paragraphs after its first line."""
+    return [" ".join(p.split()) for p in (thing.__doc__ or "").split("\n\n")[1:] if p.strip()]
+
+
+def row(v: Variable, unit: str) -> dict[str, str]:
+    """One line of a table of variables; the values as they are written."""
+    return {
+        "name": v.name,
+        "causality": v.causality,
+        "variability": v.variability,
+        "type": v.cell.type.__name__ if v.choices else v.kind,
+        "unit": unit_name(v.declaration.unit, unit),
+        "start": literal(v, v.start) if v.settable else "",
+        "range": v.range if v.settable and v.kind in ("Real", "Integer") else "",
+        "description": v.declaration.description,
+    }
+
+
+def run(name: str) -> dict[str, list[float]]:
+    """The block's example in plain Python: the courses over time of master and slave."""
+    example = BLOCKS[name].example
+    block = BLOCKS[name].type()
+    by_name = {c.name: c for c in cells(block)}
+    for variable, value in example.start.items():
+        by_name[variable].set(value)
+    block.initialize()
+    h = example.duration / SAMPLES
+    waiting = list(example.inputs)
+    courses: dict[str, list[float]] = {n: [] for n in ("time", "master", "position", "velocity", "acceleration")}
+    for i in range(SAMPLES):
+        while waiting and waiting[0][0] <= i * h:
+            for variable, value in waiting.pop(0)[1].items():
+                by_name[variable].set(value)
+        block.master.position = example.velocity * i * h
+        block.step(h)
+        courses["time"].append((i + 1) * h)
+        courses["master"].append(block.master.end % block.master.period if block.master.period else block.master.end)
+        for n in ("position", "velocity", "acceleration"):
+            courses[n].append(getattr(block.slave, n))
+    return courses
+
+
+def transition(name: str, unit: str) -> bytes:
+    """The example as an SVG: position, velocity and acceleration of the slave, with the master's position."""
+    courses = run(name)
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(7.6, 5.8), layout="constrained")
+        top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(2, 1, 1))
+        plot(top, courses)
+        top.legend(loc="upper left", ncols=2, frameon=False)
+        for axes, n in ((middle, "velocity"), (bottom, "acceleration")):
+            axes.plot(courses["time"], courses[n], color=SLAVE)
+        for axes, kind in ((top, Unit.POSITION), (middle, Unit.VELOCITY), (bottom, Unit.ACCELERATION)):
+            label = unit_name(kind, unit)
+            axes.set_ylabel(kind.quantity.lower() + (f"\n{label}" if label else ""))
+        figure.align_ylabels()
+        bottom.set_xlabel("time in s")
+        out = io.BytesIO()
+        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    return out.getvalue()
+
+
+def plot(axes: Axes, courses: dict[str, list[float]]) -> None:
+    """Master and slave position over time; a line ends where a period wraps."""
+    for n, colour, width in (("master", MASTER, 1.5), ("position", SLAVE, 2.2)):
+        jump = max(courses[n]) - min(courses[n])
+        broken = [
+            y if abs(y - before) < 0.5 * jump else float("nan")
+            for before, y in zip([courses[n][0], *courses[n]], courses[n], strict=False)
+        ]
+        axes.plot(courses["time"], broken, color=colour, linewidth=width, label="slave" if n == "position" else n)
+
+
+def picture(name: str) -> bytes:
+    """model.png: the example without axes, as an icon."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(1.6, 1.6), dpi=100, layout="constrained")
+        axes = figure.subplots()
+        plot(axes, run(name))
+        axes.grid(visible=False)
+        axes.set(xticks=[], yticks=[])
+        axes.set_title(name, fontsize=9)
+        out = io.BytesIO()
+        figure.savefig(out, format="png", metadata={"Software": None})
+    return out.getvalue()

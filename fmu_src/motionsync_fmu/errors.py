@@ -1,0 +1,23 @@
+"""Mistakes of the user: told in one line, never as a traceback."""
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+class UserError(Exception):
+    """One sentence that names what was wrong, its value and what is allowed."""
+
+
+def choose(known: Mapping[str, T], name: str, what: str) -> T:
+    """The entry of that name.
+
+    Raises:
+        UserError: there is none; the message names the nearest ones.
+    """
+    if name in known:
+        return known[name]
+    near = get_close_matches(name, known) or list(known)[:8]
+    raise UserError(f"no {what} is named {name!r}; there is {', '.join(near)}")

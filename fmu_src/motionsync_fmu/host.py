@@ -1,0 +1,103 @@
+"""One FMU instance, driven by variable names, on top of FMPy."""
+
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import fmpy
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+
+TYPES = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
+
+
+class FmuError(Exception):
+    """An FMI call failed. The text is what the FMU logged, or the call's own name and status."""
+
+
+class Host:
+    """Loads an FMU and steps it. A context manager: at its end the instance is freed and the extracted files go.
+
+    Attributes:
+        description: FMPy's model description.
+        messages: what the FMU has logged.
+        time: the present communication point, in s.
+    """
+
+    def __init__(self, fmu: Path) -> None:
+        self.description = fmpy.read_model_description(str(fmu))
+        self.kinds = {v.name: (v.valueReference, TYPES[v.type]) for v in self.description.modelVariables}
+        self.messages: list[str] = []
+        self.time = 0.0
+        self.folder = fmpy.extract(str(fmu))
+        self.unit = fmi2.FMU2Slave(
+            guid=self.description.guid,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=self.description.modelName,
+            unzipDirectory=self.folder,
+        )
+        self.callbacks = fmi2.fmi2CallbackFunctions()  # kept here: the unit holds a pointer to it
+        self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
+        self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
+        self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
+        self.unit.instantiate(loggingOn=True, callbacks=self.callbacks)
+
+    def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+        self.messages.append(message.decode())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self.unit.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def initialize(self, values: Mapping[str, Any] | None = None) -> Self:
+        """From instantiation to step mode at time 0, with these start values and inputs."""
+        self.call(self.unit.setupExperiment, startTime=0.0)
+        self.call(self.unit.enterInitializationMode)
+        self.set(values or {})
+        self.call(self.unit.exitInitializationMode)
+        return self
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        for name, value in values.items():
+            reference, kind = self.kinds[name]
+            self.call(getattr(self.unit, f"set{kind}"), [reference], [value])
+
+    def step(self, h: float, values: Mapping[str, Any] | None = None) -> None:
+        """Set the inputs that belong to the present time, then step on by h seconds."""
+        self.set(values or {})
+        self.call(self.unit.doStep, self.time, h)
+        self.time += h
+
+    def get(self, names: Iterable[str] | None = None) -> dict[str, Any]:
+        """The values of these variables, of all if none are named; Booleans and enumerations as integers."""
+        wanted: dict[str, list[str]] = {"Real": [], "Integer": [], "Boolean": []}
+        for name in self.kinds if names is None else names:
+            wanted[self.kinds[name][1]].append(name)
+        found: dict[str, Any] = {}
+        for kind, group in wanted.items():
+            if group:
+                references = [self.kinds[name][0] for name in group]
+                found |= zip(group, self.call(getattr(self.unit, f"get{kind}"), references), strict=True)
+        return found
+
+    def call(self, function: Any, *arguments: Any, **options: Any) -> Any:
+        """Call into the FMU.
+
+        Raises:
+            FmuError: it failed; the text is what it logged meanwhile.
+        """
+        told = len(self.messages)
+        try:
+            return function(*arguments, **options)
+        except FMICallException as e:
+            raise FmuError("; ".join(self.messages[told:]) or str(e)) from e

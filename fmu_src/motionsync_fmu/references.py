@@ -1,0 +1,67 @@
+"""The cross-check files of a scenario: inputs as a CSV file that FMPy's own command line takes, and options."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from .build import fmu_path
+from .description import literal
+from .scenario import Scenario
+from .simulation import schedule
+from .variables import Variable, variables
+
+
+def inputs_csv(scenario: Scenario) -> str:
+    """Time, the master, and whatever the scenario sets, at every communication point; Booleans as 0 and 1."""
+    by_name = _by_name(scenario)
+    names = list(dict.fromkeys(name for s in scenario.settings for name in s.values))
+    values: dict[str, Any] = {name: scenario.start.get(name, by_name[name].start) for name in names}
+    rows = []
+    for t, _, changed in schedule(scenario, scenario.step_size):
+        values |= changed
+        rows.append([t, *(_number(by_name[n], v) for n, v in sorted(values.items()))])
+    return csv_text(["time", *sorted(values)], rows)
+
+
+def csv_text(names: Sequence[str], rows: Iterable[Sequence[float]]) -> str:
+    """The cross-check format: commas, quoted names, numbers with all their digits."""
+    out = io.StringIO()
+    writer = csv.writer(out, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows(rows)
+    return out.getvalue()
+
+
+def options_text(scenario: Scenario) -> str:
+    """The .opt file beside a reference."""
+    settings = {
+        "StartTime": 0.0,
+        "StopTime": scenario.stop_time,
+        "StepSize": scenario.step_size,
+        "RelTol": scenario.tolerance,
+    }
+    return "".join(f"{name}, {value!r}\n" for name, value in settings.items())
+
+
+def command_line(scenario: Scenario) -> str:
+    """The call of FMPy that runs the scenario from its input file, without motionsync."""
+    by_name = _by_name(scenario)
+    starts = " ".join(f"{name} {literal(by_name[name], value)}" for name, value in scenario.start.items())
+    fmu = fmu_path(scenario.recipe, Path("build"))
+    inputs = scenario.file.parent / f"{scenario.recipe.name}_in.csv"
+    parts = [
+        f"fmpy simulate {fmu} --stop-time {scenario.stop_time:g} --output-interval {scenario.step_size:g}",
+        f"--start-values {starts}" if starts else "",
+        f"--input-file {inputs} --output-file {scenario.recipe.name}_out.csv",
+    ]
+    return " ".join(filter(None, parts))
+
+
+def _by_name(scenario: Scenario) -> dict[str, Variable]:
+    return {v.name: v for v in variables(scenario.recipe.block())}
+
+
+def _number(v: Variable, value: Any) -> float | int:
+    return float(value) if v.kind == "Real" else int(value)

@@ -1,0 +1,69 @@
+"""The scripted axis of a scenario: a position that is given segment by segment, known exactly at every time."""
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of time with at most one of: a velocity to jump to, a constant acceleration, a constant jerk.
+
+    With none of them the velocity stays as it is. A jerk starts from the acceleration that the segment before ended
+    with.
+    """
+
+    duration: float
+    velocity: float | None = None
+    acceleration: float | None = None
+    jerk: float | None = None
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Position (u, unwrapped), velocity, acceleration and jerk at an instant."""
+
+    position: float
+    velocity: float
+    acceleration: float
+    jerk: float
+
+    def after(self, t: float) -> "Motion":
+        """The motion a time t later, with constant jerk."""
+        a, j = self.acceleration, self.jerk
+        return Motion(
+            self.position + t * (self.velocity + t * (a / 2.0 + t * j / 6.0)),
+            self.velocity + t * (a + t * j / 2.0),
+            a + t * j,
+            j,
+        )
+
+
+class Script:
+    """Segments, one after the other from time 0; after the last one the velocity stays as it is."""
+
+    def __init__(self, position: float, velocity: float, acceleration: float, segments: Iterable[Segment]) -> None:
+        self.breaks: list[float] = [0.0]
+        self.motions: list[Motion] = []
+        ending = Motion(position, velocity, acceleration, 0.0)
+        for segment in segments:
+            begin = Motion(
+                ending.position,
+                ending.velocity if segment.velocity is None else segment.velocity,
+                ending.acceleration if segment.jerk is not None else segment.acceleration or 0.0,
+                segment.jerk or 0.0,
+            )
+            self.motions.append(begin)
+            self.breaks.append(self.breaks[-1] + segment.duration)
+            ending = begin.after(segment.duration)
+        self.motions.append(Motion(ending.position, ending.velocity, 0.0, 0.0))
+
+    def at(self, t: float) -> Motion:
+        """The motion at t, and from t on where it jumps there."""
+        i = max(bisect_right(self.breaks, t) - 1, 0)
+        return self.motions[i].after(t - self.breaks[i])
+
+    def until(self, t: float) -> Motion:
+        """The motion at t as it was up to there."""
+        i = max(bisect_left(self.breaks, t) - 1, 0)
+        return self.motions[i].after(t - self.breaks[i])

@@ -1,0 +1,146 @@
+"""A block's variables and cells, read from its declarations. Part of the Python FMU: imports no motionsync."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from enum import IntEnum
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any, get_type_hints
+
+if TYPE_CHECKING:
+    from motionsync.declare import Declaration
+
+KINDS = {float: "Real", int: "Integer", bool: "Boolean"}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One field that holds a value: `name` is its path in the block, `owner` the object it lies in."""
+
+    name: str
+    owner: Any = field(repr=False)
+    attribute: str
+    type: type
+    declaration: "Declaration | None"
+
+    def get(self) -> Any:
+        return getattr(self.owner, self.attribute)
+
+    def set(self, value: Any) -> None:
+        """A number outside an enumeration's list is kept as it is: the end of the initialization refuses it."""
+        if issubclass(self.type, IntEnum) and value not in self.type._value2member_map_:
+            setattr(self.owner, self.attribute, int(value))
+        else:
+            setattr(self.owner, self.attribute, self.type(value))
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A declared cell; its index in `variables()` is its value reference, in both flavours."""
+
+    cell: Cell
+    declaration: "Declaration"
+    depends: tuple[str, ...]
+    start: Any
+
+    @property
+    def name(self) -> str:
+        return self.cell.name
+
+    @property
+    def kind(self) -> str:
+        """FMI's type: Real, Integer, Boolean or Enumeration."""
+        return KINDS.get(self.cell.type, "Enumeration")
+
+    @property
+    def causality(self) -> str:
+        return self.declaration.causality
+
+    @property
+    def variability(self) -> str:
+        if self.causality == "parameter":
+            return "tunable" if self.declaration.tunable else "fixed"
+        return "continuous" if self.kind == "Real" and not self.declaration.discrete else "discrete"
+
+    @property
+    def settable(self) -> bool:
+        return self.causality in ("input", "parameter")
+
+    @property
+    def choices(self) -> list[Any]:
+        """The members of an enumeration, each with `name`, `value` and `description`; else none."""
+        return members(self.cell.type)
+
+    def allows(self, value: Any) -> bool:
+        """Whether a value, a number or Boolean, is within the declared limits. NaN never is."""
+        if self.choices:
+            return value in [member.value for member in self.choices]
+        if self.kind != "Real":
+            return True
+        d = self.declaration
+        fits = isfinite(value) and d.min <= value <= d.max and value > d.above
+        return fits and (abs(value) >= d.smallest if value != 0.0 else d.zero)
+
+    @property
+    def range(self) -> str:
+        """The allowed values in words."""
+        if self.choices:
+            return ", ".join(f"{member.value} {member.name}" for member in self.choices)
+        d = self.declaration
+        zero = "0, or " if d.smallest and d.zero else ""
+        if d.smallest and d.min < 0.0:
+            return f"{zero}a magnitude of {d.smallest:g} to {d.max:g}"
+        low = max(d.min, d.smallest) if d.smallest else d.min
+        if d.max < inf and low > -inf:
+            return f"{zero}{low:g} to {d.max:g}"
+        above = f"> {d.above:g}" if d.above > -inf else f">= {low:g}" if low > -inf else ""
+        below = f"<= {d.max:g}" if d.max < inf else ""
+        return zero + (" and ".join(filter(None, (above, below))) or "finite")
+
+    def refusal(self, value: Any) -> str:
+        """Why a value is not allowed, naming variable, value and range; empty if it is."""
+        return "" if self.allows(value) else f"{self.name} = {shown(value)} is not allowed: it must be {self.range}"
+
+
+def members(kind: Any) -> list[Any]:
+    """All members of an enumeration; none of any other type."""
+    return list(kind) if issubclass(kind, IntEnum) else []
+
+
+def shown(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) and value == float(f"{value:g}") else str(value)
+
+
+def cells(block: Any, prefix: str = "") -> Iterator[Cell]:
+    """Every cell of the block, in the order of declaration: together they are its whole state."""
+    hints = get_type_hints(type(block))
+    for f in fields(block):
+        value, name = getattr(block, f.name), prefix + f.name
+        if is_dataclass(value):
+            yield from cells(value, name + ".")
+            continue
+        hint = list if isinstance(value, list) else hints[f.name]
+        if type(value) is not hint:  # an int in a float field would be an integer in compiled code
+            raise TypeError(f"{name} is declared {hint.__name__}, but starts as {value!r}")
+        yield Cell(name, block, f.name, hint, f.metadata.get("declaration"))
+
+
+def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
+    """What the outputs depend on after initialization, where a part says so for its fields."""
+    found: dict[str, tuple[str, ...]] = {}
+    for f in fields(block):
+        value = getattr(block, f.name)
+        if is_dataclass(value):
+            told: Mapping[str, tuple[str, ...]] = f.metadata.get("depends", {})
+            found |= {f"{prefix}{f.name}.{name}": names for name, names in told.items()}
+            found |= dependencies(value, f"{prefix}{f.name}.")
+    return found
+
+
+def variables(block: Any) -> list[Variable]:
+    """The declared variables with the block's present values as start values."""
+    told = dependencies(block)
+    return [
+        Variable(c, c.declaration, told.get(c.name, c.declaration.depends), c.get())
+        for c in cells(block)
+        if c.declaration
+    ]

@@ -1,0 +1,139 @@
+"""Declarations: what a field is to the outside world, written once, beside the field.
+
+    from . import declare as var
+
+    position: float = var.input(0.0, "the master's position", Unit.POSITION)
+
+To the type checker each function returns its start value's type, so the line is an ordinary typed dataclass field;
+at run time it returns a `dataclasses.field` whose metadata holds the `Declaration`. A field without a declaration is
+the block's own business: it belongs to the state, but nobody outside sees it.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum
+from math import inf
+from typing import Self, TypeVar
+
+T = TypeVar("T")
+LARGEST_INPUT = 1e12  # beyond it a Real input is refused like NaN: squares and cubes of it stay finite
+
+
+class Unit(Enum):
+    """What a Real measures: powers of the position unit `u`, chosen when the FMU is built, and of the second."""
+
+    NONE = (0, 0, "")
+    POSITION = (1, 0, "Position")
+    VELOCITY = (1, -1, "Velocity")
+    ACCELERATION = (1, -2, "Acceleration")
+    JERK = (1, -3, "Jerk")
+    PER_POSITION = (-1, 0, "PerPosition")
+    PER_POSITION2 = (-2, 0, "PerPositionSquared")
+
+    def __init__(self, position: int, second: int, quantity: str) -> None:
+        self.position = position
+        self.second = second
+        self.quantity = quantity
+
+
+class Choice(IntEnum):
+    """An enumeration whose members describe themselves: `NAME = value, "description"`.
+
+    Further strings are names of variables that the description speaks of; a log line shows their values.
+    """
+
+    description: str
+    names: tuple[str, ...]
+
+    def __new__(cls, value: int, description: str, *names: str) -> Self:
+        member = int.__new__(cls, value)
+        member._value_ = value
+        member.description = description
+        member.names = names
+        return member
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What the outside world knows of a variable.
+
+    Attributes:
+        causality: FMI's `input`, `parameter`, `output` or `local`.
+        discrete: a Real that changes at commands only (Integers, Booleans and enumerations always are discrete).
+        tunable: a parameter that may change while running.
+        min, max: limits, both allowed.
+        above: a lower limit that is itself refused.
+        smallest: the least magnitude of a value other than 0.
+        zero: whether 0 itself is allowed.
+        depends: the inputs and parameters on which the value after initialization depends (outputs only).
+        codes: what the values of a plain Integer mean; a log line tells it when one other than 0 appears.
+    """
+
+    causality: str
+    description: str
+    unit: Unit = Unit.NONE
+    discrete: bool = False
+    tunable: bool = False
+    min: float = -inf
+    max: float = inf
+    above: float = -inf
+    smallest: float = 0.0
+    zero: bool = True
+    depends: tuple[str, ...] = ()
+    codes: type[Choice] | None = None
+
+
+def input(start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False) -> T:
+    """A Real input lies within ±1e12; integers and Booleans have no limits but their type's."""
+    limit = LARGEST_INPUT if isinstance(start, float) else inf
+    return _declared(start, Declaration("input", description, unit, discrete, min=-limit, max=limit))
+
+
+def parameter(
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    tunable: bool = False,
+    min: float = -inf,
+    max: float = inf,
+    above: float = -inf,
+    smallest: float = 0.0,
+    zero: bool = True,
+) -> T:
+    declaration = Declaration(
+        "parameter", description, unit, False, tunable, min=min, max=max, above=above, smallest=smallest, zero=zero
+    )
+    return _declared(start, declaration)
+
+
+def output(
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    discrete: bool = False,
+    depends: tuple[str, ...] = (),
+    codes: type[Choice] | None = None,
+) -> T:
+    return _declared(start, Declaration("output", description, unit, discrete, depends=depends, codes=codes))
+
+
+def local(
+    start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False, min: float = -inf, max: float = inf
+) -> T:
+    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max))
+
+
+def part(kind: Callable[[], T], depends: Mapping[str, tuple[str, ...]] | None = None) -> T:
+    """An object made once with the block; `depends` tells it for the outputs in the part, by their names there."""
+    return field(default_factory=kind, metadata={"depends": depends or {}})
+
+
+def ring(length: int) -> list[float]:
+    """A list of fixed length, zeros at first."""
+    return field(default_factory=lambda: [0.0] * length)
+
+
+def _declared(start: T, declaration: Declaration) -> T:
+    return field(default=start, metadata={"declaration": declaration})

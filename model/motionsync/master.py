@@ -1,0 +1,149 @@
+"""The master axis: from what the importer sets at its inputs to the master's path inside the step.
+
+The slave's setpoint for t+h is computed for the master at t+h, so the inputs, which may describe t, are carried on.
+Source: the three input modes are motionsync's own; they tell apart the ways in which co-simulation masters set inputs.
+"""
+
+from dataclasses import dataclass
+
+from . import declare as var
+from .axis import clamp
+from .declare import LARGEST_INPUT, Choice, Unit
+from .path import Path
+from .refusal import Refusal
+
+MOST_TURNS = 1e15  # beyond it the part of a turn is lost to rounding
+
+
+class MasterInput(Choice):
+    """What the master's inputs hold when doStep(t, h) is called"""
+
+    START_OF_STEP = 1, "the master at t, carried on to t+h with constant acceleration (parallel masters, FMPy)"
+    END_OF_STEP = 2, "the master at t+h (sequential masters that have stepped the master axis first)"
+    POSITION_ONLY = 3, "only the position at t; velocity and acceleration are estimated from the last three"
+
+
+@dataclass(slots=True)
+class Master:
+    """The master axis and its motion during the present step.
+
+    A step's path begins at `seam`, where the step before ended; the straight way from there to `begin`, the present
+    input, takes no time. The commands act at `begin`; then comes `path`, up to `end`. With a period all these are
+    unwrapped: they are continuous, relative to a whole number of turns that `rebase` chooses.
+
+    In mode POSITION_ONLY the estimates are held within the limits of Real inputs, +-1e12, so that samples taken in
+    nearly the same instant cannot make them infinite.
+    """
+
+    position: float = var.input(0.0, "the master's position", Unit.POSITION)
+    velocity: float = var.input(0.0, "the master's velocity (unused with POSITION_ONLY)", Unit.VELOCITY)
+    acceleration: float = var.input(0.0, "the master's acceleration (unused with POSITION_ONLY)", Unit.ACCELERATION)
+    input_mode: MasterInput = var.parameter(MasterInput.START_OF_STEP, "what the master's inputs hold")
+    period: float = var.parameter(
+        0.0, "modulo period of the positions: 0, a linear axis, or at least 1e-9", Unit.POSITION, min=0.0, smallest=1e-9
+    )
+    seam: float = 0.0
+    begin: float = 0.0
+    path: Path = var.part(Path)
+    end: float = 0.0
+    end_velocity: float = 0.0
+    end_acceleration: float = 0.0
+    samples: int = 0
+    last: float = 0.0
+    last_rate: float = 0.0
+    last_step: float = 0.0
+    rate_step: float = 0.0
+
+    def initialize(self) -> Refusal:
+        """The master stands where the inputs say; with POSITION_ONLY its velocity is not known yet: 0."""
+        if self.beyond(self.position):
+            return Refusal.MASTER_TURNS
+        known = self.input_mode != MasterInput.POSITION_ONLY
+        self.end = self.position
+        self.end_velocity = self.velocity if known else 0.0
+        self.end_acceleration = self.acceleration if known else 0.0
+        self.samples = 0
+        return Refusal.NONE
+
+    def advance(self, h: float) -> Refusal:
+        """Lay the path of the step; a refused one leaves the master as it was."""
+        match self.input_mode:
+            case MasterInput.START_OF_STEP:
+                return self.predict(h, self.velocity, self.acceleration)
+            case MasterInput.END_OF_STEP:
+                return self.join(h)
+            case _:
+                return self.extrapolate(h)
+
+    def rebase(self) -> None:
+        """Drop whole turns, so that positions keep their last bits over any number of turns.
+
+        Allowed whenever the block has nothing that lies at a particular turn."""
+        if self.period > 0.0:
+            turned = self.end - self.end % self.period
+            self.end -= turned
+            self.last -= turned
+
+    def predict(self, h: float, velocity: float, acceleration: float) -> Refusal:
+        """From the input at t with constant acceleration to t+h."""
+        if self.beyond(self.position):
+            return Refusal.MASTER_TURNS
+        position = self.unwrapped(self.end)
+        end = position + (velocity + 0.5 * acceleration * h) * h
+        if self.beyond(end):
+            return Refusal.MASTER_TURNS
+        self.seam = self.end if self.samples > 0 else position
+        self.begin = position
+        self.path.parabola(position, velocity, acceleration, h)
+        self.end = end
+        self.end_velocity = velocity + acceleration * h
+        self.end_acceleration = acceleration
+        self.samples = min(self.samples + 1, 3)
+        return Refusal.NONE
+
+    def join(self, h: float) -> Refusal:
+        """From the master of the call before to the input at t+h, along the cubic."""
+        expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
+        if self.beyond(self.position) or self.beyond(expected):
+            return Refusal.MASTER_TURNS
+        position = self.unwrapped(expected)
+        self.seam = self.end
+        self.begin = self.end
+        self.path.cubic(self.end, self.end_velocity, position, self.velocity, h)
+        self.end = position
+        self.end_velocity = self.velocity
+        self.end_acceleration = self.acceleration
+        return Refusal.NONE
+
+    def extrapolate(self, h: float) -> Refusal:
+        """Velocity and acceleration of the parabola through the last three samples at its newest point, by divided
+        differences with the samples' own distances in time; with fewer samples only what they tell."""
+        if self.beyond(self.position):
+            return Refusal.MASTER_TURNS
+        position = self.unwrapped(self.end)
+        rate = 0.0
+        acceleration = 0.0
+        if self.samples > 0:
+            rate = clamp((position - self.last) / self.last_step, -LARGEST_INPUT, LARGEST_INPUT)
+        if self.samples > 1:
+            acceleration = clamp(
+                2.0 * (rate - self.last_rate) / (self.last_step + self.rate_step), -LARGEST_INPUT, LARGEST_INPUT
+            )
+        velocity = clamp(rate + 0.5 * acceleration * self.last_step, -LARGEST_INPUT, LARGEST_INPUT)
+        refusal = self.predict(h, velocity, acceleration)
+        if refusal == Refusal.NONE:
+            self.last = position
+            self.last_rate = rate
+            self.rate_step = self.last_step
+            self.last_step = h
+        return refusal
+
+    def unwrapped(self, expected: float) -> float:
+        """The input's position in the turn that is nearest to the expected one."""
+        if self.period == 0.0:
+            return self.position
+        return self.position + round((expected - self.position) / self.period) * self.period
+
+    def beyond(self, position: float) -> bool:
+        """Whether the position has too many turns for its period."""
+        return self.period > 0.0 and abs(position) / self.period > MOST_TURNS

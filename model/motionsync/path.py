@@ -1,0 +1,112 @@
+"""The master's path inside one step, cut at its turning points into monotone pieces.
+
+Where the inputs hold the master at the beginning of the step the path is a parabola; where they hold its end it is the
+cubic through the positions and velocities of both ends.
+"""
+
+from dataclasses import dataclass
+from math import isfinite, sqrt
+
+from . import declare as var
+
+BISECTIONS = 200  # enough to halve any step down to neighbouring numbers but for roots below 1e-40 of it
+
+
+@dataclass(slots=True)
+class Path:
+    """x(t) = origin + t (velocity + t (bend + t twist)), 0 <= t <= h; u, u/s, u/s2, u/s3.
+
+    Piece i, 0 <= i < pieces, runs monotonously from places[i] at times[i] to places[i + 1] at times[i + 1].
+    """
+
+    origin: float = 0.0
+    velocity: float = 0.0
+    bend: float = 0.0
+    twist: float = 0.0
+    pieces: int = 0
+    times: list[float] = var.ring(4)
+    places: list[float] = var.ring(4)
+
+    def parabola(self, origin: float, velocity: float, acceleration: float, h: float) -> None:
+        """The path of constant acceleration over h; one turning point at most."""
+        self.begin(origin, velocity, 0.5 * acceleration, 0.0)
+        if velocity * (velocity + acceleration * h) < 0.0:
+            self.cut(-velocity / acceleration)
+        self.finish(h, origin + (velocity + 0.5 * acceleration * h) * h)
+
+    def cubic(self, origin: float, velocity: float, end: float, end_velocity: float, h: float) -> None:
+        """The cubic with these positions and velocities at its ends; two turning points at most.
+
+        With u = t / h and the mean velocity w its velocity is velocity + 2 b u + 3 c u^2, b = 3 w - 2 velocity -
+        end_velocity, c = velocity + end_velocity - 2 w. A step too short for the quotients to be finite is a straight
+        piece.
+        """
+        mean = (end - origin) / h
+        b = 3.0 * mean - 2.0 * velocity - end_velocity
+        c = velocity + end_velocity - 2.0 * mean
+        if isfinite(b / h) and isfinite(c / h / h):
+            self.begin(origin, velocity, b / h, c / h / h)
+            root = sqrt(max(b * b - 3.0 * c * velocity, 0.0))
+            q = -(b + root) if b >= 0.0 else root - b  # the root of greater magnitude has no cancellation
+            first = velocity / q if q != 0.0 else 0.0
+            second = q / (3.0 * c) if c != 0.0 else 0.0
+            if root > 0.0:
+                if 0.0 < min(first, second) < 1.0:
+                    self.cut(min(first, second) * h)
+                if 0.0 < max(first, second) < 1.0:
+                    self.cut(max(first, second) * h)
+        else:
+            self.begin(origin, mean, 0.0, 0.0)
+        self.finish(h, end)
+
+    def begin(self, origin: float, velocity: float, bend: float, twist: float) -> None:
+        self.origin = origin
+        self.velocity = velocity
+        self.bend = bend
+        self.twist = twist
+        self.pieces = 0
+        self.times[0] = 0.0
+        self.places[0] = origin
+
+    def cut(self, time: float) -> None:
+        """A turning point: a piece ends there and the next one begins."""
+        self.finish(time, self.position(time))
+
+    def finish(self, time: float, place: float) -> None:
+        self.pieces += 1
+        self.times[self.pieces] = time
+        self.places[self.pieces] = place
+
+    def position(self, time: float) -> float:
+        return self.origin + time * (self.velocity + time * (self.bend + time * self.twist))
+
+    def crossing(self, piece: int, place: float) -> float:
+        """The time at which a piece passes a place that lies on it: closed form on a parabola, bisection to rounding on
+        a cubic. A place beyond the piece gives the piece's nearer end."""
+        rising = self.places[piece + 1] > self.places[piece]
+        first = self.times[piece]
+        last = self.times[piece + 1]
+        if (place <= self.places[piece]) == rising:
+            return first
+        if (place >= self.places[piece + 1]) == rising:
+            return last
+        if self.twist == 0.0:
+            return max(first, min(self.root(place, 1.0 if rising else -1.0), last))
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (first + last)
+            if middle <= first or middle >= last:
+                break
+            if (self.position(middle) >= place) == rising:
+                last = middle
+            else:
+                first = middle
+        return last
+
+    def root(self, place: float, direction: float) -> float:
+        """The parabola passes `place` with the velocity direction * sqrt(v^2 + 2 a d), d the way to it; of the two ways
+        to write its time the one without cancellation."""
+        way = place - self.origin
+        speed = direction * sqrt(max(self.velocity * self.velocity + 4.0 * self.bend * way, 0.0))
+        if self.velocity * direction >= 0.0:
+            return 2.0 * way / (self.velocity + speed) if self.velocity + speed != 0.0 else 0.0
+        return 0.5 * (speed - self.velocity) / self.bend

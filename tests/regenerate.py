@@ -1,0 +1,57 @@
+"""Writes the cross-check files of every scenario: inputs from its script, the reference from the oracle.
+
+python tests/regenerate.py
+"""
+
+import tomllib
+from pathlib import Path
+
+from motionsync.master import MasterInput
+from motionsync_fmu.references import csv_text, inputs_csv, options_text
+from motionsync_fmu.scenario import find, load
+from oracle import synchronizer
+
+SCENARIOS = Path(__file__).parents[1] / "scenarios"
+ORACLES = {"Synchronizer": synchronizer.reference}
+COLUMNS = {
+    "Synchronizer": (
+        "slave.position",
+        "slave.velocity",
+        "slave.acceleration",
+        "slave.jerk",
+        "state_code",
+        "synchronized",
+        "syn_ramp_on",
+        "error_id",
+        "local.progress",
+        "local.distance_to_begin",
+        "local.distance_to_end",
+    )
+}
+POINTS = 200  # of a reference, about
+
+
+def files(scenario_file: Path) -> dict[Path, str]:
+    """The cross-check files that belong beside a scenario, with their text."""
+    scenario = load(scenario_file)
+    name = scenario.recipe.name
+    steps = round(scenario.stop_time / scenario.step_size)
+    stride = max(steps // POINTS, 1)
+    times = [i * scenario.step_size for i in range(0, steps + 1, stride)]
+    script = tomllib.loads(scenario_file.read_text()) | {"start": scenario.start}  # members' names are numbers there
+    rows = ORACLES[name](script, times)
+    estimated = scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY  # lags where the master jumps
+    columns = ("time", *(("slave.position",) if estimated else COLUMNS[name]))
+    beside = scenario_file.parent
+    return {
+        beside / f"{name}_in.csv": inputs_csv(scenario),
+        beside / f"{name}_ref.csv": csv_text(columns, [[row[c] for c in columns] for row in rows]),
+        beside / f"{name}_ref.opt": options_text(scenario),
+    }
+
+
+if __name__ == "__main__":
+    for scenario_file in find(SCENARIOS):
+        for file, text in files(scenario_file).items():
+            file.write_text(text)
+        print(scenario_file.parent)
