@@ -14,7 +14,7 @@ from pythonfmu.enums import Fmi2Status
 from .variables import Variable, cells, members, shown, variables
 
 State = dict[str, Any]
-FAILURES = (ValueError, ArithmeticError, LookupError)
+FAILURES: tuple[type[Exception], ...] = (ValueError, ArithmeticError, LookupError)
 LONGEST_STEP = 1e6  # s
 
 
@@ -125,7 +125,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _get(self, kinds: tuple[str, ...], references: list[int]) -> list[Any]:
         if self.initializing:  # outputs follow parameters and inputs; what is wrong is reported when leaving
-            with suppress(FAILURES):
+            with suppress(*FAILURES):
                 self.initialize()
         key = tuple(references)
         if key not in self.readers:
