@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from motionsync_fmu.build import Recipe, build_python
 
 

@@ -6,6 +6,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
+import fmpy
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
@@ -120,25 +121,43 @@ def list_all(
 
 @app.command()
 def describe(
-    fmu: Annotated[str, typer.Argument(help="A block's name.")],
-    unit: Annotated[Unit, typer.Option(help="Unit of all positions.")] = MILLIMETRES,
+    fmu: Annotated[str, typer.Argument(help="A block's name, or the path of a built FMU.")],
+    unit: Annotated[Unit, typer.Option(help="Unit of all positions; a built FMU has its own.")] = MILLIMETRES,
 ) -> None:
-    """Show a block's variables: name, causality, type and unit, start value, allowed range, meaning.
+    """Show the variables: name, causality, type and unit, start value, allowed range, meaning.
 
-    Example: motionsync describe Synchronizer
+    Examples:
+
+        motionsync describe Synchronizer --unit deg
+
+        motionsync describe build/python/Synchronizer.fmu
     """
-    registered = choose(BLOCKS, fmu, "block")
-    block = registered.type()
-    out.print(f"{fmu}: {summary(registered.type)}\n")
-    table = Table("name", "causality", "type", "unit", "start", "range", "meaning", box=None)
-    for v in variables(block):
-        r = row(v, unit.value)
-        table.add_row(*(r[key] for key in ("name", "causality", "type", "unit", "start", "range", "description")))
+    name, symbol, starts = _built(Path(fmu)) if fmu.endswith(".fmu") else (fmu, unit.value, {})
+    registered = choose(BLOCKS, name, "block")
+    out.print(f"{name}: {summary(registered.type)}\n")
+    keys = ("name", "causality", "type", "unit", "start", "range", "description")
+    table = Table(*keys, box=None)
+    table.columns[0].no_wrap = True
+    described = variables(registered.type())
+    for v in described:
+        r = row(v, symbol) | ({"start": starts[v.name]} if v.name in starts else {})
+        table.add_row(*(r[key] for key in keys))
     out.print(table)
-    for choice in dict.fromkeys(v.cell.type for v in variables(block) if v.choices):
+    for choice in dict.fromkeys(v.cell.type for v in described if v.choices):
         out.print(f"\n{choice.__name__}: {summary(choice)}")
         for member in members(choice):
             out.print(f"  {member.value:3d} {member.name}: {member.description}")
+
+
+def _built(fmu: Path) -> tuple[str, str, dict[str, str]]:
+    """A built FMU's block, the unit of its positions, and its start values."""
+    try:
+        description = fmpy.read_model_description(str(fmu))
+    except Exception as e:  # FMPy raises whatever it meets in a file that is no FMU
+        raise UserError(f"{fmu}: not an FMU that can be read: {str(e).strip().splitlines()[0]}") from None
+    units = {t.name: t.unit for t in description.typeDefinitions}
+    starts = {v.name: v.start for v in description.modelVariables if v.start is not None}
+    return description.modelName, units.get("Position") or "1", starts
 
 
 @app.command()

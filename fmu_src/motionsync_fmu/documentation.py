@@ -1,6 +1,8 @@
 """The pages inside an FMU: what the block does, its variables, and a picture of a transition; all from its source."""
 
 import io
+import sys
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -140,3 +142,15 @@ def picture(name: str) -> bytes:
         out = io.BytesIO()
         figure.savefig(out, format="png", metadata={"Software": None})
     return out.getvalue()
+
+
+def main() -> None:
+    """Write the example of every block as FOLDER/<block>.svg: python -m motionsync_fmu.documentation FOLDER."""
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in BLOCKS:
+        (folder / f"{name}.svg").write_bytes(transition(name, "deg"))
+
+
+if __name__ == "__main__":
+    main()

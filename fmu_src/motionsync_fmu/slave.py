@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NoReturn
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from .variables import Variable, cells, members, shown, variables
+from .variables import Cell, Variable, cells, members, shown, variables
 
 State = dict[str, Any]
 FAILURES: tuple[type[Exception], ...] = (ValueError, ArithmeticError, LookupError)
@@ -53,7 +53,8 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         self.cells = list(cells(self.block))
         self.read_cells = reader(c.name for c in self.cells)
         self.lists = [i for i, c in enumerate(self.cells) if c.type is list]
-        self.readers: dict[tuple[int, ...], Callable[[Any], tuple[Any, ...]]] = {}
+        self.readers: dict[tuple[object, ...], Callable[[Any], tuple[Any, ...]]] = {}  # by value references
+        self.writers: dict[tuple[object, ...], list[Cell]] = {}
         self.initializing = False
         self.stepping = False
 
@@ -127,18 +128,21 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         if self.initializing:  # outputs follow parameters and inputs; what is wrong is reported when leaving
             with suppress(*FAILURES):
                 self.initialize()
-        key = tuple(references)
+        key = (kinds, *references)
         if key not in self.readers:
             self.readers[key] = reader(self.variable(r, kinds).name for r in references)
         return list(self.readers[key](self.block))
 
     def _set(self, kinds: tuple[str, ...], references: list[int], values: list[Any]) -> None:
-        chosen = [self.variable(r, kinds) for r in references]
-        for v in chosen:
-            if not v.settable or (self.stepping and v.variability == "fixed"):
-                self.refuse(f"{v.name} ({v.variability} {v.causality}) cannot be set now")
-        for v, value in zip(chosen, values, strict=True):
-            v.cell.set(value)
+        key = (kinds, self.stepping, *references)
+        if key not in self.writers:
+            chosen = [self.variable(r, kinds) for r in references]
+            for v in chosen:
+                if not v.settable or (self.stepping and v.variability == "fixed"):
+                    self.refuse(f"{v.name} ({v.variability} {v.causality}) cannot be set now")
+            self.writers[key] = [v.cell for v in chosen]
+        for cell, value in zip(self.writers[key], values, strict=True):
+            cell.set(value)
 
     def variable(self, reference: int, kinds: tuple[str, ...]) -> Variable:
         v = self.variables[reference] if reference < len(self.variables) else None

@@ -21,16 +21,15 @@ class Cell:
     attribute: str
     type: type
     declaration: "Declaration | None"
+    known: frozenset[int] | None = field(repr=False)  # an enumeration's values
 
     def get(self) -> Any:
         return getattr(self.owner, self.attribute)
 
     def set(self, value: Any) -> None:
         """A number outside an enumeration's list is kept as it is: the end of the initialization refuses it."""
-        if issubclass(self.type, IntEnum) and value not in self.type._value2member_map_:
-            setattr(self.owner, self.attribute, int(value))
-        else:
-            setattr(self.owner, self.attribute, self.type(value))
+        fits = self.known is None or value in self.known
+        setattr(self.owner, self.attribute, self.type(value) if fits else int(value))
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,8 @@ def cells(block: Any, prefix: str = "") -> Iterator[Cell]:
         hint = list if isinstance(value, list) else hints[f.name]
         if type(value) is not hint:  # an int in a float field would be an integer in compiled code
             raise TypeError(f"{name} is declared {hint.__name__}, but starts as {value!r}")
-        yield Cell(name, block, f.name, hint, f.metadata.get("declaration"))
+        known = frozenset(member.value for member in members(hint)) or None
+        yield Cell(name, block, f.name, hint, f.metadata.get("declaration"), known)
 
 
 def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
