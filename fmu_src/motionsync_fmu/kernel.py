@@ -13,7 +13,7 @@ from pathlib import PurePosixPath
 from typing import TypeAlias
 
 EXEMPT = ("__init__", "blocks", "declare")  # public names, registry, declarations: only Python runs them
-ENUMERATIONS = ("declare.Choice", "declare.Fault")  # what enumerations derive from
+ENUMERATIONS = ("declare.Choice",)  # what enumerations derive from
 MATH = {"math.sqrt": "float", "math.floor": "int", "math.isfinite": "bool", "math.fmod": "float"}
 MATH_CONSTANTS = ("math.e", "math.inf", "math.nan", "math.pi", "math.tau")
 BUILTINS = {"abs": 1, "min": 2, "max": 2, "round": 1, "int": 1, "float": 1, "len": 1}  # with their least arguments
