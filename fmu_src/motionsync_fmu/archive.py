@@ -8,6 +8,8 @@ import time
 import zipfile
 from pathlib import Path
 
+from .errors import UserError
+
 HERE = Path(__file__).parent
 Files = dict[str, bytes]
 
@@ -45,7 +47,10 @@ def digest(files: Files) -> str:
 
 def epoch() -> int:
     """The build's time: SOURCE_DATE_EPOCH, or the first instant a zip file can hold."""
-    return max(int(os.environ.get("SOURCE_DATE_EPOCH", "0")), 315532800)
+    text = os.environ.get("SOURCE_DATE_EPOCH") or "0"
+    if not text.isdecimal() or int(text) > 4354819198:  # the last instant a zip file can hold
+        raise UserError(f"SOURCE_DATE_EPOCH = {text} is not allowed: it must be whole seconds from 0 to 4354819198")
+    return max(int(text), 315532800)
 
 
 def write(target: Path, files: Files) -> None:

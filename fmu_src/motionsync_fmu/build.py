@@ -1,6 +1,7 @@
 """Builds the FMU of a block, and tells whether a built one is up to date."""
 
 import zipfile
+import zlib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -12,7 +13,7 @@ from xml.etree.ElementTree import ParseError, fromstring, tostring
 
 from motionsync.blocks import BLOCKS
 
-from .archive import Files, digest, runtime, sources, write
+from .archive import Files, digest, epoch, runtime, sources, write
 from .description import BASES, describe, finish
 from .documentation import pages, picture
 from .errors import UserError, choose
@@ -86,6 +87,7 @@ def parse(v: Variable, text: str) -> Any:
 def build_python(recipe: Recipe, target: Path) -> Path:
     """PythonFMU's library, PythonFMU itself, and our sources under names that carry their hash: all the FMUs of a
     process share one interpreter, and so one `sys.modules`."""
+    epoch()  # Matplotlib reads it too, and says nothing useful to a bad one
     block, guid, name = recipe.block(), recipe.guid(), recipe.name
     tag = guid[1:9] + guid[10:14]
     package, _, module = type(block).__module__.partition(".")
@@ -137,12 +139,12 @@ def fmu_path(recipe: Recipe, folder: Path) -> Path:
 def outdated(fmu: Path, recipe: Recipe) -> str:
     """Why a built FMU cannot be used as it is: "missing", "stale" (its sources have changed); empty if it can.
 
-    A file that is no FMU of this block is stale too."""
+    A damaged file, or one that is no FMU of this block, is stale too."""
     if not fmu.exists():
         return "missing"
     try:
         with zipfile.ZipFile(fmu) as z:
-            built = fromstring(z.read("modelDescription.xml")).get("guid")
-    except (zipfile.BadZipFile, KeyError, ParseError):
+            built = None if z.testzip() else fromstring(z.read("modelDescription.xml")).get("guid")
+    except (zipfile.BadZipFile, zlib.error, EOFError, KeyError, ParseError):
         built = None
     return "" if built == recipe.guid() else "stale"

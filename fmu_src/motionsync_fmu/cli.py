@@ -1,5 +1,6 @@
 """The command line: build FMUs, tell what there is, run scenarios and report."""
 
+import io
 import json
 import sys
 from enum import StrEnum
@@ -9,6 +10,7 @@ from typing import Annotated, Any
 import fmpy
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
@@ -20,7 +22,7 @@ from .documentation import row
 from .errors import UserError, choose
 from .references import command_line, csv_text
 from .report import write_report
-from .scenario import FILE, Scenario, find, load
+from .scenario import FILE, MOST_STEPS, Scenario, find, load
 from .simulation import check, compare, simulate
 from .variables import members, variables
 
@@ -37,10 +39,9 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 out = Console(highlight=False, soft_wrap=True)
+wide = Console(highlight=False, markup=False, width=1000)  # for tables: a terminal breaks lines, it cuts nothing
 err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
-
-Unit = StrEnum("Unit", [(name, name) for name in BASES])  # type: ignore[misc]
-MILLIMETRES = Unit("mm")
+UNITS = "|".join(BASES)
 
 
 class Flavour(StrEnum):
@@ -51,10 +52,16 @@ class Flavour(StrEnum):
 
 def main() -> None:
     """The console script; a mistake of the user is one line and exit status 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a console that has no ± still tells the rest
     try:
         app()
     except UserError as e:
-        err.print(f"motionsync: {e}")
+        err.print(f"motionsync: {' '.join(str(e).split())}")
+        sys.exit(2)
+    except OSError as e:  # a folder that cannot be written, a full disk
+        err.print(f"motionsync: {e.filename}: {e.strerror}" if e.filename else f"motionsync: {e}")
         sys.exit(2)
     except KeyboardInterrupt:
         sys.exit(130)
@@ -64,7 +71,7 @@ def main() -> None:
 def build(
     fmu: Annotated[list[str] | None, typer.Argument(help="Blocks to build; all if none is named.")] = None,
     flavour: Annotated[Flavour, typer.Option(help="python: the block runs in an embedded Python.")] = Flavour.PYTHON,
-    unit: Annotated[Unit, typer.Option(help="Unit of all positions; velocities follow.")] = MILLIMETRES,
+    unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
     start: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="Bake in a start value; may be repeated. For one block only."),
@@ -85,12 +92,12 @@ def build(
     starts = dict(_assignment(text) for text in start or [])
     if starts and len(names) != 1:
         raise UserError("--start: name the one block that it is for, as in: motionsync build Synchronizer --start ...")
-    recipes = [Recipe(name, unit.value, starts) for name in names]
+    recipes = [Recipe(name, unit, starts) for name in names]
     for recipe in recipes:
         recipe.block()  # every mistake is told before anything is built
     for recipe in recipes:
         target = build_python(recipe, output / flavour.value / f"{recipe.name}.fmu")
-        out.print(f"{target}  {target.stat().st_size / 1000:.0f} kB, positions in {unit.value}")
+        out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}")
 
 
 def _assignment(text: str) -> tuple[str, str]:
@@ -104,25 +111,28 @@ def _assignment(text: str) -> tuple[str, str]:
 def list_all(
     scenarios: Annotated[Path, typer.Option(help="Where scenarios lie.")] = Path("scenarios"),
 ) -> None:
-    """List the blocks that can be built and the scenarios that can be run."""
+    """List the blocks that can be built and the scenarios that can be run.
+
+    Example: motionsync list --scenarios scenarios/Synchronizer
+    """
     blocks = Table("block", "what it does", title="Blocks", title_justify="left", box=None)
     for name, registered in BLOCKS.items():
         blocks.add_row(name, summary(registered.type))
-    out.print(blocks)
+    wide.print(blocks)
     if not scenarios.is_dir():
-        out.print(f"\nNo scenarios: there is no folder {scenarios}")
+        out.print(f"\nNo scenarios: there is no folder {escape(str(scenarios))}")
         return
     table = Table("path", "title", "source", title="\nScenarios", title_justify="left", box=None)
     for file in sorted(scenarios.rglob(FILE)):
         s = load(file)
         table.add_row(str(file.parent), s.title, s.source)
-    out.print(table)
+    wide.print(table)
 
 
 @app.command()
 def describe(
     fmu: Annotated[str, typer.Argument(help="A block's name, or the path of a built FMU.")],
-    unit: Annotated[Unit, typer.Option(help="Unit of all positions; a built FMU has its own.")] = MILLIMETRES,
+    unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; a built FMU has its own.")] = "mm",
 ) -> None:
     """Show the variables: name, causality, type and unit, start value, allowed range, meaning.
 
@@ -132,8 +142,9 @@ def describe(
 
         motionsync describe build/python/Synchronizer.fmu
     """
-    name, symbol, starts = _built(Path(fmu)) if fmu.endswith(".fmu") else (fmu, unit.value, {})
+    name, symbol, starts = _built(Path(fmu)) if fmu.endswith(".fmu") else (fmu, unit, {})
     registered = choose(BLOCKS, name, "block")
+    choose(BASES, symbol, "unit")
     out.print(f"{name}: {summary(registered.type)}\n")
     keys = ("name", "causality", "type", "unit", "start", "range", "description")
     table = Table(*keys, box=None)
@@ -142,7 +153,7 @@ def describe(
     for v in described:
         r = row(v, symbol) | ({"start": starts[v.name]} if v.name in starts else {})
         table.add_row(*(r[key] for key in keys))
-    out.print(table)
+    wide.print(table)
     for choice in dict.fromkeys(v.cell.type for v in described if v.choices):
         out.print(f"\n{choice.__name__}: {summary(choice)}")
         for member in members(choice):
@@ -177,33 +188,51 @@ def run(
 
     Examples:
 
-        motionsync run scenarios/Synchronizer/start_stop_polynomial
+        motionsync run scenarios/Synchronizer/polynomial
 
         motionsync run scenarios --step-size 0.007 --no-report
     """
-    scenarios = [load(file) for p in path for file in find(p)]
-    if step_size is not None and not 0.0 < step_size <= min(s.stop_time for s in scenarios):
-        raise UserError(f"--step-size {step_size:g} is not allowed: it must be > 0 and at most the stop time")
+    scenarios = _loaded(path, step_size)
     for s in scenarios:
         target = fmu_path(s.recipe, Path("build"))
         if why := outdated(target, s.recipe):
             build_python(s.recipe, target)
             err.print(f"{target} was {why}: built")
-    results = []
+    results: list[tuple[Scenario, dict[str, Any]]] = []
+    refused: list[UserError] = []
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with Progress(*columns, console=err, transient=True, disable=len(scenarios) < 2 or not err.is_terminal) as progress:
         task = progress.add_task("scenarios", total=len(scenarios))
         for s in scenarios:
             progress.update(task, description=s.name)
-            results.append(_run(s, step_size or s.step_size, output, report=not no_report))
+            try:
+                results.append((s, _run(s, step_size or s.step_size, output, report=not no_report)))
+            except UserError as e:  # told at the end: the other scenarios' results are not lost
+                refused.append(e)
             progress.advance(task)
     if as_json:
-        print(json.dumps(results, indent=2))
+        print(json.dumps([result for _, result in results], indent=2))
     else:
-        for s, result in zip(scenarios, results, strict=True):
+        for s, result in results:
             _show(s, result)
-    if not all(r["passed"] for r in results):
+    if refused:
+        raise UserError("; ".join(map(str, refused)))
+    if not all(result["passed"] for _, result in results):
         raise typer.Exit(1)
+
+
+def _loaded(paths: list[Path], step_size: float | None) -> list[Scenario]:
+    """The scenarios at these paths; every mistake is told before anything runs."""
+    scenarios = [load(file) for path in paths for file in find(path)]
+    if step_size is not None and not 0.0 < step_size <= min(s.stop_time for s in scenarios):
+        raise UserError(f"--step-size {step_size:g} is not allowed: it must be > 0 and at most the stop time")
+    if step_size is not None and (longest := max(s.stop_time for s in scenarios)) / step_size > MOST_STEPS:
+        raise UserError(f"--step-size {step_size:g} makes more than {MOST_STEPS:,} steps up to {longest:g} s")
+    folders: dict[tuple[str, str], Path] = {}
+    for s in scenarios:
+        if (other := folders.setdefault((s.recipe.name, s.name), s.file)) != s.file:
+            raise UserError(f"{other} and {s.file} would write to the same folder {s.recipe.name}/{s.name}")
+    return scenarios
 
 
 def _run(s: Scenario, step_size: float, output: Path, *, report: bool) -> dict[str, Any]:
@@ -237,17 +266,17 @@ def _run(s: Scenario, step_size: float, output: Path, *, report: bool) -> dict[s
 
 def _show(s: Scenario, result: dict[str, Any]) -> None:
     mark = "[green]as expected[/]" if result["passed"] else "[red]NOT as expected[/]"
-    out.print(f"[bold]{s.title}[/] ({result['scenario']}): {mark}")
+    out.print(f"[bold]{escape(s.title)}[/] ({escape(result['scenario'])}): {mark}")
     for c in result["expectations"]:
-        out.print(f"  {'kept  ' if c['passed'] else '[red]broken[/]'}  {c['expected']}: found {c['found']}")
+        out.print(f"  {'kept  ' if c['passed'] else '[red]broken[/]'}  {escape(c['expected'])}: found {c['found']}")
     for d in result["reference"]:
         out.print(
             f"  {'kept  ' if d['passed'] else '[red]broken[/]'}  {d['variable']}: max |difference| "
             f"{d['max_difference']:.2g} from the reference, {d['allowed']:.2g} allowed"
         )
     for message in result["messages"]:
-        out.print(f"  the FMU logged: {message}")
-    out.print(f"  result: {result['result']}")
+        out.print(f"  the FMU logged: {escape(message)}")
+    out.print(f"  result: {escape(result['result'])}")
     if result["report"]:
-        out.print(f"  report: {result['report']}")
-    out.print(f"  the same with FMPy alone: {result['fmpy']}\n")
+        out.print(f"  report: {escape(result['report'])}")
+    out.print(f"  the same with FMPy alone: {escape(result['fmpy'])}\n")

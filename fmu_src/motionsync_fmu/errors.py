@@ -15,9 +15,9 @@ def choose(known: Mapping[str, T], name: str, what: str) -> T:
     """The entry of that name.
 
     Raises:
-        UserError: there is none; the message names the nearest ones.
+        UserError: there is none; the message names all, of many the nearest ones.
     """
     if name in known:
         return known[name]
-    near = get_close_matches(name, known) or list(known)[:8]
+    near = list(known) if len(known) <= 8 else get_close_matches(name, known) or list(known)[:8]
     raise UserError(f"no {what} is named {name!r}; there is {', '.join(near)}")

@@ -100,4 +100,8 @@ class Host:
         try:
             return function(*arguments, **options)
         except FMICallException as e:
-            raise FmuError("; ".join(self.messages[told:]) or str(e)) from e
+            texts = self.messages[told:]
+            own = [
+                text for text in texts if not text.startswith("Fatal py exception")
+            ]  # PythonFMU's, says nothing more
+            raise FmuError("; ".join(own or texts) or str(e)) from e

@@ -4,6 +4,7 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from .build import fmu_path
@@ -52,9 +53,9 @@ def command_line(scenario: Scenario) -> str:
     fmu = fmu_path(scenario.recipe, Path("build"))
     inputs = scenario.file.parent / f"{scenario.recipe.name}_in.csv"
     parts = [
-        f"fmpy simulate {fmu} --stop-time {scenario.stop_time:g} --output-interval {scenario.step_size:g}",
+        f"fmpy simulate {quote(str(fmu))} --stop-time {scenario.stop_time!r} --output-interval {scenario.step_size!r}",
         f"--start-values {starts}" if starts else "",
-        f"--input-file {inputs} --output-file {scenario.recipe.name}_out.csv",
+        f"--input-file {quote(str(inputs))} --output-file {scenario.recipe.name}_out.csv",
     ]
     return " ".join(filter(None, parts))
 

@@ -26,11 +26,11 @@ FILE = "scenario.toml"
 SCALARS = ("title", "source", "fmu", "unit", "stop_time", "step_size", "tolerance")
 COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {"==": operator.eq, "<": operator.lt, ">": operator.gt}
 CONDITION = re.compile(r"\s*([\w.]+)\s*(?:(==|<|>)\s*(\S+)\s*)?")
-MOST_STEPS = 10_000_000
+MOST_STEPS = 1_000_000  # their results still fit into memory
 USES: Mapping[str, tuple[Callable[[Variable], bool], str]] = {  # which variables a table may name
     "start": (lambda v: v.settable, "a parameter or input"),
     "set": (lambda v: v.causality == "input" or v.variability == "tunable", "an input or tunable parameter"),
-    "expect": (lambda v: True, ""),
+    "expect": (lambda v: v.causality in ("output", "local"), "an output or local variable"),
 }
 
 
@@ -53,14 +53,14 @@ class AtTime:
 
 @dataclass(frozen=True)
 class When:
-    """The first time at which a variable compares with a value as told."""
+    """The first time at which a variable compares with a value as told; without a tolerance, to one step of the run."""
 
     text: str
     name: str
     comparison: str
     value: float
     time: float
-    tolerance: float
+    tolerance: float | None
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class Scenario:
 
     @property
     def name(self) -> str:
-        return self.file.parent.name
+        return self.file.resolve().parent.name
 
     @property
     def period(self) -> float:
@@ -133,7 +133,7 @@ class _Reader:
     def __init__(self, file: Path) -> None:
         self.file = file
         try:
-            self.text = file.read_text("utf-8")
+            self.text = file.read_text("utf-8-sig")
             self.root: dict[str, Any] = tomllib.loads(self.text)
         except (OSError, UnicodeDecodeError) as e:
             raise UserError(f"{file}: cannot be read: {e}") from None
@@ -141,6 +141,8 @@ class _Reader:
             line = re.search(r"line (\d+)", str(e))
             at = int(line[1]) if line else self.text.count("\n") + 1
             raise UserError(f"{file}:{at}: not TOML: {e}") from None
+        except RecursionError:
+            raise UserError(f"{file}:1: not TOML: nested too deeply") from None
         self.lines = _lines(self.text)
         self.variables: dict[str, Variable] = {}
 
@@ -168,7 +170,7 @@ class _Reader:
             self.start(),
             self.master(),
             tuple(self.settings(stop_time)),
-            tuple(self.expectations(stop_time, step_size)),
+            tuple(self.expectations(stop_time)),
         )
 
     def start(self) -> dict[str, Any]:
@@ -198,14 +200,14 @@ class _Reader:
             at = self.number(table, "at", "set", i)
             if at <= 0.0:
                 self.fail("set", i, "at", f"{at:g}: what is set at 0 is a start value (no edge); write it in [start]")
-            if at > stop_time:
-                self.fail("set", i, "at", f"{at:g} is after stop_time = {stop_time:g}")
+            if at >= stop_time:
+                self.fail("set", i, "at", f"{at:g} is not before stop_time = {stop_time:g}: no step would show it")
             values = {name: self.value(name, value, "set", i) for name, value in table.items() if name != "at"}
             if not values:
                 self.fail("set", i, "at", "sets nothing")
             yield Setting(at, values)
 
-    def expectations(self, stop_time: float, step_size: float) -> Iterator[Expectation]:
+    def expectations(self, stop_time: float) -> Iterator[Expectation]:
         for i, table in enumerate(self.tables("expect")):
             kinds = [key for key in ("at", "when", "from") if key in table]
             if len(kinds) != 1:
@@ -214,7 +216,7 @@ class _Reader:
                 case "at":
                     yield self.at_time(table, i, stop_time)
                 case "when":
-                    yield self.when(table, i, stop_time, step_size)
+                    yield self.when(table, i, stop_time)
                 case _:
                     yield self.within(table, i, stop_time)
 
@@ -229,7 +231,7 @@ class _Reader:
             self.fail("expect", i, "at", "expects nothing")
         return AtTime(at, values, self.number(table, "tolerance", "expect", i, default=1e-6, least=0.0))
 
-    def when(self, table: dict[str, Any], i: int, stop_time: float, step_size: float) -> When:
+    def when(self, table: dict[str, Any], i: int, stop_time: float) -> When:
         self.keys(table, ("when", "time", "tolerance"), "expect", i)
         text = table["when"]
         match = CONDITION.fullmatch(text) if isinstance(text, str) else None
@@ -241,7 +243,7 @@ class _Reader:
             self.fail("expect", i, "when", f"{name} is a {v.kind}: compare it, as in {name!r} == VALUE")
         wanted = 1.0 if value is None else float(self.value(name, _literal(value), "expect", i, "when"))
         time = self.number(table, "time", "expect", i, least=0.0, most=stop_time)
-        tolerance = self.number(table, "tolerance", "expect", i, default=step_size, least=0.0)
+        tolerance = self.number(table, "tolerance", "expect", i, least=0.0) if "tolerance" in table else None
         return When(text, name, comparison, wanted, time, tolerance)
 
     def within(self, table: dict[str, Any], i: int, stop_time: float) -> Within:
@@ -252,11 +254,11 @@ class _Reader:
             if name in ("from", "to", "tolerance"):
                 continue
             self.variable(name, "expect", i, name)
-            if not isinstance(bounds, dict):
-                self.fail("expect", i, name, "must be { min = ..., max = ... }")
+            if not isinstance(bounds, dict) or not bounds:
+                self.fail("expect", i, name, "must be { min = ..., max = ... }, or one of them")
             self.keys(bounds, ("min", "max"), "expect", i, name)
-            low = self.number(bounds, "min", "expect", i, default=-math.inf)
-            limits[name] = (low, self.number(bounds, "max", "expect", i, default=math.inf, least=low))
+            low = self.number(bounds, "min", "expect", i, default=-math.inf, within=name)
+            limits[name] = (low, self.number(bounds, "max", "expect", i, default=math.inf, least=low, within=name))
         if not limits:
             self.fail("expect", i, "from", "expects nothing")
         return Within(begin, end, limits, self.number(table, "tolerance", "expect", i, default=1e-9, least=0.0))
@@ -264,15 +266,22 @@ class _Reader:
     # --- single values ---
 
     def variable(self, name: str, table: str, i: int, key: str) -> Variable:
-        if name not in self.variables:
+        v = self.variables.get(name)
+        if v is None:
             near = get_close_matches(name, self.variables, 1)
             hint = f"; do you mean {near[0]!r}?" if near else ""
             self.fail(table, i, key, f"{self.root['fmu']} has no variable {name!r}{hint}")
-        return self.variables[name]
+        if table == "expect" and not USES[table][0](v):
+            self.fail(table, i, key, f"{name} is a {v.variability} {v.causality}, not {USES[table][1]}")
+        return v
 
     def value(self, name: str, value: Any, table: str, i: int, key: str = "") -> Any:
         """A value of a variable, as a number or Boolean; an enumeration's member may be given by name."""
         key = key or name
+        if isinstance(value, dict) and name not in self.variables:
+            for part, inner in value.items():
+                if f"{name}.{part}" in self.variables and not isinstance(inner, dict):
+                    self.fail(table, i, name, f'a name with a dot needs quotes: "{name}.{part}"')
         v = self.variable(name, table, i, key)
         fits, what = USES[table]
         if not fits(v):
@@ -284,9 +293,12 @@ class _Reader:
         kinds: Any = {"Boolean": bool, "Real": (int, float)}.get(v.kind, int)
         if not isinstance(value, kinds) or (isinstance(value, bool) and v.kind != "Boolean"):
             self.fail(table, i, key, f"{value!r} is no {v.kind}" + (f": it must be {v.range}" if v.choices else ""))
-        if table == "start" and (refusal := v.refusal(value)):
+        value = _real(value) if v.kind == "Real" else value
+        if (table == "start" or v.choices) and (refusal := v.refusal(value)):
             self.fail(table, i, key, refusal)
-        return float(value) if v.kind == "Real" else value
+        if table == "expect" and not math.isfinite(value):
+            self.fail(table, i, key, f"{value} is not allowed: it must be finite")
+        return value
 
     def number(
         self,
@@ -299,19 +311,22 @@ class _Reader:
         above: float = -math.inf,
         least: float = -math.inf,
         most: float = math.inf,
+        within: str = "",
     ) -> float:
-        value = table.get(key, default)
+        value, given = table.get(key, default), key in table
+        key, told = (within, f"{key}: ") if within else (key, "")
         if value is None:
-            self.fail(where, i, key, "is missing")
+            self.fail(where, i, key, f"{told}is missing")
         if isinstance(value, bool) or not isinstance(value, int | float):
-            self.fail(where, i, key, f"{value!r} is not a number")
-        if key in table and not math.isfinite(value):
-            self.fail(where, i, key, f"{value} is not allowed: it must be finite")
-        if not (value > above and least <= value <= most) and key in table:
+            self.fail(where, i, key, f"{told}{value!r} is not a number")
+        value = _real(value)
+        if given and not math.isfinite(value):
+            self.fail(where, i, key, f"{told}{value} is not allowed: it must be finite")
+        if not (value > above and least <= value <= most) and given:
             limits = (f"> {above:g}", above), (f">= {least:g}", least), (f"<= {most:g}", -most)
             text = " and ".join(t for t, limit in limits if limit > -math.inf)
-            self.fail(where, i, key, f"{value:g} is not allowed: it must be {text}")
-        return float(value)
+            self.fail(where, i, key, f"{told}{value:g} is not allowed: it must be {text}")
+        return value
 
     def string(self, key: str, default: str | None = None) -> str:
         value = self.root.get(key, default)
@@ -340,7 +355,8 @@ class _Reader:
                 self.fail(where, i, at, f"{'' if not within else key + ': '}unknown key; there is {', '.join(known)}")
 
     def fail(self, table: str, i: int, key: str, message: str) -> NoReturn:
-        line = self.lines.get((table, i, key)) or self.lines.get((table, i, "")) or 1
+        places = [(table, i, key), (table, i, "")] if table else [("", 0, key), (key, 0, "")]
+        line = next((self.lines[place] for place in places if place in self.lines), 1)
         raise UserError(f"{self.file}:{line}: {key or table}: {message}")
 
 
@@ -350,19 +366,29 @@ def _lines(text: str) -> dict[tuple[str, int, str], int]:
     tables: Counter[str] = Counter()
     table, i, segments = "", 0, 0
     listing = False
-    for n, line in enumerate(text.splitlines(), 1):
-        if header := re.match(r"\s*\[\[?\s*([\w.]+)\s*\]\]?\s*(#.*)?$", line):
+    for n, line in enumerate(text.split("\n"), 1):
+        if header := re.match(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?\s*(#.*)?$", line):
             table, listing = header[1], False
             i = tables[table]
             tables[table] += 1
             found[table, i, ""] = n
-        elif key := re.match(r"""\s*(["']?)([\w.]+)\1\s*=""", line):
+        elif key := re.match(r"""\s*(["']?)([\w.-]+)\1\s*=""", line):
             found.setdefault((table, i, key[2]), n)
+            if not key[1]:  # a.b = ... is a table a to TOML
+                found.setdefault((table, i, key[2].partition(".")[0]), n)
             listing = key[2] == "segments"
         for _ in range(line.count("{") if listing else 0):
             found["master.segments", segments, ""] = n
             segments += 1
     return found
+
+
+def _real(value: float) -> float:
+    """As a float; infinite where an integer is beyond all floats."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def _literal(text: str) -> Any:

@@ -67,13 +67,15 @@ def points(scenario: Scenario, step_size: float) -> list[float]:
     Everything in a scenario thus happens when it says, whatever the step size."""
     extra = [s.at for s in scenario.settings]
     extra += [e.at for e in scenario.expectations if isinstance(e, AtTime)]
+    extra += [t for e in scenario.expectations if isinstance(e, Within) for t in (e.begin, e.end)]
     extra += [*scenario.master.breaks[1:], scenario.stop_time]
+    breaks = set(scenario.master.breaks)  # first among equals: the master is asked for its motion up to there
     grid = [i * step_size for i in range(math.floor(scenario.stop_time / step_size * (1.0 + 1e-12)) + 1)]
     kept: list[float] = []
     exact = set(extra)
     for t in sorted([*grid, *(t for t in extra if t <= scenario.stop_time)]):
         if kept and t - kept[-1] <= CLOSE * step_size:
-            kept[-1] = t if t in exact else kept[-1]
+            kept[-1] = t if t in exact and kept[-1] not in breaks else kept[-1]
         else:
             kept.append(t)
     return kept
@@ -160,16 +162,17 @@ def _at_time(e: AtTime, course: Course) -> Iterator[Check]:
 
 
 def _when(e: When, course: Course) -> Check:
+    tolerance = float(np.diff(course.time).max()) if e.tolerance is None else e.tolerance
     holds = np.asarray(COMPARISONS[e.comparison](course.values[e.name], e.value))
-    expected = f"first {e.text} at {e.time:g} s ± {e.tolerance:g}"
+    expected = f"first {e.text} at {e.time:g} s ± {tolerance:g}"
     if not holds.any():
         return Check(expected, "never", False)
     time = float(course.time[int(np.argmax(holds))])
-    return Check(expected, f"{time:.10g} s", abs(time - e.time) <= e.tolerance * (1.0 + 1e-9))
+    return Check(expected, f"{time:.10g} s", abs(time - e.time) <= tolerance * (1.0 + 1e-9))
 
 
 def _within(e: Within, course: Course) -> Iterator[Check]:
-    chosen = (course.time >= e.begin - 1e-12) & (course.time <= e.end + 1e-12)
+    chosen = (course.time >= e.begin - 1e-9) & (course.time <= e.end + 1e-9)
     for name, (low, high) in e.limits.items():
         values = course.values[name][chosen]
         least, greatest = float(values.min()), float(values.max())
