@@ -258,6 +258,19 @@ def test_without_a_period_a_command_is_armed_up_to_its_begin(x: float, armed: bo
     assert (it.begin, it.armed) == (90.0, armed)
 
 
+@pytest.mark.parametrize(("beyond", "armed"), [(9e-10, True), (1.2e-9, False)])
+@pytest.mark.parametrize("period", [0.0, 5.0])
+def test_far_out_the_begin_may_be_passed_by_a_few_roundings_of_the_position(
+    beyond: float, armed: bool, period: float
+) -> None:
+    """At 1e6 by 1e-15 of it, where 1e-9 of the phasing would be 1e-12; the position itself is rounded to 1.2e-10."""
+    it = Transition()
+    it.command(True, PARABOLA, 0.001, 1e6 + 0.001)
+    it.aim(1e6 + beyond, period)
+    assert it.begin == pytest.approx(1e6 if armed or period == 0.0 else 1e6 + period, rel=4 * EPS)
+    assert it.armed == (armed or period > 0.0)
+
+
 @repeatable
 @given(st.floats(-1e300, 1e300) | st.floats(-10.0, 10.0))
 @example(-5e-324)

@@ -86,7 +86,7 @@ class Path:
         rising = self.places[piece + 1] > self.places[piece]
         first = self.times[piece]
         last = self.times[piece + 1]
-        if (place <= self.places[piece]) == rising:
+        if self.places[piece] == self.places[piece + 1] or (place <= self.places[piece]) == rising:
             return first
         if (place >= self.places[piece + 1]) == rising:
             return last
