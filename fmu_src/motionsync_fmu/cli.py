@@ -13,7 +13,8 @@ from rich.table import Table
 
 from motionsync.blocks import BLOCKS
 
-from .build import Recipe, build_python, fmu_path, outdated
+from .build import Flavour, Recipe, fmu_path, outdated
+from .build import build as build_fmu
 from .description import BASES, summary
 from .documentation import row
 from .errors import UserError, choose
@@ -42,12 +43,6 @@ Unit = StrEnum("Unit", [(name, name) for name in BASES])  # type: ignore[misc]
 MILLIMETRES = Unit("mm")
 
 
-class Flavour(StrEnum):
-    """How the block gets into the FMU."""
-
-    PYTHON = "python"
-
-
 def main() -> None:
     """The console script; a mistake of the user is one line and exit status 2."""
     try:
@@ -62,13 +57,16 @@ def main() -> None:
 @app.command()
 def build(
     fmu: Annotated[list[str] | None, typer.Argument(help="Blocks to build; all if none is named.")] = None,
-    flavour: Annotated[Flavour, typer.Option(help="python: the block runs in an embedded Python.")] = Flavour.PYTHON,
+    flavour: Annotated[
+        list[Flavour] | None,
+        typer.Option(help="native: compiled; python: in an embedded Python. May be repeated; both if not given."),
+    ] = None,
     unit: Annotated[Unit, typer.Option(help="Unit of all positions; velocities follow.")] = MILLIMETRES,
     start: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="Bake in a start value; may be repeated. For one block only."),
     ] = None,
-    output: Annotated[Path, typer.Option(help="Where to put the FMUs: OUTPUT/python/<FMU>.fmu.")] = Path("build"),
+    output: Annotated[Path, typer.Option(help="Where to put the FMUs: OUTPUT/<flavour>/<FMU>.fmu.")] = Path("build"),
 ) -> None:
     """Build FMUs.
 
@@ -76,7 +74,7 @@ def build(
 
         motionsync build
 
-        motionsync build Synchronizer --unit deg
+        motionsync build Synchronizer --unit deg --flavour native
 
         motionsync build Synchronizer --start curve=PARABOLA --start output_phasing=45
     """
@@ -88,8 +86,11 @@ def build(
     for recipe in recipes:
         recipe.block()  # every mistake is told before anything is built
     for recipe in recipes:
-        target = build_python(recipe, output / flavour.value / f"{recipe.name}.fmu")
-        out.print(f"{target}  {target.stat().st_size / 1000:.0f} kB, positions in {unit.value}")
+        for chosen in flavour or Flavour:
+            target = output / chosen / f"{recipe.name}.fmu"
+            with err.status(f"building {target}"):
+                build_fmu(chosen, recipe, target, err.print)
+            out.print(f"{target}  {target.stat().st_size / 1000:.0f} kB, positions in {unit.value}")
 
 
 def _assignment(text: str) -> tuple[str, str]:
@@ -166,9 +167,9 @@ def run(
     if step_size is not None and not 0.0 < step_size <= min(s.stop_time for s in scenarios):
         raise UserError(f"--step-size {step_size:g} is not allowed: it must be > 0 and at most the stop time")
     for s in scenarios:
-        target = fmu_path(s.recipe, Path("build"))
+        target = fmu_path(s.recipe, Path("build"), flavour)
         if why := outdated(target, s.recipe):
-            build_python(s.recipe, target)
+            build_fmu(flavour, s.recipe, target, err.print)
             err.print(f"{target} was {why}: built")
     results = []
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
@@ -176,7 +177,7 @@ def run(
         task = progress.add_task("scenarios", total=len(scenarios))
         for s in scenarios:
             progress.update(task, description=s.name)
-            results.append(_run(s, step_size or s.step_size, output, report=not no_report))
+            results.append(_run(s, flavour, step_size or s.step_size, output, report=not no_report))
             progress.advance(task)
     if as_json:
         print(json.dumps(results, indent=2))
@@ -187,9 +188,10 @@ def run(
         raise typer.Exit(1)
 
 
-def _run(s: Scenario, step_size: float, output: Path, *, report: bool) -> dict[str, Any]:
+def _run(s: Scenario, flavour: Flavour, step_size: float, output: Path, *, report: bool) -> dict[str, Any]:
     """One scenario: what was found, and where it was written."""
-    course = simulate(s, fmu_path(s.recipe, Path("build")), step_size)
+    fmu = fmu_path(s.recipe, Path("build"), flavour)
+    course = simulate(s, fmu, step_size)
     checks, deviations = check(s, course), compare(s, course)
     folder = output / s.recipe.name / s.name
     folder.mkdir(parents=True, exist_ok=True)
@@ -212,7 +214,7 @@ def _run(s: Scenario, step_size: float, output: Path, *, report: bool) -> dict[s
         "messages": course.messages,
         "result": str(results),
         "report": str(page) if report else None,
-        "fmpy": command_line(s),
+        "fmpy": command_line(s, fmu),
     }
 
 

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from .build import fmu_path
 from .description import literal
 from .scenario import Scenario
 from .simulation import schedule
@@ -45,11 +44,10 @@ def options_text(scenario: Scenario) -> str:
     return "".join(f"{name}, {value!r}\n" for name, value in settings.items())
 
 
-def command_line(scenario: Scenario) -> str:
+def command_line(scenario: Scenario, fmu: Path) -> str:
     """The call of FMPy that runs the scenario from its input file, without motionsync."""
     by_name = _by_name(scenario)
     starts = " ".join(f"{name} {literal(by_name[name], value)}" for name, value in scenario.start.items())
-    fmu = fmu_path(scenario.recipe, Path("build"))
     inputs = scenario.file.parent / f"{scenario.recipe.name}_in.csv"
     parts = [
         f"fmpy simulate {fmu} --stop-time {scenario.stop_time:g} --output-interval {scenario.step_size:g}",
