@@ -540,12 +540,6 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2Value
     return fmi2OK;
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t nUnknown,
-                                        const fmi2ValueReference known[], size_t nKnown, const fmi2Real dKnown[],
-                                        fmi2Real dUnknown[]) {
-    return c ? fail(c, "fmi2GetDirectionalDerivative is not offered") : fmi2Error;
-}
-
 /* --- status: every step ends within its call --- */
 
 static fmi2Status unknown(const Instance *c, const void *value, const char *call) {
@@ -575,3 +569,23 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
     *value = ((Instance *)c)->now.mode == TERMINATED;
     return fmi2OK;
 }
+
+/* --- not offered; the functions of model exchange are there since some importers look for all of the standard's --- */
+
+#define NOT_OFFERED(function, ...)                                                              \
+    fmi2Status function(__VA_ARGS__) {                                                          \
+        return c ? fail(c, #function " is not offered by this co-simulation unit") : fmi2Error; \
+    }
+NOT_OFFERED(fmi2GetDirectionalDerivative, fmi2Component c, const fmi2ValueReference unknown[], size_t nUnknown,
+            const fmi2ValueReference known[], size_t nKnown, const fmi2Real dKnown[], fmi2Real dUnknown[])
+NOT_OFFERED(fmi2EnterEventMode, fmi2Component c)
+NOT_OFFERED(fmi2NewDiscreteStates, fmi2Component c, fmi2EventInfo *info)
+NOT_OFFERED(fmi2EnterContinuousTimeMode, fmi2Component c)
+NOT_OFFERED(fmi2CompletedIntegratorStep, fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
+            fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
+NOT_OFFERED(fmi2SetTime, fmi2Component c, fmi2Real time)
+NOT_OFFERED(fmi2SetContinuousStates, fmi2Component c, const fmi2Real x[], size_t n)
+NOT_OFFERED(fmi2GetDerivatives, fmi2Component c, fmi2Real derivatives[], size_t n)
+NOT_OFFERED(fmi2GetEventIndicators, fmi2Component c, fmi2Real indicators[], size_t n)
+NOT_OFFERED(fmi2GetContinuousStates, fmi2Component c, fmi2Real x[], size_t n)
+NOT_OFFERED(fmi2GetNominalsOfContinuousStates, fmi2Component c, fmi2Real nominals[], size_t n)

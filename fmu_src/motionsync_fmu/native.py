@@ -41,7 +41,7 @@ HEADERS = Path(str(package_files("fmpy"))) / "c-code"  # FMI's
 PATIENCE = 15.0  # s; a compilation that takes longer is the first of this zig on the machine
 FIRST_USE = "compiling zig's own libraries for all platforms: this takes minutes, once; later builds take seconds"
 
-# Derivatives that the importer may give and ask for, by order; where a block lacks one of the variables it may not.
+# Derivatives that the importer may give and ask for, by order; not of a block that lacks one of the variables.
 MASTER = ("master.position", "master.velocity", "master.acceleration")
 INPUT_MODE = "master.input_mode"
 SLAVE = ("slave.position", "slave.velocity", "slave.acceleration")
@@ -111,9 +111,13 @@ def linked_licences() -> Files:
 
 def abilities(block: Any) -> dict[str, str]:
     """What only this flavour can do, as attributes of the description's CoSimulation element."""
-    names = {v.name for v in variables(block)}
-    found = {"maxOutputDerivativeOrder": "2"} if names >= set(SLAVE) else {}
-    return found | ({"canInterpolateInputs": "true"} if names >= {*MASTER, INPUT_MODE} else {})
+    index = {v.name: i for i, v in enumerate(variables(block))}
+    found = {"maxOutputDerivativeOrder": "2"} if has(index, *SLAVE) else {}
+    return found | ({"canInterpolateInputs": "true"} if has(index, *MASTER, INPUT_MODE) else {})
+
+
+def has(index: dict[str, int], *names: str) -> bool:
+    return index.keys() >= {*names}
 
 
 # --- LLVM text ---
@@ -189,7 +193,8 @@ def model_header(block: Any, guid: str) -> str:
     start, layout, vs = image(block).tobytes(), dtype(block), variables(block)
     index = {v.name: i for i, v in enumerate(vs)}
     coded = [v for v in vs if v.declaration.codes]
-    master, slave = ([index.get(name, -1) for name in names] for names in (MASTER, SLAVE))
+    master = [index[name] for name in MASTER] if has(index, *MASTER, INPUT_MODE) else [-1] * 3
+    slave = [index[name] for name in SLAVE] if has(index, *SLAVE) else [-1] * 3
     lines = [
         f"#define MODEL_GUID {quoted(guid)}",
         f"#define MODEL_SIZE {len(start)}",
