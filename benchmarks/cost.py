@@ -6,13 +6,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
-from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
 from motionsync_fmu.host import Host
+from motionsync_fmu.native import HEADERS
 
 ROUNDS = 7
 H = 1e-3
@@ -83,8 +83,7 @@ def references(host: Host, names: Iterable[str]) -> list[int]:
 
 def compile_c(source: Path, target: Path, *flags: str) -> Path:
     """zig compiles a C program or library, with the FMI headers at hand."""
-    headers = Path(str(package_files("fmpy"))) / "c-code"
-    command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", *flags, "-I", str(headers)]
+    command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", *flags, "-I", str(HEADERS)]
     subprocess.run([*command, str(source), "-o", str(target)], check=True)
     return target
 

@@ -20,7 +20,8 @@
  *     commands r ...      the Booleans to raise
  *     steady n h v        n times set, doStep, get; prints {"ns": mean of a step}
  *     worst n h v         n times the same with the commands raised, each after a step with them low; the steps are
- *                         timed one by one: {"median_ns": ..., "p999_ns": ..., "slowest_ns": ..., "undisturbed_ns": ...}
+ *                         timed one by one: {"median_ns": ..., "p999_ns": ..., "slowest_ns": ...,
+ *                         "undisturbed_ns": ...}
  *
  * The machine interrupts some steps. All is done 5 times over: undisturbed is the slowest step if the quickest of its 5
  * times counts.

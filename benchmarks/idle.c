@@ -1,4 +1,4 @@
-/* A do-nothing FMU: FMI 2.0's functions for co-simulation, which store nothing and answer OK.
+/* A do-nothing FMU: FMI 2.0's functions, which store nothing and answer OK.
  *
  * What calling it costs is what the interface costs: function calls through pointers, and arrays that are filled. */
 #include <string.h>
@@ -85,3 +85,20 @@ STATUS(RealStatus, Real)
 STATUS(IntegerStatus, Integer)
 STATUS(BooleanStatus, Boolean)
 STATUS(StringStatus, String)
+
+fmi2Status fmi2EnterEventMode(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) { return fmi2OK; }
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return fmi2OK; }
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {
+    return fmi2OK;
+}
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) { return fmi2OK; }
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t n) { return fmi2OK; }
+
+#define STATES(Name) \
+    fmi2Status fmi2Get##Name(fmi2Component c, fmi2Real values[], size_t n) { return fmi2GetReal(c, NULL, n, values); }
+STATES(Derivatives)
+STATES(EventIndicators)
+STATES(ContinuousStates)
+STATES(NominalsOfContinuousStates)

@@ -35,7 +35,9 @@ typedef struct {
     const int *choices; /* of an enumeration: how many, then its numbers */
 } Variable;
 
-#include "expected.h" /* GUID, VARIABLES and the indices of some of them, END_OF_STEP, LONGEST_STEP */
+/* GUID, VARIABLES, the indices of some of them (-1: the block has none), OTHER_REFUSALS (whether the block may refuse
+ * values that are in their ranges for another reason than a master too far away), END_OF_STEP, LONGEST_STEP */
+#include "expected.h"
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
 enum { MOST = 8, INSTANCES = 4, STATES = 6, BYTES = 1 << 14 };
@@ -46,7 +48,9 @@ enum { MOST = 8, INSTANCES = 4, STATES = 6, BYTES = 1 << 14 };
     X(GetString) X(SetReal) X(SetInteger) X(SetBoolean) X(SetString) X(GetFMUstate) X(SetFMUstate) X(FreeFMUstate)    \
     X(SerializedFMUstateSize) X(SerializeFMUstate) X(DeSerializeFMUstate) X(GetDirectionalDerivative)                 \
     X(SetRealInputDerivatives) X(GetRealOutputDerivatives) X(DoStep) X(CancelStep) X(GetStatus) X(GetRealStatus)      \
-    X(GetIntegerStatus) X(GetBooleanStatus) X(GetStringStatus)
+    X(GetIntegerStatus) X(GetBooleanStatus) X(GetStringStatus) X(EnterEventMode) X(NewDiscreteStates)                 \
+    X(EnterContinuousTimeMode) X(CompletedIntegratorStep) X(SetTime) X(SetContinuousStates) X(GetDerivatives)         \
+    X(GetEventIndicators) X(GetContinuousStates) X(GetNominalsOfContinuousStates)
 #define ID(name) name,
 #define NAME(name) "fmi2" #name,
 typedef enum { FUNCTIONS(ID) FUNCTION_COUNT } Function;
@@ -65,10 +69,10 @@ typedef struct { /* all that an FMU state restores */
     Mode mode;
     double time;
     Value values[COUNT]; /* of what can be set */
-    bool given[3];       /* whether the next step has the master position's derivative of this order */
+    bool given[3]; /* whether the next step has the master position's derivative of this order */
     double derivatives[3];
-    double travelled;      /* bound on the master's way since the initialization, in periods */
-    double speed;          /* bound on the master's speed at the end of the last step */
+    double travelled; /* bound on the master's way since the initialization, in periods */
+    double speed;     /* bound on the master's speed at the end of the last step */
 } Knowledge;
 
 typedef struct {
@@ -235,6 +239,13 @@ static bool allowed(const Variable *v, Value x) {
     return !v->choices;
 }
 
+static Value known_value(const Knowledge *k, int variable) {
+    return variable < 0 ? of_integer(0) : k->values[variable];
+}
+static bool interpolates(void) {
+    return POSITION >= 0 && VELOCITY >= 0 && ACCELERATION >= 0 && INPUT_MODE >= 0;
+}
+
 static bool same_time(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
 
 /* --- getters and setters --- */
@@ -321,8 +332,8 @@ static void instantiate(Slot *s) {
     const char *name = NAMES[one_in(6) ? below(5) : 0];
     const char *guid = one_in(8) ? GUIDS[below(5)] : GUID;
     fmi2Type type = one_in(12) ? fmi2ModelExchange : fmi2CoSimulation;
-    bool callbacks = !one_in(20), logging = !one_in(3), good = name && *name && callbacks && !strcmp(guid ? guid : "", GUID);
-    good = good && type == fmi2CoSimulation;
+    bool callbacks = !one_in(20), logging = !one_in(3);
+    bool good = name && *name && guid && !strcmp(guid, GUID) && callbacks && type == fmi2CoSimulation;
     free(s->name);
     s->name = name ? strdup(name) : NULL;
     s->callbacks = (fmi2CallbackFunctions){one_in(6) ? NULL : note, calloc, free, NULL, s};
@@ -400,12 +411,13 @@ static void exit_initialization_mode(Slot *s) {
     bool good = in(s, INITIALIZING);
     for (int i = 0; i < COUNT; i++)
         if (VARIABLES[i].access != OUTPUT && !allowed(VARIABLES + i, k->values[i])) good = false;
-    double period = k->values[PERIOD].real, turns = fabs(k->values[POSITION].real) / period;
-    int wanted = good && period > 0.0 && turns > 0.5e15 ? EITHER : expected(good);
+    double period = known_value(k, PERIOD).real, turns = fabs(known_value(k, POSITION).real) / period;
+    bool refusable = OTHER_REFUSALS || (period > 0.0 && turns > 0.5e15);
+    int wanted = good && refusable ? EITHER : expected(good);
     if (concluded(s, ExitInitializationMode, fmi2ExitInitializationMode(called(s)), wanted, true)) return;
     s->known.mode = STEPPING;
     s->known.travelled = period > 0.0 ? turns : 0.0;
-    s->known.speed = fabs(k->values[VELOCITY].real);
+    s->known.speed = fabs(known_value(k, VELOCITY).real);
 }
 
 static void terminate(Slot *s) {
@@ -420,11 +432,11 @@ static void reset(Slot *s) {
 
 /* Whether the master may be so many periods away, by a bound from above, that the block refuses it. */
 static bool far_away(const Knowledge *k, double h, double *travelled, double *speed) {
-    const Value *x = k->values;
-    double v = fabs(x[VELOCITY].real), a = fabs(x[ACCELERATION].real);
-    if (k->given[1] || x[INPUT_MODE].integer == POSITION_ONLY) v = 1e12;
-    if (k->given[2] || x[INPUT_MODE].integer == POSITION_ONLY) a = 1e12;
-    double period = x[PERIOD].real, way = fabs(x[POSITION].real) + (v + k->speed + a * h) * h + period;
+    bool estimated = known_value(k, INPUT_MODE).integer == POSITION_ONLY;
+    double v = k->given[1] || estimated ? 1e12 : fabs(known_value(k, VELOCITY).real);
+    double a = k->given[2] || estimated ? 1e12 : fabs(known_value(k, ACCELERATION).real);
+    double period = known_value(k, PERIOD).real;
+    double way = fabs(known_value(k, POSITION).real) + (v + k->speed + a * h) * h + period;
     *travelled = k->travelled + (period > 0.0 ? way / period : 0.0);
     *speed = v + a * h;
     return *travelled > 1e14;
@@ -460,11 +472,11 @@ static void check_twin(Slot *s, fmi2FMUstate before, double t, double h) {
 static void do_step(Slot *s) {
     double t = one_in(10) ? random_real() : s->known.time, h = random_step(), travelled, speed;
     Knowledge *k = &s->known;
-    bool lent = (k->given[1] || k->given[2]) && k->values[INPUT_MODE].integer != END_OF_STEP;
+    bool lent = (k->given[1] || k->given[2]) && known_value(k, INPUT_MODE).integer != END_OF_STEP;
     int wanted = stepping(s, h, lent);
-    if (far_away(k, h, &travelled, &speed) && !wanted) wanted = EITHER;
+    if ((far_away(k, h, &travelled, &speed) || OTHER_REFUSALS) && !wanted) wanted = EITHER;
     fmi2FMUstate before = NULL;
-    bool twice = wanted == fmi2OK && one_in(8);
+    bool twice = wanted != fmi2Error && one_in(8);
     if (twice && fmi2GetFMUstate(s->unit, &before)) surprise("no state before a step");
     struct timespec begun, ended;
     clock_gettime(CLOCK_MONOTONIC, &begun);
@@ -619,11 +631,12 @@ static void set_real_input_derivatives(Slot *s) {
     bool good = in(s, INSTANTIATED | INITIALIZING | STEPPING) && (!n || (r && order && values)), ignored = false;
     Knowledge known = s->known;
     for (size_t i = 0; good && i < n; i++) {
-        if (!one_in(4)) r[i] = POSITION;
+        if (!one_in(4) && interpolates()) r[i] = (fmi2ValueReference)POSITION;
         values[i] = random_real();
         if (r[i] >= COUNT || VARIABLES[r[i]].kind != REAL || VARIABLES[r[i]].access != INPUT || order[i] < 1) {
             good = false;
-        } else if (r[i] != POSITION || order[i] > 2 || known.values[INPUT_MODE].integer == END_OF_STEP) {
+        } else if (!interpolates() || (int)r[i] != POSITION || order[i] > 2 ||
+                   known.values[INPUT_MODE].integer == END_OF_STEP) {
             ignored = true;
         } else {
             known.given[order[i]] = true;
@@ -645,7 +658,7 @@ static void get_real_output_derivatives(Slot *s) {
     bool good = in(s, STEPPING | TERMINATED) && (!n || (r && order && values));
     for (size_t i = 0; good && i < n; i++) {
         if (!one_in(8)) r[i] = SLAVE[0];
-        if (r[i] != SLAVE[0] || order[i] < 1 || order[i] > 2) good = false;
+        if (SLAVE[0] >= COUNT || r[i] != SLAVE[0] || order[i] < 1 || order[i] > 2) good = false;
     }
     fmi2Status status = fmi2GetRealOutputDerivatives(called(s), r, n, order, values);
     concluded(s, GetRealOutputDerivatives, status, expected(good), false);
@@ -699,6 +712,30 @@ NEVER_KNOWN(Status, Status)
 NEVER_KNOWN(Integer, IntegerStatus)
 NEVER_KNOWN(String, StringStatus)
 
+/* --- model exchange: there, but only to be refused --- */
+
+static void exchange_model(Slot *s) {
+    double x[COUNT];
+    fmi2Boolean event, terminated;
+    fmi2EventInfo info;
+    size_t n = below(COUNT);
+    double *where = forgotten() ? NULL : x;
+#define REFUSED(function, ...) \
+    case function: concluded(s, function, fmi2##function(__VA_ARGS__), fmi2Error, false); break
+    switch (EnterEventMode + below(FUNCTION_COUNT - EnterEventMode)) {
+        REFUSED(EnterEventMode, called(s));
+        REFUSED(NewDiscreteStates, called(s), forgotten() ? NULL : &info);
+        REFUSED(EnterContinuousTimeMode, called(s));
+        REFUSED(CompletedIntegratorStep, called(s), one_in(2), forgotten() ? NULL : &event, &terminated);
+        REFUSED(SetTime, called(s), random_real());
+        REFUSED(SetContinuousStates, called(s), NULL, n);
+        REFUSED(GetDerivatives, called(s), where, n);
+        REFUSED(GetEventIndicators, called(s), where, n);
+        REFUSED(GetContinuousStates, called(s), where, n);
+        REFUSED(GetNominalsOfContinuousStates, called(s), where, n);
+    }
+}
+
 /* --- the run --- */
 
 static const struct {
@@ -712,7 +749,7 @@ static const struct {
     {4, free_fmu_state}, {4, foreign_fmu_state}, {4, serialized_fmu_state_size}, {4, serialize_fmu_state},
     {8, deserialize_fmu_state}, {3, get_directional_derivative}, {8, set_real_input_derivatives},
     {6, get_real_output_derivatives}, {3, cancel_step}, {3, get_Status}, {4, get_real_status},
-    {3, get_IntegerStatus}, {4, get_boolean_status}, {3, get_StringStatus}};
+    {3, get_IntegerStatus}, {4, get_boolean_status}, {3, get_StringStatus}, {8, exchange_model}};
 enum { ACT_COUNT = sizeof ACTS / sizeof *ACTS };
 
 /* Blind chance seldom finds its way into step mode, where most of the code is: lend it a hand. */
