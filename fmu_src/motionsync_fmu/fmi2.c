@@ -518,8 +518,9 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
             c->now.derivatives[order[i]] = values[i];
             c->now.given |= 1 << order[i];
         } else if (status == fmi2OK) {
-            say(c, status = fmi2Warning, "fmi2SetRealInputDerivatives: ignored but for orders 1 and 2 of the master's "
-                                         "position, and that where it is the one at the step's beginning");
+            status = fmi2Warning;
+            say(c, status, "fmi2SetRealInputDerivatives: ignored but for orders 1 and 2 of the master's position where "
+                           "it is the one at the step's beginning");
         }
     }
     return status;
@@ -558,14 +559,16 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2S
     return unknown(c, value, "fmi2GetStringStatus");
 }
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
-    if (kind != fmi2LastSuccessfulTime) return unknown(c, value, "fmi2GetRealStatus");
-    if (!may(c, STEPPING | TERMINATED, "fmi2GetRealStatus") || !given(c, value, "fmi2GetRealStatus")) return fmi2Error;
+    const char *call = "fmi2GetRealStatus";
+    if (kind != fmi2LastSuccessfulTime) return unknown(c, value, call);
+    if (!may(c, STEPPING | TERMINATED, call) || !given(c, value, call)) return fmi2Error;
     *value = ((Instance *)c)->now.time;
     return fmi2OK;
 }
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
-    if (kind != fmi2Terminated) return unknown(c, value, "fmi2GetBooleanStatus");
-    if (!may(c, STEPPING | TERMINATED, "fmi2GetBooleanStatus") || !given(c, value, "fmi2GetBooleanStatus")) return fmi2Error;
+    const char *call = "fmi2GetBooleanStatus";
+    if (kind != fmi2Terminated) return unknown(c, value, call);
+    if (!may(c, STEPPING | TERMINATED, call) || !given(c, value, call)) return fmi2Error;
     *value = ((Instance *)c)->now.mode == TERMINATED;
     return fmi2OK;
 }
