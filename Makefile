@@ -13,7 +13,7 @@ run: build ## build the FMUs and simulate the flagship scenario
 test: lint ## everything that proves the project
 	$(BIN)/python -m pytest $(PYTEST)
 
-build: $(READY) ## build/python/<FMU>.fmu
+build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build
 
 lint: $(READY) ## style and types

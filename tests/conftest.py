@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.build import Recipe, build_python
+from motionsync_fmu.build import Recipe, build_native, build_python
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -26,3 +26,9 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The Synchronizer's FMU, python flavour, positions in mm."""
     return build_python(Recipe("Synchronizer"), tmp_path_factory.mktemp("fmus") / "Synchronizer.fmu")
+
+
+@pytest.fixture(scope="session")
+def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same, native flavour."""
+    return build_native(Recipe("Synchronizer"), tmp_path_factory.mktemp("native") / "Synchronizer.fmu")

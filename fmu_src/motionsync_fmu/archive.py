@@ -33,8 +33,17 @@ def sources(module: str) -> Files:
 
 
 def runtime() -> Files:
-    """The part of this package that runs inside the FMU."""
-    return {name: (HERE / name).read_bytes().replace(b"\r\n", b"\n") for name in ("slave.py", "variables.py")}
+    """The part of this package that runs inside the Python FMU."""
+    return _own("slave.py", "variables.py")
+
+
+def compilers() -> Files:
+    """The part of this package that determines the native code."""
+    return _own("fmi2.c", "native.py", "record.py")
+
+
+def _own(*names: str) -> Files:
+    return {name: (HERE / name).read_bytes().replace(b"\r\n", b"\n") for name in names}
 
 
 def digest(files: Files) -> str:

@@ -1,10 +1,11 @@
-"""Builds the FMU of a block, and tells whether a built one is up to date."""
+"""Builds the FMUs of a block, and tells whether a built one is up to date."""
 
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from enum import StrEnum
 from importlib import metadata
 from importlib.resources import files as package_files
 from pathlib import Path
@@ -13,10 +14,11 @@ from xml.etree.ElementTree import ParseError, fromstring, tostring
 
 from motionsync.blocks import BLOCKS
 
-from .archive import Files, digest, epoch, runtime, sources, write
+from .archive import Files, compilers, digest, epoch, runtime, sources, write
 from .description import BASES, describe, finish
 from .documentation import pages, picture
 from .errors import UserError, choose
+from .kernel import check
 from .variables import Variable, variables
 
 SCRIPT = """from {package}_{tag}.{module} import {name}
@@ -30,6 +32,13 @@ class {name}Slave(BlockSlave):
     build = "{tag}"
     starts = {starts!r}
 """
+
+
+class Flavour(StrEnum):
+    """How the block gets into the FMU."""
+
+    NATIVE = "native"
+    PYTHON = "python"
 
 
 @dataclass(frozen=True)
@@ -57,7 +66,8 @@ class Recipe:
     def guid(self) -> str:
         """A hash of the variables and of the source: the same for both flavours, and for every build of it."""
         block = self.block()
-        files = sources(type(block).__module__) | {f"fmu/{name}": text for name, text in runtime().items()}
+        files = sources(type(block).__module__)
+        files |= {f"fmu/{name}": text for name, text in (runtime() | compilers()).items()}
         h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit))})
         return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
@@ -84,10 +94,14 @@ def parse(v: Variable, text: str) -> Any:
     return value
 
 
+def build(flavour: Flavour, recipe: Recipe, target: Path, told: Callable[[str], None] = lambda text: None) -> Path:
+    """The FMU of a recipe; `told` is told what takes long."""
+    return build_native(recipe, target, told) if flavour == Flavour.NATIVE else build_python(recipe, target)
+
+
 def build_python(recipe: Recipe, target: Path) -> Path:
     """PythonFMU's library, PythonFMU itself, and our sources under names that carry their hash: all the FMUs of a
     process share one interpreter, and so one `sys.modules`."""
-    epoch()  # Matplotlib reads it too, and says nothing useful to a bad one
     block, guid, name = recipe.block(), recipe.guid(), recipe.name
     tag = guid[1:9] + guid[10:14]
     package, _, module = type(block).__module__.partition(".")
@@ -105,10 +119,53 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     for library in (pythonfmu / "resources" / "binaries").glob("*/*"):
         files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
     files |= {f"documentation/licenses/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
-    files |= {f"documentation/{n}": text for n, text in pages(recipe.name, block, recipe.unit).items()}
+    return _write(target, recipe, Flavour.PYTHON, files)
+
+
+def build_native(recipe: Recipe, target: Path, told: Callable[[str], None] = lambda text: None) -> Path:
+    """One library for each platform, and no Python; `told` is told once if compiling them will take minutes.
+
+    Raises:
+        UserError: the compilers are not installed or failed, or the block is outside the kernel subset.
+    """
+    block = recipe.block()
+    check_kernel(type(block).__module__)
+    try:
+        from . import native  # noqa: PLC0415 (Numba and zig: needed for this flavour only)
+    except ModuleNotFoundError as e:
+        raise UserError(
+            f"the native flavour is compiled with {e.name}, which is not installed: install it with "
+            "pip install 'motionsync[native]', or build --flavour python only"
+        ) from None
+    files = {f"binaries/{n}": library for n, library in native.libraries(block, recipe.guid(), told).items()}
+    texts = licences("motionsync", "numba", "ziglang") | native.linked_licences()
+    files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
+    return _write(target, recipe, Flavour.NATIVE, files, native.abilities(block))
+
+
+def check_kernel(module: str) -> None:
+    """Refuse a block that does not keep to the kernel subset, and would do something else when compiled.
+
+    Raises:
+        UserError: file, line and rule of each violation.
+    """
+    package = module.partition(".")[0]
+    if found := check({name: text.decode() for name, text in sources(module).items()}):
+        raise UserError("\n".join(f"{package}/{violation}" for violation in found))
+
+
+def _write(
+    target: Path, recipe: Recipe, flavour: Flavour, files: Files, abilities: Mapping[str, str] | None = None
+) -> Path:
+    """The FMU with what both flavours hold: documentation, picture and modelDescription."""
+    epoch()  # Matplotlib reads it too, and says nothing useful to a bad one
+    block = recipe.block()
+    platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
+    texts = pages(recipe.name, block, recipe.unit, flavour, platforms)
+    files = files | {f"documentation/{n}": text for n, text in texts.items()}
     files |= {
         "model.png": picture(recipe.name),
-        "modelDescription.xml": finish(describe(block, recipe.unit), guid),
+        "modelDescription.xml": finish(describe(block, recipe.unit), recipe.guid(), abilities),
     }
     write(target, files)
     return target
@@ -120,20 +177,19 @@ def plain(value: Any) -> Any:
 
 
 def licences(*distributions: str) -> Files:
-    """The licence texts of installed distributions, by file name."""
+    """The licence texts of installed distributions, by file name; not those of what they have in subfolders."""
     found: Files = {}
     for name in distributions:
-        for file in metadata.files(name) or []:
-            if "LICEN" in file.name.upper():
-                found[f"{name}.txt"] = file.read_binary()
-        if f"{name}.txt" not in found:
+        texts = [file for file in metadata.files(name) or [] if "LICEN" in file.name.upper()]
+        if not texts:
             raise UserError(f"the licence of {name} is not installed: install motionsync with pip")
+        found[f"{name}.txt"] = min(texts, key=lambda file: len(str(file))).read_binary()
     return found
 
 
-def fmu_path(recipe: Recipe, folder: Path) -> Path:
-    """build/python/<FMU>.fmu; a build in another unit than mm lies in a folder of that unit's name."""
-    return folder / "python" / ("" if recipe.unit == "mm" else recipe.unit) / f"{recipe.name}.fmu"
+def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour = Flavour.PYTHON) -> Path:
+    """build/<flavour>/<FMU>.fmu; a build in another unit than mm lies in a folder of that unit's name."""
+    return folder / flavour.value / ("" if recipe.unit == "mm" else recipe.unit) / f"{recipe.name}.fmu"
 
 
 def outdated(fmu: Path, recipe: Recipe) -> str:

@@ -3,7 +3,6 @@
 import io
 import json
 import sys
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,7 +15,8 @@ from rich.table import Table
 
 from motionsync.blocks import BLOCKS
 
-from .build import Recipe, build_python, fmu_path, outdated
+from .build import Flavour, Recipe, fmu_path, outdated
+from .build import build as build_fmu
 from .description import BASES, summary
 from .documentation import row
 from .errors import UserError, choose
@@ -44,12 +44,6 @@ err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 UNITS = "|".join(BASES)
 
 
-class Flavour(StrEnum):
-    """How the block gets into the FMU."""
-
-    PYTHON = "python"
-
-
 def main() -> None:
     """The console script; a mistake of the user is one line and exit status 2."""
     for stream in (sys.stdout, sys.stderr):
@@ -70,13 +64,16 @@ def main() -> None:
 @app.command()
 def build(
     fmu: Annotated[list[str] | None, typer.Argument(help="Blocks to build; all if none is named.")] = None,
-    flavour: Annotated[Flavour, typer.Option(help="python: the block runs in an embedded Python.")] = Flavour.PYTHON,
+    flavour: Annotated[
+        list[Flavour] | None,
+        typer.Option(help="native: compiled; python: in an embedded Python. May be repeated; both if not given."),
+    ] = None,
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
     start: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="Bake in a start value; may be repeated. For one block only."),
     ] = None,
-    output: Annotated[Path, typer.Option(help="Where to put the FMUs: OUTPUT/python/<FMU>.fmu.")] = Path("build"),
+    output: Annotated[Path, typer.Option(help="Where to put the FMUs: OUTPUT/<flavour>/<FMU>.fmu.")] = Path("build"),
 ) -> None:
     """Build FMUs.
 
@@ -84,7 +81,7 @@ def build(
 
         motionsync build
 
-        motionsync build Synchronizer --unit deg
+        motionsync build Synchronizer --unit deg --flavour native
 
         motionsync build Synchronizer --start curve=PARABOLA --start output_phasing=45
     """
@@ -96,8 +93,11 @@ def build(
     for recipe in recipes:
         recipe.block()  # every mistake is told before anything is built
     for recipe in recipes:
-        target = build_python(recipe, output / flavour.value / f"{recipe.name}.fmu")
-        out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}")
+        for chosen in flavour or Flavour:
+            target = output / chosen / f"{recipe.name}.fmu"
+            with err.status(f"building {target}"):
+                build_fmu(chosen, recipe, target, err.print)
+            out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}")
 
 
 def _assignment(text: str) -> tuple[str, str]:
@@ -174,7 +174,7 @@ def _built(fmu: Path) -> tuple[str, str, dict[str, str]]:
 @app.command()
 def run(
     path: Annotated[list[Path], typer.Argument(help="Scenario files, or folders with scenarios in them.")],
-    flavour: Annotated[Flavour, typer.Option(help="Which FMU to run.")] = Flavour.PYTHON,
+    flavour: Annotated[Flavour, typer.Option(help="Which FMU to run.")] = Flavour.NATIVE,
     step_size: Annotated[float | None, typer.Option(help="In s, instead of the scenario's own.")] = None,
     output: Annotated[Path, typer.Option(help="Where results and reports go: OUTPUT/<FMU>/<scenario>/.")] = Path(
         "build/reports"
@@ -194,9 +194,9 @@ def run(
     """
     scenarios = _loaded(path, step_size)
     for s in scenarios:
-        target = fmu_path(s.recipe, Path("build"))
+        target = fmu_path(s.recipe, Path("build"), flavour)
         if why := outdated(target, s.recipe):
-            build_python(s.recipe, target)
+            build_fmu(flavour, s.recipe, target, err.print)
             err.print(f"{target} was {why}: built")
     results: list[tuple[Scenario, dict[str, Any]]] = []
     refused: list[UserError] = []
@@ -206,7 +206,7 @@ def run(
         for s in scenarios:
             progress.update(task, description=s.name)
             try:
-                results.append((s, _run(s, step_size or s.step_size, output, report=not no_report)))
+                results.append((s, _run(s, flavour, step_size or s.step_size, output, report=not no_report)))
             except UserError as e:  # told at the end: the other scenarios' results are not lost
                 refused.append(e)
             progress.advance(task)
@@ -235,9 +235,10 @@ def _loaded(paths: list[Path], step_size: float | None) -> list[Scenario]:
     return scenarios
 
 
-def _run(s: Scenario, step_size: float, output: Path, *, report: bool) -> dict[str, Any]:
+def _run(s: Scenario, flavour: Flavour, step_size: float, output: Path, *, report: bool) -> dict[str, Any]:
     """One scenario: what was found, and where it was written."""
-    course = simulate(s, fmu_path(s.recipe, Path("build")), step_size)
+    fmu = fmu_path(s.recipe, Path("build"), flavour)
+    course = simulate(s, fmu, step_size)
     checks, deviations = check(s, course), compare(s, course)
     folder = output / s.recipe.name / s.name
     folder.mkdir(parents=True, exist_ok=True)
@@ -260,7 +261,7 @@ def _run(s: Scenario, step_size: float, output: Path, *, report: bool) -> dict[s
         "messages": course.messages,
         "result": str(results),
         "report": str(page) if report else None,
-        "fmpy": command_line(s),
+        "fmpy": command_line(s, fmu),
     }
 
 

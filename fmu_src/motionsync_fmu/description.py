@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Mapping
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -67,8 +68,11 @@ def describe(block: Any, unit: str) -> Element:
     return root
 
 
-def finish(root: Element, guid: str) -> bytes:
+def finish(root: Element, guid: str, abilities: Mapping[str, str] | None = None) -> bytes:
+    """The file; `abilities`: attributes of the CoSimulation element that only one flavour has."""
     root.set("guid", guid)
+    for unit in root.iter("CoSimulation"):
+        unit.attrib.update(abilities or {})
     root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(epoch())))
     indent(root)
     return bytes(tostring(root, "UTF-8", xml_declaration=True)) + b"\n"

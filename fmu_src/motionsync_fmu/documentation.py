@@ -31,12 +31,21 @@ STYLE: Any = {  # the same picture at every build
     "axes.grid": True,
     "grid.alpha": 0.3,
 }
+PLATFORMS = {  # the names that FMI gives them
+    "linux64": "Linux on x86-64",
+    "aarch64-linux": "Linux on 64-bit ARM",
+    "win64": "Windows on x86-64",
+    "darwin64": "macOS on x86-64 and on 64-bit ARM",
+}
 MASTER, SLAVE = "#7a8793", "#c8451b"
 SAMPLES = 500
 
 
-def pages(name: str, block: Any, unit: str) -> Files:
-    """index.html, its picture, and externalDependencies.html; `block` has the FMU's start values."""
+def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str]) -> Files:
+    """index.html, its picture, and for the python flavour externalDependencies.html.
+
+    `block` has the FMU's start values; `platforms`: the folders of its binaries.
+    """
     values = {
         "name": name,
         "version": __version__,
@@ -48,11 +57,11 @@ def pages(name: str, block: Any, unit: str) -> Files:
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
         "codes": [c for v in variables(block) if v.declaration.codes for c in members(v.declaration.codes)],
         "describe": summary,
+        "flavour": flavour,
+        "platforms": {p: PLATFORMS[p] for p in platforms},
     }
-    files = {
-        page: TEMPLATES.get_template(f"{page}.j2").render(values).encode()
-        for page in ("index.html", "externalDependencies.html")
-    }
+    names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
+    files = {page: TEMPLATES.get_template(f"{page}.j2").render(values).encode() for page in names}
     return files | {"transition.svg": transition(name, unit)}
 
 

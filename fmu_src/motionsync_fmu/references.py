@@ -7,7 +7,6 @@ from pathlib import Path
 from shlex import quote
 from typing import Any
 
-from .build import fmu_path
 from .description import literal
 from .scenario import Scenario
 from .simulation import schedule
@@ -46,11 +45,10 @@ def options_text(scenario: Scenario) -> str:
     return "".join(f"{name}, {value!r}\n" for name, value in settings.items())
 
 
-def command_line(scenario: Scenario) -> str:
+def command_line(scenario: Scenario, fmu: Path) -> str:
     """The call of FMPy that runs the scenario from its input file, without motionsync."""
     by_name = _by_name(scenario)
     starts = " ".join(f"{name} {literal(by_name[name], value)}" for name, value in scenario.start.items())
-    fmu = fmu_path(scenario.recipe, Path("build"))
     inputs = scenario.file.parent / f"{scenario.recipe.name}_in.csv"
     parts = [
         f"fmpy simulate {quote(str(fmu))} --stop-time {scenario.stop_time!r} --output-interval {scenario.step_size!r}",

@@ -79,7 +79,9 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         told = [v.cell.get() for v in self.codes]
         try:
             if not 0.0 < step_size <= LONGEST_STEP:
-                raise ValueError(f"step size = {step_size} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}")
+                raise ValueError(
+                    f"step size = {shown(step_size)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
+                )
             for value, (low, high) in zip(self.read_inputs(self.block), self.limits, strict=True):
                 if not low <= value <= high:  # NaN fails every comparison
                     self.judge(self.inputs)

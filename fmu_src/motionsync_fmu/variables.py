@@ -106,7 +106,11 @@ def members(kind: Any) -> list[Any]:
 
 
 def shown(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) and value == float(f"{value:g}") else str(value)
+    """A value in a log line; a Real with the fewest of 6, 15, 16 or 17 digits that read back as the same number."""
+    if not isinstance(value, float):
+        return str(value)
+    texts = [f"{value:.{digits}g}" for digits in (6, 15, 16, 17)]
+    return next((text for text in texts if float(text) == value), texts[0])
 
 
 def cells(block: Any, prefix: str = "") -> Iterator[Cell]:

@@ -46,5 +46,7 @@ def wrap(position: float, period: float) -> float:
     """
     if period == 0.0:
         return position
+    if 0.0 <= position < period:  # nearly always, and a division is slow
+        return position + 0.0  # 0 of -0, as the remainder makes it
     wrapped = position % period
     return wrapped if wrapped < period else 0.0

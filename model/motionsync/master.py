@@ -7,7 +7,7 @@ Source: the three input modes are motionsync's own; they tell apart the ways in 
 from dataclasses import dataclass
 
 from . import declare as var
-from .axis import clamp
+from .axis import clamp, wrap
 from .declare import LARGEST_INPUT, Choice, Unit
 from .path import Path
 from .refusal import Refusal
@@ -32,7 +32,9 @@ class Master:
     unwrapped: they are continuous, relative to a whole number of turns that `rebase` chooses.
 
     In mode POSITION_ONLY the estimates are held within the limits of Real inputs, +-1e12, so that samples taken in
-    nearly the same instant cannot make them infinite.
+    nearly the same instant cannot make them infinite. They come from the present input and the two before it, `last`
+    and `before`, with the steps that followed each; these are kept in mode START_OF_STEP too, so that single steps of
+    that mode may come in between.
     """
 
     position: float = var.input(0.0, "the master's position", Unit.POSITION)
@@ -50,9 +52,9 @@ class Master:
     end_acceleration: float = 0.0
     samples: int = 0
     last: float = 0.0
-    last_rate: float = 0.0
     last_step: float = 0.0
-    rate_step: float = 0.0
+    before: float = 0.0
+    before_step: float = 0.0
 
     def initialize(self) -> Refusal:
         """The master stands where the inputs say; with POSITION_ONLY its velocity is not known yet: 0."""
@@ -80,9 +82,11 @@ class Master:
 
         Allowed whenever the block has nothing that lies at a particular turn."""
         if self.period > 0.0:
-            turned = self.end - self.end % self.period
-            self.end -= turned
+            wrapped = wrap(self.end, self.period)
+            turned = self.end - wrapped
+            self.end = wrapped
             self.last -= turned
+            self.before -= turned
 
     def predict(self, h: float, velocity: float, acceleration: float) -> Refusal:
         """From the input at t with constant acceleration to t+h."""
@@ -99,6 +103,10 @@ class Master:
         self.end_velocity = velocity + acceleration * h
         self.end_acceleration = acceleration
         self.samples = min(self.samples + 1, 3)
+        self.before = self.last
+        self.before_step = self.last_step
+        self.last = position
+        self.last_step = h
         return Refusal.NONE
 
     def join(self, h: float) -> Refusal:
@@ -126,21 +134,18 @@ class Master:
         if self.samples > 0:
             rate = clamp((position - self.last) / self.last_step, -LARGEST_INPUT, LARGEST_INPUT)
         if self.samples > 1:
+            former = clamp((self.last - self.before) / self.before_step, -LARGEST_INPUT, LARGEST_INPUT)
             acceleration = clamp(
-                2.0 * (rate - self.last_rate) / (self.last_step + self.rate_step), -LARGEST_INPUT, LARGEST_INPUT
+                2.0 * (rate - former) / (self.last_step + self.before_step), -LARGEST_INPUT, LARGEST_INPUT
             )
         velocity = clamp(rate + 0.5 * acceleration * self.last_step, -LARGEST_INPUT, LARGEST_INPUT)
-        refusal = self.predict(h, velocity, acceleration)
-        if refusal == Refusal.NONE:
-            self.last = position
-            self.last_rate = rate
-            self.rate_step = self.last_step
-            self.last_step = h
-        return refusal
+        return self.predict(h, velocity, acceleration)
 
     def unwrapped(self, expected: float) -> float:
         """The input's position in the turn that is nearest to the expected one."""
         if self.period == 0.0:
+            return self.position
+        if abs(expected - self.position) <= 0.5 * self.period:
             return self.position
         return self.position + round((expected - self.position) / self.period) * self.period
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from math import isfinite, sqrt
 
 from . import declare as var
+from .axis import clamp
 
+GREATEST_SPEED = 1e154  # u/s: its square is finite
 BISECTIONS = 200  # enough to halve any step down to neighbouring numbers but for roots below 1e-40 of it
 
 
@@ -56,7 +58,7 @@ class Path:
                 if 0.0 < max(first, second) < 1.0:
                     self.cut(max(first, second) * h)
         else:
-            self.begin(origin, mean, 0.0, 0.0)
+            self.begin(origin, clamp(mean, -GREATEST_SPEED, GREATEST_SPEED), 0.0, 0.0)
         self.finish(h, end)
 
     def begin(self, origin: float, velocity: float, bend: float, twist: float) -> None:
@@ -86,9 +88,9 @@ class Path:
         rising = self.places[piece + 1] > self.places[piece]
         first = self.times[piece]
         last = self.times[piece + 1]
-        if self.places[piece] == self.places[piece + 1] or (place <= self.places[piece]) == rising:
+        if place == self.places[piece] or (place < self.places[piece]) == rising:
             return first
-        if (place >= self.places[piece + 1]) == rising:
+        if place == self.places[piece + 1] or (place > self.places[piece + 1]) == rising:
             return last
         if self.twist == 0.0:
             return max(first, min(self.root(place, 1.0 if rising else -1.0), last))

@@ -137,8 +137,6 @@ class Synchronizer:
 
     def step(self, h: float) -> Refusal:
         """From t to t+h: the seam to the present input, the commands, then the path of the step."""
-        if self.state == State.READY or not self.running.ramping:
-            self.master.rebase()
         refusal = self.master.advance(h)
         if refusal != Refusal.NONE:
             return refusal
@@ -147,6 +145,8 @@ class Synchronizer:
         for i in range(self.master.path.pieces):
             self.travel(self.master.path.places[i], self.master.path.places[i + 1])
         self.show()
+        if self.state == State.READY or not self.running.ramping:
+            self.master.rebase()
         return Refusal.NONE
 
     def obey(self) -> None:

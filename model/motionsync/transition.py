@@ -147,5 +147,8 @@ def half_law(curve: Curve, z: float) -> tuple[float, float, float, float]:
 
 
 def floor(x: float) -> float:
-    """The greatest whole number not above x, without passing through an integer: x may be of any size."""
-    return x - x % 1.0
+    """The greatest whole number not above x; from 2^52 on there are only whole numbers."""
+    if abs(x) >= 4503599627370496.0:
+        return x
+    whole = float(int(x))
+    return whole - 1.0 if whole > x else whole

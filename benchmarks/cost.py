@@ -1,0 +1,113 @@
+"""What the benchmarks share: subjects that step, their cost in turns, and the table of it."""
+
+import ctypes
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from motionsync_fmu.host import Host
+from motionsync_fmu.native import HEADERS
+
+ROUNDS = 7
+H = 1e-3
+VELOCITY = 90.0
+MASTER = ("master.position", "master.velocity", "master.acceleration")
+OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
+
+Subject = Callable[[int], float]  # does so many steps: nanoseconds a step
+
+
+def timed(steps: Callable[[int], None]) -> Subject:
+    """What does so many steps, as a subject."""
+
+    def subject(n: int) -> float:
+        begun = time.perf_counter()
+        steps(n)
+        return (time.perf_counter() - begun) / n * 1e9
+
+    return subject
+
+
+def through_fmpy(host: Host) -> Callable[[int], None]:
+    """Set three inputs, doStep, get four outputs: each a call into the FMU, as FMPy's own simulation does."""
+    inputs, outputs = references(host, MASTER), references(host, OUTPUTS)
+    host.initialize()
+    unit = host.unit
+
+    def steps(n: int) -> None:
+        for _ in range(n):
+            unit.setReal(inputs, [VELOCITY * host.time, VELOCITY, 0.0])
+            unit.doStep(host.time, H)
+            host.time += H
+            unit.getReal(outputs)
+
+    return steps
+
+
+def through_ctypes(host: Host) -> Callable[[int], None]:
+    """The same three calls with ctypes alone: arrays made once, nothing checked."""
+    inputs = (ctypes.c_uint * len(MASTER))(*references(host, MASTER))
+    outputs = (ctypes.c_uint * len(OUTPUTS))(*references(host, OUTPUTS))
+    values = (ctypes.c_double * len(MASTER))(0.0, VELOCITY, 0.0)
+    found = (ctypes.c_double * len(OUTPUTS))()
+    host.initialize()
+    reals = (ctypes.c_void_p, ctypes.POINTER(ctypes.c_uint), ctypes.c_size_t, ctypes.POINTER(ctypes.c_double))
+    access = ctypes.CFUNCTYPE(ctypes.c_int, *reals)
+    stepping = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)
+    library, unit = host.unit.dll, host.unit.component
+    set_real, get_real = access(("fmi2SetReal", library)), access(("fmi2GetReal", library))
+    do_step = stepping(("fmi2DoStep", library))
+
+    def steps(n: int) -> None:
+        t = host.time
+        for _ in range(n):
+            values[0] = VELOCITY * t
+            set_real(unit, inputs, len(MASTER), values)
+            do_step(unit, t, H, 1)
+            t += H
+            get_real(unit, outputs, len(OUTPUTS), found)
+        host.time = t
+
+    return steps
+
+
+def references(host: Host, names: Iterable[str]) -> list[int]:
+    return [host.kinds[name][0] for name in names]
+
+
+def compile_c(source: Path, target: Path, *flags: str) -> Path:
+    """zig compiles a C program or library, with the FMI headers at hand."""
+    command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", *flags, "-I", str(HEADERS)]
+    subprocess.run([*command, str(source), "-o", str(target)], check=True)
+    return target
+
+
+def measure(subjects: Mapping[str, Subject], n: int) -> dict[str, list[float]]:
+    """Nanoseconds a step, several rounds, the subjects in turns."""
+    found: dict[str, list[float]] = {name: [] for name in subjects}
+    for subject in subjects.values():
+        subject(max(n // 10, 1))
+    for _ in range(ROUNDS):
+        for name, subject in subjects.items():
+            found[name].append(subject(n))
+    return found
+
+
+def ratio(times: list[float], base: list[float]) -> float:
+    """How many times as long, each round compared with itself."""
+    return statistics.median(t / b for t, b in zip(times, base, strict=True))
+
+
+def cost_table(found: Mapping[str, list[float]], base: str, title: str) -> Any:
+    """The subjects' cost a step, and its ratio to the subject `base`."""
+    table = Table("subject", "ns a step (median)", "fastest", "slowest", title, box=None)
+    for name, times in found.items():
+        figures = (f"{f(times):,.0f}" for f in (statistics.median, min, max))
+        table.add_row(name, *figures, f"{ratio(times, found[base]):.2f}")
+    return table

@@ -1,0 +1,267 @@
+"""Python and native code give the same bits: in this process, through both FMUs, and on every platform at hand."""
+
+import os
+import shutil
+import struct
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimManipulator import CosimManipulator
+from libcosimpy.CosimObserver import CosimObserver
+from libcosimpy.CosimSlave import CosimLocalSlave
+
+from drive import Run, runs
+from jit import Compiled, equal
+from motionsync.synchronizer import State, Synchronizer
+from motionsync_fmu.host import FmuError, Host
+from motionsync_fmu.native import HEADERS
+from motionsync_fmu.scenario import find, load
+from motionsync_fmu.simulation import simulate
+from motionsync_fmu.slave import LONGEST_STEP
+from motionsync_fmu.variables import cells, variables
+
+SCENARIOS = find(Path(__file__).parents[1] / "scenarios")
+# Long runs: a failing one is reported as drawn, since to make it smaller would take minutes.
+LONG = settings(deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate], print_blob=True)
+
+
+class Pair:
+    """The Synchronizer in Python and in compiled code, driven as the FMU's slave drives it."""
+
+    def __init__(self, start: dict[str, Any]) -> None:
+        self.block = Synchronizer()
+        self.cells = {c.name: c for c in cells(self.block)}
+        self.inputs = [v for v in variables(self.block) if v.causality == "input"]
+        self.compiled = Compiled(self.block)
+        self.set(start)
+        assert self.compiled.initialize() == self.block.initialize()
+        assert equal(self.block, self.compiled)
+
+    def set(self, values: dict[str, Any]) -> None:
+        for name, value in values.items():
+            self.cells[name].set(value)
+            self.compiled.set(name, value)
+
+    def step(self, h: float, values: dict[str, Any]) -> bool:
+        """Whether the step was done; one with a bad input or size is not begun, as in the FMU."""
+        before = {name: self.cells[name].get() for name in values}
+        self.set(values)
+        if not 0.0 < h <= LONGEST_STEP or any(v.refusal(v.cell.get()) for v in self.inputs):
+            self.set(before)
+            return False
+        answer = self.block.step(h)
+        assert self.compiled.step(h) == answer
+        assert equal(self.block, self.compiled), (h, values)
+        return answer == 0
+
+
+@settings(LONG, max_examples=200, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(runs(steps=500))
+def test_compiled_code_gives_the_bits_of_python_in_every_field(run: Run) -> None:
+    pair = Pair(run.start)
+    for h, values in run.steps:
+        if not pair.step(h, values):
+            pair = Pair(run.start)
+
+
+def test_the_drawn_runs_meet_every_state_and_fault() -> None:
+    """What the runs above are worth: within a few of them everything happens."""
+    seen: set[Any] = set()
+
+    @settings(LONG, max_examples=60, derandomize=True, database=None)
+    @given(runs(steps=500))
+    def watch(run: Run) -> None:
+        pair = Pair(run.start)
+        for h, values in run.steps:
+            if not pair.step(h, values):
+                seen.add("refused")
+                pair = Pair(run.start)
+            b = pair.block
+            seen.update([b.state, (b.master.input_mode, b.syn_ramp_on), ("fault", b.error_id), b.running.curve])
+
+    watch()
+    assert seen >= {*State, "refused", ("fault", 1), ("fault", 0), *((m, on) for m in (1, 2, 3) for on in (0, 1))}
+
+
+def bits(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: float(v).hex() if isinstance(v, float) else int(v) for name, v in values.items()}
+
+
+def tried(call: Any, *arguments: Any) -> str:
+    """What a call that fails says; empty if it succeeds."""
+    try:
+        call(*arguments)
+    except FmuError as e:
+        return str(e)
+    return ""
+
+
+@settings(LONG, max_examples=20, suppress_health_check=list(HealthCheck))
+@given(runs(steps=500))
+def test_both_fmus_give_the_same_bits_and_log_the_same(fmu: Path, native: Path, run: Run) -> None:
+    with Host(fmu) as a, Host(native) as b:
+        refused = tried(a.initialize, run.start)
+        assert tried(b.initialize, run.start) == refused
+        for h, values in [] if refused else run.steps:
+            assert tried(b.step, h, values) == tried(a.step, h, values)
+            assert bits(b.get()) == bits(a.get())
+        assert b.messages == a.messages
+
+
+@pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: file.parent.name)
+def test_both_fmus_give_the_same_bits_in_every_scenario(fmu: Path, native: Path, file: Path) -> None:
+    scenario = load(file)
+    a, b = (simulate(scenario, flavour, scenario.step_size) for flavour in (fmu, native))
+    assert a.messages == b.messages
+    for name in a.values:
+        assert a.values[name].tobytes() == b.values[name].tobytes(), name
+
+
+# --- a host in C, without any Python ---
+
+
+def wine() -> list[str]:
+    found = shutil.which("wine64") or shutil.which("wine64", path="/usr/lib/wine") or shutil.which("wine")
+    if not found:
+        pytest.skip("wine64 is not installed")
+    return [found]
+
+
+def qemu() -> list[str]:
+    root = Path(os.environ.get("QEMU_LD_PREFIX", "/usr/aarch64-linux-gnu"))
+    found = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+    if not found:
+        pytest.skip("qemu-user is not installed")
+    if not (root / "lib" / "ld-linux-aarch64.so.1").exists():
+        pytest.skip("libc6-arm64-cross is not installed")
+    return [found, "-L", str(root)]
+
+
+def directly() -> list[str]:
+    if sys.platform != "linux" or os.uname().machine != "x86_64":
+        pytest.skip("this is not Linux on x86-64")
+    return []
+
+
+PLATFORMS = {
+    "linux64": ("x86_64-linux-gnu.2.17", "so", directly),
+    "aarch64-linux": ("aarch64-linux-gnu.2.17", "so", qemu),
+    "win64": ("x86_64-windows-gnu", "dll", wine),
+}
+
+
+def double(x: float) -> str:
+    return struct.pack(">d", x).hex()
+
+
+def orders(host: Host, run: Run) -> Iterator[tuple[str, str]]:
+    """A run as lines for the host in C, and what the FMU in `host` answers to each."""
+
+    def setting(values: dict[str, Any]) -> Iterator[tuple[str, str]]:
+        for name, value in values.items():
+            reference, kind = host.kinds[name]
+            host.set({name: value})
+            yield f"{kind[0]} {reference} {double(value) if kind == 'Real' else int(value)}", "0"
+
+    def all_values() -> tuple[str, str]:
+        found = host.get()
+        return "g", " ".join(double(found[n]) if k == "Real" else str(found[n]) for n, (_, k) in host.kinds.items())
+
+    yield "n", "0"
+    host.unit.setupExperiment(startTime=0.0)
+    host.unit.enterInitializationMode()
+    yield "e", "0"
+    yield from setting(run.start)
+    yield all_values()
+    host.unit.exitInitializationMode()
+    yield "x", "0"
+    for h, values in run.steps:
+        yield from setting(values)
+        refused = tried(host.step, h)
+        yield f"s {double(host.time)} {double(h)}", "3" if refused else "0"
+        yield all_values()
+
+
+@pytest.fixture(scope="module")
+def expected(fmu: Path) -> list[tuple[str, str]]:
+    """A few runs through the python flavour."""
+    found: list[tuple[str, str]] = []
+
+    @settings(LONG, max_examples=6, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
+    @given(runs(steps=300))
+    def record(run: Run) -> None:
+        with Host(fmu) as host:
+            found.extend(orders(host, run))
+
+    record()
+    return found
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_a_host_in_c_without_python_gets_the_same_bits(
+    platform: str, native: Path, expected: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    target, suffix, runner = PLATFORMS[platform]
+    start = runner()
+    program = tmp_path / f"replay{'.exe' if suffix == 'dll' else ''}"
+    source = Path(__file__).parent / "replay.c"
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", "-I", str(HEADERS), str(source)]
+    subprocess.run([*compiler, "-o", str(program)], check=True)
+    folder = Path(fmpy.extract(str(native), unzipdir=str(tmp_path / "fmu")))
+    library = folder / "binaries" / platform / f"Synchronizer.{suffix}"
+    description = fmpy.read_model_description(str(native))
+    kinds = "".join({"Real": "R", "Boolean": "B"}.get(v.type, "I") for v in description.modelVariables)
+    asked, answered = tmp_path / "orders.txt", tmp_path / "answers.txt"
+    asked.write_text("".join(f"{order}\n" for order, _ in expected))
+    with asked.open() as stdin, answered.open("w") as stdout:  # no pipes: wine's server would hold them open
+        subprocess.run(
+            [*start, str(program), str(library), description.guid, kinds],
+            stdin=stdin,
+            stdout=stdout,
+            check=True,
+            env=os.environ | {"WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")},
+        )
+    answers = [line.strip() for line in answered.read_text().splitlines()]
+    for (order, answer), found in zip(expected, answers, strict=True):
+        assert found == answer, order
+
+
+def test_libcosim_gives_the_same_bits(native: Path) -> None:
+    """libcosim steps in nanoseconds: a step of 2^-7 s is one exactly. It cannot set enumerations."""
+    h, steps = 2.0**-7, 400
+    start = {"master.period": 360.0, "output_phasing": 45.0, "rest_value": 200.0, "master.velocity": 300.0}
+    execution = CosimExecution.from_step_size(int(h * 1e9))
+    index = execution.add_local_slave(CosimLocalSlave(str(native), "synchronizer"))
+    manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
+    execution.add_manipulator(manipulator)
+    execution.add_observer(observer)
+    with Host(native) as host:
+        host.initialize(start)
+        reference = {name: r for name, (r, _) in host.kinds.items()}
+        for name, value in start.items():
+            execution.real_initial_value(index, reference[name], value)
+        reals, integers, booleans = (
+            [v.valueReference for v in host.description.modelVariables if v.type == kind]
+            for kind in ("Real", "Integer", "Boolean")
+        )
+        seen = set()
+        for i in range(steps):
+            values = {"master.position": (300.0 * i * h) % 360.0, "stop": i > 40, "start": i > 200}
+            manipulator.slave_real_values(index, [reference["master.position"]], [values["master.position"]])
+            manipulator.slave_boolean_values(index, [reference["stop"], reference["start"]], [i > 40, i > 200])
+            execution.step()
+            host.step(h, values)
+            found = host.get()
+            seen.add(found["state_code"] + 10 * int(found["syn_ramp_on"]))
+            by_reference = {reference[n]: v for n, v in found.items()}
+            assert observer.last_real_values(index, reals) == [by_reference[r] for r in reals]
+            assert observer.last_integer_values(index, integers) == [by_reference[r] for r in integers]
+            assert observer.last_boolean_values(index, booleans) == [bool(by_reference[r]) for r in booleans]
+    assert seen == {0, 1, 11}
