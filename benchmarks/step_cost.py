@@ -4,26 +4,18 @@ All in one run, in turns, so that the ratios hold on a busy machine: python benc
 """
 
 import argparse
-import statistics
 import tempfile
-import time
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
+from cost import VELOCITY, H, cost_table, measure, through_fmpy, timed
 from rich.console import Console
-from rich.table import Table
 
 from motionsync.synchronizer import Synchronizer
 from motionsync_fmu.archive import write
 from motionsync_fmu.build import Recipe, build_python
 from motionsync_fmu.host import Host
-
-ROUNDS = 7
-H = 1e-3
-VELOCITY = 90.0
-OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 
 IDLE = """
 from pythonfmu import Fmi2Slave
@@ -83,37 +75,6 @@ def bare(ramping: bool) -> Callable[[int], None]:
     return steps
 
 
-def through_fmpy(host: Host) -> Callable[[int], None]:
-    """Set three inputs, doStep, get four outputs: each a call into the FMU, as FMPy's own simulation does."""
-    names = ("master.position", "master.velocity", "master.acceleration")
-    inputs = [host.kinds[n][0] for n in names]
-    outputs = [host.kinds[n][0] for n in OUTPUTS]
-    host.initialize()
-    unit = host.unit
-
-    def steps(n: int) -> None:
-        for _ in range(n):
-            unit.setReal(inputs, [VELOCITY * host.time, VELOCITY, 0.0])
-            unit.doStep(host.time, H)
-            host.time += H
-            unit.getReal(outputs)
-
-    return steps
-
-
-def measure(subjects: dict[str, Callable[[int], None]], n: int) -> dict[str, list[float]]:
-    """Nanoseconds a step, several rounds, the subjects in turns."""
-    found: dict[str, list[float]] = {name: [] for name in subjects}
-    for steps in subjects.values():
-        steps(n // 10)
-    for _ in range(ROUNDS):
-        for name, steps in subjects.items():
-            begun = time.perf_counter()
-            steps(n)
-            found[name].append((time.perf_counter() - begun) / n * 1e9)
-    return found
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--steps", type=int, default=20_000, help="steps a round")
@@ -122,19 +83,14 @@ def main() -> None:
         fmu = build_python(Recipe("Synchronizer"), Path(folder) / "Synchronizer.fmu")
         with Host(fmu) as whole, Host(idle(fmu, Path(folder) / "idle.fmu")) as nothing:
             subjects = {
-                "bare block, on the master": bare(False),
-                "bare block, in a ramp": bare(True),
-                "FMU through FMPy": through_fmpy(whole),
-                "do-nothing slave through FMPy": through_fmpy(nothing),
+                "bare block, on the master": timed(bare(False)),
+                "bare block, in a ramp": timed(bare(True)),
+                "FMU through FMPy": timed(through_fmpy(whole)),
+                "do-nothing slave through FMPy": timed(through_fmpy(nothing)),
             }
             found = measure(subjects, n)
-    table: Any = Table("subject", "ns a step (median)", "fastest", "slowest", "of the do-nothing slave", box=None)
-    base = found["do-nothing slave through FMPy"]
-    for name, times in found.items():
-        ratio = statistics.median(t / b for t, b in zip(times, base, strict=True))
-        figures = (f"{f(times):,.0f}" for f in (statistics.median, min, max))
-        table.add_row(name, *figures, f"{ratio:.2f}")
-    Console(highlight=False).print(table)
+    base = "do-nothing slave through FMPy"
+    Console(highlight=False).print(cost_table(found, base, "of the do-nothing slave"))
 
 
 if __name__ == "__main__":

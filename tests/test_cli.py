@@ -26,6 +26,8 @@ from motionsync_fmu import cli
 
 ROOT = Path(__file__).parents[1]
 COMMANDS = ("build", "list", "describe", "run")
+FLAVOURS = ("native", "python")
+PYTHON = ("--flavour", "python")  # the quicker one to build, where either shows it
 
 # A master at 100 mm/s. Along the parabola the slave leaves it at rest_value - phasing, and half way to the end, where
 # the master is at rest_value, it has done 3/4 of the phasing and has half the master's velocity.
@@ -159,15 +161,18 @@ def assert_one_line(outcome: Outcome, *parts: str) -> None:
 def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
     done = motionsync("build", "--output", "here")
     assert (done.status, done.err) == (0, "")
-    assert sorted(f.name for f in Path("here/python").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
+    for flavour in FLAVOURS:
+        assert sorted(f.name for f in Path(f"here/{flavour}").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
     assert [line.split("  ")[0] for line in done.out.splitlines()] == [
-        str(Path(f"here/python/{name}.fmu")) for name in BLOCKS
+        str(Path(f"here/{flavour}/{name}.fmu")) for name in BLOCKS for flavour in FLAVOURS
     ]
 
 
 def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
     assert motionsync("build", "Synchronizer").status == 0
-    assert [str(p) for p in Path("build").rglob("*.fmu")] == [str(Path("build/python/Synchronizer.fmu"))]
+    assert sorted(map(str, Path("build").rglob("*.fmu"))) == [
+        str(Path(f"build/{flavour}/Synchronizer.fmu")) for flavour in FLAVOURS
+    ]
 
 
 @pytest.mark.parametrize(
@@ -175,7 +180,7 @@ def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
     [("mm", {"m"}, 1e-3), ("m", {"m"}, 1.0), ("deg", {"rad"}, pi / 180.0), ("rad", {"rad"}, 1.0), ("1", set(), 1.0)],
 )
 def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str, base: set[str], factor: float) -> None:
-    assert motionsync("build", "Synchronizer", "--unit", unit, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--output", "here").status == 0
     xml = description(the_fmu("here"))
     for quantity, symbol in (("Position", unit), ("Velocity", f"{unit}/s"), ("Acceleration", f"{unit}/s2")):
         (real,) = xml.iterfind(f"TypeDefinitions/SimpleType[@name='{quantity}']/Real")
@@ -190,7 +195,7 @@ def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str,
 def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync: Command) -> None:
     starts = {"curve": "PARABOLA", "output_phasing": "-7.5", "rest_value": "-20", "active": "TRUE", "stop": "0"}
     options = [part for name, value in starts.items() for part in ("--start", f"{name}={value}")]
-    assert motionsync("build", "Synchronizer", *options, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--output", "here").status == 0
     fmu = the_fmu("here")
     found = {name: start_value(fmu, name) for name in starts}
     assert found == {
@@ -217,7 +222,8 @@ def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync
 def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:
     assert motionsync("build", "Synchronizer", "--output", "here").status == 0
     assert process(tmp_path, "build", "Synchronizer", "--output", "there").status == 0
-    assert the_fmu("here").read_bytes() == the_fmu("there").read_bytes()
+    for flavour in FLAVOURS:
+        assert the_fmu(f"here/{flavour}").read_bytes() == the_fmu(f"there/{flavour}").read_bytes()
 
 
 def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
@@ -230,14 +236,14 @@ def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
     ]
     guids = []
     for i, option in enumerate(options):
-        assert motionsync("build", "Synchronizer", *option, "--output", str(i)).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--output", str(i)).status == 0
         guids.append(description(the_fmu(str(i))).get("guid"))
     assert len(set(guids)) == len(options)
 
 
 def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Command) -> None:
     for folder, value in (("name", "PARABOLA"), ("number", "1")):
-        assert motionsync("build", "Synchronizer", "--start", f"curve={value}", "--output", folder).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--output", folder).status == 0
     assert the_fmu("name").read_bytes() == the_fmu("number").read_bytes()
 
 
@@ -280,7 +286,7 @@ def test_start_values_need_one_block(motionsync: Command) -> None:
 @pytest.mark.parametrize("epoch", ["yesterday", "1.5", "99999999999", "99999999999999999999"])
 def test_a_bad_source_date_epoch_is_one_line(motionsync: Command, monkeypatch: pytest.MonkeyPatch, epoch: str) -> None:
     monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
-    assert_one_line(motionsync("build", "Synchronizer"), "SOURCE_DATE_EPOCH", epoch)
+    assert_one_line(motionsync("build", "Synchronizer", *PYTHON), "SOURCE_DATE_EPOCH", epoch)
 
 
 def test_an_output_folder_that_cannot_be_made_is_one_line(workshop: Command) -> None:
@@ -332,7 +338,7 @@ def test_describe_shows_every_variable_and_choice(motionsync: Command, unit: str
 
 def test_describe_of_a_built_fmu_shows_its_own_unit_and_start_values(motionsync: Command) -> None:
     options = ("--unit", "deg", "--start", "rest_value=12.25", "--output", "here")
-    assert motionsync("build", "Synchronizer", *options).status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, *options).status == 0
     done = motionsync("describe", the_fmu("here"))
     assert (done.status, done.err) == (0, "")
     assert {"deg/s2", "12.25"} <= set(done.out.split())
@@ -561,7 +567,7 @@ def test_a_reference_that_cannot_be_used_is_one_line(
 
 def test_a_missing_fmu_is_built_and_told(motionsync: Command) -> None:
     scenario("stop")
-    fmu = Path("build/python/Synchronizer.fmu")
+    fmu = Path("build/native/Synchronizer.fmu")
     first = motionsync("run", "stop", "--no-report", "--json")
     assert (first.status, first.err) == (0, f"{fmu} was missing: built\n")
     assert json.loads(first.out)[0]["passed"]
@@ -570,10 +576,10 @@ def test_a_missing_fmu_is_built_and_told(motionsync: Command) -> None:
 
 
 def test_a_stale_fmu_is_rebuilt_and_told(workshop: Command, built: Path) -> None:
-    fmu = Path("build/python/Synchronizer.fmu")
-    fresh = (built / "python/Synchronizer.fmu").read_bytes()
+    fmu = Path("build/native/Synchronizer.fmu")
+    fresh = (built / "native/Synchronizer.fmu").read_bytes()
     assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--output", "other").status == 0
-    for other in (the_fmu("other").read_bytes(), b"no FMU", fresh[:3000], b""):
+    for other in (the_fmu("other/native").read_bytes(), b"no FMU", fresh[:3000], b""):
         fmu.write_bytes(other)
         done = workshop("run", "stop", "--no-report")
         assert (done.status, done.err) == (0, f"{fmu} was stale: built\n")
@@ -582,8 +588,8 @@ def test_a_stale_fmu_is_rebuilt_and_told(workshop: Command, built: Path) -> None
 
 def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
     scenario("stop")
-    Path("build/python/Synchronizer.fmu").mkdir(parents=True)
-    assert_one_line(motionsync("run", "stop"), str(Path("build/python/Synchronizer.fmu")))
+    Path("build/native/Synchronizer.fmu").mkdir(parents=True)
+    assert_one_line(motionsync("run", "stop"), str(Path("build/native/Synchronizer.fmu")))
 
 
 @pytest.mark.parametrize(
