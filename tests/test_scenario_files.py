@@ -94,13 +94,13 @@ def test_the_cross_check_files_are_those_of_script_and_oracle(folder: Path) -> N
         ("end_of_step_inputs", 1),  # FMPy initializes with the first step's inputs, here the master at its end
     ],
 )
-def test_fmpy_alone_runs_a_scenario_from_its_files(name: str, first: int, fmu: Path, tmp_path: Path) -> None:
-    """The command line that `motionsync run` prints, with the FMU that is here, and the variables of the reference."""
+def test_fmpy_alone_runs_a_scenario_from_its_files(name: str, first: int, native: Path, tmp_path: Path) -> None:
+    """The command line that `motionsync run` prints, and the variables of the reference."""
     scenario = load(SCENARIOS / "Synchronizer" / name / "scenario.toml")
-    words = shlex.split(command_line(scenario))
-    assert (words[:2], Path(words[2]).name) == (["fmpy", "simulate"], "Synchronizer.fmu")
-    names = [d.name for d in compare(scenario, simulate(scenario, fmu, scenario.step_size))]
-    call = [str(Path(sys.executable).with_name("fmpy")), "simulate", str(fmu), *words[3:], "--output-variables", *names]
+    words = shlex.split(command_line(scenario, native))
+    assert words[:3] == ["fmpy", "simulate", str(native)]
+    names = [d.name for d in compare(scenario, simulate(scenario, native, scenario.step_size))]
+    call = [str(Path(sys.executable).with_name("fmpy")), *words[1:], "--output-variables", *names]
     done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     with (tmp_path / "Synchronizer_out.csv").open(newline="") as f:
@@ -118,7 +118,8 @@ def test_the_command_line_for_fmpy_quotes_paths_and_keeps_all_digits(tmp_path: P
     file = tmp_path / "a folder (1)" / "scenario.toml"
     file.parent.mkdir()
     file.write_text(GOOD.replace("stop_time = 4.0", "stop_time = 4.0000001").replace("0.01", "0.0123456789"))
-    words = shlex.split(command_line(load(file)))
+    words = shlex.split(command_line(load(file), tmp_path / "an FMU.fmu"))
+    assert words[2] == str(tmp_path / "an FMU.fmu")
     options = dict(zip(words[3::2], words[4::2], strict=False))
     assert float(options["--stop-time"]) == 4.0000001
     assert float(options["--output-interval"]) == 0.0123456789
