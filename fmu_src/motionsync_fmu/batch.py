@@ -16,6 +16,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, get_type_hints
 
 import numpy as np
@@ -25,7 +26,7 @@ from motionsync.blocks import BLOCKS
 
 from .errors import UserError, choose
 from .slave import LONGEST_STEP
-from .variables import Variable, shown, variables
+from .variables import Variable, explained, shown, variables
 
 try:
     from .loop import INPUT, JUDGED, REFUSED, STEP_SIZE, Code, Plan, code, run
@@ -268,9 +269,11 @@ class _Batch:
                 message = f"step size = {shown(h)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
             elif cause == INPUT:
                 v, _ = self.reals[number]
-                message = v.refusal(_field(memory, v.name)[i].item())
+                message = v.refusal(_value(memory[i : i + 1], v.name))
+            elif cause == REFUSED:
+                message = explained(self.refusals[number], partial(_value, memory[i : i + 1]))
             else:
-                message = self.explained(memory[i : i + 1], number) if cause == REFUSED else NO_RESULT
+                message = NO_RESULT
             failures.append(Failure(first + i, step, message))
         return failures
 
@@ -282,12 +285,6 @@ class _Batch:
             for i in np.flatnonzero(~allowed(v, values)).tolist():
                 refused.setdefault(i, v.refusal(values[i].item()))
         return refused
-
-    def explained(self, memory: Array, number: int) -> str:
-        """A refusal in words, with the values of the variables it speaks of."""
-        refusal = self.refusals[number]
-        values = ", ".join(f"{name} = {shown(_field(memory, name)[0].item())}" for name in refusal.names)
-        return f"{refusal.description} ({values})" if values else str(refusal.description)
 
 
 def _group(v: Variable) -> int:
@@ -310,6 +307,11 @@ def _field(memory: Array, name: str) -> Array:
     for part in name.split("."):
         memory = memory[part]
     return memory
+
+
+def _value(memory: Array, name: str) -> Any:
+    """The value of one variable of one instance."""
+    return _field(memory, name)[0].item()
 
 
 def _offset(layout: Any, name: str) -> int:

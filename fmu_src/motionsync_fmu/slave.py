@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NoReturn
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from .variables import Cell, Variable, cells, members, shown, variables
+from .variables import Cell, Variable, cells, explained, members, shown, variables
 
 State = dict[str, Any]
 FAILURES: tuple[type[Exception], ...] = (ValueError, ArithmeticError, LookupError)
@@ -112,9 +112,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             raise
 
     def explained(self, choice: Any) -> str:
-        """A refusal or fault in words, with the values of the variables it speaks of."""
-        values = ", ".join(f"{name} = {shown(self.by_name[name].cell.get())}" for name in choice.names)
-        return f"{choice.description} ({values})" if values else str(choice.description)
+        return explained(choice, lambda name: self.by_name[name].cell.get())
 
     def refuse(self, text: str) -> NoReturn:
         """Fail the call: PythonFMU turns the exception into fmi2Fatal."""

@@ -1,6 +1,6 @@
 """A block's variables and cells, read from its declarations. Part of the Python FMU: imports no motionsync."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from enum import IntEnum
 from math import inf, isfinite
@@ -111,6 +111,12 @@ def shown(value: Any) -> str:
         return str(value)
     texts = [f"{value:.{digits}g}" for digits in (6, 15, 16, 17)]
     return next((text for text in texts if float(text) == value), texts[0])
+
+
+def explained(choice: Any, value_of: Callable[[str], Any]) -> str:
+    """A refusal or fault in words, with the values of the variables it speaks of."""
+    values = ", ".join(f"{name} = {shown(value_of(name))}" for name in choice.names)
+    return f"{choice.description} ({values})" if values else str(choice.description)
 
 
 def cells(block: Any, prefix: str = "") -> Iterator[Cell]:
