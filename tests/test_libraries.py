@@ -201,7 +201,7 @@ def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
         host.initialize()
         found = host.get(["output_phasing", "curve", "rest_value"])
     assert found == {"output_phasing": 30.0, "curve": 1, "rest_value": 180.0}
-    assert fmu_path(recipe, tmp_path, Flavour.NATIVE) == tmp_path / "native" / "deg" / "Synchronizer.fmu"
+    assert fmu_path(recipe, tmp_path, Flavour.NATIVE) == tmp_path / "native" / "Synchronizer.fmu"
 
 
 # --- builds that fail ---

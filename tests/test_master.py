@@ -345,6 +345,24 @@ def test_a_rebased_master_lies_in_the_first_turn_and_keeps_its_samples_together(
     assert linear.end == 1e7
 
 
+@pytest.mark.parametrize("period", [0.1, 0.7, 6.2, 7.7, 360.0])
+@pytest.mark.parametrize("turns", [10**5 + 1, -(10**7) - 3, 10**7 + 3])
+@pytest.mark.parametrize("mode", list(MasterInput))
+def test_an_unwrapped_master_is_taken_into_its_turn_without_loss(mode: MasterInput, turns: int, period: float) -> None:
+    """A linear encoder on a rotary machine: the input itself has many turns; its remainder is exact."""
+    position = period * turns + period / 3.0
+    master = Master()
+    master.input_mode = mode
+    master.period = period
+    master.position = position
+    assert master.initialize() == Refusal.NONE
+    exact = float(Fraction(position) % Fraction(period))
+    for _ in range(4):
+        assert master.advance(1e-3) == Refusal.NONE
+        assert wrap(master.end, period) == pytest.approx(exact, abs=1e-15 * period)
+        master.rebase()
+
+
 TURNS = 10_000_000
 
 

@@ -103,7 +103,7 @@ def tried(call: Any, *arguments: Any) -> str:
     return ""
 
 
-@settings(LONG, max_examples=20, suppress_health_check=list(HealthCheck))
+@settings(LONG, max_examples=25, suppress_health_check=list(HealthCheck))
 @given(runs(steps=500))
 def test_both_fmus_give_the_same_bits_and_log_the_same(fmu: Path, native: Path, run: Run) -> None:
     with Host(fmu) as a, Host(native) as b:

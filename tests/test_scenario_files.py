@@ -334,7 +334,7 @@ def test_without_a_mistake_it_is_read(tmp_path: Path) -> None:
     file = tmp_path / "scenario.toml"
     file.write_text(GOOD, "utf-8")
     scenario = load(file)
-    assert scenario.recipe == Recipe("Synchronizer", "deg")
+    assert (scenario.recipe, scenario.unit) == (Recipe("Synchronizer"), "deg")
     assert (scenario.title, scenario.source) == ("A good one", "By hand")
     assert (scenario.stop_time, scenario.step_size, scenario.tolerance) == (4.0, 0.01, 1e-9)
     assert scenario.start == {"master.period": 360.0, "curve": 1, "active": True}

@@ -135,7 +135,7 @@ def build_native(recipe: Recipe, target: Path, told: Callable[[str], None] = lam
     except ModuleNotFoundError as e:
         raise UserError(
             f"the native flavour is compiled with {e.name}, which is not installed: install it with "
-            "pip install 'motionsync[native]', or build --flavour python only"
+            "pip install 'motionsync[native]', or take --flavour python"
         ) from None
     files = {f"binaries/{n}": library for n, library in native.libraries(block, recipe.guid(), told).items()}
     texts = licences("motionsync", "numba", "ziglang") | native.linked_licences()
@@ -187,9 +187,9 @@ def licences(*distributions: str) -> Files:
     return found
 
 
-def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour = Flavour.PYTHON) -> Path:
-    """build/<flavour>/<FMU>.fmu; a build in another unit than mm lies in a folder of that unit's name."""
-    return folder / flavour.value / ("" if recipe.unit == "mm" else recipe.unit) / f"{recipe.name}.fmu"
+def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:
+    """<folder>/<flavour>/<FMU>.fmu."""
+    return folder / flavour.value / f"{recipe.name}.fmu"
 
 
 def outdated(fmu: Path, recipe: Recipe) -> str:

@@ -20,7 +20,7 @@ from .build import build as build_fmu
 from .description import BASES, summary
 from .documentation import row
 from .errors import UserError, choose
-from .references import command_line, csv_text
+from .references import command_line, csv_text, inputs_csv, inputs_file
 from .report import write_report
 from .scenario import FILE, MOST_STEPS, Scenario, find, load
 from .simulation import check, compare, simulate
@@ -42,6 +42,7 @@ out = Console(highlight=False, soft_wrap=True)
 wide = Console(highlight=False, markup=False, width=1000)  # for tables: a terminal breaks lines, it cuts nothing
 err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 UNITS = "|".join(BASES)
+USAGE: Any = typer.BadParameter.__base__  # what typer raises at wrong usage; it has no public name of its own
 
 
 def main() -> None:
@@ -50,14 +51,18 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a console that has no ± still tells the rest
     try:
-        app()
+        sys.exit(app(standalone_mode=False))  # what a command told by typer.Exit; else nothing, which is 0
+    except USAGE as e:
+        text = e.format_message()  # without any argument it is the help
+        err.print(text if len(sys.argv) == 1 else f"motionsync: {' '.join(text.split())}")
+        sys.exit(2)
     except UserError as e:
         err.print(f"motionsync: {' '.join(str(e).split())}")
         sys.exit(2)
     except OSError as e:  # a folder that cannot be written, a full disk
         err.print(f"motionsync: {e.filename}: {e.strerror}" if e.filename else f"motionsync: {e}")
         sys.exit(2)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, typer.Abort):
         sys.exit(130)
 
 
@@ -94,7 +99,7 @@ def build(
         recipe.block()  # every mistake is told before anything is built
     for recipe in recipes:
         for chosen in flavour or Flavour:
-            target = output / chosen / f"{recipe.name}.fmu"
+            target = fmu_path(recipe, output, chosen)
             with err.status(f"building {target}"):
                 build_fmu(chosen, recipe, target, err.print)
             out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}")
@@ -244,6 +249,10 @@ def _run(s: Scenario, flavour: Flavour, step_size: float, output: Path, *, repor
     folder.mkdir(parents=True, exist_ok=True)
     results = folder / f"{s.recipe.name}_out.csv"
     results.write_text(csv_text(["time", *course.values], course.rows()))
+    inputs = inputs_file(s)
+    if not inputs.exists():  # a scenario of the user's own
+        inputs = folder / inputs.name
+        inputs.write_text(inputs_csv(s))
     page = folder / "report.html"
     if report:
         write_report(page, s, course, checks, deviations, step_size)
@@ -261,7 +270,7 @@ def _run(s: Scenario, flavour: Flavour, step_size: float, output: Path, *, repor
         "messages": course.messages,
         "result": str(results),
         "report": str(page) if report else None,
-        "fmpy": command_line(s, fmu),
+        "fmpy": command_line(s, fmu, inputs),
     }
 
 

@@ -19,5 +19,5 @@ def choose(known: Mapping[str, T], name: str, what: str) -> T:
     """
     if name in known:
         return known[name]
-    near = list(known) if len(known) <= 8 else get_close_matches(name, known) or list(known)[:8]
+    near = list(known) if len(known) <= 8 else get_close_matches(name, known) or [*list(known)[:8], "..."]
     raise UserError(f"no {what} is named {name!r}; there is {', '.join(near)}")

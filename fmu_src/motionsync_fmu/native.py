@@ -93,7 +93,7 @@ def _compile(target: str, path: str, work: Path) -> bytes:
     if done.returncode:
         raise UserError(
             f"zig could not compile for {target}: it needs a folder that can be written (ZIG_GLOBAL_CACHE_DIR; else "
-            f"one in the user's cache) with 1 GB to spare; without zig build --flavour python only. zig said:\n"
+            f"one in the user's cache) with 1 GB to spare; without zig take --flavour python. zig said:\n"
             f"{done.stderr.strip()[-2000:]}"
         )
     return (work / path).read_bytes()

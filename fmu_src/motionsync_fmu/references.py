@@ -45,15 +45,19 @@ def options_text(scenario: Scenario) -> str:
     return "".join(f"{name}, {value!r}\n" for name, value in settings.items())
 
 
-def command_line(scenario: Scenario, fmu: Path) -> str:
-    """The call of FMPy that runs the scenario from its input file, without motionsync."""
+def inputs_file(scenario: Scenario) -> Path:
+    """Where a scenario's inputs lie, if they have been generated."""
+    return scenario.file.parent / f"{scenario.recipe.name}_in.csv"
+
+
+def command_line(scenario: Scenario, fmu: Path, inputs: Path | None = None) -> str:
+    """The call of FMPy that runs the scenario from an input file, its own by default, without motionsync."""
     by_name = _by_name(scenario)
     starts = " ".join(f"{name} {literal(by_name[name], value)}" for name, value in scenario.start.items())
-    inputs = scenario.file.parent / f"{scenario.recipe.name}_in.csv"
     parts = [
         f"fmpy simulate {quote(str(fmu))} --stop-time {scenario.stop_time!r} --output-interval {scenario.step_size!r}",
         f"--start-values {starts}" if starts else "",
-        f"--input-file {quote(str(inputs))} --output-file {scenario.recipe.name}_out.csv",
+        f"--input-file {quote(str(inputs or inputs_file(scenario)))} --output-file {scenario.recipe.name}_out.csv",
     ]
     return " ".join(filter(None, parts))
 

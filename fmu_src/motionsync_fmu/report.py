@@ -52,7 +52,7 @@ def write_report(
 
 def plots(scenario: Scenario, course: Course) -> Any:
     """Master and slave over time, the reference over them, bands of the block's states, marks of the commands."""
-    unit = scenario.recipe.unit
+    unit = scenario.unit
     figure = make_subplots(rows=5, cols=1, shared_xaxes=True, vertical_spacing=0.025, row_heights=HEIGHTS)
     master = dict(zip(("position", "velocity", "acceleration"), course.master.T, strict=True))
     reference = read_reference(scenario)

@@ -80,6 +80,7 @@ Expectation = AtTime | When | Within
 class Scenario:
     """A checked scenario: all names exist, all values fit their variables.
 
+    `unit`: of positions, for the report; the FMU's numbers do not depend on it.
     `tolerance`: of the reference, relative to the greatest magnitude of each variable in it.
     """
 
@@ -87,6 +88,7 @@ class Scenario:
     title: str
     source: str
     recipe: Recipe
+    unit: str
     stop_time: float
     step_size: float
     tolerance: float
@@ -163,7 +165,8 @@ class _Reader:
             self.file,
             self.string("title"),
             self.string("source"),
-            Recipe(name, unit),
+            Recipe(name),
+            unit,
             stop_time,
             step_size,
             self.number(self.root, "tolerance", "", default=1e-9, above=0.0),

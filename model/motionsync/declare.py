@@ -66,7 +66,7 @@ class Declaration:
         smallest: the least magnitude of a value other than 0.
         zero: whether 0 itself is allowed.
         depends: the inputs and parameters on which the value after initialization depends (outputs only).
-        codes: what the values of a plain Integer mean; a log line tells it when one other than 0 appears.
+        codes: what the values of a plain Integer mean; a log line tells it when the value changes to one other than 0.
     """
 
     causality: str

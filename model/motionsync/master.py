@@ -61,7 +61,7 @@ class Master:
         if self.beyond(self.position):
             return Refusal.MASTER_TURNS
         known = self.input_mode != MasterInput.POSITION_ONLY
-        self.end = self.position
+        self.end = wrap(self.position, self.period)
         self.end_velocity = self.velocity if known else 0.0
         self.end_acceleration = self.acceleration if known else 0.0
         self.samples = 0
@@ -147,7 +147,8 @@ class Master:
             return self.position
         if abs(expected - self.position) <= 0.5 * self.period:
             return self.position
-        return self.position + round((expected - self.position) / self.period) * self.period
+        turned = wrap(self.position, self.period)  # exact, which a large multiple of the period is not
+        return turned + round((expected - turned) / self.period) * self.period
 
     def beyond(self, position: float) -> bool:
         """Whether the position has too many turns for its period."""
