@@ -13,6 +13,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from known import KNOWN_RAMPS
 from motionsync.master import MasterInput
 from motionsync.refusal import Refusal
 from motionsync.synchronizer import State, Synchronizer
@@ -1004,20 +1005,7 @@ def test_the_slave_on_the_polynomial_by_the_chain_rule() -> None:
     assert local.peak_jerk_per_v3 == pytest.approx(512 / 225 / 64)
 
 
-@pytest.mark.parametrize(
-    ("curve", "phasing", "starting", "begin", "end", "middle"),
-    [
-        (PARABOLA, 90.0, True, 90.0, 270.0, 202.5),
-        (PARABOLA, 90.0, False, 90.0, 270.0, 157.5),
-        (PARABOLA, 180.0, True, 0.0, 360.0, 225.0),
-        (POLYNOMIAL, 90.0, True, 101.25, 270.0, 195.6103111),
-        (POLYNOMIAL, 90.0, False, 90.0, 258.75, 164.3896889),
-        (PARABOLA, -90.0, True, 270.0, 90.0, 157.5),
-        (PARABOLA, -90.0, False, 270.0, 90.0, 202.5),
-        (POLYNOMIAL, -90.0, True, 258.75, 90.0, 164.3896889),
-        (POLYNOMIAL, -90.0, False, 270.0, 101.25, 195.6103111),
-    ],
-)
+@pytest.mark.parametrize(("curve", "phasing", "starting", "begin", "end", "middle"), KNOWN_RAMPS)
 def test_known_results_in_degrees(
     curve: Curve, phasing: float, starting: bool, begin: float, end: float, middle: float
 ) -> None:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from known import KNOWN_RAMPS
 from motionsync.transition import Curve, Transition, floor, half_law
 
 settings.register_profile("transition", derandomize=True, deadline=None, max_examples=100)
@@ -187,21 +188,7 @@ def test_the_ratio_of_the_peak_accelerations() -> None:
 # --- known results, in degrees ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("curve", "phasing", "starting", "begin", "end", "middle"),
-    [
-        (PARABOLA, 90.0, True, 90.0, 270.0, 202.5),
-        (PARABOLA, 90.0, False, 90.0, 270.0, 157.5),
-        (PARABOLA, 180.0, True, 0.0, 360.0, 225.0),
-        (PARABOLA, 180.0, False, 0.0, 360.0, 135.0),
-        (POLYNOMIAL, 90.0, True, 101.25, 270.0, 195.6103111),
-        (POLYNOMIAL, 90.0, False, 90.0, 258.75, 164.3896889),
-        (PARABOLA, -90.0, True, 270.0, 90.0, 157.5),
-        (PARABOLA, -90.0, False, 270.0, 90.0, 202.5),
-        (POLYNOMIAL, -90.0, True, 258.75, 90.0, 164.3896889),
-        (POLYNOMIAL, -90.0, False, 270.0, 101.25, 195.6103111),
-    ],
-)
+@pytest.mark.parametrize(("curve", "phasing", "starting", "begin", "end", "middle"), KNOWN_RAMPS)
 def test_known_ramps_with_rest_at_180(
     curve: Curve, phasing: float, starting: bool, begin: float, end: float, middle: float
 ) -> None:
