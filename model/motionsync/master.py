@@ -69,9 +69,11 @@ class Master:
 
     def advance(self, h: float) -> Refusal:
         """Lay the path of the step; a refused one leaves the master as it was."""
+        if self.beyond(self.position):
+            return Refusal.MASTER_TURNS
         match self.input_mode:
             case MasterInput.START_OF_STEP:
-                return self.predict(h, self.velocity, self.acceleration)
+                return self.predict(h, self.unwrapped(self.end), self.velocity, self.acceleration)
             case MasterInput.END_OF_STEP:
                 return self.join(h)
             case _:
@@ -88,11 +90,8 @@ class Master:
             self.last -= turned
             self.before -= turned
 
-    def predict(self, h: float, velocity: float, acceleration: float) -> Refusal:
-        """From the input at t with constant acceleration to t+h."""
-        if self.beyond(self.position):
-            return Refusal.MASTER_TURNS
-        position = self.unwrapped(self.end)
+    def predict(self, h: float, position: float, velocity: float, acceleration: float) -> Refusal:
+        """From the input at t, unwrapped, with constant acceleration to t+h."""
         end = position + (velocity + 0.5 * acceleration * h) * h
         if self.beyond(end):
             return Refusal.MASTER_TURNS
@@ -112,7 +111,7 @@ class Master:
     def join(self, h: float) -> Refusal:
         """From the master of the call before to the input at t+h, along the cubic."""
         expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
-        if self.beyond(self.position) or self.beyond(expected):
+        if self.beyond(expected):
             return Refusal.MASTER_TURNS
         position = self.unwrapped(expected)
         self.seam = self.end
@@ -126,8 +125,6 @@ class Master:
     def extrapolate(self, h: float) -> Refusal:
         """Velocity and acceleration of the parabola through the last three samples at its newest point, by divided
         differences with the samples' own distances in time; with fewer samples only what they tell."""
-        if self.beyond(self.position):
-            return Refusal.MASTER_TURNS
         position = self.unwrapped(self.end)
         rate = 0.0
         acceleration = 0.0
@@ -139,7 +136,7 @@ class Master:
                 2.0 * (rate - former) / (self.last_step + self.before_step), -LARGEST_INPUT, LARGEST_INPUT
             )
         velocity = clamp(rate + 0.5 * acceleration * self.last_step, -LARGEST_INPUT, LARGEST_INPUT)
-        return self.predict(h, velocity, acceleration)
+        return self.predict(h, position, velocity, acceleration)
 
     def unwrapped(self, expected: float) -> float:
         """The input's position in the turn that is nearest to the expected one."""
