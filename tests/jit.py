@@ -1,21 +1,10 @@
 """A block's compiled code in this process, without zig and FMI: the quick way to compare it with the Python source."""
 
 from ctypes import CFUNCTYPE, byref, c_double, c_int32, c_int64, c_void_p
-from functools import cache
 from typing import Any
 
-import llvmlite.binding as llvm
-
-from motionsync_fmu.native import llvm_text
+from motionsync_fmu.loop import code
 from motionsync_fmu.record import image
-
-
-@cache
-def engine(block_type: type) -> Any:
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    machine = llvm.Target.from_default_triple().create_target_machine(opt=2)
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(llvm_text(block_type())), machine)
 
 
 class Compiled:
@@ -27,9 +16,9 @@ class Compiled:
 
     def __init__(self, block: Any) -> None:
         self.memory = image(block)
-        address = engine(type(block)).get_function_address
-        self._initialize = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_void_p)(address("model_initialize"))
-        self._step = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_void_p, c_double)(address("model_step"))
+        compiled = code(type(block))
+        self._initialize = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_void_p)(compiled.initialize)
+        self._step = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_void_p, c_double)(compiled.step)
 
     def set(self, name: str, value: Any) -> None:
         *parts, last = name.split(".")

@@ -1,12 +1,10 @@
 """The master axis and its path inside a step, against closed forms in exact fractions, numpy and mpmath."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from copy import deepcopy
-from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
@@ -18,6 +16,7 @@ from motionsync.axis import wrap
 from motionsync.master import Master, MasterInput
 from motionsync.path import Path
 from motionsync.refusal import Refusal
+from numbers_in import numbers_in
 
 settings.register_profile("master", derandomize=True, deadline=None, max_examples=200)
 repeatable = settings.get_profile("master")
@@ -60,18 +59,6 @@ def apart(value: float, exact: Fraction, period: float) -> float:
     turn = Fraction(period)
     way = (Fraction(value) - exact) % turn
     return float(min(way, turn - way))
-
-
-def numbers(it: Any) -> Iterator[float]:
-    """Every float that an object and its parts hold."""
-    for field in fields(it):
-        value = getattr(it, field.name)
-        if is_dataclass(value):
-            yield from numbers(value)
-        elif isinstance(value, list):
-            yield from value
-        elif isinstance(value, float):
-            yield value
 
 
 # --- START_OF_STEP ----------------------------------------------------------------------------------------------------
@@ -644,7 +631,7 @@ def test_nothing_inside_is_ever_nan_or_infinite(
         if it.advance(h) != Refusal.NONE:
             assert it == before
             continue
-        assert all(math.isfinite(x) for x in numbers(it))
+        assert all(math.isfinite(x) for x in numbers_in(it))
         path = it.path
         assert path.times[: path.pieces + 1] == sorted(path.times[: path.pieces + 1])
         for piece in range(path.pieces):

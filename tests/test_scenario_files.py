@@ -18,7 +18,7 @@ import regenerate
 from motionsync.master import MasterInput
 from motionsync_fmu.build import Recipe, build_python
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.references import command_line
+from motionsync_fmu.references import command_line, inputs_file
 from motionsync_fmu.scenario import AtTime, Scenario, When, Within, load
 from motionsync_fmu.script import Script, Segment
 from motionsync_fmu.simulation import Course, check, compare, schedule, simulate
@@ -97,7 +97,7 @@ def test_the_cross_check_files_are_those_of_script_and_oracle(folder: Path) -> N
 def test_fmpy_alone_runs_a_scenario_from_its_files(name: str, first: int, native: Path, tmp_path: Path) -> None:
     """The command line that `motionsync run` prints, and the variables of the reference."""
     scenario = load(SCENARIOS / "Synchronizer" / name / "scenario.toml")
-    words = shlex.split(command_line(scenario, native))
+    words = shlex.split(command_line(scenario, native, inputs_file(scenario)))
     assert words[:3] == ["fmpy", "simulate", str(native)]
     names = [d.name for d in compare(scenario, simulate(scenario, native, scenario.step_size))]
     call = [str(Path(sys.executable).with_name("fmpy")), *words[1:], "--output-variables", *names]
@@ -118,7 +118,8 @@ def test_the_command_line_for_fmpy_quotes_paths_and_keeps_all_digits(tmp_path: P
     file = tmp_path / "a folder (1)" / "scenario.toml"
     file.parent.mkdir()
     file.write_text(GOOD.replace("stop_time = 4.0", "stop_time = 4.0000001").replace("0.01", "0.0123456789"))
-    words = shlex.split(command_line(load(file), tmp_path / "an FMU.fmu"))
+    scenario = load(file)
+    words = shlex.split(command_line(scenario, tmp_path / "an FMU.fmu", inputs_file(scenario)))
     assert words[2] == str(tmp_path / "an FMU.fmu")
     options = dict(zip(words[3::2], words[4::2], strict=False))
     assert float(options["--stop-time"]) == 4.0000001

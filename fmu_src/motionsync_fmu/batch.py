@@ -30,7 +30,7 @@ from .variables import Variable, explained, shown, variables
 
 try:
     from .loop import INPUT, JUDGED, REFUSED, STEP_SIZE, Code, Plan, code, run
-    from .record import image
+    from .record import image, offset
 except ModuleNotFoundError as e:
     raise ModuleNotFoundError(
         f"batches are compiled with {e.name}, which is not installed: install it with pip install 'motionsync[native]'",
@@ -239,11 +239,11 @@ class _Batch:
         target = out[first:last]
 
         def sources(columns: list[tuple[Variable, _Column]]) -> Whole:
-            return _table(4, ([*_source(pieces[v.name]), _offset(memory.dtype, v.name)] for v, _ in columns))
+            return _table(4, ([*_source(pieces[v.name]), offset(memory.dtype, v.name)] for v, _ in columns))
 
         def sinks(*kinds: str) -> Whole:
             chosen = [(i, v) for i, v in enumerate(self.outputs) if v.kind in kinds]
-            return _table(2, ([_offset(memory.dtype, v.name), i * target.strides[2]] for i, v in chosen))
+            return _table(2, ([offset(memory.dtype, v.name), i * target.strides[2]] for i, v in chosen))
 
         run(
             self.code,
@@ -289,7 +289,7 @@ class _Batch:
 
 def _group(v: Variable) -> int:
     """0: a Real input, which is judged at each step; 1: another word of 8 bytes; 2: a Boolean."""
-    return 0 if v.kind == "Real" and v.causality == "input" else 2 if v.kind == "Boolean" else 1
+    return 0 if v.real_input else 2 if v.kind == "Boolean" else 1
 
 
 def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
@@ -312,14 +312,6 @@ def _field(memory: Array, name: str) -> Array:
 def _value(memory: Array, name: str) -> Any:
     """The value of one variable of one instance."""
     return _field(memory, name)[0].item()
-
-
-def _offset(layout: Any, name: str) -> int:
-    offset = 0
-    for part in name.split("."):
-        layout, here = layout.fields[part][:2]
-        offset += here
-    return offset
 
 
 def _source(values: Array) -> list[int]:

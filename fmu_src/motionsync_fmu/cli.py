@@ -198,10 +198,9 @@ def run(
         motionsync run scenarios --step-size 0.007 --no-report
     """
     scenarios = _loaded(path, step_size)
-    for s in scenarios:
-        target = fmu_path(s.recipe, Path("build"), flavour)
-        if why := outdated(target, s.recipe):
-            build_fmu(flavour, s.recipe, target, err.print)
+    for target, recipe in {fmu_path(s.recipe, Path("build"), flavour): s.recipe for s in scenarios}.items():
+        if why := outdated(target, recipe):
+            build_fmu(flavour, recipe, target, err.print)
             err.print(f"{target} was {why}: built")
     results: list[tuple[Scenario, dict[str, Any]]] = []
     refused: list[UserError] = []

@@ -101,7 +101,5 @@ class Host:
             return function(*arguments, **options)
         except FMICallException as e:
             texts = self.messages[told:]
-            own = [
-                text for text in texts if not text.startswith("Fatal py exception")
-            ]  # PythonFMU's, says nothing more
+            own = [t for t in texts if not t.startswith("Fatal py exception")]  # PythonFMU's, which says nothing more
             raise FmuError("; ".join(own or texts) or str(e)) from e

@@ -25,7 +25,7 @@ from motionsync.refusal import Refusal
 
 from .archive import HERE, Files
 from .errors import UserError
-from .record import dtype, entry, image, record
+from .record import dtype, entry, image, offset, record
 from .slave import LONGEST_STEP
 from .variables import Variable, variables
 
@@ -206,7 +206,7 @@ def model_header(block: Any, guid: str) -> str:
         "static const Variable VARIABLES[] = {",
         *(_row(v, layout) for v in vs),
         "};",
-        f"static const int REAL_INPUTS[] = {_list([i for i, v in enumerate(vs) if real_input(v)] + [-1])};",
+        f"static const int REAL_INPUTS[] = {_list([i for i, v in enumerate(vs) if v.real_input] + [-1])};",
         *_messages("REFUSALS", Refusal, index),
     ]
     for v in coded:
@@ -215,15 +215,7 @@ def model_header(block: Any, guid: str) -> str:
     return "\n".join([*lines, f"static const Coded CODED[] = {_list([*rows, '{-1, NULL}'])};", ""])
 
 
-def real_input(v: Variable) -> bool:
-    return v.causality == "input" and v.kind == "Real"
-
-
 def _row(v: Variable, layout: Any) -> str:
-    offset = 0
-    for name in v.name.split("."):
-        layout, here = layout.fields[name][:2]
-        offset += here
     access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
     d = v.declaration
     choices = f"(const int32_t[]){_list([len(v.choices), *(int(m) for m in v.choices)])}" if v.choices else "NULL"
@@ -232,7 +224,7 @@ def _row(v: Variable, layout: Any) -> str:
         quoted(f"{v.variability} {v.causality}"),
         v.kind.upper(),
         access,
-        str(offset),
+        str(offset(layout, v.name)),
         *(number(x) for x in (d.min, d.max, d.above, d.smallest)),
         str(d.zero).lower(),
         choices,

@@ -36,6 +36,15 @@ def dtype(block: Any) -> np.dtype[Any]:
     return np.dtype(columns, align=True)
 
 
+def offset(layout: Any, name: str) -> int:
+    """Where the variable of that name lies in memory of that layout, in bytes."""
+    total = 0
+    for part in name.split("."):
+        layout, here = layout.fields[part][:2]
+        total += here
+    return total
+
+
 def image(block: Any) -> np.ndarray[Any, Any]:
     """The block's present values in that memory; what lies between the fields is 0."""
     memory = np.zeros((), dtype(block))

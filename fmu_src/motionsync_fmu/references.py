@@ -50,14 +50,14 @@ def inputs_file(scenario: Scenario) -> Path:
     return scenario.file.parent / f"{scenario.recipe.name}_in.csv"
 
 
-def command_line(scenario: Scenario, fmu: Path, inputs: Path | None = None) -> str:
-    """The call of FMPy that runs the scenario from an input file, its own by default, without motionsync."""
+def command_line(scenario: Scenario, fmu: Path, inputs: Path) -> str:
+    """The call of FMPy that runs the scenario from its input file, without motionsync."""
     by_name = _by_name(scenario)
     starts = " ".join(f"{name} {literal(by_name[name], value)}" for name, value in scenario.start.items())
     parts = [
         f"fmpy simulate {quote(str(fmu))} --stop-time {scenario.stop_time!r} --output-interval {scenario.step_size!r}",
         f"--start-values {starts}" if starts else "",
-        f"--input-file {quote(str(inputs or inputs_file(scenario)))} --output-file {scenario.recipe.name}_out.csv",
+        f"--input-file {quote(str(inputs))} --output-file {scenario.recipe.name}_out.csv",
     ]
     return " ".join(filter(None, parts))
 

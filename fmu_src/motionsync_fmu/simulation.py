@@ -2,7 +2,7 @@
 
 import csv
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -103,10 +103,8 @@ def schedule(scenario: Scenario, step_size: float) -> Iterator[tuple[float, floa
         yield t, end, values
 
 
-def simulate(
-    scenario: Scenario, fmu: Path, step_size: float, progress: Callable[[float], None] = lambda share: None
-) -> Course:
-    """Step the FMU along the scenario; `progress` is told the share that is done.
+def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Course:
+    """Step the FMU along the scenario.
 
     Raises:
         UserError: the FMU refused a start value or a step; the message has the time and what it logged.
@@ -127,7 +125,6 @@ def simulate(
                 rows.append([float(found[n]) for n in names])
                 motions.append(scenario.master.until(end))
                 times.append(end)
-                progress(end / scenario.stop_time)
         except FmuError as e:
             raise UserError(f"{scenario.file}: at {times[-1]:g} s the FMU refused: {e}") from None
     columns = np.array(rows).T

@@ -46,7 +46,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         for name, value in self.starts.items():
             self.by_name[name].cell.set(value)
         self.settable = [v for v in self.variables if v.settable]
-        self.inputs = [v for v in self.settable if v.causality == "input" and v.kind == "Real"]
+        self.inputs = [v for v in self.variables if v.real_input]
         self.limits = [(v.declaration.min, v.declaration.max) for v in self.inputs]
         self.read_inputs = reader(v.name for v in self.inputs)
         self.codes = [v for v in self.variables if v.declaration.codes]

@@ -65,6 +65,11 @@ class Variable:
         return self.causality in ("input", "parameter")
 
     @property
+    def real_input(self) -> bool:
+        """Whether it is judged at each step; all else that can be set is judged at the initialization only."""
+        return self.causality == "input" and self.kind == "Real"
+
+    @property
     def choices(self) -> list[Any]:
         """The members of an enumeration, each with `name`, `value` and `description`; else none."""
         return members(self.cell.type)
