@@ -1,0 +1,137 @@
+"""The real roots of a polynomial inside (0, 1), to rounding.
+
+Between two roots of its derivative a polynomial is monotone: a change of sign there brackets exactly one root. So the
+roots of the highest derivative, a straight line, lead down to those of the polynomial itself.
+"""
+
+from dataclasses import dataclass
+from math import isfinite
+
+from . import declare as var
+
+TERMS = 7  # coefficients of the highest degree
+EPSILON = 1.0 / 4503599627370496.0  # 2^-52
+ROUNDING = 256.0 * EPSILON  # of the coefficients' magnitudes: a sum that should be 0 is not greater
+ITERATIONS = 100  # six as a rule; only for a root that is next to nothing there may be too few, 1e-18 off at most
+
+
+@dataclass(slots=True)
+class Polynomial:
+    """f(u) = sum of coefficients[n] u^n, n = 0 to degree <= 6; its roots, ascending, are roots[0] to roots[count - 1].
+
+    `chain` holds the scaled coefficients of f and, from TERMS k on, those of its k-th derivative.
+    """
+
+    degree: int = 0
+    coefficients: list[float] = var.ring(7)
+    count: int = 0
+    roots: list[float] = var.ring(6)
+    chain: list[float] = var.ring(49)
+
+    def differentiate(self) -> None:
+        """f becomes its derivative."""
+        for n in range(self.degree):
+            self.coefficients[n] = (n + 1.0) * self.coefficients[n + 1]
+        self.coefficients[self.degree] = 0.0
+        self.degree = max(self.degree - 1, 0)
+
+    def size(self) -> float:
+        """Sum of the coefficients' magnitudes: |f| is not greater in [0, 1]."""
+        size = 0.0
+        for n in range(self.degree + 1):
+            size += abs(self.coefficients[n])
+        return size
+
+    def solve(self) -> None:
+        """Find the roots with 0 < u < 1; there are none where f is 0 everywhere or a coefficient is not finite.
+
+        A value at 0 is a coefficient and taken as it is; at 1, and where the derivative is 0, one within rounding of 0
+        counts as 0. So a root at 1 is none inside, and two roots that rounding cannot tell apart are one.
+        """
+        degree = self.differentiate_all()
+        self.count = 0
+        for order in range(degree - 1, -1, -1):
+            self.descend(order, degree - order)
+
+    def differentiate_all(self) -> int:
+        """Fill the chain; the degree without leading zeros. Scaled where squares would leave a double's range."""
+        size = self.size()
+        if not isfinite(size) or size == 0.0:
+            return 0
+        scale = 1.0 if 1e-100 < size < 1e100 else size
+        degree = 0
+        for n in range(self.degree + 1):
+            self.chain[n] = self.coefficients[n] / scale
+            if self.chain[n] != 0.0:
+                degree = n
+        for order in range(1, degree):
+            at = TERMS * order
+            for n in range(degree - order + 1):
+                self.chain[at + n] = (n + 1.0) * self.chain[at - TERMS + n + 1]
+        return degree
+
+    def descend(self, order: int, degree: int) -> None:
+        """The roots of the derivative of that order, which is of that degree, from those of the next order: they cut
+        (0, 1) into its monotone pieces. Each is read before a new root takes its place."""
+        cuts = self.count
+        found = 0
+        low = 0.0
+        before = self.chain[TERMS * order]
+        for n in range(cuts + 1):
+            high = self.roots[n] if n < cuts else 1.0
+            after = self.value(order, degree, high)
+            crossing = before < 0.0 < after or after < 0.0 < before
+            root = self.between(order, degree, low, high, before < 0.0) if crossing else high
+            if (crossing or after == 0.0) and 0.0 < root < 1.0:
+                self.roots[found] = root
+                found += 1
+            low = high
+            before = after
+        self.count = found
+
+    def value(self, order: int, degree: int, u: float) -> float:
+        """The derivative of that order at u, 0 if it is within the rounding of its terms; at 1 the coefficients' own
+        rounding is allowed for."""
+        at = TERMS * order
+        value = self.chain[at + degree]
+        terms = abs(value)
+        n = at + degree
+        while n > at:
+            n -= 1
+            value = value * u + self.chain[n]
+            terms = terms * u + abs(self.chain[n])
+        return 0.0 if abs(value) <= (ROUNDING if u == 1.0 else degree * EPSILON) * terms else value
+
+    def between(self, order: int, degree: int, low: float, high: float, rising: bool) -> float:
+        """The root between two values of opposite signs: Newton's steps as long as they stay inside and halve, else
+        bisection; it ends where the value is within the rounding of its terms, after the step from there."""
+        at = TERMS * order
+        step = high - low
+        u = low + 0.5 * step
+        for _ in range(ITERATIONS):
+            value = self.chain[at + degree]
+            slope = 0.0
+            terms = abs(value)
+            n = at + degree
+            while n > at:
+                n -= 1
+                slope = slope * u + value
+                value = value * u + self.chain[n]
+                terms = terms * u + abs(self.chain[n])
+            if (value > 0.0) == rising:
+                high = u
+            else:
+                low = u
+            newton = u - value / slope if slope != 0.0 else u
+            inside = low < newton < high
+            if abs(value) <= degree * EPSILON * terms:
+                return newton if inside else u
+            if inside and 2.0 * abs(newton - u) < step:
+                step = abs(newton - u)
+                u = newton
+            else:
+                step = 0.5 * (high - low)
+                u = low + step
+                if u <= low or u >= high:
+                    break
+        return u
