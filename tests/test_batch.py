@@ -11,6 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from divider import Divider
+from drives import drawn as drawn_runs
+from motionsync.blocks import BLOCKS
 from motionsync.synchronizer import Synchronizer
 from motionsync.transition import Curve
 from motionsync_fmu import batch, loop
@@ -31,10 +33,10 @@ class Slave(BlockSlave):
 
 
 def alone(
-    start: Mapping[str, Any], inputs: Mapping[str, Any], steps: Any, outputs: list[str]
+    start: Mapping[str, Any], inputs: Mapping[str, Any], steps: Any, outputs: list[str], kind: type[Slave] = Slave
 ) -> tuple[np.ndarray[Any, Any], int | None, str]:
     """One instance in the python flavour: outputs, NaN from where it failed; that step; the log's last line."""
-    slave = Slave(instance_name="reference")
+    slave = kind(instance_name="reference")
     rows = np.full((len(steps), len(outputs)), math.nan)
 
     def fill(values: Mapping[str, Any]) -> None:
@@ -107,6 +109,31 @@ def test_a_batch_has_the_bits_and_the_failures_of_instances_stepped_alone(seed: 
         assert rows.tobytes() == found.values[i].tobytes()
 
 
+def test_a_batch_of_any_block_has_the_bits_and_the_failures_of_instances_stepped_alone(block: str) -> None:
+    """Runs as they are drawn; what a run does not set in a step stays as it was."""
+    runs, steps = drawn_runs(block, 200, 12), 200
+    own = {v.name: v for v in variables(BLOCKS[block].type())}
+    varied = {name for run in runs for _, values in run.steps for name in values}
+    start = {name: np.array([run.start.get(name, own[name].start) for run in runs]) for name in runs[0].start | own}
+    start = {name: values for name, values in start.items() if own[name].settable}
+    inputs = {name: np.repeat(values[:, None], steps, axis=1) for name, values in start.items() if name in varied}
+    for i, run in enumerate(runs):
+        for t, (_, values) in enumerate(run.steps):
+            for name, value in values.items():
+                inputs[name][i, t:] = value
+    h = np.array([[h for h, _ in run.steps] for run in runs])
+    names = list(own)
+    found = simulate_many(block, h, inputs, names, start=start, threads=2)
+    failures = {f.instance: f for f in found.failures}
+    kind = type("AnySlave", (Slave,), {"block_type": BLOCKS[block].type})
+    for i in range(len(runs)):
+        rows, failed, message = alone(
+            {n: x[i].item() for n, x in start.items()}, {n: x[i].tolist() for n, x in inputs.items()}, h[i], names, kind
+        )
+        assert failures.get(i) == (None if failed is None else Failure(i, failed, message))
+        assert rows.tobytes() == found.values[i].tobytes()
+
+
 def test_every_kind_of_failure_is_told_where_it_happens_and_nowhere_else() -> None:
     good = simulate_many("Synchronizer", 0.01, {"master.velocity": 100.0}, ALL, steps=5).values[0]
     velocity = np.full((7, 5), 100.0)
@@ -166,7 +193,7 @@ def test_many_values_are_judged_as_one_is(v: Any, data: st.DataObject) -> None:
     d = v.declaration
     edges = [
         x
-        for e in (d.min, d.max, d.above, d.smallest, 0.0)
+        for e in (d.min, d.max, d.above, d.below, d.smallest, 0.0)
         for x in (e, -e, math.nextafter(e, 1), math.nextafter(e, -1))
     ]
     kinds = {"Real": st.sampled_from([*edges, math.nan]) | st.floats(), "Boolean": st.booleans()}

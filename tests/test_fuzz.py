@@ -118,7 +118,7 @@ def row(v: Variable) -> str:
     d = v.declaration
     kind = "INTEGER" if v.choices else v.kind.upper()
     access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
-    limits = ", ".join(number(x) for x in (v.start, d.min, d.max, d.above, d.smallest))
+    limits = ", ".join(number(x) for x in (v.start, d.min, d.max, d.above, d.below, d.smallest))
     choices = [len(v.choices), *(int(member) for member in v.choices)]
     listed = f"(const int[]){{{', '.join(map(str, choices))}}}" if v.choices else "NULL"
     return f"{{{kind}, {access}, {limits}, {int(d.zero)}, {listed}}}"

@@ -387,6 +387,53 @@ def test_names_are_followed_into_other_folders_of_the_package() -> None:
     assert [(v.file, v.line) for v in check({"saw/law.py": law, "part.py": PART})] == [("saw/law.py", 5)]
 
 
+def test_names_are_followed_through_a_package() -> None:
+    package = {"saw/__init__.py": "from .law import Law\n", "saw/law.py": PART.replace("class Part", "class Law")}
+    text = "from .saw import Law\n\ndef f(law: Law) -> None:\n    law.position = law.move(1.0)\n    law.fly()\n"
+    assert [(v.file, v.line) for v in check(package | {"use.py": text})] == [("use.py", 5)]
+
+
+LAW = """
+from dataclasses import dataclass
+
+from .. import declare as var
+from ..declare import Choice, Unit
+from .part import Part, clamp
+
+
+class Way(Choice):
+    UP = 1, "up", *NAMES
+
+
+@dataclass(slots=True)
+class Law:
+    part: Part = var.part(Part)
+    x: float = var.output(0.0, "x", Unit.POSITION)
+    way: Way = Way.UP
+
+    def step(self) -> float:
+        return clamp(self.part.move(1.0), 0.0, self.x)
+"""
+
+
+def test_a_module_of_a_package_keeps_to_the_same_rules() -> None:
+    text = LAW.replace("\n\nclass Way", '\nNAMES = ("x", ".y")\n\nclass Way')
+    files = {"saw/law.py": text, "saw/part.py": PART, "saw/__init__.py": "NAMES = ['exempt']\n"}
+    assert check(files) == []
+    assert check({"saw/declare.py": "NAMES = ['x']\n", "saw/blocks.py": "NAMES = ['x']\n"}) != []
+
+
+@pytest.mark.parametrize("line", ["from ... import declare", "from ...part import Part", "from . import declare"])
+def test_an_import_from_outside_the_package_is_named(line: str) -> None:
+    (violation,) = check({"saw/law.py": f"{line}\n", "part.py": PART})
+    assert str(violation).startswith("saw/law.py:1: a kernel module imports only")
+
+
+def test_names_of_variables_are_for_enumerations_only() -> None:
+    text = "NAMES = ('x', 'y')\n\ndef f(n: int) -> int:\n    return g(NAMES)\n\ndef g(n: int) -> int:\n    return n\n"
+    assert [(v.line, v.rule) for v in check({"a.py": text})] == [(4, "no strings in kernel code")]
+
+
 def test_a_constant_may_come_from_the_declarations() -> None:
     text = "from .declare import LARGEST, f\n\ndef g() -> float:\n    x = LARGEST\n    return x + f()\n"
     declare = "LARGEST = 1e12\n\ndef f():\n    return 'x'\n"

@@ -6,6 +6,7 @@ import importlib
 import os
 import time
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from .errors import UserError
@@ -15,21 +16,32 @@ Files = dict[str, bytes]
 
 
 def sources(module: str) -> Files:
-    """The module and all it imports from its own package, by their paths in the package, with forward slashes."""
-    package = module.partition(".")[0]
-    found: Files = {}
-    wanted = [f"{package}.__init__", module]
+    """The module and all it imports from its own package, by their paths in the package, with forward slashes.
+
+    With a module come the `__init__` of the packages that it lies in, and what these import."""
+    package, *parts = module.split(".")
     root = Path(str(importlib.import_module(package).__file__)).parent
+    found: Files = {}
+    wanted = [root.joinpath(*parts)]
     while wanted:
-        path = root.joinpath(*wanted.pop().split(".")[1:]).with_suffix(".py")
+        place = wanted.pop()
+        path = place / "__init__.py" if place.is_dir() else place.with_name(f"{place.name}.py")
         name = path.relative_to(root).as_posix()
-        if name in found:
-            continue
-        found[name] = path.read_bytes().replace(b"\r\n", b"\n")
-        for node in ast.walk(ast.parse(found[name])):
-            if isinstance(node, ast.ImportFrom) and node.level:
-                wanted += [f"{package}.{m}" for m in ([node.module] if node.module else [a.name for a in node.names])]
+        if name not in found:
+            found[name] = path.read_bytes().replace(b"\r\n", b"\n")
+            packages = (root / folder for folder in path.relative_to(root).parents)
+            wanted += [*packages, *_imported(ast.parse(found[name]), path)]
     return dict(sorted(found.items()))
+
+
+def _imported(tree: ast.Module, path: Path) -> Iterator[Path]:
+    """Modules and packages that relative imports name, without suffix."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            origin = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+            yield origin
+            modules = (origin / alias.name for alias in node.names)  # a name of a package may be a module in it
+            yield from (m for m in modules if m.is_dir() or m.with_name(f"{m.name}.py").is_file())
 
 
 def runtime() -> Files:
@@ -39,7 +51,7 @@ def runtime() -> Files:
 
 def compilers() -> Files:
     """The part of this package that determines the native code."""
-    return _own("fmi2.c", "native.py", "record.py")
+    return _own("fmi2.c", "lowering.py", "native.py", "record.py")
 
 
 def _own(*names: str) -> Files:

@@ -271,7 +271,8 @@ class _Batch:
                 v, _ = self.reals[number]
                 message = v.refusal(_value(memory[i : i + 1], v.name))
             elif cause == REFUSED:
-                message = explained(self.refusals[number], partial(_value, memory[i : i + 1]))
+                refusal = self.refusals[number]
+                message = explained(refusal, refusal.names, partial(_value, memory[i : i + 1]))
             else:
                 message = NO_RESULT
             failures.append(Failure(first + i, step, message))
@@ -299,7 +300,8 @@ def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
     if v.kind != "Real":
         return np.ones(values.shape, np.bool_)
     d = v.declaration
-    fits = np.isfinite(values) & (d.min <= values) & (values <= d.max) & (values > d.above)
+    fits = np.isfinite(values) & (d.min <= values) & (values <= d.max)
+    fits &= (d.above < values) & (values < d.below)
     return fits & np.where(values == 0.0, d.zero, np.abs(values) >= d.smallest)
 
 

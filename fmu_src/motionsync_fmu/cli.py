@@ -3,6 +3,7 @@
 import io
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,11 +15,13 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from motionsync.blocks import BLOCKS
+from motionsync.declare import Unit
 
 from .build import Flavour, Recipe, fmu_path, outdated
 from .build import build as build_fmu
-from .description import BASES, summary
-from .documentation import row
+from .cuts import cut
+from .description import BASES, summary, unit_name
+from .documentation import groups
 from .errors import UserError, choose
 from .references import command_line, csv_text, inputs_csv, inputs_file
 from .report import write_report
@@ -154,12 +157,14 @@ def describe(
     keys = ("name", "causality", "type", "unit", "start", "range", "description")
     table = Table(*keys, box=None)
     table.columns[0].no_wrap = True
-    described = variables(registered.type())
-    for v in described:
-        r = row(v, symbol) | ({"start": starts[v.name]} if v.name in starts else {})
-        table.add_row(*(r[key] for key in keys))
+    block = registered.type()
+    for i, group in enumerate(groups(block, symbol)):
+        if i:
+            table.add_row()
+        for r in group.rows:
+            table.add_row(*((r | {"start": starts.get(r["name"], r["start"])})[key] for key in keys))
     wide.print(table)
-    for choice in dict.fromkeys(v.cell.type for v in described if v.choices):
+    for choice in dict.fromkeys(v.cell.type for v in variables(block) if v.choices):
         out.print(f"\n{choice.__name__}: {summary(choice)}")
         for member in members(choice):
             out.print(f"  {member.value:3d} {member.name}: {member.description}")
@@ -266,11 +271,21 @@ def _run(s: Scenario, flavour: Flavour, step_size: float, output: Path, *, repor
             {"variable": d.name, "max_difference": d.greatest, "at": d.at, "allowed": d.allowed, "passed": d.passed}
             for d in deviations
         ],
+        "cuts": [asdict(c) for c in cut(s.cuts, course)] if s.cuts else [],
         "messages": course.messages,
         "result": str(results),
         "report": str(page) if report else None,
         "fmpy": command_line(s, fmu, inputs),
     }
+
+
+def _cuts_told(cuts: list[dict[str, float]], unit: str) -> str:
+    """How many cuts there were, and how far the worst one is from its mark."""
+    if not cuts:
+        return "cuts: none"
+    worst = max(range(len(cuts)), key=lambda i: abs(cuts[i]["error"]))
+    error, mark = f"{abs(cuts[worst]['error']):.2g} {unit}".strip(), f"{cuts[worst]['mark']:.10g} {unit}".strip()
+    return f"cuts: {len(cuts)}, the worst {error} from its mark: cut {worst + 1}, mark {mark}"
 
 
 def _show(s: Scenario, result: dict[str, Any]) -> None:
@@ -283,6 +298,8 @@ def _show(s: Scenario, result: dict[str, Any]) -> None:
             f"  {'kept  ' if d['passed'] else '[red]broken[/]'}  {d['variable']}: max |difference| "
             f"{d['max_difference']:.2g} from the reference, {d['allowed']:.2g} allowed"
         )
+    if s.cuts:
+        out.print(f"  {_cuts_told(result['cuts'], unit_name(Unit.POSITION, s.unit))}")
     for message in result["messages"]:
         out.print(f"  the FMU logged: {escape(message)}")
     out.print(f"  result: {escape(result['result'])}")

@@ -19,6 +19,7 @@ BASES = {  # a build's position unit in SI base units: exponents' unit and facto
     "rad": ("rad", 1.0),
     "1": ("", 1.0),
 }
+DEGREE = "deg"
 CATEGORIES = {
     "logStatusWarning": "refused commands",
     "logStatusError": "refused values and failed calls",
@@ -85,9 +86,9 @@ def summary(thing: Any) -> str:
 
 def unit_name(kind: Unit, unit: str) -> str:
     """The name of a unit where positions are in `unit`: mm/s2, 1/deg2; of a pure number, the empty string."""
-    symbol = "" if unit == "1" else unit
-    above = _power(symbol, kind.position)
-    below = "".join(f"/{p}" for p in (_power(symbol, -kind.position), _power("s", -kind.second)) if p)
+    powers = (("" if unit == "1" else unit, kind.position), (DEGREE, kind.degree), ("s", kind.second))
+    above = "".join(_power(symbol, exponent) for symbol, exponent in powers)
+    below = "".join(f"/{p}" for symbol, exponent in powers if (p := _power(symbol, -exponent)))
     return (above or "1") + below if above or below or kind is not Unit.NONE else ""
 
 
@@ -100,12 +101,13 @@ def _used_units(vs: list[Variable]) -> list[Unit]:
 
 
 def _units(parent: Element, vs: list[Variable], unit: str) -> None:
-    base, factor = BASES[unit]
     definitions = {unit_name(u, unit): u for u in reversed(_used_units(vs))}
     for name, u in sorted(definitions.items()):
-        powers = {base: u.position, "s": u.second}
+        base, factor = BASES[DEGREE if u.degree else unit]
+        exponent = u.degree or u.position
+        powers = {base: exponent, "s": u.second}
         exponents = {symbol: str(power) for symbol, power in powers.items() if symbol and power}
-        scale = {} if factor == 1.0 else {"factor": repr(_scaled(factor, u.position))}
+        scale = {"factor": repr(_scaled(factor, exponent))} if exponent and factor != 1.0 else {}
         SubElement(SubElement(parent, "Unit", name=name), "BaseUnit", exponents | scale)
 
 
@@ -140,7 +142,7 @@ def _variable(v: Variable, reference: int) -> Element:
     elif d.unit is not Unit.NONE:
         value.set("declaredType", d.unit.quantity)
     if v.kind == "Real":
-        for limit, number in (("min", max(d.min, d.above)), ("max", d.max)):
+        for limit, number in (("min", max(d.min, d.above)), ("max", min(d.max, d.below))):
             if math.isfinite(number):
                 value.set(limit, repr(number))
     if v.settable:

@@ -1,12 +1,15 @@
 """The pages inside an FMU: what the block does, its variables, and a picture of a transition; all from its source."""
 
 import io
+import re
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import jinja2
 import matplotlib
+from markupsafe import Markup, escape
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -17,11 +20,13 @@ from motionsync.master import MasterInput
 from . import __version__
 from .archive import Files
 from .description import literal, summary, unit_name
+from .errors import UserError
 from .variables import Variable, cells, members, variables
 
 TEMPLATES = jinja2.Environment(
     loader=jinja2.PackageLoader("motionsync_fmu"), autoescape=True, trim_blocks=True, lstrip_blocks=True
 )
+TEMPLATES.filters["code"] = lambda text: Markup(re.sub("`(.*?)`", r"<code>\1</code>", str(escape(text))))
 STYLE: Any = {  # the same picture at every build
     "svg.hashsalt": "motionsync",
     "svg.fonttype": "none",
@@ -38,6 +43,8 @@ PLATFORMS = {  # the names that FMI gives them
     "darwin64": "macOS on x86-64 and on 64-bit ARM",
 }
 MASTER, SLAVE = "#7a8793", "#c8451b"
+SHADE: Any = {"color": "#d5ead8", "linewidth": 0.0, "zorder": 0}
+DRAWN = ("position", "velocity", "acceleration")
 SAMPLES = 500
 
 
@@ -53,9 +60,11 @@ def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str]) 
         "paragraphs": paragraphs(type(block)),
         "caption": BLOCKS[name].example.caption,
         "inputs": list(MasterInput),
-        "rows": [row(v, unit) for v in variables(block)],
+        "guide": BLOCKS[name].guide,
+        "names": BLOCKS[name].names,
+        "groups": groups(block, unit),
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
-        "codes": [c for v in variables(block) if v.declaration.codes for c in members(v.declaration.codes)],
+        "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,
         "flavour": flavour,
         "platforms": {p: PLATFORMS[p] for p in platforms},
@@ -68,6 +77,26 @@ def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str]) 
 def paragraphs(thing: Any) -> list[str]:
     """A docstring's paragraphs after its first line."""
     return [" ".join(p.split()) for p in (thing.__doc__ or "").split("\n\n")[1:] if p.strip()]
+
+
+@dataclass
+class Group:
+    """Variables that share the first part of their names, in the order of declaration; the block's own have none."""
+
+    name: str
+    summary: str
+    rows: list[dict[str, str]]
+
+
+def groups(block: Any, unit: str) -> list[Group]:
+    """All variables; a group's summary is that of its part of the block."""
+    found: dict[str, Group] = {}
+    for v in variables(block):
+        name = v.name.partition(".")[0] if "." in v.name else ""
+        if name not in found:
+            found[name] = Group(name, summary(type(getattr(block, name))) if name else "The block's own", [])
+        found[name].rows.append(row(v, unit))
+    return list(found.values())
 
 
 def row(v: Variable, unit: str) -> dict[str, str]:
@@ -85,37 +114,52 @@ def row(v: Variable, unit: str) -> dict[str, str]:
 
 
 def run(name: str) -> dict[str, list[float]]:
-    """The block's example in plain Python: the courses over time of master and slave."""
+    """The block's example in plain Python: the courses over time of master, slave and what is shaded.
+
+    Raises:
+        UserError: the block refuses it.
+    """
     example = BLOCKS[name].example
     block = BLOCKS[name].type()
     by_name = {c.name: c for c in cells(block)}
     for variable, value in example.start.items():
         by_name[variable].set(value)
-    block.initialize()
+    attempt(name, block.initialize())
     h = example.duration / SAMPLES
     waiting = list(example.inputs)
-    courses: dict[str, list[float]] = {n: [] for n in ("time", "master", "position", "velocity", "acceleration")}
+    courses: dict[str, list[float]] = {n: [] for n in ("time", "master", "master_velocity", "shaded", *DRAWN)}
     for i in range(SAMPLES):
         while waiting and waiting[0][0] <= i * h:
             for variable, value in waiting.pop(0)[1].items():
                 by_name[variable].set(value)
         block.master.position = example.velocity * i * h
-        block.step(h)
+        attempt(name, block.step(h))
         courses["time"].append((i + 1) * h)
         courses["master"].append(block.master.end % block.master.period if block.master.period else block.master.end)
-        for n in ("position", "velocity", "acceleration"):
+        courses["master_velocity"].append(block.master.end_velocity)
+        courses["shaded"].append(by_name[example.shaded].get() if example.shaded else False)
+        for n in DRAWN:
             courses[n].append(getattr(block.slave, n))
     return courses
 
 
+def attempt(name: str, refusal: Any) -> None:
+    if refusal:
+        raise UserError(f"the example of {name} in blocks.py is refused: {refusal.description}")
+
+
 def transition(name: str, unit: str) -> bytes:
-    """The example as an SVG: position, velocity and acceleration of the slave, with the master's position."""
+    """The example as an SVG: position and velocity of master and slave, and the slave's acceleration."""
     courses = run(name)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(7.6, 5.8), layout="constrained")
         top, middle, bottom = figure.subplots(3, 1, sharex=True, height_ratios=(2, 1, 1))
         plot(top, courses)
         top.legend(loc="upper left", ncols=2, frameon=False)
+        middle.plot(courses["time"], courses["master_velocity"], color=MASTER)
+        for axes in (top, middle, bottom) if any(courses["shaded"]) else ():
+            on = [bool(x) for x in courses["shaded"]]
+            axes.fill_between(courses["time"], 0.0, 1.0, on, transform=axes.get_xaxis_transform(), **SHADE)
         for axes, n in ((middle, "velocity"), (bottom, "acceleration")):
             axes.plot(courses["time"], courses[n], color=SLAVE)
         for axes, kind in ((top, Unit.POSITION), (middle, Unit.VELOCITY), (bottom, Unit.ACCELERATION)):
@@ -158,7 +202,7 @@ def main() -> None:
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     for name in BLOCKS:
-        (folder / f"{name}.svg").write_bytes(transition(name, "deg"))
+        (folder / f"{name}.svg").write_bytes(transition(name, BLOCKS[name].example.unit))
 
 
 if __name__ == "__main__":

@@ -15,29 +15,34 @@
 typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION } Kind;
 typedef enum { OUTPUT, INPUT, TUNABLE, FIXED } Access; /* OUTPUT is never set, FIXED only before stepping */
 
+/* Texts and lists of numbers are told by their places in TEXTS and NUMBERS: pointers would have to be put right whenever
+ * the library is loaded, and the table of these would be as large as all others. */
 typedef struct {
-    const char *name, *role; /* such as "fixed parameter" */
+    int name, role; /* such as "fixed parameter" */
     Kind kind;
     Access access;
     size_t offset; /* in the model's memory */
-    double min, max, above, smallest; /* of a Real: min and max are allowed, above is not; smallest but for 0 */
+    double min, max, above, below, smallest; /* of a Real: min and max are allowed, above and below are not;
+                                                smallest but for 0 */
     bool zero; /* whether a Real may be 0 */
-    const int32_t *choices; /* of an enumeration: how many, then its numbers */
-    const char *range; /* the allowed values in words */
+    int choices; /* of an enumeration: how many, then its numbers */
+    int range; /* the allowed values in words */
 } Variable;
 
 typedef struct {
-    int64_t code;
-    const char *text;
-    const int *shown; /* the variables that it speaks of; ended by -1 */
+    int64_t code; /* of the last of a list: 0 */
+    int text;
+    int shown; /* the variables that it speaks of; ended by -1 */
 } Message;
 
 typedef struct {
-    int variable;
-    const Message *messages; /* what its values mean; ended by a text of NULL */
+    int variable; /* of the last: -1 */
+    int messages; /* what its values mean: where in MESSAGES that begins */
 } Coded;
 
 #include "model.h"
+
+static const char *words(int place) { return TEXTS + place; }
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
 enum { REALS = 1 << REAL, INTEGERS = 1 << INTEGER | 1 << ENUMERATION, BOOLEANS = 1 << BOOLEAN }; /* sets of kinds */
@@ -96,8 +101,8 @@ static void append(Text *text, const char *format, ...) {
 static void append_real(Text *text, double x) {
     static const int DIGITS[] = {6, 15, 16, 17};
     char number[40];
-    if (!isfinite(x)) {
-        append(text, "%s", isnan(x) ? "nan" : x > 0.0 ? "inf" : "-inf");
+    if (!__builtin_isfinite(x)) {
+        append(text, "%s", x != x ? "nan" : x > 0.0 ? "inf" : "-inf");
         return;
     }
     for (int i = 0; i < 4; i++) {
@@ -172,7 +177,7 @@ static bool may_set(const Instance *c, int kinds, const fmi2ValueReference r[], 
         const Variable *v = find(c, r[i], kinds);
         if (!v) return false;
         if (v->access == OUTPUT || (v->access == FIXED && c->now.mode == STEPPING)) {
-            fail(c, "%s (%s) cannot be set now", v->name, v->role);
+            fail(c, "%s (%s) cannot be set now", words(v->name), words(v->role));
             return false;
         }
     }
@@ -186,7 +191,7 @@ static double *real(Instance *c, int variable) { return at(&c->now.model, VARIAB
 static int64_t integer(Model *model, int variable) { return *(int64_t *)at(model, VARIABLES + variable); }
 
 static void append_value(Text *text, Instance *c, const Variable *v) {
-    append(text, "%s = ", v->name);
+    append(text, "%s = ", words(v->name));
     switch (v->kind) {
     case REAL: append_real(text, *(double *)at(&c->now.model, v)); break;
     case BOOLEAN: append(text, "%s", *(uint8_t *)at(&c->now.model, v) ? "True" : "False"); break;
@@ -197,12 +202,13 @@ static void append_value(Text *text, Instance *c, const Variable *v) {
 static bool allows(Instance *c, const Variable *v) {
     if (v->kind == REAL) {
         double x = *(double *)at(&c->now.model, v); /* NaN fails every comparison */
-        bool fits = x >= v->min && x <= v->max && x > v->above && isfinite(x);
+        bool fits = x >= v->min && x <= v->max && x > v->above && x < v->below && __builtin_isfinite(x);
         return fits && (x != 0.0 ? fabs(x) >= v->smallest : v->zero);
     }
     if (v->kind != ENUMERATION) return true;
-    for (int32_t i = 1; i <= v->choices[0]; i++)
-        if (v->choices[i] == *(int64_t *)at(&c->now.model, v)) return true;
+    const int32_t *choices = NUMBERS + v->choices;
+    for (int32_t i = 1; i <= choices[0]; i++)
+        if (choices[i] == *(int64_t *)at(&c->now.model, v)) return true;
     return false;
 }
 
@@ -210,22 +216,23 @@ static bool judge(Instance *c, const Variable *v) {
     if (allows(c, v)) return true;
     Text text = {.length = 0};
     append_value(&text, c, v);
-    append(&text, " is not allowed: it must be %s", v->range);
+    append(&text, " is not allowed: it must be %s", words(v->range));
     say(c, fmi2Error, text.bytes);
     return false;
 }
 
 /* Tell what a code means, with the values of the variables it speaks of. */
-static void explain(Instance *c, fmi2Status status, const Message *messages, int64_t code) {
-    for (const Message *m = messages; m->text; m++) {
+static void explain(Instance *c, fmi2Status status, int messages, int64_t code) {
+    for (const Message *m = MESSAGES + messages; m->code; m++) {
         if (m->code != code) continue;
         Text text = {.length = 0};
-        append(&text, "%s", m->text);
-        for (const int *v = m->shown; *v >= 0; v++) {
-            append(&text, v == m->shown ? " (" : ", ");
+        append(&text, "%s", words(m->text));
+        const int32_t *shown = NUMBERS + m->shown;
+        for (const int32_t *v = shown; *v >= 0; v++) {
+            append(&text, v == shown ? " (" : ", ");
             append_value(&text, c, VARIABLES + *v);
         }
-        if (*m->shown >= 0) append(&text, ")");
+        if (*shown >= 0) append(&text, ")");
         say(c, status, text.bytes);
     }
 }
@@ -298,7 +305,7 @@ static fmi2Status step(Instance *c, double h) {
     if (conclude(c, failed, refusal)) return fmi2Error;
     if (lent) put_back(c);
     c->now.given = 0;
-    for (const Coded *coded = CODED; coded->messages; coded++) {
+    for (const Coded *coded = CODED; coded->variable >= 0; coded++) {
         int64_t code = integer(&c->now.model, coded->variable);
         if (code && code != integer(&c->before, coded->variable)) explain(c, fmi2Warning, coded->messages, code);
     }
@@ -509,7 +516,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueR
     for (size_t i = 0; i < n; i++) {
         const Variable *v = find(c, r[i], REALS);
         if (!v) return fmi2Error;
-        if (v->access != INPUT) return fail(c, "%s: %s (%s) is no input", call, v->name, v->role);
+        if (v->access != INPUT) return fail(c, "%s: %s (%s) is no input", call, words(v->name), words(v->role));
         if (order[i] < 1) return fail(c, "%s: order = %d is not allowed: it must be >= 1", call, order[i]);
     }
     fmi2Status status = fmi2OK;
@@ -592,3 +599,36 @@ NOT_OFFERED(fmi2GetDerivatives, fmi2Component c, fmi2Real derivatives[], size_t 
 NOT_OFFERED(fmi2GetEventIndicators, fmi2Component c, fmi2Real indicators[], size_t n)
 NOT_OFFERED(fmi2GetContinuousStates, fmi2Component c, fmi2Real x[], size_t n)
 NOT_OFFERED(fmi2GetNominalsOfContinuousStates, fmi2Component c, fmi2Real nominals[], size_t n)
+
+/* --- Windows: in place of the C start-up and of zig's library, which would be linked as a whole: half of the file --- */
+
+#ifdef _WIN32
+int library_main(void *library, uint32_t reason, void *reserved) { return 1; } /* the C library starts by itself */
+
+/* The remainder with the sign of x, exact; the coprocessor's instruction takes away some bits of the quotient a time. */
+double fmod(double x, double y) {
+    long double rest = x, divisor = y;
+    uint16_t status;
+    do __asm__("fprem\n\tfnstsw %1" : "+t"(rest), "=a"(status) : "u"(divisor) : "cc");
+    while (status & 0x400);
+    return (double)rest;
+}
+
+/* Called with a frame's size in rax before it is taken: touches each of its pages in turn, as Windows demands. */
+__asm__(".globl ___chkstk_ms\n"
+        "___chkstk_ms:\n"
+        "    pushq %rcx\n"
+        "    pushq %rax\n"
+        "    leaq 24(%rsp), %rcx\n"
+        "1:  cmpq $4096, %rax\n"
+        "    jb 2f\n"
+        "    subq $4096, %rcx\n"
+        "    orq $0, (%rcx)\n"
+        "    subq $4096, %rax\n"
+        "    jmp 1b\n"
+        "2:  subq %rax, %rcx\n"
+        "    orq $0, (%rcx)\n"
+        "    popq %rax\n"
+        "    popq %rcx\n"
+        "    ret\n");
+#endif

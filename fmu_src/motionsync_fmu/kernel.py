@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import TypeAlias
 
-EXEMPT = ("__init__", "blocks", "declare")  # public names, registry, declarations: only Python runs them
+EXEMPT = ("__init__.py", "blocks.py", "declare.py")  # public names, registry, declarations: only Python runs them
 ENUMERATIONS = ("declare.Choice",)  # what enumerations derive from
 MATH = {"math.sqrt": "float", "math.floor": "int", "math.isfinite": "bool", "math.fmod": "float"}
 MATH_CONSTANTS = ("math.e", "math.inf", "math.nan", "math.pi", "math.tau")
@@ -28,7 +28,9 @@ KINDS = "a float, int, bool, an enumeration, list[float] or a kernel dataclass"
 PATTERN = "match and its patterns: an integer or an enumeration member, several joined with `|`, or `_`"
 DERIVED = "a dataclass derives from one kernel dataclass at most, and then only adds declared fields"
 IMPORTS = "a kernel module imports only math, dataclass, the declarations and names from modules of its package"
-MODULE_LEVEL = "at module level stand only imports, number constants, enumerations, dataclasses and functions"
+MODULE_LEVEL = (
+    "at module level stand only imports, constants (numbers; names of variables), enumerations, dataclasses, functions"
+)
 
 FORBIDDEN: dict[type[ast.AST], str] = {
     node: rule
@@ -75,6 +77,11 @@ def meet(a: Bound, b: Bound) -> Bound:
     return a & b
 
 
+def names_of_variables(node: ast.expr | None) -> bool:
+    """Whether a constant is a tuple of names, for members of enumerations."""
+    return isinstance(node, ast.Tuple) and all(isinstance(n, ast.Constant) and type(n.value) is str for n in node.elts)
+
+
 def without_docstring(body: list[ast.stmt]) -> list[ast.stmt]:
     match body:
         case [ast.Expr(value=ast.Constant(value=str())), *rest]:
@@ -97,7 +104,14 @@ class Package:
 
     @staticmethod
     def exempt(file: str) -> bool:
-        return PurePosixPath(file).stem in EXEMPT
+        return file in EXEMPT or PurePosixPath(file).name == "__init__.py"
+
+    @staticmethod
+    def origin(file: str, node: ast.ImportFrom) -> PurePosixPath | None:
+        """What a relative import takes names from: a module, without suffix, or a folder; None outside the package."""
+        parents = PurePosixPath(file).parents
+        inside = 0 < node.level <= len(parents)
+        return parents[node.level - 1].joinpath(*(node.module or "").split(".")) if inside else None
 
     @staticmethod
     def module_names(tree: ast.Module) -> Iterator[tuple[str, tuple[ast.stmt, str]]]:
@@ -118,13 +132,16 @@ class Package:
             return original
         if not isinstance(node, ast.ImportFrom):
             return node
-        parents = PurePosixPath(file).parents
-        target = parents[min(max(node.level, 1), len(parents)) - 1].joinpath(*(node.module or "").split("."))
-        if node.level and node.module:
-            found = self.find(f"{target}.py", original)
-            if isinstance(found, ast.Assign | ast.AnnAssign) or not self.exempt(target.name):
-                return found
-        return f"{target.name}.{original}" if node.module else original
+        origin = self.origin(file, node)
+        if origin is None:
+            return f"{node.module}.{original}"
+        if node.module is None:
+            return str(origin / original)
+        module = next((m for m in (f"{origin}.py", f"{origin}/__init__.py") if m in self.trees), "")
+        found = self.find(module, original)
+        if f"{origin}.py" in EXEMPT and not isinstance(found, ast.Assign | ast.AnnAssign):
+            return f"{origin}.{original}"
+        return found
 
     def meaning(self, file: str, node: ast.expr | None) -> Meaning:
         """What a name, or a name of math or of the declarations (`math.sqrt`), stands for in a module."""
@@ -210,6 +227,8 @@ class Expressions(ast.NodeVisitor):
 
     def named(self, node: ast.Name | ast.Attribute, meaning: Meaning) -> Kind:
         """A module-level name used as a value."""
+        if isinstance(meaning, ast.Assign) and names_of_variables(meaning.value):
+            return self.flag(node, STRING)
         if isinstance(meaning, ast.Assign | ast.AnnAssign) and meaning.value is not None:
             known = self.package.constants
             if meaning not in known:
@@ -513,14 +532,19 @@ class Module(Expressions):
 
     def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
         names = [alias.name for alias in node.names]
-        allowed = node.module if node.level else node.module == "math"
-        if "*" in names or not (allowed or names == ["dataclass" if node.module else "declare"]):
+        origin = self.package.origin(self.file, node)
+        if node.level:
+            allowed = origin is not None and (node.module or [str(origin / name) for name in names] == ["declare"])
+        else:
+            allowed = node.module == "math" or (node.module == "dataclasses" and names == ["dataclass"])
+        if "*" in names or not allowed:
             self.flag(node, IMPORTS)
 
     def visit_Assign(self, node: ast.Assign) -> None:
         if len(node.targets) != 1 or not isinstance(node.targets[0], ast.Name):
             self.flag(node, MODULE_LEVEL)
-        self.value(node.value)
+        if not names_of_variables(node.value):
+            self.value(node.value)
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
         if self.package.kind(self.file, node.annotation) not in ("float", "int", "bool") or node.value is None:

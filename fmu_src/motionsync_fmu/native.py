@@ -25,9 +25,10 @@ from motionsync.refusal import Refusal
 
 from .archive import HERE, Files
 from .errors import UserError
+from .lowering import lowered
 from .record import dtype, entry, image, offset, record
 from .slave import LONGEST_STEP
-from .variables import Variable, variables
+from .variables import Variable, spoken_of, variables
 
 TARGETS = {  # the path under binaries/ of what zig compiles for each; the two of macOS become one file
     "x86_64-linux-gnu.2.17": "linux64/{}.so",
@@ -36,7 +37,11 @@ TARGETS = {  # the path under binaries/ of what zig compiles for each; the two o
     "aarch64-macos.11.0": "arm64/{}.dylib",
     "aarch64-linux-gnu.2.17": "aarch64-linux/{}.so",
 }
-FLAGS = "-O2 -ffp-contract=off -fno-strict-aliasing -fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
+FLAGS = "-Os -ffp-contract=off -fno-strict-aliasing -fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
+LINKS = {  # Windows: no C start-up, which would have nothing to do, and not zig's library, which comes as a whole
+    "linux": "-Wl,-z,defs",
+    "windows": "-rtlib=none -Wl,-e,library_main",
+}
 HEADERS = Path(str(package_files("fmpy"))) / "c-code"  # FMI's
 PATIENCE = 15.0  # s; a compilation that takes longer is the first of this zig on the machine
 FIRST_USE = "compiling zig's own libraries for all platforms: this takes minutes, once; later builds take seconds"
@@ -45,6 +50,9 @@ FIRST_USE = "compiling zig's own libraries for all platforms: this takes minutes
 MASTER = ("master.position", "master.velocity", "master.acceleration")
 INPUT_MODE = "master.input_mode"
 SLAVE = ("slave.position", "slave.velocity", "slave.acceleration")
+
+# Numba's functions tell an exception's kind and message, and that they return None: nobody reads it.
+UNREAD = re.compile(r"^ +store ptr (?:\S+, ptr %excinfo|null, ptr %retptr),.*\n", re.M)
 
 # What the compiled block may call: of the C library and of LLVM, all exact by IEEE 754 or without floating point.
 EXACT = {"sqrt", "floor", "rint", "fmod", "fabs"}
@@ -80,7 +88,7 @@ def libraries(block: Any, guid: str, told: Callable[[str], None] = lambda text: 
 def _compile(target: str, path: str, work: Path) -> bytes:
     """One library; names of files stay relative, so that it is the same wherever it was compiled."""
     (work / path).parent.mkdir()
-    links = ["-Wl,-z,defs"] if "linux" in target else []
+    links = next((options.split() for name, options in LINKS.items() if name in target), [])
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     done = subprocess.run(
         [*command, "fmi2.c", "model.ll", "-lm", *links, "-o", path],
@@ -126,33 +134,30 @@ def has(index: dict[str, int], *names: str) -> bool:
 def llvm_text(block: Any) -> str:
     """Both entry points and what they need, and nothing else: no Python, no unknown external symbol."""
     this = record(block)
-    entries = {}
-    whole = None
-    for method, arguments in (("initialize", (this,)), ("step", (this, types.float64))):
-        dispatcher = entry(type(block), method)
-        dispatcher.compile(arguments)
-        compiled = dispatcher.overloads[arguments]
-        entries[compiled.fndesc.llvm_func_name] = f"model_{method}"
-        module = llvm.parse_assembly(compiled.library.get_llvm_str())
-        if whole is None:
-            whole = module
-        else:
-            whole.link_in(module)
-    assert whole is not None
+    methods = {"initialize": (this,), "step": (this, types.float64)}
+    whole, entries = lowered({f"model_{m}": (entry(type(block), m), arguments) for m, arguments in methods.items()})
+    whole = llvm.parse_assembly(UNREAD.sub("", str(whole)))
     _keep(whole, entries)
     return portable(str(whole))
 
 
 def _keep(module: llvm.ModuleRef, entries: dict[str, str]) -> None:
-    """Drop all that the entry points do not need. Numba's names count how much was compiled before: they go too."""
+    """Drop all that the entry points do not need; what stays is optimised once for all platforms, and for its size.
+
+    Numba's names count how much was compiled before: they go too."""
     for thing in (*module.functions, *module.global_variables):
         if not thing.is_declaration and thing.name not in entries:
             thing.linkage = "internal"
+    for function in module.functions:
+        if not function.is_declaration:
+            function.add_function_attribute("optsize")  # large blocks are mostly plans, which are rarely made
+            function.add_function_attribute("nounwind")  # no tables of how to unwind it
     llvm.initialize_native_target()
     machine = llvm.Target.from_default_triple().create_target_machine()
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
-    manager = llvm.create_new_module_pass_manager()
-    manager.add_global_dead_code_eliminate_pass()
+    options = llvm.create_pipeline_tuning_options(speed_level=2)
+    options.loop_vectorization = options.slp_vectorization = False  # that is for each platform's compiler to do
+    builder = llvm.create_pass_builder(machine, options)
+    manager = builder.getModulePassManager()
     manager.run(module, builder)
     for i, thing in enumerate((*module.functions, *module.global_variables)):
         if thing.name in entries:
@@ -192,7 +197,14 @@ def model_header(block: Any, guid: str) -> str:
     """What fmi2.c needs to know about the block: its memory, its variables, what it refuses."""
     start, layout, vs = image(block).tobytes(), dtype(block), variables(block)
     index = {v.name: i for i, v in enumerate(vs)}
-    coded = [v for v in vs if v.declaration.codes]
+    pool = Pool()
+    rows = [_row(v, layout, pool) for v in vs]
+    messages = _messages(Refusal, index, pool)
+    coded = []
+    for v in vs:
+        if v.declaration.codes:
+            coded.append(_list((index[v.name], len(messages))))
+            messages += _messages(v.declaration.codes, index, pool, v.name)
     master = [index[name] for name in MASTER] if has(index, *MASTER, INPUT_MODE) else [-1] * 3
     slave = [index[name] for name in SLAVE] if has(index, *SLAVE) else [-1] * 3
     lines = [
@@ -203,43 +215,56 @@ def model_header(block: Any, guid: str) -> str:
         f"enum {{ INPUT_MODE = {index.get(INPUT_MODE, -1)} }};",
         f"static const int MASTER[] = {_list(master)}, SLAVE[] = {_list(slave)};",
         f"static const uint8_t START[MODEL_SIZE] = {_list(start)};",
-        "static const Variable VARIABLES[] = {",
-        *(_row(v, layout) for v in vs),
-        "};",
+        *("static const char TEXTS[] =", *(f'    {quoted(text)} "\\0"' for text in pool.texts), ";"),
+        f"static const int32_t NUMBERS[] = {_list(n for numbers in pool.lists for n in numbers)};",
+        *("static const Variable VARIABLES[] = {", *(f"    {row}," for row in rows), "};"),
+        *("static const Message MESSAGES[] = {", *(f"    {row}," for row in messages), "};"),
+        "enum { REFUSALS = 0 }; /* where in MESSAGES they begin */",
         f"static const int REAL_INPUTS[] = {_list([i for i, v in enumerate(vs) if v.real_input] + [-1])};",
-        *_messages("REFUSALS", Refusal, index),
+        f"static const Coded CODED[] = {_list([*coded, '{-1, 0}'])};",
     ]
-    for v in coded:
-        lines += _messages(f"CODES_{index[v.name]}", v.declaration.codes, index)
-    rows = [f"{{{index[v.name]}, CODES_{index[v.name]}}}" for v in coded]
-    return "\n".join([*lines, f"static const Coded CODED[] = {_list([*rows, '{-1, NULL}'])};", ""])
+    return "\n".join([*lines, ""])
 
 
-def _row(v: Variable, layout: Any) -> str:
+class Pool:
+    """Texts and lists of numbers, each once, and where in the array of all it begins."""
+
+    def __init__(self) -> None:
+        self.texts: dict[str, int] = {}
+        self.lists: dict[tuple[int, ...], int] = {}
+
+    def text(self, text: str) -> int:
+        clean = unformatted(text)
+        return self.texts.setdefault(clean, sum(len(other.encode()) + 1 for other in self.texts))
+
+    def numbers(self, *numbers: int) -> int:
+        return self.lists.setdefault(numbers, sum(map(len, self.lists)))
+
+
+def _row(v: Variable, layout: Any, pool: Pool) -> str:
     access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
     d = v.declaration
-    choices = f"(const int32_t[]){_list([len(v.choices), *(int(m) for m in v.choices)])}" if v.choices else "NULL"
     columns = (
-        quoted(v.name),
-        quoted(f"{v.variability} {v.causality}"),
+        pool.text(v.name),
+        pool.text(f"{v.variability} {v.causality}"),
         v.kind.upper(),
         access,
-        str(offset(layout, v.name)),
-        *(number(x) for x in (d.min, d.max, d.above, d.smallest)),
+        offset(layout, v.name),
+        *(number(x) for x in (d.min, d.max, d.above, d.below, d.smallest)),
         str(d.zero).lower(),
-        choices,
-        quoted(v.range),
+        pool.numbers(len(v.choices), *(int(m) for m in v.choices)),
+        pool.text(v.range),
     )
-    return f"    {_list(columns)},"
+    return _list(columns)
 
 
-def _messages(name: str, codes: Any, index: dict[str, int]) -> list[str]:
-    rows = (
-        f"    {{{int(m)}, {quoted(m.description)}, (const int[]){_list([*(index[n] for n in m.names), -1])}}},"
-        for m in codes
-        if m != 0
-    )
-    return [f"static const Message {name}[] = {{", *rows, "    {0, NULL, NULL}", "};"]
+def _messages(codes: Any, index: dict[str, int], pool: Pool, coded: str = "") -> list[str]:
+    rows = []
+    for m in codes:
+        if m != 0:
+            shown = pool.numbers(*(index[name] for name in spoken_of(m, index, coded)), -1)
+            rows.append(_list((int(m), pool.text(m.description), shown)))
+    return [*rows, "{0, 0, 0}"]
 
 
 def _list(items: Iterable[Any]) -> str:
@@ -253,5 +278,10 @@ def number(x: float) -> str:
 
 def quoted(text: str) -> str:
     """A text in C, without percent signs."""
-    escaped = text.replace("%", "percent").replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    escaped = unformatted(text).replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
     return f'"{escaped}"'
+
+
+def unformatted(text: str) -> str:
+    """Without percent signs: many an importer takes them for a format."""
+    return text.replace("%", "percent")

@@ -16,8 +16,10 @@ from numba.extending import models, overload_method, register_model
 config.CPU_NAME, config.CPU_FEATURES = "generic", ""
 
 # Bounds and divisions are checked as in Python; no reference counting, no wrappers for the interpreter.
-OPTIONS = {"error_model": "python", "boundscheck": True}
-ENTRY = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+OPTIONS = {
+    **{"error_model": "python", "boundscheck": True},
+    **{"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False},
+}
 SCALARS = {float: np.float64, bool: np.bool_}  # int and every enumeration: np.int64
 
 
@@ -76,7 +78,7 @@ def record(block: Any) -> types.Record:
 @cache
 def _kind(cls: Any) -> Any:
     """A class of records of its own: two classes with equal fields, or equal method names, must not be mixed up."""
-    kind = type(cls.__name__, (types.Record,), {})
+    kind = type(cls.__name__, (types.Record,), {"__repr__": lambda self: cls.__name__})  # Numba's spells all fields
     register_model(kind)(models.RecordModel)
     for name, method in methods(cls).items():
         overload_method(kind, name, jit_options=OPTIONS)(_overload(method))
@@ -102,7 +104,7 @@ def _overload(method: FunctionType) -> Callable[..., Any]:
 
 def entry(cls: type, name: str) -> Any:
     """A method as a function that can be compiled without the interpreter."""
-    return njit(**ENTRY)(_rebased(methods(cls)[name]))
+    return njit(**OPTIONS)(_rebased(methods(cls)[name]))
 
 
 def _rebased(function: FunctionType) -> FunctionType:
@@ -120,5 +122,11 @@ def _namespace(function: FunctionType) -> dict[str, Any]:
         package = module.partition(".")[0]
         for name, value in list(space.items()):
             if isinstance(value, FunctionType) and value.__module__.partition(".")[0] == package:
-                space[name] = njit(**OPTIONS)(_rebased(value))
+                space[name] = _compiled(value)
     return _namespaces[module]
+
+
+@cache
+def _compiled(function: FunctionType) -> Any:
+    """One for all modules that use the function, so that it is compiled once."""
+    return njit(**OPTIONS)(_rebased(function))

@@ -1,4 +1,4 @@
-"""One self-contained HTML page per run: interactive courses over time, and a table of what was expected."""
+"""One self-contained HTML page per run: interactive courses over time, cuts, and a table of what was expected."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -8,34 +8,43 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
+from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from motionsync.blocks import BLOCKS
 from motionsync.declare import Unit
 
 from . import __version__
+from .cuts import Cut, cut
 from .description import unit_name
 from .documentation import MASTER, SLAVE, TEMPLATES
-from .scenario import Scenario
+from .scenario import Cuts, Scenario
 from .simulation import Check, Course, Deviation, read_reference
-from .variables import variables
+from .variables import Variable, variables
 
+Reals = NDArray[np.float64]
 REFERENCE = "#1f6fb2"
-BANDS = ("#e8edf2", "#fbe3c8", "#d5ead8", "#e6dcf2", "#f7d9dc", "#d6ecef")
+GREY = "#53616e"
+BANDS = ("#e8edf2", "#fbe3c8", "#d5ead8", "#e6dcf2", "#f7d9dc", "#d6ecef", "#efe9c9", "#dcd3cc")
+TRUE, SYNCHRONOUS = "#aab9c6", "#d5ead8"
 ROWS = (
-    ("position", Unit.POSITION),
-    ("velocity", Unit.VELOCITY),
-    ("acceleration", Unit.ACCELERATION),
-    ("jerk", Unit.JERK),
+    ("position", Unit.POSITION, 330),
+    ("velocity", Unit.VELOCITY, 185),
+    ("acceleration", Unit.ACCELERATION, 185),
+    ("jerk", Unit.JERK, 150),
 )
-HEIGHTS = (0.36, 0.2, 0.2, 0.16, 0.08)
+LANE = 24  # the height of a lane, in px, as those of the rows
+LANES = "lanes"
+MOST_POINTS = 20_000  # of a line: more are thinned out
+MOST_TEXTS = 8  # commands that are written beside their marks; more would cover one another
+MOST_SHADES = 500  # stretches that are shaded behind the positions
 
 
 def write_report(
     file: Path, scenario: Scenario, course: Course, checks: list[Check], deviations: list[Deviation], step_size: float
 ) -> None:
     """The page; nothing in it is loaded from elsewhere."""
-    figure = plots(scenario, course)
+    by_name = {v.name: v for v in variables(scenario.recipe.block())}
+    cuts = cut(scenario.cuts, course) if scenario.cuts else []
     text = TEMPLATES.get_template("report.html.j2").render(
         scenario=scenario,
         version=__version__,
@@ -45,58 +54,87 @@ def write_report(
         deviations=deviations,
         messages=course.messages,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
-        plots=Markup(figure.to_html(full_html=False, include_plotlyjs=True, config={"displaylogo": False})),
+        plots=_html(plots(scenario, course, by_name), plotly=True),
+        cuts=cuts,
+        cut_plots=_html(cut_plots(scenario.cuts, cuts, scenario, course)) if scenario.cuts and cuts else "",
+        unit=unit_name(Unit.POSITION, scenario.unit),
+        by_name=by_name,
     )
     file.write_text(text, "utf-8")
 
 
-def plots(scenario: Scenario, course: Course) -> Any:
-    """Master and slave over time, the reference over them, bands of the block's states, marks of the commands."""
-    unit = scenario.unit
-    figure = make_subplots(rows=5, cols=1, shared_xaxes=True, vertical_spacing=0.025, row_heights=HEIGHTS)
-    master = dict(zip(("position", "velocity", "acceleration"), course.master.T, strict=True))
+def _html(figure: Any, *, plotly: bool = False) -> Markup:
+    return Markup(figure.to_html(full_html=False, include_plotlyjs=plotly, config={"displaylogo": False}))
+
+
+# --- courses over time ---
+
+
+def plots(scenario: Scenario, course: Course, by_name: dict[str, Variable]) -> Any:
+    """Master and slave over time, the reference over them, lanes of what is discrete, marks of the commands."""
+    lanes = list(_lanes(course, by_name))
+    heights = [*(height for *_, height in ROWS), LANE * (len(lanes) + 1)]
+    figure = make_subplots(
+        rows=len(heights), cols=1, shared_xaxes=True, vertical_spacing=20.0 / sum(heights), row_heights=heights
+    )
+    master = dict(zip((name for name, *_ in ROWS), course.master.T, strict=True))
     reference = read_reference(scenario)
-    for i, (name, kind) in enumerate(ROWS, 1):
-        if name in master:
-            values = master[name] % scenario.period if name == "position" and scenario.period else master[name]
-            _line(figure, i, "master", course.time, _broken(values, scenario, name), MASTER, 1.5)
+    for i, (name, kind, _) in enumerate(ROWS, 1):
+        values = master[name] % scenario.period if name == "position" and scenario.period else master[name]
+        _line(figure, i, "master", course.time, _broken(values, scenario, name), MASTER, 1.5)
         slave = _broken(course.values[f"slave.{name}"], scenario, name)
         _line(figure, i, "slave", course.time, slave, SLAVE, 2.5)
         if reference and f"slave.{name}" in reference[0]:
             column = reference[1][:, 1 + reference[0].index(f"slave.{name}")]
             _line(figure, i, "reference", reference[1][:, 0], _broken(column, scenario, name), REFERENCE, 1.5, "dot")
-        label = unit_name(kind, unit)
+        label = unit_name(kind, scenario.unit)
         figure.update_yaxes(title_text=name + (f"<br>{label}" if label else ""), row=i, col=1)
-    _states(figure, scenario, course)
-    for s in scenario.settings:
-        text = ", ".join(f"{name} = {value:g}" for name, value in s.values.items())
-        figure.add_vline(x=s.at, line={"color": "#53616e", "width": 1, "dash": "dash"}, layer="below")
-        figure.add_annotation(
-            x=s.at, y=1.0, yref="paper", yanchor="bottom", text=text, textangle=-20, xanchor="left", showarrow=False
-        )
+    _discrete(figure, len(heights), lanes)
+    _commands(figure, len(heights), scenario, by_name)
     figure.update_layout(
-        height=980,
-        margin={"t": 110, "r": 20, "l": 70, "b": 50},
+        height=sum(heights) + 20 * len(heights) + 170,
+        margin={"t": 110 if 0 < len(scenario.settings) <= MOST_TEXTS else 30, "r": 20, "l": 70, "b": 60},
         template="plotly_white",
         hovermode="x unified",
-        legend={"orientation": "h", "y": -0.05},
+        barmode="overlay",
+        uniformtext={"mode": "hide", "minsize": 9},
+        legend={"orientation": "h", "yref": "container", "y": 0.0, "yanchor": "bottom"},
     )
-    figure.update_xaxes(title_text="time in s", row=5, col=1)
+    figure.update_xaxes(title_text="time in s", row=len(heights), col=1)
     return figure
 
 
 def _line(
-    figure: Any, row: int, name: str, time: Any, values: Any, colour: str, width: float, dash: str = "solid"
+    figure: Any, row: int, name: str, time: Reals, values: Reals, colour: str, width: float, dash: str = "solid"
 ) -> None:
-    line = {"color": colour, "width": width, "dash": dash}
+    chosen = _telling(values)
     figure.add_trace(
-        go.Scatter(x=time, y=values, name=name, legendgroup=name, showlegend=row == 1, line=line, mode="lines"),
+        go.Scatter(
+            x=time[chosen],
+            y=values[chosen],
+            name=name,
+            legendgroup=name,
+            showlegend=row == 1,
+            line={"color": colour, "width": width, "dash": dash},
+            mode="lines",
+        ),
         row=row,
         col=1,
     )
 
 
-def _broken(values: Any, scenario: Scenario, name: str) -> Any:
+def _telling(values: Reals) -> NDArray[np.int64]:
+    """The places that a line needs: all of few; of many the least and the greatest value of each stretch."""
+    if len(values) <= MOST_POINTS:
+        return np.arange(len(values))
+    size = -(-len(values) // (MOST_POINTS // 2))
+    whole = len(values) // size * size
+    stretches, begins = values[:whole].reshape(-1, size), np.arange(0, whole, size)
+    extremes = (begins + stretches.argmin(axis=1), begins + stretches.argmax(axis=1))
+    return np.unique(np.concatenate([[0], *extremes, np.arange(whole, len(values))]))
+
+
+def _broken(values: Reals, scenario: Scenario, name: str) -> Reals:
     """A wrapped position with gaps where it jumps by a period."""
     if name != "position" or not scenario.period:
         return values
@@ -104,41 +142,156 @@ def _broken(values: Any, scenario: Scenario, name: str) -> Any:
     return np.where(jumps, np.nan, values)
 
 
-def _states(figure: Any, scenario: Scenario, course: Course) -> None:
-    """A strip that names the block's state, with the hues of its members."""
-    block = BLOCKS[scenario.recipe.name].type()
-    choices = next(v.choices for v in variables(block) if v.name == "state")
-    hues = {member.value: BANDS[i % len(BANDS)] for i, member in enumerate(choices)}
-    names = {member.value: member.name for member in choices}
-    for begin, end, code in _stretches(course):
-        figure.add_vrect(
-            x0=begin, x1=end, fillcolor=hues[code], line_width=0, layer="below", opacity=0.45, row=1, col=1
-        )
-        figure.add_trace(
-            go.Scatter(
-                x=[begin, end, end, begin],
-                y=[0, 0, 1, 1],
-                fill="toself",
-                fillcolor=hues[code],
-                line={"width": 0},
-                mode="lines",
-                showlegend=False,
-                name=names[code],
-                hoverinfo="name",
-            ),
-            row=5,
-            col=1,
-        )
-        if end - begin > 0.04 * course.time[-1]:
-            middle = (begin + end) / 2.0
-            figure.add_annotation(x=middle, y=0.5, text=names[code], showarrow=False, row=5, col=1)
-    figure.update_yaxes(title_text="state", showticklabels=False, showgrid=False, range=[0, 1], row=5, col=1)
+# --- what is discrete ---
 
 
-def _stretches(course: Course) -> Iterator[tuple[float, float, int]]:
-    """The block's states, one after the other: from when, until when, which."""
-    codes = course.values["state_code"].astype(int)
-    borders = [0, *(np.flatnonzero(np.diff(codes)) + 1).tolist(), len(codes) - 1]
+Lane = tuple[Variable, list[tuple[float, float, int]]]
+"""A variable and its values, one after the other: from when, until when, which."""
+
+
+def _lanes(course: Course, by_name: dict[str, Variable]) -> Iterator[Lane]:
+    """The state, then whatever else changes in the run: enumerations, then Booleans."""
+    for kind in ("Enumeration", "Boolean"):
+        for v in (by_name[name] for name in course.values if by_name[name].kind == kind):
+            stretches = list(_stretches(course, v.name))
+            if len(stretches) > 1 or v.name == "state":
+                yield v, stretches
+
+
+def _stretches(course: Course, name: str) -> Iterator[tuple[float, float, int]]:
+    values = course.values[name].astype(int)
+    borders = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values) - 1]
     for first, last in pairwise(borders):
         if last > first:
-            yield float(course.time[first]), float(course.time[last]), int(codes[first])
+            yield float(course.time[first]), float(course.time[last]), int(values[first])
+
+
+def _discrete(figure: Any, row: int, lanes: list[Lane]) -> None:
+    """A lane each: bars with the names of an enumeration's members, plain ones where a Boolean is true."""
+    for v, stretches in lanes:
+        shown = v.choices or [1]
+        for i, member in enumerate(shown):
+            chosen = [(begin, end) for begin, end, value in stretches if value == member]
+            if not chosen:
+                continue
+            figure.add_trace(
+                go.Bar(
+                    orientation="h",
+                    base=[begin for begin, _ in chosen],
+                    x=[end - begin for begin, end in chosen],
+                    y=[v.name] * len(chosen),
+                    text=[member.name] * len(chosen) if v.choices else None,
+                    textposition="inside",
+                    insidetextanchor="middle",
+                    textangle=0,
+                    textfont={"color": "#1d2730"},
+                    marker={"color": BANDS[i % len(BANDS)] if v.choices else TRUE, "line": {"width": 0}},
+                    width=0.8,
+                    name=member.name if v.choices else v.name,
+                    showlegend=False,
+                    hoverinfo="skip",
+                ),
+                row=row,
+                col=1,
+            )
+        if v.name == "state" and len(stretches) <= MOST_SHADES:
+            hues = {int(member): BANDS[i % len(BANDS)] for i, member in enumerate(v.choices)}
+            _shade(figure, [(begin, end, hues[value]) for begin, end, value in stretches if value in hues])
+    names = [v.name for v, _ in lanes]
+    figure.update_yaxes(
+        type="category",
+        categoryarray=["set", *reversed(names)],
+        range=[-0.5, len(names) + 0.5],
+        showgrid=False,
+        automargin=True,
+        row=row,
+        col=1,
+    )
+
+
+def _shade(figure: Any, stretches: list[tuple[float, float, str]]) -> None:
+    """Stretches of time behind the topmost row."""
+    for begin, end, colour in stretches:
+        rectangle = {"type": "rect", "xref": "x", "yref": "y domain", "x0": begin, "x1": end, "y0": 0, "y1": 1}
+        figure.add_shape(rectangle | {"fillcolor": colour, "opacity": 0.45, "line": {"width": 0}, "layer": "below"})
+
+
+def _commands(figure: Any, row: int, scenario: Scenario, by_name: dict[str, Variable]) -> None:
+    """What was set, and when: a dashed line through all rows, and a mark in a lane that tells it under the pointer."""
+    texts = [", ".join(f"{n} = {by_name[n].text(value)}" for n, value in s.values.items()) for s in scenario.settings]
+    times = [s.at for s in scenario.settings]
+    for t, text in zip(times, texts, strict=True):
+        line = {"type": "line", "xref": "x", "yref": "paper", "x0": t, "x1": t, "y0": 0, "y1": 1, "layer": "below"}
+        figure.add_shape(line | {"line": {"color": GREY, "width": 1, "dash": "dash"}, "opacity": 0.6})
+        if len(times) <= MOST_TEXTS:
+            figure.add_annotation(
+                x=t, y=1.0, yref="paper", yanchor="bottom", text=text, textangle=-20, xanchor="left", showarrow=False
+            )
+    marks = {"color": GREY, "size": 9, "symbol": "triangle-up"}
+    told = "%{text}<extra></extra>"
+    figure.add_trace(
+        go.Scatter(
+            x=times,
+            y=["set"] * len(times),
+            text=texts,
+            mode="markers",
+            marker=marks,
+            hovertemplate=told,
+            showlegend=False,
+        ),
+        row=row,
+        col=1,
+    )
+
+
+# --- cuts ---
+
+
+def cut_plots(spec: Cuts, cuts: list[Cut], scenario: Scenario, course: Course) -> Any:
+    """The saw among the marks that pass it, and the error of each cut over its place on the material."""
+    unit = unit_name(Unit.POSITION, scenario.unit)
+    figure = make_subplots(rows=2, cols=1, vertical_spacing=0.16, row_heights=[0.62, 0.38])
+    saw = course.values["slave.position"]
+    _line(figure, 1, "marks on the material", *_passing(spec, course, saw), MASTER, 1.0)
+    _line(figure, 1, "saw", course.time, saw, SLAVE, 2.5)
+    if len(cuts) <= MOST_SHADES:
+        _shade(figure, [(c.begin, c.end, SYNCHRONOUS) for c in cuts])
+    numbers = list(range(1, len(cuts) + 1))
+    errors = go.Bar(
+        x=[c.mark for c in cuts],
+        y=[c.error for c in cuts],
+        width=0.3 * spec.length,
+        marker={"color": SLAVE},
+        customdata=numbers,
+        hovertemplate=f"cut %{{customdata}} at %{{x}} {unit}: %{{y:.3g}} {unit}<extra></extra>",
+        showlegend=False,
+    )
+    figure.add_trace(errors, row=2, col=1)
+    if spec.tolerance is not None and spec.tolerance < 100.0 * max(abs(c.error) for c in cuts):
+        for limit in (-spec.tolerance, spec.tolerance):
+            figure.add_hline(y=limit, line={"color": GREY, "width": 1, "dash": "dot"}, row=2, col=1)
+    figure.update_xaxes(title_text="time in s", row=1, col=1)
+    figure.update_xaxes(title_text=f"mark on the material{f' in {unit}' if unit else ''}", row=2, col=1)
+    figure.update_yaxes(title_text=f"saw and marks<br>{unit}", row=1, col=1)
+    figure.update_yaxes(title_text=f"error of the cut<br>{unit}", exponentformat="e", row=2, col=1)
+    figure.update_layout(height=700, margin={"t": 40, "r": 20, "l": 70, "b": 50}, template="plotly_white")
+    figure.update_layout(legend={"orientation": "h", "y": 1.0, "yanchor": "bottom"})
+    return figure
+
+
+def _passing(spec: Cuts, course: Course, saw: Reals) -> tuple[Reals, Reals]:
+    """The ways of all marks through the saw's range, as one line with gaps: times and positions."""
+    room = 0.05 * float(np.ptp(saw)) + 1e-3 * spec.length
+    low, high = float(saw.min()) - room, float(saw.max()) + room
+    chosen = _telling(course.master[:, 0])
+    ways = spec.ratio * (course.master[chosen, 0] - spec.offset)
+    distance = abs(spec.ratio) * spec.length
+    first, last = (int(np.floor((x - edge) / distance)) for x, edge in ((ways.min(), high), (ways.max(), low)))
+    times, positions = [], []
+    gap = np.array([np.nan])
+    for n in range(first, min(last, first + MOST_SHADES) + 1):
+        inside = np.flatnonzero((low <= ways - n * distance) & (ways - n * distance <= high))
+        for part in np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1):
+            times += [course.time[chosen[part]], gap]
+            positions += [ways[part] - n * distance, gap]
+    return np.concatenate([gap, *times]), np.concatenate([gap, *positions])

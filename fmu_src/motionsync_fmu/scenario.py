@@ -31,6 +31,7 @@ USES: Mapping[str, tuple[Callable[[Variable], bool], str]] = {  # which variable
     "start": (lambda v: v.settable, "a parameter or input"),
     "set": (lambda v: v.causality == "input" or v.variability == "tunable", "an input or tunable parameter"),
     "expect": (lambda v: v.causality in ("output", "local"), "an output or local variable"),
+    "cuts": (lambda v: v.kind == "Boolean" and not v.settable, "a Boolean output or local variable"),
 }
 
 
@@ -77,6 +78,30 @@ Expectation = AtTime | When | Within
 
 
 @dataclass(frozen=True)
+class Cuts:
+    """The slave is a saw that cuts the master's material while a Boolean is true.
+
+    Attributes:
+        name: the Boolean.
+        length: distance of the marks on the material, in u; one of them lies at `offset`.
+        ratio: the slave's travel over the master's.
+        tolerance: the greatest allowed distance of a cut from its mark, in u; None: it is not judged.
+        count: how many cuts there have to be; None: any number.
+    """
+
+    name: str
+    length: float
+    offset: float
+    ratio: float
+    tolerance: float | None
+    count: int | None
+
+    def nearest(self, place: float) -> float:
+        """The mark that is nearest to a place on the material."""
+        return self.offset + round((place - self.offset) / self.length) * self.length
+
+
+@dataclass(frozen=True)
 class Scenario:
     """A checked scenario: all names exist, all values fit their variables.
 
@@ -96,6 +121,7 @@ class Scenario:
     master: Script
     settings: tuple[Setting, ...]
     expectations: tuple[Expectation, ...]
+    cuts: Cuts | None
 
     @property
     def name(self) -> str:
@@ -149,7 +175,7 @@ class _Reader:
         self.variables: dict[str, Variable] = {}
 
     def scenario(self) -> Scenario:
-        self.keys(self.root, (*SCALARS, "start", "master", "set", "expect"), "")
+        self.keys(self.root, (*SCALARS, "start", "master", "set", "expect", "cuts"), "")
         name = self.string("fmu")
         if name not in BLOCKS:
             self.fail("", 0, "fmu", f"no block is named {name!r}; there is {', '.join(BLOCKS)}")
@@ -174,6 +200,7 @@ class _Reader:
             self.master(),
             tuple(self.settings(stop_time)),
             tuple(self.expectations(stop_time)),
+            self.cuts() if "cuts" in self.root else None,
         )
 
     def start(self) -> dict[str, Any]:
@@ -266,6 +293,27 @@ class _Reader:
             self.fail("expect", i, "from", "expects nothing")
         return Within(begin, end, limits, self.number(table, "tolerance", "expect", i, default=1e-9, least=0.0))
 
+    def cuts(self) -> Cuts:
+        table = self.table("cuts")
+        self.keys(table, ("while", "length", "offset", "ratio", "tolerance", "count"), "cuts")
+        name = self.string("while", within="cuts")
+        self.variable(name, "cuts", 0, "while")
+        if period := self.root.get("start", {}).get("master.period"):
+            self.fail("cuts", 0, "", f"the material is a linear axis, but master.period is {period:g}")
+        count = self.number(table, "count", "cuts", least=0.0) if "count" in table else None
+        if count is not None and not count.is_integer():
+            self.fail("cuts", 0, "count", f"{count:g} is not a whole number")
+        if (ratio := self.number(table, "ratio", "cuts", default=1.0)) == 0.0:
+            self.fail("cuts", 0, "ratio", "0 is not allowed: the saw goes along with the material")
+        return Cuts(
+            name,
+            self.number(table, "length", "cuts", above=0.0),
+            self.number(table, "offset", "cuts", default=0.0),
+            ratio,
+            self.number(table, "tolerance", "cuts", least=0.0) if "tolerance" in table else None,
+            None if count is None else int(count),
+        )
+
     # --- single values ---
 
     def variable(self, name: str, table: str, i: int, key: str) -> Variable:
@@ -274,8 +322,9 @@ class _Reader:
             near = get_close_matches(name, self.variables, 1)
             hint = f"; do you mean {near[0]!r}?" if near else ""
             self.fail(table, i, key, f"{self.root['fmu']} has no variable {name!r}{hint}")
-        if table == "expect" and not USES[table][0](v):
-            self.fail(table, i, key, f"{name} is a {v.variability} {v.causality}, not {USES[table][1]}")
+        if table in ("expect", "cuts") and not USES[table][0](v):
+            kind = f" {v.kind}" if table == "cuts" else ""
+            self.fail(table, i, key, f"{name} is a {v.variability}{kind} {v.causality}, not {USES[table][1]}")
         return v
 
     def value(self, name: str, value: Any, table: str, i: int, key: str = "") -> Any:
@@ -331,12 +380,13 @@ class _Reader:
             self.fail(where, i, key, f"{told}{value:g} is not allowed: it must be {text}")
         return value
 
-    def string(self, key: str, default: str | None = None) -> str:
-        value = self.root.get(key, default)
+    def string(self, key: str, default: str | None = None, within: str = "") -> str:
+        table = self.root[within] if within else self.root
+        value = table.get(key, default)
         if value is None:
-            self.fail("", 0, key, "is missing")
+            self.fail(within, 0, key, "is missing")
         if not isinstance(value, str):
-            self.fail("", 0, key, f"{value!r} is not a text")
+            self.fail(within, 0, key, f"{value!r} is not a text")
         return value
 
     def table(self, key: str, *, required: bool = True) -> dict[str, Any]:

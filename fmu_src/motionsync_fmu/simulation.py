@@ -2,7 +2,7 @@
 
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -12,10 +12,12 @@ import numpy as np
 
 from motionsync.master import MasterInput
 
+from .cuts import cut
 from .errors import UserError
 from .host import FmuError, Host
-from .scenario import COMPARISONS, AtTime, Scenario, When, Within
+from .scenario import COMPARISONS, AtTime, Cuts, Scenario, When, Within
 from .script import Motion
+from .variables import variables
 
 CLOSE = 1e-9  # of a step: communication points nearer to one another are one
 
@@ -24,7 +26,7 @@ CLOSE = 1e-9  # of a step: communication points nearer to one another are one
 class Course:
     """What the FMU put out: `values[name]`, shape (points,), at the communication points `time`, shape (points,), s.
 
-    `master`: the scripted master at these points, unwrapped, shape (points, 3): u, u/s, u/s2.
+    `master`: the scripted master at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3.
     """
 
     time: np.ndarray[Any, np.dtype[np.float64]]
@@ -131,31 +133,34 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Course:
     return Course(
         np.array(times),
         dict(zip(names, columns, strict=True)),
-        np.array([(m.position, m.velocity, m.acceleration) for m in motions]),
+        np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions]),
         host.messages,
     )
 
 
 def check(scenario: Scenario, course: Course) -> list[Check]:
-    """Every expectation of the scenario, judged."""
+    """Every expectation of the scenario, judged; those of its cuts come last."""
     found: list[Check] = []
+    texts = {v.name: v.text for v in variables(scenario.recipe.block())}
     for e in scenario.expectations:
         match e:
             case AtTime():
-                found += _at_time(e, course)
+                found += _at_time(e, course, texts)
             case When():
                 found.append(_when(e, course))
             case Within():
                 found += _within(e, course)
-    return found
+    return found + ([] if scenario.cuts is None else list(_cuts(scenario.cuts, course)))
 
 
-def _at_time(e: AtTime, course: Course) -> Iterator[Check]:
+def _at_time(e: AtTime, course: Course, texts: Mapping[str, Callable[[float], str]]) -> Iterator[Check]:
     i = int(np.argmin(np.abs(course.time - e.at)))
     for name, wanted in e.values.items():
         value = float(course.values[name][i])
-        expected = f"{name} = {wanted:.10g} ± {e.tolerance:g} at {e.at:g} s"
-        yield Check(expected, f"{value:.10g}", abs(value - wanted) <= e.tolerance)
+        text = texts[name]
+        allowed = f" ± {e.tolerance:g}" if text(wanted) == f"{wanted:.10g}" else ""
+        expected = f"{name} = {text(wanted)}{allowed} at {e.at:g} s"
+        yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)
 
 
 def _when(e: When, course: Course) -> Check:
@@ -176,6 +181,16 @@ def _within(e: Within, course: Course) -> Iterator[Check]:
         passed = low - e.tolerance <= least and greatest <= high + e.tolerance
         expected = f"{name} from {low:g} to {high:g} ± {e.tolerance:g} between {e.begin:g} s and {e.end:g} s"
         yield Check(expected, f"{least:.10g} to {greatest:.10g}", passed)
+
+
+def _cuts(spec: Cuts, course: Course) -> Iterator[Check]:
+    found = cut(spec, course)
+    if spec.count is not None:
+        yield Check(f"number of cuts = {spec.count}", f"{len(found)}", len(found) == spec.count)
+    if spec.tolerance is not None:
+        worst = max((abs(c.error) for c in found), default=math.inf)
+        expected = f"cuts within {spec.tolerance:g} of a mark, one mark each {spec.length:g}"
+        yield Check(expected, f"at most {worst:.3g} away" if found else "no cut", worst <= spec.tolerance)
 
 
 def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]], float] | None:

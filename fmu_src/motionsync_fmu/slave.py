@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NoReturn
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from .variables import Cell, Variable, cells, explained, members, shown, variables
+from .variables import Cell, Variable, cells, explained, members, shown, spoken_of, variables
 
 State = dict[str, Any]
 FAILURES: tuple[type[Exception], ...] = (ValueError, ArithmeticError, LookupError)
@@ -93,7 +93,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             if (code := v.cell.get()) != before:
                 for fault in members(v.declaration.codes):
                     if fault == code != 0:
-                        self.say(self.explained(fault), Fmi2Status.warning)
+                        self.say(self.explained(fault, v.name), Fmi2Status.warning)
         return True
 
     def judge(self, settable: list[Variable]) -> None:
@@ -111,8 +111,9 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             self.restore(before)
             raise
 
-    def explained(self, choice: Any) -> str:
-        return explained(choice, lambda name: self.by_name[name].cell.get())
+    def explained(self, choice: Any, coded: str = "") -> str:
+        names = spoken_of(choice, self.by_name, coded)
+        return explained(choice, names, lambda name: self.by_name[name].cell.get())
 
     def refuse(self, text: str) -> NoReturn:
         """Fail the call: PythonFMU turns the exception into fmi2Fatal."""

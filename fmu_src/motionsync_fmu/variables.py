@@ -1,6 +1,6 @@
 """A block's variables and cells, read from its declarations. Part of the Python FMU: imports no motionsync."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from enum import IntEnum
 from math import inf, isfinite
@@ -81,8 +81,14 @@ class Variable:
         if self.kind != "Real":
             return True
         d = self.declaration
-        fits = isfinite(value) and d.min <= value <= d.max and value > d.above
+        fits = isfinite(value) and d.min <= value <= d.max and d.above < value < d.below
         return fits and (abs(value) >= d.smallest if value != 0.0 else d.zero)
+
+    def text(self, value: float) -> str:
+        """A value as people read it: an enumeration's member by name, true or false, a number with ten digits."""
+        if self.kind == "Boolean" and value in (0, 1):
+            return "true" if value else "false"
+        return next((str(member.name) for member in self.choices if member == value), f"{value:.10g}")
 
     @property
     def range(self) -> str:
@@ -97,7 +103,7 @@ class Variable:
         if d.max < inf and low > -inf:
             return f"{zero}{low:g} to {d.max:g}"
         above = f"> {d.above:g}" if d.above > -inf else f">= {low:g}" if low > -inf else ""
-        below = f"<= {d.max:g}" if d.max < inf else ""
+        below = f"< {d.below:g}" if d.below < inf else f"<= {d.max:g}" if d.max < inf else ""
         return zero + (" and ".join(filter(None, (above, below))) or "finite")
 
     def refusal(self, value: Any) -> str:
@@ -118,25 +124,32 @@ def shown(value: Any) -> str:
     return next((text for text in texts if float(text) == value), texts[0])
 
 
-def explained(choice: Any, value_of: Callable[[str], Any]) -> str:
-    """A refusal or fault in words, with the values of the variables it speaks of."""
-    values = ", ".join(f"{name} = {shown(value_of(name))}" for name in choice.names)
+def spoken_of(choice: Any, known: Container[str], coded: str = "") -> list[str]:
+    """The names of the variables of which a refusal, or a fault that the variable `coded` tells, speaks."""
+    group = coded.rpartition(".")[0]
+    names = [group + name if name.startswith(".") else name for name in choice.names]
+    return [full for name, full in zip(choice.names, names, strict=True) if name == full or full in known]
+
+
+def explained(choice: Any, names: Iterable[str], value_of: Callable[[str], Any]) -> str:
+    """A refusal or fault in words, with the values of the variables of these names."""
+    values = ", ".join(f"{name} = {shown(value_of(name))}" for name in names)
     return f"{choice.description} ({values})" if values else str(choice.description)
 
 
-def cells(block: Any, prefix: str = "") -> Iterator[Cell]:
+def cells(block: Any, prefix: str = "", hidden: bool = False) -> Iterator[Cell]:
     """Every cell of the block, in the order of declaration: together they are its whole state."""
     hints = get_type_hints(type(block))
     for f in fields(block):
         value, name = getattr(block, f.name), prefix + f.name
         if is_dataclass(value):
-            yield from cells(value, name + ".")
+            yield from cells(value, name + ".", hidden or f.metadata.get("hidden", False))
             continue
         hint = list if isinstance(value, list) else hints[f.name]
         if type(value) is not hint:  # an int in a float field would be an integer in compiled code
             raise TypeError(f"{name} is declared {hint.__name__}, but starts as {value!r}")
         known = frozenset(member.value for member in members(hint)) or None
-        yield Cell(name, block, f.name, hint, f.metadata.get("declaration"), known)
+        yield Cell(name, block, f.name, hint, None if hidden else f.metadata.get("declaration"), known)
 
 
 def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:

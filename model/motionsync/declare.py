@@ -20,7 +20,8 @@ LARGEST_INPUT = 1e12  # beyond it a Real input is refused like NaN: squares and 
 
 
 class Unit(Enum):
-    """What a Real measures: powers of the position unit `u`, chosen when the FMU is built, and of the second."""
+    """What a Real measures: powers of the position unit `u`, chosen when the FMU is built, of the second, and of the
+    degree, which stays a degree whatever positions are in."""
 
     NONE = (0, 0, "")
     POSITION = (1, 0, "Position")
@@ -29,17 +30,23 @@ class Unit(Enum):
     JERK = (1, -3, "Jerk")
     PER_POSITION = (-1, 0, "PerPosition")
     PER_POSITION2 = (-2, 0, "PerPositionSquared")
+    MOMENTUM = (2, -3, "AccelerationPower")  # velocity times acceleration
+    TIME = (0, 1, "Time")
+    ANGLE = (0, 0, "Angle", 1)
 
-    def __init__(self, position: int, second: int, quantity: str) -> None:
+    def __init__(self, position: int, second: int, quantity: str, degree: int = 0) -> None:
         self.position = position
         self.second = second
         self.quantity = quantity
+        self.degree = degree
 
 
 class Choice(IntEnum):
     """An enumeration whose members describe themselves: `NAME = value, "description"`.
 
-    Further strings are names of variables that the description speaks of; a log line shows their values.
+    Further strings are names of variables that the description speaks of; a log line shows their values. One that
+    begins with a dot lies in the group of the variable whose code the member is (`.velocity` of `halt.error_id`:
+    `halt.velocity`), and is left out where that group has no such variable.
     """
 
     description: str
@@ -62,7 +69,7 @@ class Declaration:
         discrete: a Real that changes at commands only (Integers, Booleans and enumerations always are discrete).
         tunable: a parameter that may change while running.
         min, max: limits, both allowed.
-        above: a lower limit that is itself refused.
+        above, below: limits that are themselves refused.
         smallest: the least magnitude of a value other than 0.
         zero: whether 0 itself is allowed.
         depends: the inputs and parameters on which the value after initialization depends (outputs only).
@@ -77,6 +84,7 @@ class Declaration:
     min: float = -inf
     max: float = inf
     above: float = -inf
+    below: float = inf
     smallest: float = 0.0
     zero: bool = True
     depends: tuple[str, ...] = ()
@@ -98,11 +106,12 @@ def parameter(
     min: float = -inf,
     max: float = inf,
     above: float = -inf,
+    below: float = inf,
     smallest: float = 0.0,
     zero: bool = True,
 ) -> T:
     declaration = Declaration(
-        "parameter", description, unit, False, tunable, min=min, max=max, above=above, smallest=smallest, zero=zero
+        "parameter", description, unit, False, tunable, min, max, above, below, smallest=smallest, zero=zero
     )
     return _declared(start, declaration)
 
@@ -125,9 +134,12 @@ def local(
     return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max))
 
 
-def part(kind: Callable[[], T], depends: Mapping[str, tuple[str, ...]] | None = None) -> T:
-    """An object made once with the block; `depends` tells it for the outputs in the part, by their names there."""
-    return field(default_factory=kind, metadata={"depends": depends or {}})
+def part(kind: Callable[[], T], depends: Mapping[str, tuple[str, ...]] | None = None, *, hidden: bool = False) -> T:
+    """An object made once with the block; `depends` tells it for the outputs in the part, by their names there.
+
+    `hidden`: its declared fields are not the block's variables; it keeps what such variables once held.
+    """
+    return field(default_factory=kind, metadata={"depends": depends or {}, "hidden": hidden})
 
 
 def ring(length: int) -> list[float]:

@@ -30,7 +30,7 @@ typedef enum { OUTPUT, INPUT, TUNABLE, FIXED } Access;
 typedef struct {
     Kind kind;
     Access access;
-    double start, min, max, above, smallest;
+    double start, min, max, above, below, smallest;
     bool zero;
     const int *choices; /* of an enumeration: how many, then its numbers */
 } Variable;
@@ -231,7 +231,8 @@ static bool in(const Slot *s, int modes) { return s->known.mode & modes; }
 
 static bool allowed(const Variable *v, Value x) {
     if (v->kind == REAL) {
-        bool fits = isfinite(x.real) && x.real >= v->min && x.real <= v->max && x.real > v->above;
+        bool fits = isfinite(x.real) && x.real >= v->min && x.real <= v->max;
+        fits = fits && x.real > v->above && x.real < v->below;
         return fits && (x.real == 0.0 ? v->zero : fabs(x.real) >= v->smallest);
     }
     for (int i = 1; v->choices && i <= v->choices[0]; i++)

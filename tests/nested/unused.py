@@ -1,0 +1,1 @@
+"""Nobody imports this: it is not part of the block."""
