@@ -28,7 +28,8 @@ class Master:
     """The master axis and its motion during the present step.
 
     A step's path begins at `seam`, where the step before ended; the straight way from there to `begin`, the present
-    input, takes no time. The commands act at `begin`; then comes `path`, up to `end`. With a period all these are
+    input, takes no time. The commands act at `begin`, with the velocity and acceleration that the master has there;
+    then comes `path`, `step` s long, up to `end`. With a period all these are
     unwrapped: they are continuous, relative to a whole number of turns that `rebase` chooses.
 
     In mode POSITION_ONLY the estimates are held within the limits of Real inputs, +-1e12, so that samples taken in
@@ -46,7 +47,10 @@ class Master:
     )
     seam: float = 0.0
     begin: float = 0.0
+    begin_velocity: float = 0.0
+    begin_acceleration: float = 0.0
     path: Path = var.part(Path)
+    step: float = 1.0
     end: float = 0.0
     end_velocity: float = 0.0
     end_acceleration: float = 0.0
@@ -79,6 +83,22 @@ class Master:
             case _:
                 return self.extrapolate(h)
 
+    def velocity_at(self, time: float) -> float:
+        """Within the step, from the velocities at both ends: exact at constant acceleration, and free of the rounding
+        that the path's derivative would have in a short step."""
+        return self.begin_velocity + (self.end_velocity - self.begin_velocity) * (time / self.step)
+
+    def mean_acceleration(self) -> float:
+        """With which the velocity comes from the step's beginning to its end."""
+        if self.input_mode == MasterInput.END_OF_STEP:
+            return (self.end_velocity - self.begin_velocity) / self.step
+        return self.begin_acceleration
+
+    def literal(self, position: float) -> float:
+        """The place of a position that is meant in the turn of the present input, not in just any."""
+        anchor = self.end if self.input_mode == MasterInput.END_OF_STEP else self.begin
+        return position + (anchor - self.position)
+
     def rebase(self) -> None:
         """Drop whole turns, so that positions keep their last bits over any number of turns.
 
@@ -97,6 +117,9 @@ class Master:
             return Refusal.MASTER_TURNS
         self.seam = self.end if self.samples > 0 else position
         self.begin = position
+        self.begin_velocity = velocity
+        self.begin_acceleration = acceleration
+        self.step = h
         self.path.parabola(position, velocity, acceleration, h)
         self.end = end
         self.end_velocity = velocity + acceleration * h
@@ -116,6 +139,9 @@ class Master:
         position = self.unwrapped(expected)
         self.seam = self.end
         self.begin = self.end
+        self.begin_velocity = self.end_velocity
+        self.begin_acceleration = self.end_acceleration
+        self.step = h
         self.path.cubic(self.end, self.end_velocity, position, self.velocity, h)
         self.end = position
         self.end_velocity = self.velocity

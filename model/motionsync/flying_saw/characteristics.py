@@ -1,0 +1,178 @@
+"""The characteristic values of a synchronisation profile, for the whole profile at constant master velocity.
+
+Source: TS5055, sections 6 and 12.3.2, the four values that TwinCAT reserves included.
+"""
+
+from dataclasses import dataclass
+
+from .. import declare as var
+from ..axis import wrap
+from ..declare import Unit
+from .extremes import Extremes
+from .planning import Plan
+from .profile import ProfileKind
+
+
+@dataclass(slots=True)
+class Characteristics:
+    """Of the last synchronisation that has begun; 0 before. Names as in MC_FlyingSawCharacValues."""
+
+    profile: ProfileKind = var.output(ProfileKind.NONE, "the polynomials of the profile")
+    master_velocity_nominal: float = var.output(
+        0.0, "master velocity at the start, taken as constant (fMasterVeloNom)", Unit.VELOCITY, discrete=True
+    )
+    master_position_start: float = var.output(
+        0.0, "master position at the start (fMasterPosStart)", Unit.POSITION, discrete=True
+    )
+    slave_position_start: float = var.output(
+        0.0, "slave position at the start (fSlavePosStart)", Unit.POSITION, discrete=True
+    )
+    slave_velocity_start: float = var.output(
+        0.0, "slave velocity at the start (fSlaveVeloStart)", Unit.VELOCITY, discrete=True
+    )
+    slave_acceleration_start: float = var.output(
+        0.0, "the profile's acceleration at the start (fSlaveAccStart)", Unit.ACCELERATION, discrete=True
+    )
+    slave_jerk_start: float = var.output(
+        0.0, "the profile's jerk at the start (fSlaveJerkStart)", Unit.JERK, discrete=True
+    )
+    master_position_end: float = var.output(
+        0.0, "master position at the end (fMasterPosEnd)", Unit.POSITION, discrete=True
+    )
+    slave_position_end: float = var.output(
+        0.0, "slave position at the end (fSlavePosEnd)", Unit.POSITION, discrete=True
+    )
+    slave_velocity_end: float = var.output(
+        0.0, "slave velocity at the end (fSlaveVeloEnd)", Unit.VELOCITY, discrete=True
+    )
+    slave_acceleration_end: float = var.output(
+        0.0, "slave acceleration at the end (fSlaveAccEnd)", Unit.ACCELERATION, discrete=True
+    )
+    slave_jerk_end: float = var.output(0.0, "slave jerk at the end (fSlaveJerkEnd)", Unit.JERK, discrete=True)
+    slave_position_min: float = var.output(0.0, "least slave position (fSlavePosMin)", Unit.POSITION, discrete=True)
+    slave_position_max: float = var.output(0.0, "greatest slave position (fSlavePosMax)", Unit.POSITION, discrete=True)
+    master_position_at_slave_position_min: float = var.output(
+        0.0, "master position there (fMPosAtSPosMin)", Unit.POSITION, discrete=True
+    )
+    master_position_at_slave_position_max: float = var.output(
+        0.0, "master position there (fMPosAtSPosMax)", Unit.POSITION, discrete=True
+    )
+    slave_velocity_min: float = var.output(0.0, "least slave velocity (fSlaveVeloMin)", Unit.VELOCITY, discrete=True)
+    slave_velocity_max: float = var.output(0.0, "greatest slave velocity (fSlaveVeloMax)", Unit.VELOCITY, discrete=True)
+    master_position_at_slave_velocity_min: float = var.output(
+        0.0, "master position there (fMPosAtSVeloMin)", Unit.POSITION, discrete=True
+    )
+    master_position_at_slave_velocity_max: float = var.output(
+        0.0, "master position there (fMPosAtSVeloMax)", Unit.POSITION, discrete=True
+    )
+    slave_acceleration_min: float = var.output(
+        0.0, "least slave acceleration (fSlaveAccMin)", Unit.ACCELERATION, discrete=True
+    )
+    slave_acceleration_max: float = var.output(
+        0.0, "greatest slave acceleration (fSlaveAccMax)", Unit.ACCELERATION, discrete=True
+    )
+    master_position_at_slave_acceleration_min: float = var.output(
+        0.0, "master position there (fMPosAtSAccMin)", Unit.POSITION, discrete=True
+    )
+    master_position_at_slave_acceleration_max: float = var.output(
+        0.0, "master position there (fMPosAtSAccMax)", Unit.POSITION, discrete=True
+    )
+    slave_velocity_at_slave_acceleration_min: float = var.output(
+        0.0, "slave velocity there (fSVeloAtSAccMin)", Unit.VELOCITY, discrete=True
+    )
+    slave_velocity_at_slave_acceleration_max: float = var.output(
+        0.0, "slave velocity there (fSVeloAtSAccMax)", Unit.VELOCITY, discrete=True
+    )
+    slave_jerk_min: float = var.output(0.0, "least slave jerk (fSlaveJerkMin)", Unit.JERK, discrete=True)
+    slave_jerk_max: float = var.output(0.0, "greatest slave jerk (fSlaveJerkMax)", Unit.JERK, discrete=True)
+    slave_dynamic_momentum_min: float = var.output(
+        0.0, "least velocity times acceleration (fSlaveDynMomMin)", Unit.MOMENTUM, discrete=True
+    )
+    slave_dynamic_momentum_max: float = var.output(
+        0.0, "greatest velocity times acceleration (fSlaveDynMomMax)", Unit.MOMENTUM, discrete=True
+    )
+    slave_velocity_mean: float = var.output(
+        0.0, "mean over time of the speed (fSlaveVeloMean)", Unit.VELOCITY, discrete=True
+    )
+    slave_acceleration_effective: float = var.output(
+        0.0, "root mean square over time (fSlaveAccEff)", Unit.ACCELERATION, discrete=True
+    )
+
+    def tell(self, plan: Plan, period: float) -> None:
+        """Of a synchronisation that begins now; one that is reached at once ends where it starts."""
+        self.profile = plan.profile.kind
+        self.master_velocity_nominal = plan.master.velocity
+        self.slave_acceleration_end = 0.0
+        if plan.profile.pieces > 0:
+            plan.extremes.integrate(plan.profile)
+            self.ends(plan)
+            self.bounds(plan.extremes)
+        else:
+            self.level(plan.slave.position, plan.slave.velocity)
+        self.places(plan, period)
+
+    def ends(self, plan: Plan) -> None:
+        """The slave at the profile's beginning and end."""
+        self.slave_position_start = plan.slave.position
+        self.slave_velocity_start = plan.slave.velocity
+        _, _, acceleration, jerk = plan.profile.at(0.0)
+        self.slave_acceleration_start = acceleration
+        self.slave_jerk_start = jerk
+        self.slave_position_end = plan.end
+        self.slave_velocity_end = plan.synchronous
+        _, _, _, last = plan.profile.at(plan.profile.duration())
+        self.slave_jerk_end = last
+
+    def bounds(self, extremes: Extremes) -> None:
+        self.slave_position_min = extremes.position_min
+        self.slave_position_max = extremes.position_max
+        self.slave_velocity_min = extremes.velocity_min
+        self.slave_velocity_max = extremes.velocity_max
+        self.slave_acceleration_min = extremes.acceleration_min
+        self.slave_acceleration_max = extremes.acceleration_max
+        self.slave_velocity_at_slave_acceleration_min = extremes.velocity_at_acceleration_min
+        self.slave_velocity_at_slave_acceleration_max = extremes.velocity_at_acceleration_max
+        self.slave_jerk_min = extremes.jerk_min
+        self.slave_jerk_max = extremes.jerk_max
+        self.slave_dynamic_momentum_min = extremes.momentum_min
+        self.slave_dynamic_momentum_max = extremes.momentum_max
+        self.slave_velocity_mean = extremes.velocity_mean
+        self.slave_acceleration_effective = extremes.acceleration_effective
+
+    def level(self, position: float, velocity: float) -> None:
+        """All of one instant at constant velocity."""
+        self.slave_position_start = position
+        self.slave_position_end = position
+        self.slave_position_min = position
+        self.slave_position_max = position
+        self.slave_velocity_start = velocity
+        self.slave_velocity_end = velocity
+        self.slave_velocity_min = velocity
+        self.slave_velocity_max = velocity
+        self.slave_velocity_at_slave_acceleration_min = velocity
+        self.slave_velocity_at_slave_acceleration_max = velocity
+        self.slave_velocity_mean = abs(velocity)
+        self.slave_acceleration_start = 0.0
+        self.slave_acceleration_min = 0.0
+        self.slave_acceleration_max = 0.0
+        self.slave_acceleration_effective = 0.0
+        self.slave_jerk_start = 0.0
+        self.slave_jerk_end = 0.0
+        self.slave_jerk_min = 0.0
+        self.slave_jerk_max = 0.0
+        self.slave_dynamic_momentum_min = 0.0
+        self.slave_dynamic_momentum_max = 0.0
+
+    def places(self, plan: Plan, period: float) -> None:
+        """The master's positions, in its period."""
+        start = plan.master.position
+        pace = plan.master.velocity if plan.profile.pieces > 0 else 0.0
+        e = plan.extremes
+        self.master_position_start = wrap(start, period)
+        self.master_position_end = wrap(plan.master_end, period)
+        self.master_position_at_slave_position_min = wrap(start + pace * e.position_min_time, period)
+        self.master_position_at_slave_position_max = wrap(start + pace * e.position_max_time, period)
+        self.master_position_at_slave_velocity_min = wrap(start + pace * e.velocity_min_time, period)
+        self.master_position_at_slave_velocity_max = wrap(start + pace * e.velocity_max_time, period)
+        self.master_position_at_slave_acceleration_min = wrap(start + pace * e.acceleration_min_time, period)
+        self.master_position_at_slave_acceleration_max = wrap(start + pace * e.acceleration_max_time, period)

@@ -1,0 +1,64 @@
+"""The slave axis's machine data, and the limits that a command takes from it."""
+
+from dataclasses import dataclass
+from math import isfinite
+
+from .. import declare as var
+from ..declare import Unit
+
+LEAST = 1e-12  # what a limit may be: from here ...
+MOST = 1e12  # ... to here nothing overflows
+
+
+@dataclass(slots=True)
+class Axis:
+    """The slave axis's machine data."""
+
+    initial_position: float = var.parameter(0.0, "where the axis is at first", Unit.POSITION, min=-MOST, max=MOST)
+    initial_velocity: float = var.parameter(
+        0.0, "its velocity at first, with which it goes on for ever", Unit.VELOCITY, min=-MOST, max=MOST
+    )
+    max_velocity: float = var.parameter(
+        2000.0, "velocity limit, not 0", Unit.VELOCITY, tunable=True, min=0.0, max=MOST, smallest=LEAST, zero=False
+    )
+    max_acceleration: float = var.parameter(
+        10000.0,
+        "acceleration limit, not 0",
+        Unit.ACCELERATION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST,
+        zero=False,
+    )
+    max_deceleration: float = var.parameter(
+        10000.0,
+        "deceleration limit, not 0",
+        Unit.ACCELERATION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST,
+        zero=False,
+    )
+    max_jerk: float = var.parameter(
+        100000.0, "jerk limit, not 0", Unit.JERK, tunable=True, min=0.0, max=MOST, smallest=LEAST, zero=False
+    )
+    min_position: float = var.parameter(
+        -1e9, "lower software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST
+    )
+    max_position: float = var.parameter(
+        1e9, "upper software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST
+    )
+
+    def ends_known(self) -> bool:
+        return isfinite(self.min_position) and isfinite(self.max_position)
+
+
+def chosen(limit: float, axis: float) -> float:
+    """A command's limit; 0 stands for the axis's."""
+    return axis if limit == 0.0 else limit
+
+
+def allowed(limit: float) -> bool:
+    return LEAST <= limit <= MOST
