@@ -9,10 +9,10 @@ from pathlib import Path
 from motionsync.master import MasterInput
 from motionsync_fmu.references import csv_text, inputs_csv, options_text
 from motionsync_fmu.scenario import find, load
-from oracle import synchronizer
+from oracle import flying_saw, synchronizer
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
-ORACLES = {"Synchronizer": synchronizer.reference}
+ORACLES = {"Synchronizer": synchronizer.reference, "FlyingSaw": flying_saw.reference}
 COLUMNS = {
     "Synchronizer": (
         "slave.position",
@@ -26,7 +26,28 @@ COLUMNS = {
         "local.progress",
         "local.distance_to_begin",
         "local.distance_to_end",
-    )
+    ),
+    "FlyingSaw": (
+        "slave.position",
+        "slave.velocity",
+        "slave.acceleration",
+        "slave.jerk",
+        "state_code",
+        "plcopen_state",
+        "in_sync",
+        "coupled",
+        "error_id",
+        "characteristics.profile",
+        "characteristics.master_position_end",
+        "characteristics.slave_position_end",
+        "characteristics.slave_velocity_min",
+        "characteristics.slave_velocity_max",
+        "characteristics.slave_acceleration_min",
+        "characteristics.slave_acceleration_max",
+        "characteristics.slave_jerk_max",
+        "characteristics.slave_velocity_mean",
+        "characteristics.slave_acceleration_effective",
+    ),
 }
 POINTS = 200  # of a reference, about
 
