@@ -9,10 +9,15 @@ from pathlib import Path
 from motionsync.master import MasterInput
 from motionsync_fmu.references import csv_text, inputs_csv, options_text
 from motionsync_fmu.scenario import find, load
-from oracle import flying_saw, synchronizer
+from oracle import flying_saw, follower, gearing, synchronizer
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
-ORACLES = {"Synchronizer": synchronizer.reference, "FlyingSaw": flying_saw.reference}
+ORACLES = {
+    "Synchronizer": synchronizer.reference,
+    "FlyingSaw": flying_saw.reference,
+    "Gearing": gearing.reference,
+    "Follower": follower.reference,
+}
 COLUMNS = {
     "Synchronizer": (
         "slave.position",
@@ -47,6 +52,28 @@ COLUMNS = {
         "characteristics.slave_jerk_max",
         "characteristics.slave_velocity_mean",
         "characteristics.slave_acceleration_effective",
+    ),
+    "Gearing": (
+        "slave.position",
+        "slave.velocity",
+        "slave.acceleration",
+        "slave.jerk",
+        "state_code",
+        "in_gear",
+        "error_id",
+        "local.progress",
+    ),
+    "Follower": (
+        "slave.position",
+        "slave.velocity",
+        "slave.acceleration",
+        "slave.jerk",
+        "state_code",
+        "master_to_start",
+        "master_to_sync",
+        "master_to_out",
+        "cycle",
+        "error_id",
     ),
 }
 POINTS = 200  # of a reference, about

@@ -43,20 +43,24 @@ class Flavour(StrEnum):
 
 @dataclass(frozen=True)
 class Recipe:
-    """What an FMU is built from: a block, the unit of its positions, and start values to bake in (name to text)."""
+    """What an FMU is built from: a block, the unit of its positions, start values to bake in (name to text), and the
+    unit of the slave's positions where it is not the same (empty: it is)."""
 
     name: str
     unit: str = "mm"
     starts: Mapping[str, str] = field(default_factory=dict)
+    slave_unit: str = ""
 
     def block(self) -> Any:
         """A new block with the baked start values.
 
         Raises:
-            UserError: an unknown block, unit or variable, or a value that the variable does not allow.
+            UserError: an unknown block, unit or variable, a value that the variable does not allow, or a slave unit
+                for a block whose slave is in the master's.
         """
         block = choose(BLOCKS, self.name, "block").type()
         choose(BASES, self.unit, "unit")
+        check_slave_unit(block, self.slave_unit)
         by_name = {v.name: v for v in variables(block) if v.settable}
         for name, text in self.starts.items():
             v = choose(by_name, name, f"parameter or input of {self.name}")
@@ -68,8 +72,20 @@ class Recipe:
         block = self.block()
         files = sources(type(block).__module__)
         files |= {f"fmu/{name}": text for name, text in (runtime() | compilers()).items()}
-        h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit))})
+        h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit, self.slave_unit))})
         return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def check_slave_unit(block: Any, unit: str) -> None:
+    """Refuse a slave unit that is none, or for a block that does not tell both axes' units apart.
+
+    Raises:
+        UserError: which of the two.
+    """
+    if unit:
+        choose(BASES, unit, "slave unit")
+        if not any(v.declaration.unit.slave for v in variables(block)):
+            raise UserError(f"--slave-unit {unit}: the slave of {type(block).__name__} is in its master's unit")
 
 
 def parse(v: Variable, text: str) -> Any:
@@ -161,11 +177,11 @@ def _write(
     epoch()  # Matplotlib reads it too, and says nothing useful to a bad one
     block = recipe.block()
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
-    texts = pages(recipe.name, block, recipe.unit, flavour, platforms)
+    texts = pages(recipe.name, block, recipe.unit, flavour, platforms, recipe.slave_unit)
     files = files | {f"documentation/{n}": text for n, text in texts.items()}
     files |= {
         "model.png": picture(recipe.name),
-        "modelDescription.xml": finish(describe(block, recipe.unit), recipe.guid(), abilities),
+        "modelDescription.xml": finish(describe(block, recipe.unit, recipe.slave_unit), recipe.guid(), abilities),
     }
     write(target, files)
     return target

@@ -17,7 +17,7 @@ from rich.table import Table
 from motionsync.blocks import BLOCKS
 from motionsync.declare import Unit
 
-from .build import Flavour, Recipe, fmu_path, outdated
+from .build import Flavour, Recipe, check_slave_unit, fmu_path, outdated
 from .build import build as build_fmu
 from .cuts import cut
 from .description import BASES, summary, unit_name
@@ -77,6 +77,10 @@ def build(
         typer.Option(help="native: compiled; python: in an embedded Python. May be repeated; both if not given."),
     ] = None,
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
+    slave_unit: Annotated[
+        str,
+        typer.Option(metavar=UNITS, help="Unit of the slave's positions, of a block that tells them apart (Follower)."),
+    ] = "",
     start: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="Bake in a start value; may be repeated. For one block only."),
@@ -92,12 +96,14 @@ def build(
         motionsync build Synchronizer --unit deg --flavour native
 
         motionsync build Synchronizer --start curve=PARABOLA --start output_phasing=45
+
+        motionsync build Follower --unit mm --slave-unit deg
     """
     names = fmu or list(BLOCKS)
     starts = dict(_assignment(text) for text in start or [])
     if starts and len(names) != 1:
         raise UserError("--start: name the one block that it is for, as in: motionsync build Synchronizer --start ...")
-    recipes = [Recipe(name, unit, starts) for name in names]
+    recipes = [Recipe(name, unit, starts, slave_unit) for name in names]
     for recipe in recipes:
         recipe.block()  # every mistake is told before anything is built
     for recipe in recipes:
@@ -105,7 +111,8 @@ def build(
             target = fmu_path(recipe, output, chosen)
             with err.status(f"building {target}"):
                 build_fmu(chosen, recipe, target, err.print)
-            out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}")
+            of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
+            out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")
 
 
 def _assignment(text: str) -> tuple[str, str]:
@@ -141,6 +148,7 @@ def list_all(
 def describe(
     fmu: Annotated[str, typer.Argument(help="A block's name, or the path of a built FMU.")],
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; a built FMU has its own.")] = "mm",
+    slave_unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of the slave's positions; as for build.")] = "",
 ) -> None:
     """Show the variables: name, causality, type and unit, start value, allowed range, meaning.
 
@@ -150,7 +158,7 @@ def describe(
 
         motionsync describe build/python/Synchronizer.fmu
     """
-    name, symbol, starts = _built(Path(fmu)) if fmu.endswith(".fmu") else (fmu, unit, {})
+    name, symbol, of_slave, starts = _built(Path(fmu)) if fmu.endswith(".fmu") else (fmu, unit, slave_unit, {})
     registered = choose(BLOCKS, name, "block")
     choose(BASES, symbol, "unit")
     out.print(f"{name}: {summary(registered.type)}\n")
@@ -158,7 +166,8 @@ def describe(
     table = Table(*keys, box=None)
     table.columns[0].no_wrap = True
     block = registered.type()
-    for i, group in enumerate(groups(block, symbol)):
+    check_slave_unit(block, of_slave)
+    for i, group in enumerate(groups(block, symbol, of_slave)):
         if i:
             table.add_row()
         for r in group.rows:
@@ -170,15 +179,15 @@ def describe(
             out.print(f"  {member.value:3d} {member.name}: {member.description}")
 
 
-def _built(fmu: Path) -> tuple[str, str, dict[str, str]]:
-    """A built FMU's block, the unit of its positions, and its start values."""
+def _built(fmu: Path) -> tuple[str, str, str, dict[str, str]]:
+    """A built FMU's block, the unit of its positions, that of its slave's (empty: the same), and its start values."""
     try:
         description = fmpy.read_model_description(str(fmu))
     except Exception as e:  # FMPy raises whatever it meets in a file that is no FMU
         raise UserError(f"{fmu}: not an FMU that can be read: {str(e).strip().splitlines()[0]}") from None
     units = {t.name: t.unit for t in description.typeDefinitions}
     starts = {v.name: v.start for v in description.modelVariables if v.start is not None}
-    return description.modelName, units.get("Position") or "1", starts
+    return description.modelName, units.get("Position") or "1", units.get("SlavePosition") or "", starts
 
 
 @app.command()

@@ -27,10 +27,10 @@ CATEGORIES = {
 }
 
 
-def describe(block: Any, unit: str) -> Element:
+def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
     """Everything that both flavours and every build of this source share; `finish` adds GUID and date.
 
-    `unit`: of positions, a key of BASES.
+    `unit`: of positions, a key of BASES; `slave_unit`: of the slave's where a block tells them apart, empty: the same.
     """
     vs = variables(block)
     name = type(block).__name__
@@ -56,8 +56,8 @@ def describe(block: Any, unit: str) -> Element:
         canBeInstantiatedOnlyOncePerProcess="false",
         canNotUseMemoryManagementFunctions="true",
     )
-    _units(SubElement(root, "UnitDefinitions"), vs, unit)
-    _types(SubElement(root, "TypeDefinitions"), vs, unit)
+    _units(SubElement(root, "UnitDefinitions"), vs, unit, slave_unit or unit)
+    _types(SubElement(root, "TypeDefinitions"), vs, unit, slave_unit or unit)
     categories = SubElement(root, "LogCategories")
     for category, text in CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
@@ -84,11 +84,16 @@ def summary(thing: Any) -> str:
     return (thing.__doc__ or "").strip().split("\n")[0].rstrip(".")
 
 
-def unit_name(kind: Unit, unit: str) -> str:
-    """The name of a unit where positions are in `unit`: mm/s2, 1/deg2; of a pure number, the empty string."""
-    powers = (("" if unit == "1" else unit, kind.position), (DEGREE, kind.degree), ("s", kind.second))
-    above = "".join(_power(symbol, exponent) for symbol, exponent in powers)
-    below = "".join(f"/{p}" for symbol, exponent in powers if (p := _power(symbol, -exponent)))
+def unit_name(kind: Unit, unit: str, slave_unit: str = "") -> str:
+    """The name of a unit where positions are in `unit`, and the slave's in `slave_unit` if it is given: mm/s2, 1/deg2,
+    deg/mm; of a pure number, the empty string."""
+    powers: dict[str, int] = {}
+    factors = ((unit, kind.position), (slave_unit or unit, kind.slave), (DEGREE, kind.degree), ("s", kind.second))
+    for symbol, exponent in factors:
+        powers[symbol] = powers.get(symbol, 0) + exponent
+    powers.pop("1", None)
+    above = "".join(_power(symbol, exponent) for symbol, exponent in powers.items())
+    below = "".join(f"/{p}" for symbol, exponent in powers.items() if (p := _power(symbol, -exponent)))
     return (above or "1") + below if above or below or kind is not Unit.NONE else ""
 
 
@@ -100,14 +105,18 @@ def _used_units(vs: list[Variable]) -> list[Unit]:
     return list(dict.fromkeys(v.declaration.unit for v in vs if v.declaration.unit is not Unit.NONE))
 
 
-def _units(parent: Element, vs: list[Variable], unit: str) -> None:
-    definitions = {unit_name(u, unit): u for u in reversed(_used_units(vs))}
+def _units(parent: Element, vs: list[Variable], unit: str, slave_unit: str) -> None:
+    definitions = {unit_name(u, unit, slave_unit): u for u in reversed(_used_units(vs))}
     for name, u in sorted(definitions.items()):
-        base, factor = BASES[DEGREE if u.degree else unit]
-        exponent = u.degree or u.position
-        powers = {base: exponent, "s": u.second}
+        powers: dict[str, int] = {}
+        factor = 1.0
+        for symbol, exponent in ((unit, u.position), (slave_unit, u.slave), (DEGREE, u.degree)):
+            base, size = BASES[symbol]
+            powers[base] = powers.get(base, 0) + exponent
+            factor *= _scaled(size, exponent)
+        powers["s"] = u.second
         exponents = {symbol: str(power) for symbol, power in powers.items() if symbol and power}
-        scale = {"factor": repr(_scaled(factor, exponent))} if exponent and factor != 1.0 else {}
+        scale = {"factor": repr(factor)} if factor != 1.0 and name != "1" else {}
         SubElement(SubElement(parent, "Unit", name=name), "BaseUnit", exponents | scale)
 
 
@@ -115,10 +124,10 @@ def _scaled(factor: float, exponent: int) -> float:
     return factor**exponent if exponent >= 0 else 1.0 / factor**-exponent
 
 
-def _types(parent: Element, vs: list[Variable], unit: str) -> None:
+def _types(parent: Element, vs: list[Variable], unit: str, slave_unit: str) -> None:
     for u in _used_units(vs):
         simple = SubElement(parent, "SimpleType", name=u.quantity)
-        SubElement(simple, "Real", quantity=u.quantity, unit=unit_name(u, unit))
+        SubElement(simple, "Real", quantity=u.quantity, unit=unit_name(u, unit, slave_unit))
     for choice in dict.fromkeys(v.cell.type for v in vs if v.choices):
         simple = SubElement(parent, "SimpleType", name=choice.__name__, description=summary(choice))
         enumeration = SubElement(simple, "Enumeration")

@@ -48,10 +48,10 @@ DRAWN = ("position", "velocity", "acceleration")
 SAMPLES = 500
 
 
-def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str]) -> Files:
+def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str], slave_unit: str = "") -> Files:
     """index.html, its picture, and for the python flavour externalDependencies.html.
 
-    `block` has the FMU's start values; `platforms`: the folders of its binaries.
+    `block` has the FMU's start values; `platforms`: the folders of its binaries; `slave_unit`: empty, `unit`.
     """
     values = {
         "name": name,
@@ -62,7 +62,7 @@ def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str]) 
         "inputs": list(MasterInput),
         "guide": BLOCKS[name].guide,
         "names": BLOCKS[name].names,
-        "groups": groups(block, unit),
+        "groups": groups(block, unit, slave_unit),
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,
@@ -71,7 +71,7 @@ def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str]) 
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
     files = {page: TEMPLATES.get_template(f"{page}.j2").render(values).encode() for page in names}
-    return files | {"transition.svg": transition(name, unit)}
+    return files | {"transition.svg": transition(name, unit, slave_unit)}
 
 
 def paragraphs(thing: Any) -> list[str]:
@@ -88,25 +88,25 @@ class Group:
     rows: list[dict[str, str]]
 
 
-def groups(block: Any, unit: str) -> list[Group]:
+def groups(block: Any, unit: str, slave_unit: str = "") -> list[Group]:
     """All variables; a group's summary is that of its part of the block."""
     found: dict[str, Group] = {}
     for v in variables(block):
         name = v.name.partition(".")[0] if "." in v.name else ""
         if name not in found:
             found[name] = Group(name, summary(type(getattr(block, name))) if name else "The block's own", [])
-        found[name].rows.append(row(v, unit))
+        found[name].rows.append(row(v, unit, slave_unit))
     return list(found.values())
 
 
-def row(v: Variable, unit: str) -> dict[str, str]:
+def row(v: Variable, unit: str, slave_unit: str = "") -> dict[str, str]:
     """One line of a table of variables; the values as they are written."""
     return {
         "name": v.name,
         "causality": v.causality,
         "variability": v.variability,
         "type": v.cell.type.__name__ if v.choices else v.kind,
-        "unit": unit_name(v.declaration.unit, unit),
+        "unit": unit_name(v.declaration.unit, unit, slave_unit),
         "start": literal(v, v.start) if v.settable else "",
         "range": v.range if v.settable and v.kind in ("Real", "Integer") else "",
         "description": v.declaration.description,
@@ -148,7 +148,7 @@ def attempt(name: str, refusal: Any) -> None:
         raise UserError(f"the example of {name} in blocks.py is refused: {refusal.description}")
 
 
-def transition(name: str, unit: str) -> bytes:
+def transition(name: str, unit: str, slave_unit: str = "") -> bytes:
     """The example as an SVG: position and velocity of master and slave, and the slave's acceleration."""
     courses = run(name)
     with matplotlib.rc_context(STYLE):
@@ -163,7 +163,9 @@ def transition(name: str, unit: str) -> bytes:
         for axes, n in ((middle, "velocity"), (bottom, "acceleration")):
             axes.plot(courses["time"], courses[n], color=SLAVE)
         for axes, kind in ((top, Unit.POSITION), (middle, Unit.VELOCITY), (bottom, Unit.ACCELERATION)):
-            label = unit_name(kind, unit)
+            of_slave = unit_name(kind, slave_unit or unit)
+            of_master = unit_name(kind, unit) if axes is not bottom else of_slave
+            label = of_slave if of_slave == of_master else f"{of_master}, slave {of_slave}"
             axes.set_ylabel(kind.quantity.lower() + (f"\n{label}" if label else ""))
         figure.align_ylabels()
         bottom.set_xlabel("time in s")

@@ -199,7 +199,8 @@ def model_header(block: Any, guid: str) -> str:
     index = {v.name: i for i, v in enumerate(vs)}
     pool = Pool()
     rows = [_row(v, layout, pool) for v in vs]
-    messages = _messages(Refusal, index, pool)
+    own = [refusal for refusal in Refusal if index.keys() >= {*refusal.names}]  # others are of other blocks
+    messages = _messages(own, index, pool)
     coded = []
     for v in vs:
         if v.declaration.codes:

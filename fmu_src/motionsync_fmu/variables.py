@@ -1,7 +1,7 @@
 """A block's variables and cells, read from its declarations. Part of the Python FMU: imports no motionsync."""
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import IntEnum
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any, get_type_hints
@@ -125,10 +125,12 @@ def shown(value: Any) -> str:
 
 
 def spoken_of(choice: Any, known: Container[str], coded: str = "") -> list[str]:
-    """The names of the variables of which a refusal, or a fault that the variable `coded` tells, speaks."""
+    """The names of the variables of which a refusal, or a fault that the variable `coded` tells, speaks; refusals are
+    shared by all blocks, and what the block lacks is left out."""
     group = coded.rpartition(".")[0]
     names = [group + name if name.startswith(".") else name for name in choice.names]
-    return [full for name, full in zip(choice.names, names, strict=True) if name == full or full in known]
+    optional = [name.startswith(".") or not coded for name in choice.names]
+    return [full for full, may_lack in zip(names, optional, strict=True) if not may_lack or full in known]
 
 
 def explained(choice: Any, names: Iterable[str], value_of: Callable[[str], Any]) -> str:
@@ -137,19 +139,25 @@ def explained(choice: Any, names: Iterable[str], value_of: Callable[[str], Any])
     return f"{choice.description} ({values})" if values else str(choice.description)
 
 
-def cells(block: Any, prefix: str = "", hidden: bool = False) -> Iterator[Cell]:
+def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool = False) -> Iterator[Cell]:
     """Every cell of the block, in the order of declaration: together they are its whole state."""
     hints = get_type_hints(type(block))
     for f in fields(block):
         value, name = getattr(block, f.name), prefix + f.name
         if is_dataclass(value):
-            yield from cells(value, name + ".", hidden or f.metadata.get("hidden", False))
+            part = f.metadata
+            yield from cells(
+                value, name + ".", hidden or part.get("hidden", False), slave_unit or part.get("slave_unit", False)
+            )
             continue
         hint = list if isinstance(value, list) else hints[f.name]
         if type(value) is not hint:  # an int in a float field would be an integer in compiled code
             raise TypeError(f"{name} is declared {hint.__name__}, but starts as {value!r}")
         known = frozenset(member.value for member in members(hint)) or None
-        yield Cell(name, block, f.name, hint, None if hidden else f.metadata.get("declaration"), known)
+        declaration = None if hidden else f.metadata.get("declaration")
+        if declaration and slave_unit:
+            declaration = replace(declaration, unit=declaration.unit.of_slave())
+        yield Cell(name, block, f.name, hint, declaration, known)
 
 
 def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .flying_saw.block import FlyingSaw
+from .follower.block import Follower
+from .gearing.block import Gearing
 from .synchronizer import Synchronizer
 
 
@@ -165,6 +167,115 @@ BLOCKS: Mapping[str, Registered] = {
                 "software end positions, maximum velocity, ...",
                 "`axis.min_position`, `axis.max_position`, `axis.max_velocity`",
             ),
+        ),
+    ),
+    "Gearing": Registered(
+        Gearing,
+        Example(
+            "Engaged at 0.2 s, the slave comes on to the line through the reference position 150 while the master "
+            "passes 100 to 200 (shaded: in gear). Told at 3 s to disengage, it rests at exactly 300. At 5.5 s it is "
+            "engaged again, in 1.5 s and through 595: to get there it has to be faster than the master for a while.",
+            velocity=100.0,
+            duration=8.0,
+            start={
+                "master.velocity": 100.0,
+                "gear_in.reference_position": 150.0,
+                "gear_out.stop_mode": 4,
+                "gear_out.stop_position": 300.0,
+            },
+            inputs=(
+                (0.2, {"start": True}),
+                (3.0, {"start": False}),
+                (
+                    5.5,
+                    {
+                        "gear_in.reference_position": 595.0,
+                        "gear_in.transition": 3,
+                        "gear_in.time": 1.5,
+                        "start": True,
+                    },
+                ),
+            ),
+            shaded="in_gear",
+        ),
+        guide=(
+            "Say how far the slave travels per master, as a ratio of whole numbers: `gearing.numerator`, "
+            "`gearing.denominator`. A rotary axis has a `master.period` or `slave.period`.",
+            "Choose through which point the line of both axes runs: with a reference position (`gear_in.start_mode` 4 "
+            "to 6) the slave's present position belongs to the master's `gear_in.reference_position` + "
+            "`gear_in.offset`; direct (1 to 3) it belongs to where the master is; 7 continues on the former line.",
+            "Choose the transition: none, over a `gear_in.distance` of the master (it begins half of that before the "
+            "reference position, at `local.trigger_position`), or within a `gear_in.time`.",
+            "A rising edge of `start` engages. `state` tells what the slave does, `in_gear` that it is on the line.",
+            "A falling edge of `start` disengages, anywhere or at `gear_out.stop_position`, with a transition of its "
+            "own: `gear_out.stop_mode`, `gear_out.transition`.",
+            "What a transition needs is read at the edge and kept to its end; a change of the ratio takes effect at "
+            "once, without a jump in position.",
+            "`activate` false stops the slave where it is. Meanwhile `set_master` and `set_slave` lay the synchronous "
+            "point on which `gear_in.start_mode` 7 continues.",
+        ),
+        names=(
+            ("xStart", "`start`"),
+            ("eGearingState", "`state`, as a plain integer `state_code`"),
+            ("lrGearInReferencePosition", "`gear_in.reference_position`"),
+            ("lrGearInDistance", "`gear_in.distance`"),
+            ("lrGearInTime", "`gear_in.time`"),
+            ("configured direction", "CW or CCW in `gear_in.start_mode`, `gear_out.stop_mode`"),
+            ("attachment point of the lines", "the reference position, with the slave's position at the edge"),
+            ("trigger position", "`local.trigger_position`"),
+        ),
+    ),
+    "Follower": Registered(
+        Follower,
+        Example(
+            "One cycle of the master is 1000. The slave is positioned to its park at 0 and leaves it where the master "
+            "passes 200; it meets the master at 400, the slave being at 100, runs with it up to 300, brakes over 100, "
+            "and is back at its park where the next way begins.",
+            velocity=250.0,
+            duration=10.0,
+            start={"master.period": 1000.0, "master.velocity": 250.0, "sync_master": 400.0},
+            inputs=((0.2, {"position_to_park": True}),),
+        ),
+        guide=(
+            "Connect the master; for a rotary one set `master.period`. It must move forwards; it may stop at any time.",
+            "Say where the slave is: `park_slave`, where it rests; `sync_slave`, where it meets the master; "
+            "`sync_out`, where the synchronized phase ends. `slave_cycle` 0 is a linear slave, which brakes over "
+            "`space_stop_slave` and comes back; else a cyclic one, which goes on to its park, or past it without a "
+            "stop if `stop_in_park` is false.",
+            "Say where the master is: a meeting lies at `sync_master` in each `master_cycle`; `align_center` puts the "
+            "middle of the synchronized phase there. With `variable_cycle` each new value of `sync_master` is one "
+            "meeting: set it while the cycle before is in M_FOLLOWING or M_SYNCHRONIZED, at least `master_cycle` after "
+            "that one's meeting.",
+            "Give a rising edge of `position_to_park`: the slave moves to its park and waits for the next start. After "
+            "an interruption in the middle of a cycle whose master stands, `position_to_cycle` takes it to where the "
+            "cycle has it.",
+            "`k_slave_master` is the slave's velocity over the master's in sync. Other units for the slave, degrees "
+            "say: build with `--slave-unit deg`; then it is in deg/mm.",
+            "In the cycle: `end_synchronism` ends the synchronized phase here and now; `skip_next_cycle` and "
+            "`sync_assumed` keep the slave at its park at the next start; `stop_after_forward` holds a linear slave at "
+            "the end of its stroke.",
+            "`max_speed` and `max_acceleration` are watched: beyond them, or with parameters that leave no room, the "
+            "slave stops along a ramp in M_IN_ALARM and `error_id` tells why. Then a rising edge of `reset` and a new "
+            "positioning.",
+        ),
+        names=(
+            ("masterCycle, qSyncMaster", "`master_cycle`, `sync_master`"),
+            ("slaveCycle, qParkSlave, qSyncSlave, qSyncOut", "`slave_cycle`, `park_slave`, `sync_slave`, `sync_out`"),
+            ("spaceStopSlave, spaceWaitInPark", "`space_stop_slave`, `space_wait_in_park`"),
+            ("kSlaveMaster", "`k_slave_master`"),
+            ("maxSpe, maxAcc", "`max_speed`, `max_acceleration`"),
+            ("velPositSlave, accPositSlave, jerkPositSlave", "`positioning.velocity`, `.acceleration`, `.jerk`"),
+            ("command bit 0", "`skip_next_cycle`"),
+            ("command bits 1, 2", "`position_to_park`, `position_to_cycle`"),
+            ("command bit 3", "`end_synchronism`"),
+            ("command bit 4", "`stop_after_forward`"),
+            ("command bit 5", "`sync_assumed`"),
+            ("command bit 16", "`variable_cycle`"),
+            ("command bits 17, 18", "not `check_speed`, not `check_acceleration`"),
+            ("command bit 19", "`align_center`"),
+            ("command bit 20", "`stop_in_park`"),
+            ("command bit 21", "`recover_late_sync`"),
+            ("the function's result, errorCode", "`state`, as a plain integer `state_code`; `error_id`"),
         ),
     ),
 }

@@ -17,7 +17,9 @@ def half_ramp(u: float) -> tuple[float, float, float, float]:
 
 @dataclass(slots=True)
 class Quintic:
-    """The polynomial of order 5 with position, slope and curvature given at both ends; c0 to c5 go with u = x / length."""
+    """The polynomial of order 5 with position, slope and curvature given at both ends.
+
+    c0 to c5 go with u = x / length."""
 
     length: float = 1.0
     c0: float = 0.0

@@ -20,8 +20,9 @@ LARGEST_INPUT = 1e12  # beyond it a Real input is refused like NaN: squares and 
 
 
 class Unit(Enum):
-    """What a Real measures: powers of the position unit `u`, chosen when the FMU is built, of the second, and of the
-    degree, which stays a degree whatever positions are in."""
+    """What a Real measures: powers of the position unit `u`, chosen when the FMU is built, of the second, of the
+    degree, which stays a degree whatever positions are in, and of the slave's own position unit, which is `u` unless
+    chosen too."""
 
     NONE = (0, 0, "")
     POSITION = (1, 0, "Position")
@@ -33,12 +34,22 @@ class Unit(Enum):
     MOMENTUM = (2, -3, "AccelerationPower")  # velocity times acceleration
     TIME = (0, 1, "Time")
     ANGLE = (0, 0, "Angle", 1)
+    SLAVE_POSITION = (0, 0, "SlavePosition", 0, 1)
+    SLAVE_VELOCITY = (0, -1, "SlaveVelocity", 0, 1)
+    SLAVE_ACCELERATION = (0, -2, "SlaveAcceleration", 0, 1)
+    SLAVE_JERK = (0, -3, "SlaveJerk", 0, 1)
+    SLAVE_PER_MASTER = (-1, 0, "SlavePerMaster", 0, 1)
 
-    def __init__(self, position: int, second: int, quantity: str, degree: int = 0) -> None:
+    def __init__(self, position: int, second: int, quantity: str, degree: int = 0, slave: int = 0) -> None:
         self.position = position
         self.second = second
         self.quantity = quantity
         self.degree = degree
+        self.slave = slave
+
+    def of_slave(self) -> "Unit":
+        """The same with the slave's position unit for `u`, where there is such a member."""
+        return next((unit for unit in Unit if unit.quantity == f"Slave{self.quantity}"), self)
 
 
 class Choice(IntEnum):
@@ -134,12 +145,19 @@ def local(
     return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max))
 
 
-def part(kind: Callable[[], T], depends: Mapping[str, tuple[str, ...]] | None = None, *, hidden: bool = False) -> T:
+def part(
+    kind: Callable[[], T],
+    depends: Mapping[str, tuple[str, ...]] | None = None,
+    *,
+    hidden: bool = False,
+    slave_unit: bool = False,
+) -> T:
     """An object made once with the block; `depends` tells it for the outputs in the part, by their names there.
 
     `hidden`: its declared fields are not the block's variables; it keeps what such variables once held.
+    `slave_unit`: what it declares in the position unit is in the slave's own one.
     """
-    return field(default_factory=kind, metadata={"depends": depends or {}, "hidden": hidden})
+    return field(default_factory=kind, metadata={"depends": depends or {}, "hidden": hidden, "slave_unit": slave_unit})
 
 
 def ring(length: int) -> list[float]:

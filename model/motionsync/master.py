@@ -83,6 +83,27 @@ class Master:
             case _:
                 return self.extrapolate(h)
 
+    def longest_way(self, h: float) -> float:
+        """No less than what the master travels, back and forth, on the path of the coming step and its seam.
+
+        Told before `advance`, for blocks that refuse a step too long; 0 if `advance` refuses it anyway."""
+        if self.beyond(self.position):
+            return 0.0
+        match self.input_mode:
+            case MasterInput.START_OF_STEP:
+                seam = abs(self.unwrapped(self.end) - self.end) if self.samples > 0 else 0.0
+                return seam + (abs(self.velocity) + 0.5 * abs(self.acceleration) * h) * h
+            case MasterInput.END_OF_STEP:
+                expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
+                if self.beyond(expected):
+                    return 0.0
+                return abs(self.unwrapped(expected) - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h
+            case _:
+                position = self.unwrapped(self.end)
+                seam = abs(position - self.end) if self.samples > 0 else 0.0
+                velocity, acceleration = self.estimated(position)
+                return seam + (abs(velocity) + 0.5 * abs(acceleration) * h) * h
+
     def velocity_at(self, time: float) -> float:
         """Within the step, from the velocities at both ends: exact at constant acceleration, and free of the rounding
         that the path's derivative would have in a short step."""
@@ -149,9 +170,14 @@ class Master:
         return Refusal.NONE
 
     def extrapolate(self, h: float) -> Refusal:
-        """Velocity and acceleration of the parabola through the last three samples at its newest point, by divided
-        differences with the samples' own distances in time; with fewer samples only what they tell."""
+        """From the input at t with the velocity and acceleration that the last samples tell."""
         position = self.unwrapped(self.end)
+        velocity, acceleration = self.estimated(position)
+        return self.predict(h, position, velocity, acceleration)
+
+    def estimated(self, position: float) -> tuple[float, float]:
+        """Velocity and acceleration of the parabola through the last three samples at its newest point, `position`, by
+        divided differences with the samples' own distances in time; with fewer samples only what they tell."""
         rate = 0.0
         acceleration = 0.0
         if self.samples > 0:
@@ -161,8 +187,7 @@ class Master:
             acceleration = clamp(
                 2.0 * (rate - former) / (self.last_step + self.before_step), -LARGEST_INPUT, LARGEST_INPUT
             )
-        velocity = clamp(rate + 0.5 * acceleration * self.last_step, -LARGEST_INPUT, LARGEST_INPUT)
-        return self.predict(h, position, velocity, acceleration)
+        return clamp(rate + 0.5 * acceleration * self.last_step, -LARGEST_INPUT, LARGEST_INPUT), acceleration
 
     def unwrapped(self, expected: float) -> float:
         """The input's position in the turn that is nearest to the expected one."""

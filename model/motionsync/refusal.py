@@ -15,3 +15,46 @@ class Refusal(Choice):
         "master.acceleration",
         "master.period",
     )
+    GEARING_DENOMINATOR = 2, "the ratio's denominator must not be 0", "gearing.denominator"
+    GEARING_NUMERATOR = 3, "the ratio's numerator must not be 0", "gearing.numerator"
+    GEAR_IN_TIME = 4, "a time-based transition must last 1e-9 s to 1e12 s", "gear_in.time"
+    GEAR_OUT_TIME = 5, "a time-based transition must last 1e-9 s to 1e12 s", "gear_out.time"
+    FOLLOWER_ORDER = (
+        6,
+        "park_slave < sync_slave < sync_out is required (at least 1e-9 from park to sync), of a cyclic slave also "
+        "sync_out < park_slave + slave_cycle",
+        "park_slave",
+        "sync_slave",
+        "sync_out",
+        "slave_cycle",
+    )
+    FOLLOWER_RATIO = 7, "k_slave_master must be 1e-12 to 1e12", "k_slave_master"
+    FOLLOWER_ROOM_LINEAR = (
+        8,
+        "master_cycle must be greater than 2 (sync_slave - park_slave) / k_slave_master + (sync_out - sync_slave) / "
+        "k_slave_master + 2 space_stop_slave / k_slave_master + space_wait_in_park",
+        "master_cycle",
+        "park_slave",
+        "sync_slave",
+        "sync_out",
+        "k_slave_master",
+        "space_stop_slave",
+        "space_wait_in_park",
+    )
+    FOLLOWER_ROOM_CYCLIC = (
+        9,
+        "master_cycle must be greater than (sync_out - sync_slave) / k_slave_master + space_wait_in_park",
+        "master_cycle",
+        "sync_slave",
+        "sync_out",
+        "k_slave_master",
+        "space_wait_in_park",
+    )
+    FOLLOWER_CYCLES = (
+        10,
+        "the master must travel at most 1e6 times master_cycle in a step",
+        "master.position",
+        "master.velocity",
+        "master.acceleration",
+        "master_cycle",
+    )

@@ -1,0 +1,62 @@
+"""Why the follower refuses a positioning or stops. The numbers are motionsync's own: the source names none."""
+
+from ..declare import Choice
+
+POSITIONS = ("park_slave", "sync_slave", "sync_out", "slave_cycle")
+SPACES = ("master_cycle", "k_slave_master", "space_stop_slave", "space_wait_in_park", "sync_master")
+SPEED = ("slave.velocity", "max_speed")
+ACCELERATION = ("slave.acceleration", "max_acceleration")
+
+
+class Fault(Choice):
+    """Why a positioning was refused (1) or the slave has stopped (2 to 14)"""
+
+    NONE = 0, "no fault"
+    POSITIONING = (
+        1,
+        "positioning refused: the slave must stand (velocity and acceleration 0), park_slave be within 1e12 and "
+        "the limits 1e-12 to 1e12, in a variable cycle sync_master be a value not yet used up",
+        "slave.velocity",
+        "slave.acceleration",
+        "park_slave",
+        "positioning.velocity",
+        "positioning.acceleration",
+        "positioning.jerk",
+        "sync_master",
+    )
+    MASTER_MOVED = (
+        2,
+        "stopped: the master has moved by more than 1e-9 master_cycle during the positioning to the cycle",
+        "master.position",
+        "master_cycle",
+    )
+    ORDER = (
+        3,
+        "stopped: park_slave < sync_slave < sync_out (at least 1e-9 from park to sync) is required, of a cyclic "
+        "slave sync_out < park_slave + slave_cycle too; space_stop_slave >= 1e-9, space_wait_in_park >= 0; all at "
+        "most 1e12",
+        *POSITIONS,
+        "space_stop_slave",
+        "space_wait_in_park",
+    )
+    RATIO = 4, "stopped: k_slave_master must be 1e-12 to 1e12", "k_slave_master"
+    NO_ROOM = (
+        5,
+        "stopped: the master's travel up to the next meeting is too short for the slave's cycle",
+        *POSITIONS,
+        *SPACES,
+    )
+    SPEED_FOLLOWING = 6, "stopped: max_speed exceeded in M_FOLLOWING", *SPEED
+    SPEED_SYNCHRONIZED = 7, "stopped: max_speed exceeded in M_SYNCHRONIZED", *SPEED
+    SPEED_DECEL = 8, "stopped: max_speed exceeded in M_DECEL", *SPEED
+    SPEED_HOMING = 9, "stopped: max_speed exceeded in M_HOMING", *SPEED
+    ACCELERATION_FOLLOWING = 10, "stopped: max_acceleration exceeded in M_FOLLOWING", *ACCELERATION
+    ACCELERATION_SYNCHRONIZED = 11, "stopped: max_acceleration exceeded in M_SYNCHRONIZED", *ACCELERATION
+    ACCELERATION_DECEL = 12, "stopped: max_acceleration exceeded in M_DECEL", *ACCELERATION
+    ACCELERATION_HOMING = 13, "stopped: max_acceleration exceeded in M_HOMING", *ACCELERATION
+    MASTER_BACKWARDS = (
+        14,
+        "stopped: the master has moved backwards by more than 1e-9 master_cycle since the slave left its park",
+        "master.position",
+        "master_cycle",
+    )

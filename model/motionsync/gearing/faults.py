@@ -1,0 +1,26 @@
+"""Why a command of the gearing is refused, or a change of its ratio. The numbers are our own."""
+
+from ..declare import Choice
+
+
+class Fault(Choice):
+    """Why a command was refused"""
+
+    NONE = 0, "no fault"
+    DENOMINATOR = 1, "refused: gearing.denominator must not be 0", "gearing.denominator"
+    NUMERATOR = 2, "refused: gearing.numerator must not be 0", "gearing.numerator"
+    TIME = (
+        3,
+        "refused: the time of a time-based transition must be 1e-9 to 1e12",
+        *("gear_in.transition", "gear_in.time", "gear_out.transition", "gear_out.time"),
+    )
+    DISTANCE = (
+        4,
+        "refused: a transition's distance must be 0, or 1e-9 to 1e12",
+        *("gear_in.distance", "gear_out.distance"),
+    )
+    CHOICE = (
+        5,
+        "refused: a mode or a transition is none of the listed ones",
+        *("gear_in.start_mode", "gear_in.transition", "gear_out.stop_mode", "gear_out.transition"),
+    )
