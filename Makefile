@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
-FLAGSHIP := scenarios/Synchronizer/changing_master
+FLAGSHIP := scenarios/FlyingSaw/cyclic_cut
 
 .PHONY: run test build lint format references pictures benchmark clean
 

@@ -21,7 +21,8 @@ UNITS = ("mm", "m", "deg", "rad", "1")
 REGISTRATION = """
 from .nested.block import Nested
 
-BLOCKS = {"Nested": Registered(Nested, Example("A limit.", 10.0, 1.0, {}, ((0.5, {"keep.execute": True}),)))}
+EXAMPLE = Example("A limit.", 10.0, 1.0, {}, ((0.5, {"keep.execute": True}),))
+BLOCKS = {"Nested": Registered(Nested, EXAMPLE, ("Wire it.",))}
 """
 BUILDS = """
 from pathlib import Path

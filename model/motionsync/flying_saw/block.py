@@ -198,7 +198,6 @@ class FlyingSaw:
     wanted: Order = var.part(Order)
     awaited: Order = var.part(Order)
     order: Order = var.part(Order)
-    plan: Plan = var.part(Plan)
     profile: Profile = var.part(Profile)
     chase: Chase = var.part(Chase)
     glance: Chase = var.part(Chase)
@@ -217,6 +216,7 @@ class FlyingSaw:
     velocity: float = 0.0
     acceleration: float = 0.0
     jerk: float = 0.0
+    plan: Plan = var.part(Plan)
 
     def initialize(self) -> Refusal:
         """The axis stands, or moves at its initial velocity; may be called again while parameters still change."""
@@ -458,6 +458,7 @@ class FlyingSaw:
         """The plan made for this instant begins."""
         self.characteristics.tell(self.plan, self.master.period)
         self.coupling = place
+        self.local.coupling_position = wrap(place, self.master.period)
         self.nominal = self.plan.master.velocity
         self.direction = 1.0 if self.nominal > 0.0 else -1.0 if self.nominal < 0.0 else 0.0
         self.master_sync = self.plan.master_end
@@ -760,7 +761,6 @@ class FlyingSaw:
 
     def tell_progress(self) -> None:
         """Of the synchronisation, at constant master velocity."""
-        self.local.coupling_position = wrap(self.coupling, self.master.period)
         if self.drive == Drive.PROFILE and not self.waits:
             whole = self.master_sync - self.coupling
             missing = clamp((self.master_sync - self.master.end) / whole, 0.0, 1.0)

@@ -65,6 +65,8 @@ class Command:
 
     def show(self) -> bool:
         """At the end of a step; whether the result is to be shown."""
+        if self.phase == Phase.IDLE and self.error_id == Fault.NONE and not self.fresh:
+            return False  # as most commands at most times; nothing is shown already
         if not (self.execute or self.fresh):
             if self.phase != Phase.BUSY:
                 self.phase = Phase.IDLE
