@@ -35,6 +35,7 @@ benchmark: $(READY)
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
+	$(BIN)/python benchmarks/plans.py
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

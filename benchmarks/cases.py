@@ -75,8 +75,8 @@ class Cases:
 # --- Synchronizer ---
 
 PERIOD = 360.0
-TURNS_A_STEP = 5.0  # enough for both ramps: the longest step plans one, runs it to its end, plans the stacked one and
-# ends that too
+# Enough for both ramps: the longest step plans one, runs it to its end, plans the stacked one and ends that too.
+TURNS_A_STEP = 5.0
 
 SYNCHRONIZER = Cases(
     steady=(
