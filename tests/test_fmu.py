@@ -522,3 +522,40 @@ def test_libcosim_gives_the_results_of_fmpy(tmp_path: Path, curve: str) -> None:
             host.step(h, inputs)
             now = host.get()
             assert row == {name: float(now[name]) for name in row}
+
+
+def two_cuts(h: float) -> list[dict[str, Any]]:
+    """Of a FlyingSaw, every 500 of a master at 250 u/s; the second is ordered on the way back."""
+    plan = []
+    for i in range(round(4.5 / h)):
+        t = i * h
+        plan.append(
+            {
+                "master.position": 250.0 * t,
+                "master.velocity": 250.0,
+                "gear_in_pos.master_sync_position": 250.0 if t < 2.0 else 750.0,
+                "gear_in_pos.slave_sync_position": 100.0,
+                "gear_in_pos.execute": 0.25 < t < 1.6 or 2.35 < t < 3.6,
+                "move_absolute.velocity": 600.0,
+                "move_absolute.execute": 1.6 < t < 2.35 or t > 3.6,
+                "sync_mode.check_max_velocity": True,
+            }
+        )
+    return plan
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_libcosim_gives_the_flying_saw_of_fmpy(fmus: Fmus, flavour: str) -> None:
+    fmu = getattr(fmus, flavour)("FlyingSaw")
+    h = 1.0 / 128.0
+    plan = two_cuts(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} >= {0.0, 4.0, 5.0, 12.0, 13.0}
+    lags = [i * h * 250.0 + 250.0 * h - row["slave.position"] for i, row in enumerate(cosim) if row["in_sync"]]
+    assert {round(lag, 9) for lag in lags} == {150.0, 650.0}
+    with Host(fmu) as host:
+        host.initialize(plan[0])
+        for inputs, row in zip(plan, cosim, strict=True):
+            host.step(h, inputs)
+            now = host.get()
+            assert row == {name: float(now[name]) for name in row}
