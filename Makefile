@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
-FLAGSHIP := scenarios/Synchronizer/changing_master
+FLAGSHIP := scenarios/FlyingSaw/cyclic_cut
 
 .PHONY: run test build lint format references pictures benchmark clean
 
@@ -35,6 +35,7 @@ benchmark: $(READY)
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
+	$(BIN)/python benchmarks/plans.py
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -9,14 +9,13 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from cases import VELOCITY, H, Steady
 from rich.table import Table
 
 from motionsync_fmu.host import Host
 from motionsync_fmu.native import HEADERS
 
 ROUNDS = 7
-H = 1e-3
-VELOCITY = 90.0
 MASTER = ("master.position", "master.velocity", "master.acceleration")
 OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 
@@ -34,10 +33,16 @@ def timed(steps: Callable[[int], None]) -> Subject:
     return subject
 
 
+def begun(host: Host, case: Steady) -> Host:
+    """Led to where the case begins."""
+    host.initialize(case.start)
+    host.step(case.first, {"master.velocity": VELOCITY, **case.begin})
+    return host
+
+
 def through_fmpy(host: Host) -> Callable[[int], None]:
     """Set three inputs, doStep, get four outputs: each a call into the FMU, as FMPy's own simulation does."""
     inputs, outputs = references(host, MASTER), references(host, OUTPUTS)
-    host.initialize()
     unit = host.unit
 
     def steps(n: int) -> None:
@@ -56,7 +61,6 @@ def through_ctypes(host: Host) -> Callable[[int], None]:
     outputs = (ctypes.c_uint * len(OUTPUTS))(*references(host, OUTPUTS))
     values = (ctypes.c_double * len(MASTER))(0.0, VELOCITY, 0.0)
     found = (ctypes.c_double * len(OUTPUTS))()
-    host.initialize()
     reals = (ctypes.c_void_p, ctypes.POINTER(ctypes.c_uint), ctypes.c_size_t, ctypes.POINTER(ctypes.c_double))
     access = ctypes.CFUNCTYPE(ctypes.c_int, *reals)
     stepping = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)

@@ -18,16 +18,22 @@
  *     master r r r        what to set at each step: position, velocity and acceleration
  *     outputs r ...       the Reals to get after each step
  *     commands r ...      the Booleans to raise
- *     steady n h v        n times set, doStep, get; prints {"ns": mean of a step}
- *     worst n h v         n times the same with the commands raised, each after a step with them low; the steps are
- *                         timed one by one: {"median_ns": ..., "p999_ns": ..., "slowest_ns": ...,
- *                         "undisturbed_ns": ...}
+ *     between r ...       the Booleans to raise in the step between, when the commands are low
+ *     draw r x y          a Real to be drawn from [x, y] before each step between
+ *     ahead r s x y       a Real to be set with the commands: the Real s then, and a number drawn from [x, y]
+ *     watch r ...         Integers to look at after each step with the commands raised, 4 at most
+ *     steady n h v        n times set, doStep, get; prints {"ns": mean of a step, "undisturbed_ns": the same of the
+ *                         quickest 1000 steps on end}
+ *     worst n h v p       n times the same with the commands raised, each after a step of p s with them low; the steps
+ *                         are timed one by one: {"median_ns": ..., "p999_ns": ..., "slowest_ns": ...,
+ *                         "undisturbed_ns": ..., "met": {"values watched": how often, ...}}
  *
- * The machine interrupts some steps. All is done 5 times over: undisturbed is the slowest step if the quickest of its 5
- * times counts.
+ * The machine interrupts some steps. All is done 5 times over, with the same numbers drawn: undisturbed is the slowest
+ * step if the quickest of its 5 times counts.
  *
  * Any call that does not answer OK ends it. */
 #include <dlfcn.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -44,7 +50,7 @@ static struct {
     FUNCTIONS(MEMBER)
 } fmi;
 
-enum { MOST = 64, TIMES = 5 };
+enum { MOST = 256, TIMES = 5, WATCHED = 4, SLICE = 1000 };
 
 typedef struct {
     fmi2ValueReference r[MOST];
@@ -54,7 +60,24 @@ typedef struct {
 static fmi2Component unit;
 static double now;   /* s */
 static double place; /* of the master */
-static References master, outputs, commands;
+static References master, outputs, commands, between, watched;
+
+typedef struct {
+    fmi2ValueReference r, base; /* base: of the Real to add the number to, where there is one */
+    double low, high;
+} Range;
+
+static Range draws[MOST], aheads[MOST];
+static size_t drawn, ahead;
+static uint64_t seed;
+
+typedef struct {
+    fmi2Integer values[WATCHED];
+    long times;
+} Met;
+
+static Met met[MOST];
+static size_t kinds;
 
 static void end(const char *why, const char *what) {
     fprintf(stderr, "host: %s %s\n", why, what);
@@ -67,7 +90,7 @@ static void want(fmi2Status status, const char *call) {
 
 static void note(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                  fmi2String message, ...) {
-    fprintf(stderr, "%s\n", message);
+    if (status > fmi2Warning) fprintf(stderr, "%s\n", message);
 }
 
 static void load(const char *library) {
@@ -114,23 +137,35 @@ static double clock_ns(void) {
     return (double)t.tv_sec * 1e9 + (double)t.tv_nsec;
 }
 
+static fmi2Status set_master(double velocity) {
+    fmi2Real inputs[3] = {place, velocity, 0.0};
+    return fmi.SetReal(unit, master.r, 3, inputs);
+}
+
 /* Set three inputs, doStep, get the outputs: three calls, as a simulation makes them. */
 static inline fmi2Status full_step(double h, double velocity) {
-    fmi2Real inputs[3] = {place += velocity * h, velocity, 0.0}, values[MOST];
-    fmi2Status status = fmi.SetReal(unit, master.r, 3, inputs);
+    fmi2Real values[MOST];
+    fmi2Status status = set_master(velocity);
     status |= fmi.DoStep(unit, now, h, fmi2True);
     status |= fmi.GetReal(unit, outputs.r, outputs.n, values);
     now += h;
+    place += velocity * h;
     return status;
 }
 
 static void steady(long n, double h, double velocity) {
     fmi2Status status = fmi2OK;
-    double begun = clock_ns();
-    for (long i = 0; i < n; i++) status |= full_step(h, velocity);
-    double took = clock_ns() - begun;
+    double took = 0.0, quickest = INFINITY;
+    for (long done = 0, slice; done < n; done += slice) {
+        slice = n - done < SLICE ? n - done : SLICE;
+        double begun = clock_ns();
+        for (long i = 0; i < slice; i++) status |= full_step(h, velocity);
+        double one = clock_ns() - begun;
+        took += one;
+        if (one / (double)slice < quickest) quickest = one / (double)slice;
+    }
     want(status, "a step");
-    printf("{\"ns\": %.3f}\n", took / (double)n);
+    printf("{\"ns\": %.3f, \"undisturbed_ns\": %.3f}\n", took / (double)n, quickest);
 }
 
 static int ascending(const void *a, const void *b) {
@@ -138,25 +173,86 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+static double random_in(const Range *range) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return range->low + (range->high - range->low) * ((double)(seed >> 11) * 0x1p-53);
+}
+
+static fmi2Status set_level(const References *list, fmi2Boolean level) {
+    fmi2Boolean levels[MOST];
+    for (size_t i = 0; i < list->n; i++) levels[i] = level;
+    return fmi.SetBoolean(unit, list->r, list->n, levels);
+}
+
+static fmi2Status set_draws(void) {
+    fmi2Status status = fmi2OK;
+    for (size_t i = 0; i < drawn; i++) {
+        fmi2Real x = random_in(&draws[i]);
+        status |= fmi.SetReal(unit, &draws[i].r, 1, &x);
+    }
+    return status;
+}
+
+static fmi2Status set_aheads(void) {
+    fmi2Status status = fmi2OK;
+    for (size_t i = 0; i < ahead; i++) {
+        fmi2Real x;
+        status |= fmi.GetReal(unit, &aheads[i].base, 1, &x);
+        x += random_in(&aheads[i]);
+        status |= fmi.SetReal(unit, &aheads[i].r, 1, &x);
+    }
+    return status;
+}
+
 /* One step with the commands low, then one with them raised: how long that takes, ns. */
-static double command_step(double h, double velocity) {
-    fmi2Boolean level[MOST] = {fmi2False};
-    fmi2Status status = fmi.SetBoolean(unit, commands.r, commands.n, level);
-    status |= full_step(h, velocity);
-    for (size_t k = 0; k < commands.n; k++) level[k] = fmi2True;
+static double command_step(double h, double velocity, double pause) {
+    fmi2Status status = set_draws();
+    status |= set_level(&commands, fmi2False);
+    status |= set_level(&between, fmi2True);
+    status |= full_step(pause, velocity);
+    status |= set_master(velocity); /* the aheads may lie before it */
+    status |= set_aheads();
+    status |= set_level(&between, fmi2False);
     double begun = clock_ns();
-    status |= fmi.SetBoolean(unit, commands.r, commands.n, level);
+    status |= set_level(&commands, fmi2True);
     status |= full_step(h, velocity);
     double took = clock_ns() - begun;
     want(status, "a step");
     return took;
 }
 
-static void worst(long n, double h, double velocity) {
+/* Count what the watched variables are. */
+static void look(void) {
+    fmi2Integer values[WATCHED] = {0};
+    want(fmi.GetInteger(unit, watched.r, watched.n, values), "fmi2GetInteger");
+    size_t i = 0;
+    while (i < kinds && memcmp(met[i].values, values, sizeof values)) i++;
+    if (i == MOST) end("too many values to count:", "watch less");
+    if (i == kinds) memcpy(met[kinds++].values, values, sizeof values);
+    met[i].times++;
+}
+
+static void print_met(void) {
+    printf("\"met\": {");
+    for (size_t i = 0; i < kinds; i++) {
+        printf("%s\"", i ? ", " : "");
+        for (size_t k = 0; k < watched.n; k++) printf("%s%d", k ? " " : "", met[i].values[k]);
+        printf("\": %ld", met[i].times);
+    }
+    printf("}");
+}
+
+static void worst(long n, double h, double velocity, double pause) {
     size_t all = TIMES * (size_t)n;
     double *took = malloc(all * sizeof *took), undisturbed = 0.0;
     if (!took) end("out of", "memory");
-    for (size_t i = 0; i < all; i++) took[i] = command_step(h, velocity);
+    memset(met, 0, sizeof met);
+    kinds = 0;
+    for (size_t i = 0; i < all; i++) {
+        if (i % (size_t)n == 0) seed = 1;
+        took[i] = command_step(h, velocity, pause);
+        look();
+    }
     for (long i = 0; i < n; i++) {
         double quickest = took[i];
         for (int k = 1; k < TIMES; k++)
@@ -164,12 +260,22 @@ static void worst(long n, double h, double velocity) {
         if (quickest > undisturbed) undisturbed = quickest;
     }
     qsort(took, all, sizeof *took, ascending);
-    printf("{\"median_ns\": %.0f, \"p999_ns\": %.0f, \"slowest_ns\": %.0f, \"undisturbed_ns\": %.0f}\n", took[all / 2],
+    printf("{\"median_ns\": %.0f, \"p999_ns\": %.0f, \"slowest_ns\": %.0f, \"undisturbed_ns\": %.0f, ", took[all / 2],
            took[all - 1 - all / 1000], took[all - 1], undisturbed);
+    print_met();
+    printf("}\n");
     free(took);
 }
 
 /* --- the commands --- */
+
+static Range range(char *text, int based) {
+    Range found = {.r = (fmi2ValueReference)strtoul(text, &text, 10)};
+    if (based) found.base = (fmi2ValueReference)strtoul(text, &text, 10);
+    found.low = strtod(text, &text);
+    found.high = strtod(text, NULL);
+    return found;
+}
 
 static void obey(char *line) {
     char *rest = line + strcspn(line, " \n"), *after;
@@ -198,11 +304,23 @@ static void obey(char *line) {
         outputs = references(rest);
     } else if (!strcmp(line, "commands")) {
         commands = references(rest);
+    } else if (!strcmp(line, "between")) {
+        between = references(rest);
+    } else if (!strcmp(line, "watch")) {
+        watched = references(rest);
+        if (watched.n > WATCHED) end("too many", line);
+    } else if (!strcmp(line, "draw")) {
+        if (drawn == MOST) end("too many", line);
+        draws[drawn++] = range(rest, 0);
+    } else if (!strcmp(line, "ahead")) {
+        if (ahead == MOST) end("too many", line);
+        aheads[ahead++] = range(rest, 1);
     } else if (!strcmp(line, "steady") || !strcmp(line, "worst")) {
         long n = strtol(rest, &after, 10);
-        double h = strtod(after, &after), velocity = strtod(after, NULL);
+        double h = strtod(after, &after), velocity = strtod(after, &after), pause = strtod(after, NULL);
         if (n < 1 || !master.n) end("first tell the steps and the master for", line);
-        (*line == 's' ? steady : worst)(n, h, velocity);
+        if (*line == 's') steady(n, h, velocity);
+        else worst(n, h, velocity, pause);
     } else {
         end("unknown command", line);
     }

@@ -1,6 +1,8 @@
 """What a step costs: the bare block, its FMU through FMPy, and a do-nothing PythonFMU slave of the same interface.
 
-All in one run, in turns, so that the ratios hold on a busy machine: python benchmarks/step_cost.py [--steps 20000]
+All in one run, in turns, so that the ratios hold on a busy machine:
+
+    python benchmarks/step_cost.py [--block FlyingSaw] [--steps 20000]
 """
 
 import argparse
@@ -8,14 +10,19 @@ import tempfile
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from cost import VELOCITY, H, cost_table, measure, through_fmpy, timed
+from cases import CASES, VELOCITY, H, Steady, Values
+from cost import begun, cost_table, measure, through_fmpy, timed
 from rich.console import Console
 
-from motionsync.synchronizer import Synchronizer
+from motionsync.blocks import BLOCKS
 from motionsync_fmu.archive import write
 from motionsync_fmu.build import Recipe, build_python
 from motionsync_fmu.host import Host
+from motionsync_fmu.variables import variables
+
+NOTHING = "do-nothing slave through FMPy"
 
 IDLE = """
 from pythonfmu import Fmi2Slave
@@ -46,24 +53,28 @@ class IdleSlave(Fmi2Slave):
 """
 
 
-def idle(fmu: Path, target: Path) -> Path:
+def idle(fmu: Path, block: str, target: Path) -> Path:
     """The same FMU with a slave that does nothing."""
     with zipfile.ZipFile(fmu) as z:
-        files = {n: z.read(n) for n in z.namelist() if "/synchronizer_" not in n}
+        files = {n: z.read(n) for n in z.namelist() if f"/{block.lower()}_" not in n}
     files |= {"resources/slavemodule.txt": b"idle_slave", "resources/idle_slave.py": IDLE.encode()}
     write(target, files)
     return target
 
 
-def bare(ramping: bool) -> Callable[[int], None]:
-    """Steps of the block in plain Python: on the master, or all the way along a ramp."""
-    block = Synchronizer()
-    block.output_phasing = 1e9 if ramping else 90.0
+def bare(block_type: type[Any], case: Steady) -> Callable[[int], None]:
+    """Steps of the block in plain Python."""
+    block = block_type()
+    cells = {v.name: v.cell for v in variables(block)}
+
+    def put(values: Values) -> None:
+        for name, value in values.items():
+            cells[name].set(value)
+
+    put(case.start)
     block.initialize()
-    block.stop = ramping
-    block.master.velocity = VELOCITY
-    block.master.position = -2e9
-    block.step(H)
+    put({"master.velocity": VELOCITY, **case.begin})
+    block.step(case.first)
     block.master.position = 0.0
 
     def steps(n: int) -> None:
@@ -71,26 +82,34 @@ def bare(ramping: bool) -> Callable[[int], None]:
         for _ in range(n):
             master.position += VELOCITY * H
             step(H)
+        for name, value in case.holds.items():
+            assert cells[name].get() == value, f"{case.name}: {name} is {cells[name].get()}, it should be {value}"
 
     return steps
 
 
+def report(block: str, n: int, folder: Path) -> Any:
+    cases = CASES[block].steady
+    fmu = build_python(Recipe(block), folder / f"{block}.fmu")
+    with Host(fmu) as whole, Host(idle(fmu, block, folder / f"{block} idle.fmu")) as nothing:
+        subjects = {
+            **{f"{block} bare, {case.name}": timed(bare(BLOCKS[block].type, case)) for case in cases},
+            f"its FMU through FMPy, {cases[0].name}": timed(through_fmpy(begun(whole, cases[0]))),
+            NOTHING: timed(through_fmpy(begun(nothing, cases[0]))),
+        }
+        return cost_table(measure(subjects, n), NOTHING, "of the do-nothing slave")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--block", choices=CASES, help="all of them, if none is named")
     parser.add_argument("--steps", type=int, default=20_000, help="steps a round")
-    n = parser.parse_args().steps
+    options = parser.parse_args()
+    console = Console(highlight=False, width=120)
     with tempfile.TemporaryDirectory() as folder:
-        fmu = build_python(Recipe("Synchronizer"), Path(folder) / "Synchronizer.fmu")
-        with Host(fmu) as whole, Host(idle(fmu, Path(folder) / "idle.fmu")) as nothing:
-            subjects = {
-                "bare block, on the master": timed(bare(False)),
-                "bare block, in a ramp": timed(bare(True)),
-                "FMU through FMPy": timed(through_fmpy(whole)),
-                "do-nothing slave through FMPy": timed(through_fmpy(nothing)),
-            }
-            found = measure(subjects, n)
-    base = "do-nothing slave through FMPy"
-    Console(highlight=False).print(cost_table(found, base, "of the do-nothing slave"))
+        for block in [options.block] if options.block else CASES:
+            console.print(report(block, options.steps, Path(folder)))
+            console.print()
 
 
 if __name__ == "__main__":

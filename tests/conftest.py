@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.build import Recipe, build_native, build_python
+from motionsync.blocks import BLOCKS
+from motionsync_fmu.build import Flavour, Recipe, build, fmu_path
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -22,13 +23,53 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
-@pytest.fixture(scope="session")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The Synchronizer's FMU, python flavour, positions in mm."""
-    return build_python(Recipe("Synchronizer"), tmp_path_factory.mktemp("fmus") / "Synchronizer.fmu")
+class Fmus:
+    """The FMUs of all blocks, positions in mm; each is built when it is first asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def python(self, name: str) -> Path:
+        return self._built(Flavour.PYTHON, name)
+
+    def native(self, name: str) -> Path:
+        return self._built(Flavour.NATIVE, name)
+
+    def _built(self, flavour: Flavour, name: str) -> Path:
+        target = fmu_path(Recipe(name), self.folder, flavour)
+        return target if target.exists() else build(flavour, Recipe(name), target)
 
 
 @pytest.fixture(scope="session")
-def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
+    return Fmus(tmp_path_factory.mktemp("fmus"))
+
+
+@pytest.fixture(scope="session", params=BLOCKS)
+def block(request: pytest.FixtureRequest) -> str:
+    """The name of each registered block in turn."""
+    return str(request.param)
+
+
+@pytest.fixture(scope="session")
+def block_fmu(fmus: Fmus, block: str) -> Path:
+    """The FMU of each block in turn, python flavour."""
+    return fmus.python(block)
+
+
+@pytest.fixture(scope="session")
+def block_native(fmus: Fmus, block: str) -> Path:
     """The same, native flavour."""
-    return build_native(Recipe("Synchronizer"), tmp_path_factory.mktemp("native") / "Synchronizer.fmu")
+    return fmus.native(block)
+
+
+@pytest.fixture(scope="session")
+def fmu(fmus: Fmus) -> Path:
+    """The Synchronizer's, python flavour: for tests of what is the same for every block, but speaks of variables."""
+    return fmus.python("Synchronizer")
+
+
+@pytest.fixture(scope="session")
+def native(fmus: Fmus) -> Path:
+    """The same, native flavour."""
+    return fmus.native("Synchronizer")

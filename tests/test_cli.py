@@ -492,12 +492,43 @@ def test_json_has_all_that_was_found_and_nothing_else_is_printed(workshop: Comma
             {"expected": "slave.velocity from 0 to 100 ± 1e-09 between 0 s and 0.5 s", "passed": True},
         ],
         "reference": [{"variable": "slave.position", "allowed": pytest.approx(3e-8), "passed": True}],
+        "cuts": [],
         "messages": [],
         "result": str(Path("build/reports/Synchronizer/stop/Synchronizer_out.csv")),
         "report": None,
         "fmpy": result["fmpy"],
     }
     assert found == ["27.5", "50", "0.4 s", "0 to 100"]
+
+
+def test_cuts_are_told_and_shown(workshop: Command) -> None:
+    """The slave is the master until 0.2 s: one cut, 0.5 mm before the mark."""
+    table = '\n[cuts]\nwhile = "syn_synchronized"\nlength = 20.0\noffset = 0.5\ntolerance = {}\n'
+    scenario("saw", STOP + table.format(0.6))
+    done = workshop("run", "saw")
+    assert (done.status, done.err) == (0, "")
+    assert "  cuts: 1, the worst 0.5 mm from its mark: cut 1, mark 0.5 mm\n" in done.out
+    assert "kept    cuts within 0.6 of a mark, one mark each 20: found at most 0.5 away\n" in done.out
+    page = Loads()
+    page.feed(Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8"))
+    assert page.found == []
+    text = " ".join(page.words)
+    assert "A cut each time syn_synchronized is true; a mark on the material each 20 mm, from 0.5 on" in text
+    assert re.search(r"cut from to mark error 1 0 s 0\.(19|2) s 0\.5 mm -0\.5 mm ", text)
+    scenario("saw", STOP + table.format(0.4))
+    done = workshop("run", "saw", "--json", "--no-report")
+    assert done.status == 1
+    (result,) = json.loads(done.out)
+    (cut,) = result["cuts"]
+    assert cut == pytest.approx({"begin": 0.0, "end": cut["end"], "mark": 0.5, "error": -0.5}, abs=1e-9)
+
+
+def test_a_run_without_a_cut_is_told(workshop: Command) -> None:
+    scenario("saw", STOP + '\n[cuts]\nwhile = "error"\nlength = 20.0\n')
+    done = workshop("run", "saw")
+    assert (done.status, done.err) == (0, "")
+    assert "  cuts: none\n" in done.out
+    assert "There was none." in Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8")
 
 
 def test_the_step_size_can_be_chosen(workshop: Command) -> None:

@@ -22,10 +22,12 @@ from libcosimpy.CosimManipulator import CosimManipulator
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
 
-from motionsync.synchronizer import Synchronizer
+from conftest import Fmus
+from drives import calm, drawn
+from motionsync.blocks import BLOCKS
 from motionsync_fmu.build import Recipe, build_python
 from motionsync_fmu.host import FmuError, Host
-from motionsync_fmu.variables import variables
+from motionsync_fmu.variables import Variable, variables
 
 ROOT = Path(__file__).parents[1]
 DISCARD, FATAL = 2, 4
@@ -71,13 +73,13 @@ def description(fmu: Path) -> Any:
 # --- the standard ---
 
 
-def test_fmpy_finds_no_fault(fmu: Path) -> None:
-    assert validate_fmu(str(fmu)) == []
+def test_fmpy_finds_no_fault(block_fmu: Path) -> None:
+    assert validate_fmu(str(block_fmu)) == []
 
 
-def test_fmutool_finds_no_error_or_warning(fmu: Path) -> None:
+def test_fmutool_finds_no_error_or_warning(block_fmu: Path) -> None:
     tool = Path(sys.executable).with_name("fmutool")
-    done = subprocess.run([tool, "-input", str(fmu), "-check"], capture_output=True, text=True, check=True)
+    done = subprocess.run([tool, "-input", str(block_fmu), "-check"], capture_output=True, text=True, check=True)
     text = done.stdout + done.stderr
     assert "compliant with FMI-2.0" in text
     assert "No semantic error" in text
@@ -85,8 +87,8 @@ def test_fmutool_finds_no_error_or_warning(fmu: Path) -> None:
     assert "WARNING" not in text
 
 
-def test_capabilities(fmu: Path) -> None:
-    unit = read_model_description(str(fmu)).coSimulation
+def test_capabilities(block_fmu: Path) -> None:
+    unit = read_model_description(str(block_fmu)).coSimulation
     assert unit.canHandleVariableCommunicationStepSize
     assert unit.canGetAndSetFMUstate
     assert unit.canSerializeFMUstate
@@ -160,8 +162,8 @@ def test_units_have_si_factors(tmp_path: Path, unit: str, name: str, base: dict[
     assert validate_fmu(str(tmp_path / "Synchronizer.fmu")) == []
 
 
-def test_everything_is_described(fmu: Path) -> None:
-    root = description(fmu)
+def test_everything_is_described(block_fmu: Path) -> None:
+    root = description(block_fmu)
     for tag in ("ScalarVariable", "SimpleType/Enumeration/Item", "Category"):
         for element in root.iter(tag.rpartition("/")[2]):
             assert element.get("description"), element.attrib
@@ -171,43 +173,50 @@ def test_everything_is_described(fmu: Path) -> None:
     assert date[19] == "Z"
 
 
-def test_inside_the_fmu(fmu: Path) -> None:
-    with zipfile.ZipFile(fmu) as z:
+def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
+    with zipfile.ZipFile(block_fmu) as z:
         names = set(z.namelist())
         page = z.read("documentation/index.html").decode()
         assert z.read("model.png").startswith(b"\x89PNG")
         assert b"<svg" in z.read("documentation/transition.svg")
         assert all(i.compress_type == zipfile.ZIP_DEFLATED and "\\" not in i.filename for i in z.infolist())
     assert {"documentation/externalDependencies.html", "documentation/licenses/motionsync.txt"} <= names
-    assert {"documentation/licenses/pythonfmu.txt", "binaries/linux64/Synchronizer.so"} <= names
-    assert all(v.name in page for v in variables(Synchronizer()))
+    assert {"documentation/licenses/pythonfmu.txt", f"binaries/linux64/{block}.so"} <= names
+    assert all(v.name in page for v in variables(BLOCKS[block].type()))
 
 
-def test_dependencies_after_initialization_are_the_declared_ones() -> None:
+def test_dependencies_after_initialization_are_the_declared_ones(block: str) -> None:
     """Moving an input or parameter changes exactly the outputs that say so, for at least one start."""
-    plain = Synchronizer()
-    names = [v.name for v in variables(plain)]
-    declared = {(v.name, source) for v in variables(plain) for source in v.depends}
+    declared = {(v.name, source) for v in variables(BLOCKS[block].type()) for source in v.depends}
     found = set()
-    base = {"master.position": 5.0, "master.velocity": 1.0, "master.acceleration": 1.0}
-    moves = base | {"master.period": 3.0, "master.input_mode": 3, "curve": 1, "output_phasing": 7.0, "rest_value": 3.0}
-    for moved in [*(n for n in names if n in moves), "active", "start", "stop"]:
-        pair = []
-        for change in (False, True):
-            block = Synchronizer()
-            own = variables(block)
-            cells = {v.name: v.cell for v in own}
-            for name, value in base.items():
-                cells[name].set(value)
-            if change:
-                value = cells[moved].get()
-                cells[moved].set(
-                    not value if isinstance(value, bool) else value + 1.0 if moved in base else moves[moved]
-                )
-            assert block.initialize() == 0
-            pair.append({v.name: v.cell.get() for v in own if v.causality == "output"})
-        found |= {(name, moved) for name in pair[0] if pair[0][name] != pair[1][name]}
+    for run in drawn(block, 0, 30):
+        before = outputs(block, run.start)
+        for v in variables(BLOCKS[block].type()):
+            if not v.settable or before is None:
+                continue
+            for value in moved(v, run.start.get(v.name, v.start)):
+                after = outputs(block, run.start | {v.name: value}) or before
+                found |= {(name, v.name) for name in before if before[name] != after[name]}
     assert found == declared
+
+
+def moved(v: Variable, value: Any) -> list[Any]:
+    """Other values that a variable may have."""
+    if v.kind == "Boolean":
+        return [not value]
+    others = v.choices or ([value + 1] if v.kind == "Integer" else [value + 1.0, 0.7 * value])
+    return [x for x in others if x != value and v.allows(x)]
+
+
+def outputs(block: str, start: dict[str, Any]) -> dict[str, Any] | None:
+    """The outputs after initialization; None if it is refused."""
+    instance = BLOCKS[block].type()
+    own = {v.name: v for v in variables(instance)}
+    for name, value in start.items():
+        own[name].cell.set(value)
+    if instance.initialize():
+        return None
+    return {v.name: v.cell.get() for v in own.values() if v.causality == "output"}
 
 
 # --- reproducible ---
@@ -284,6 +293,34 @@ def test_rollback_gives_the_same_bits(host: Host) -> None:
     stretch(2000)
     host.unit.setFMUstate(host.unit.deSerializeFMUstate(saved))
     assert stretch(1000) == first
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_a_state_of_any_block_brings_back_the_same_bits(fmus: Fmus, block: str, flavour: str) -> None:
+    """In its own instance and in another one, also through bytes."""
+    fmu = getattr(fmus, flavour)(block)
+    run = calm(block, 2.0**-7, 300)
+
+    def stretch(host: Host) -> list[dict[str, Any]]:
+        rows = []
+        for h, values in run.steps[100:]:
+            host.step(h, values)
+            rows.append(bits(host))
+        return rows
+
+    with Host(fmu) as host, Host(fmu) as second:
+        host.initialize(run.start)
+        second.initialize()
+        for h, values in run.steps[:100]:
+            host.step(h, values)
+        state = host.unit.getFMUstate()
+        saved = host.unit.serializeFMUstate(state)
+        first = stretch(host)
+        assert first[0] != first[-1]
+        host.unit.setFMUstate(state)
+        assert stretch(host) == first
+        second.unit.setFMUstate(second.unit.deSerializeFMUstate(saved))
+        assert stretch(second) == first
 
 
 def test_a_state_moves_to_another_instance(fmu: Path, host: Host) -> None:
@@ -479,6 +516,43 @@ def test_libcosim_gives_the_results_of_fmpy(tmp_path: Path, curve: str) -> None:
         plan.append({**inputs, "rest_value": 4.0, "active": True, "stop": 0.5 < t < 5.0, "start": t > 7.0})
     cosim = libcosim(fmu, plan, h)
     assert {row["state_code"] for row in cosim} == {0.0, 1.0}
+    with Host(fmu) as host:
+        host.initialize(plan[0])
+        for inputs, row in zip(plan, cosim, strict=True):
+            host.step(h, inputs)
+            now = host.get()
+            assert row == {name: float(now[name]) for name in row}
+
+
+def two_cuts(h: float) -> list[dict[str, Any]]:
+    """Of a FlyingSaw, every 500 of a master at 250 u/s; the second is ordered on the way back."""
+    plan = []
+    for i in range(round(4.5 / h)):
+        t = i * h
+        plan.append(
+            {
+                "master.position": 250.0 * t,
+                "master.velocity": 250.0,
+                "gear_in_pos.master_sync_position": 250.0 if t < 2.0 else 750.0,
+                "gear_in_pos.slave_sync_position": 100.0,
+                "gear_in_pos.execute": 0.25 < t < 1.6 or 2.35 < t < 3.6,
+                "move_absolute.velocity": 600.0,
+                "move_absolute.execute": 1.6 < t < 2.35 or t > 3.6,
+                "sync_mode.check_max_velocity": True,
+            }
+        )
+    return plan
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_libcosim_gives_the_flying_saw_of_fmpy(fmus: Fmus, flavour: str) -> None:
+    fmu = getattr(fmus, flavour)("FlyingSaw")
+    h = 1.0 / 128.0
+    plan = two_cuts(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} >= {0.0, 4.0, 5.0, 12.0, 13.0}
+    lags = [i * h * 250.0 + 250.0 * h - row["slave.position"] for i, row in enumerate(cosim) if row["in_sync"]]
+    assert {round(lag, 9) for lag in lags} == {150.0, 650.0}
     with Host(fmu) as host:
         host.initialize(plan[0])
         for inputs, row in zip(plan, cosim, strict=True):

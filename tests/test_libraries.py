@@ -32,9 +32,9 @@ FUNCTIONS = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", (HEADERS / "fmi2Func
 
 
 @pytest.fixture(scope="module")
-def folder(native: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(block_native: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The extracted FMU."""
-    return Path(fmpy.extract(str(native), unzipdir=str(tmp_path_factory.mktemp("native"))))
+    return Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path_factory.mktemp("native"))))
 
 
 def tool(name: str, *arguments: object) -> str:
@@ -44,8 +44,8 @@ def tool(name: str, *arguments: object) -> str:
 
 
 @pytest.mark.parametrize("platform", ["linux64", "aarch64-linux"])
-def test_a_linux_library_needs_only_an_old_c_library_and_exports_fmi(folder: Path, platform: str) -> None:
-    library = folder / "binaries" / platform / "Synchronizer.so"
+def test_a_linux_library_needs_only_an_old_c_library_and_exports_fmi(block: str, folder: Path, platform: str) -> None:
+    library = folder / "binaries" / platform / f"{block}.so"
     assert set(re.findall(r"\(NEEDED\).*\[(.*)\]", tool("readelf", "-d", library))) <= {"libc.so.6", "libm.so.6"}
     lines = tool("readelf", "-W", "--dyn-syms", library).splitlines()
     symbols = [line.split()[4:] for line in lines if "GLOBAL" in line]
@@ -55,8 +55,8 @@ def test_a_linux_library_needs_only_an_old_c_library_and_exports_fmi(folder: Pat
     assert max(versions) <= OLDEST_GLIBC
 
 
-def test_the_windows_library_needs_only_the_system_and_exports_fmi(folder: Path) -> None:
-    text = tool("objdump", "-p", folder / "binaries" / "win64" / "Synchronizer.dll")
+def test_the_windows_library_needs_only_the_system_and_exports_fmi(block: str, folder: Path) -> None:
+    text = tool("objdump", "-p", folder / "binaries" / "win64" / f"{block}.dll")
     needed = {name.lower() for name in re.findall(r"DLL Name: (\S+)", text)}
     assert all(re.fullmatch(r"kernel32\.dll|ucrtbase\.dll|api-ms-win-crt-[a-z]+-l1-1-0\.dll", name) for name in needed)
     names = text[text.index("[Ordinal/Name Pointer] Table") :].split("\n\n")[0]
@@ -114,8 +114,8 @@ def exported(thin: bytes) -> set[str]:
     return set(names(0, b""))
 
 
-def test_the_macos_library_is_for_both_processors_and_needs_only_the_system(folder: Path) -> None:
-    thin = list(slices((folder / "binaries" / "darwin64" / "Synchronizer.dylib").read_bytes()))
+def test_the_macos_library_is_for_both_processors_and_needs_only_the_system(block: str, folder: Path) -> None:
+    thin = list(slices((folder / "binaries" / "darwin64" / f"{block}.dylib").read_bytes()))
     assert [struct.unpack_from("<I", t, 4)[0] for t in thin] == [0x01000007, 0x0100000C]  # x86-64, arm64
     for library in thin:
         needed = {text[24:].rstrip(b"\0") for kind, text in commands(library) if kind in (0xC, 0x80000018)}
@@ -129,8 +129,8 @@ def test_a_universal_file_holds_its_parts() -> None:
     assert list(slices(universal(*thin))) == thin
 
 
-def test_the_fmu_is_small_and_says_what_it_holds(native: Path, folder: Path) -> None:
-    assert native.stat().st_size < LARGEST
+def test_the_fmu_is_small_and_says_what_it_holds(block_native: Path, folder: Path) -> None:
+    assert block_native.stat().st_size < LARGEST
     assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
     page = (folder / "documentation" / "index.html").read_text()
     assert all(text in page for platform in PLATFORMS.items() for text in platform)
@@ -140,10 +140,10 @@ def test_the_fmu_is_small_and_says_what_it_holds(native: Path, folder: Path) -> 
     assert not (folder / "resources").exists()
 
 
-def test_the_fmu_is_valid(native: Path) -> None:
-    assert validate_fmu(str(native)) == []
+def test_the_fmu_is_valid(block_native: Path) -> None:
+    assert validate_fmu(str(block_native)) == []
     program = Path(sys.executable).with_name("fmutool")
-    done = subprocess.run([program, "-input", str(native), "-check"], capture_output=True, text=True, check=True)
+    done = subprocess.run([program, "-input", str(block_native), "-check"], capture_output=True, text=True, check=True)
     said = done.stdout + done.stderr
     assert "No semantic error" in said
     assert not re.search("warning|error  ", said, re.IGNORECASE)
@@ -172,12 +172,12 @@ def test_it_loads_from_any_path(native: Path, tmp_path: Path, name: str) -> None
     unit.freeInstance()
 
 
-def test_a_build_gives_the_same_bytes_every_time(native: Path, tmp_path: Path) -> None:
+def test_a_build_gives_the_same_bytes_every_time(block: str, block_native: Path, tmp_path: Path) -> None:
     """Also in a process of its own, with another seed for hashes and from another folder."""
-    script = "from motionsync_fmu.build import *; build_native(Recipe('Synchronizer'), Path('a.fmu'))"
+    script = f"from motionsync_fmu.build import *; build_native(Recipe({block!r}), Path('a.fmu'))"
     environment = os.environ | {"PYTHONHASHSEED": "42"}
     subprocess.run([sys.executable, "-c", script], check=True, cwd=tmp_path, env=environment)
-    assert (tmp_path / "a.fmu").read_bytes() == native.read_bytes()
+    assert (tmp_path / "a.fmu").read_bytes() == block_native.read_bytes()
 
 
 def test_what_determines_the_code_changes_the_guid_of_both_flavours(
@@ -186,7 +186,7 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     before = RECIPE.guid()
     target = build_python(RECIPE, tmp_path / "Synchronizer.fmu")
     assert outdated(target, RECIPE) == ""
-    for name in ("fmi2.c", "native.py", "record.py"):
+    for name in ("fmi2.c", "lowering.py", "native.py", "record.py"):
         with monkeypatch.context() as changed:
             files = archive.compilers()
             changed.setattr(build, "compilers", lambda files=files, name=name: files | {name: files[name] + b"\n"})
@@ -235,8 +235,10 @@ def test_a_slow_compilation_is_told_once(monkeypatch: pytest.MonkeyPatch) -> Non
     assert told == [native.FIRST_USE]
 
 
-def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = BLOCKS["Synchronizer"].type.__module__
+def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(
+    block: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = BLOCKS[block].type.__module__
     files: Files = archive.sources(module)
     text = files["axis.py"].decode().replace("return max(low, min(x, high))", "return x ** 2.0")
     line = text[: text.index("x ** 2.0")].count("\n") + 1

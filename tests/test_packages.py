@@ -21,7 +21,8 @@ UNITS = ("mm", "m", "deg", "rad", "1")
 REGISTRATION = """
 from .nested.block import Nested
 
-BLOCKS = {"Nested": Registered(Nested, Example("A limit.", 10.0, 1.0, {}, ((0.5, {"keep.execute": True}),)))}
+EXAMPLE = Example("A limit.", 10.0, 1.0, {}, ((0.5, {"keep.execute": True}),))
+BLOCKS = {"Nested": Registered(Nested, EXAMPLE, ("Wire it.",))}
 """
 BUILDS = """
 from pathlib import Path
@@ -95,7 +96,7 @@ def test_both_flavours_have_one_guid_and_give_the_same_bits(root: Path) -> None:
             rows.append(row)
             logs.append(host.messages)
     assert rows[0] == rows[1]
-    assert logs[0] == logs[1] == ["refused: the limit must be > 0 (keep.limit = -2, angle = 60)"]
+    assert logs[0] == logs[1] == ["keep: refused: the limit must be > 0 (keep.limit = -2, angle = 60)"]
 
 
 @pytest.mark.parametrize("file", ["law.py", "faults.py", "__init__.py"])

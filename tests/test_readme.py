@@ -9,12 +9,37 @@ from typing import Any
 
 import pytest
 
+from conftest import Fmus
+from motionsync.blocks import BLOCKS
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
 
 
+def code_with(text: str) -> str:
+    """The one Python example that holds a text."""
+    (code,) = [code for code in re.findall(r"```python\n(.*?)```", README, re.S) if text in code]
+    return str(code)
+
+
+def test_the_saw_cuts_where_it_should(fmus: Fmus, capsys: pytest.CaptureFixture[str]) -> None:
+    names: dict[str, Any] = {}
+    exec(code_with("gear_in_pos").replace("build/native/FlyingSaw.fmu", str(fmus.native("FlyingSaw"))), names)
+    assert len(names["cuts"]) == 9
+    assert max(map(abs, names["cuts"])) < 1e-9
+    assert "9 cuts, worst error" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_it_tells_what_the_pages_of_the_blocks_tell(name: str) -> None:
+    for step in BLOCKS[name].guide:
+        assert step in README
+    for there, here in BLOCKS[name].names:
+        assert f"| {there} | {here} |" in README
+
+
 def test_the_batch_example_gives_what_its_comments_say() -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", README, re.S)
+    code = code_with("simulate_many")
     names: dict[str, Any] = {}
     exec(code, names)
     result = names["result"]
@@ -38,7 +63,7 @@ def test_the_line_for_fmpy_runs(native: Path, tmp_path: Path) -> None:
 def test_its_commands_and_links_exist() -> None:
     targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.M))
     assert set(re.findall(r"make (run|test|benchmark|pictures)", README)) <= targets
-    for link in re.findall(r"\]\((?!http)([^)]+)\)", README):
+    for link in re.findall(r"\]\((?!http|#)([^)]+)\)", README):
         assert (ROOT / link).exists(), link
     for file in re.findall(r"(?:scenarios|build)/[\w/]+\.csv", README):
         assert (ROOT / file).exists(), file

@@ -12,14 +12,17 @@ from typing import Any
 import fmpy
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimManipulator import CosimManipulator
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
 
-from drive import Run, runs
+from conftest import Fmus
+from drive import Run
+from drives import DRIVES, drawn
 from jit import Compiled, equal
-from motionsync.synchronizer import State, Synchronizer
+from motionsync.blocks import BLOCKS
 from motionsync_fmu.host import FmuError, Host
 from motionsync_fmu.native import HEADERS
 from motionsync_fmu.scenario import find, load
@@ -33,10 +36,10 @@ LONG = settings(deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.genera
 
 
 class Pair:
-    """The Synchronizer in Python and in compiled code, driven as the FMU's slave drives it."""
+    """A block in Python and in compiled code, driven as the FMU's slave drives it."""
 
-    def __init__(self, start: dict[str, Any]) -> None:
-        self.block = Synchronizer()
+    def __init__(self, name: str, start: dict[str, Any]) -> None:
+        self.block = BLOCKS[name].type()
         self.cells = {c.name: c for c in cells(self.block)}
         self.inputs = [v for v in variables(self.block) if v.causality == "input"]
         self.compiled = Compiled(self.block)
@@ -49,45 +52,46 @@ class Pair:
             self.cells[name].set(value)
             self.compiled.set(name, value)
 
-    def step(self, h: float, values: dict[str, Any]) -> bool:
-        """Whether the step was done; one with a bad input or size is not begun, as in the FMU."""
+    def step(self, h: float, values: dict[str, Any]) -> int | None:
+        """What the block answers; None if the step has a bad input or size and is not begun, as in the FMU."""
         before = {name: self.cells[name].get() for name in values}
         self.set(values)
         if not 0.0 < h <= LONGEST_STEP or any(v.refusal(v.cell.get()) for v in self.inputs):
             self.set(before)
-            return False
+            return None
         answer = self.block.step(h)
         assert self.compiled.step(h) == answer
         assert equal(self.block, self.compiled), (h, values)
-        return answer == 0
+        return int(answer)
 
 
 @settings(LONG, max_examples=200, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
-@given(runs(steps=500))
-def test_compiled_code_gives_the_bits_of_python_in_every_field(run: Run) -> None:
-    pair = Pair(run.start)
+@given(data=st.data())
+def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data: st.DataObject) -> None:
+    run = data.draw(DRIVES[block].runs(500))
+    pair = Pair(block, run.start)
     for h, values in run.steps:
-        if not pair.step(h, values):
-            pair = Pair(run.start)
+        if pair.step(h, values):
+            pair = Pair(block, run.start)
 
 
-def test_the_drawn_runs_meet_every_state_and_fault() -> None:
+def test_every_block_is_driven() -> None:
+    assert DRIVES.keys() == BLOCKS.keys()
+
+
+def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
     """What the runs above are worth: within a few of them everything happens."""
     seen: set[Any] = set()
-
-    @settings(LONG, max_examples=60, derandomize=True, database=None)
-    @given(runs(steps=500))
-    def watch(run: Run) -> None:
-        pair = Pair(run.start)
+    for run in drawn(block, 500, 60):
+        pair = Pair(block, run.start)
         for h, values in run.steps:
-            if not pair.step(h, values):
+            answer = pair.step(h, values)
+            if answer != 0:
                 seen.add("refused")
-                pair = Pair(run.start)
-            b = pair.block
-            seen.update([b.state, (b.master.input_mode, b.syn_ramp_on), ("fault", b.error_id), b.running.curve])
-
-    watch()
-    assert seen >= {*State, "refused", ("fault", 1), ("fault", 0), *((m, on) for m in (1, 2, 3) for on in (0, 1))}
+            if answer:
+                pair = Pair(block, run.start)
+            seen |= DRIVES[block].watch(pair.block)
+    assert not (DRIVES[block].meets | {"refused"}) - seen
 
 
 def bits(values: dict[str, Any]) -> dict[str, Any]:
@@ -104,9 +108,12 @@ def tried(call: Any, *arguments: Any) -> str:
 
 
 @settings(LONG, max_examples=25, suppress_health_check=list(HealthCheck))
-@given(runs(steps=500))
-def test_both_fmus_give_the_same_bits_and_log_the_same(fmu: Path, native: Path, run: Run) -> None:
-    with Host(fmu) as a, Host(native) as b:
+@given(data=st.data())
+def test_both_fmus_give_the_same_bits_and_log_the_same(
+    block: str, block_fmu: Path, block_native: Path, data: st.DataObject
+) -> None:
+    run = data.draw(DRIVES[block].runs(500))
+    with Host(block_fmu) as a, Host(block_native) as b:
         refused = tried(a.initialize, run.start)
         assert tried(b.initialize, run.start) == refused
         for h, values in [] if refused else run.steps:
@@ -115,10 +122,11 @@ def test_both_fmus_give_the_same_bits_and_log_the_same(fmu: Path, native: Path, 
         assert b.messages == a.messages
 
 
-@pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: file.parent.name)
-def test_both_fmus_give_the_same_bits_in_every_scenario(fmu: Path, native: Path, file: Path) -> None:
+@pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: "/".join(file.parts[-3:-1]))
+def test_both_fmus_give_the_same_bits_in_every_scenario(fmus: Fmus, file: Path) -> None:
     scenario = load(file)
-    a, b = (simulate(scenario, flavour, scenario.step_size) for flavour in (fmu, native))
+    name = scenario.recipe.name
+    a, b = (simulate(scenario, fmu, scenario.step_size) for fmu in (fmus.python(name), fmus.native(name)))
     assert a.messages == b.messages
     for name in a.values:
         assert a.values[name].tobytes() == b.values[name].tobytes(), name
@@ -190,23 +198,18 @@ def orders(host: Host, run: Run) -> Iterator[tuple[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def expected(fmu: Path) -> list[tuple[str, str]]:
+def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
     """A few runs through the python flavour."""
     found: list[tuple[str, str]] = []
-
-    @settings(LONG, max_examples=6, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
-    @given(runs(steps=300))
-    def record(run: Run) -> None:
-        with Host(fmu) as host:
+    for run in drawn(block, 300, 6):
+        with Host(block_fmu) as host:
             found.extend(orders(host, run))
-
-    record()
     return found
 
 
 @pytest.mark.parametrize("platform", PLATFORMS)
 def test_a_host_in_c_without_python_gets_the_same_bits(
-    platform: str, native: Path, expected: list[tuple[str, str]], tmp_path: Path
+    platform: str, block: str, block_native: Path, expected: list[tuple[str, str]], tmp_path: Path
 ) -> None:
     target, suffix, runner = PLATFORMS[platform]
     start = runner()
@@ -214,9 +217,9 @@ def test_a_host_in_c_without_python_gets_the_same_bits(
     source = Path(__file__).parent / "replay.c"
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", "-I", str(HEADERS), str(source)]
     subprocess.run([*compiler, "-o", str(program)], check=True)
-    folder = Path(fmpy.extract(str(native), unzipdir=str(tmp_path / "fmu")))
-    library = folder / "binaries" / platform / f"Synchronizer.{suffix}"
-    description = fmpy.read_model_description(str(native))
+    folder = Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path / "fmu")))
+    library = folder / "binaries" / platform / f"{block}.{suffix}"
+    description = fmpy.read_model_description(str(block_native))
     kinds = "".join({"Real": "R", "Boolean": "B"}.get(v.type, "I") for v in description.modelVariables)
     asked, answered = tmp_path / "orders.txt", tmp_path / "answers.txt"
     asked.write_text("".join(f"{order}\n" for order, _ in expected))

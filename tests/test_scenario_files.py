@@ -15,11 +15,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import regenerate
+from conftest import Fmus
 from motionsync.master import MasterInput
-from motionsync_fmu.build import Recipe, build_python
+from motionsync_fmu.build import Recipe
+from motionsync_fmu.cuts import cut
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.references import command_line, inputs_file
-from motionsync_fmu.scenario import AtTime, Scenario, When, Within, load
+from motionsync_fmu.scenario import AtTime, Cuts, Scenario, When, Within, load
 from motionsync_fmu.script import Script, Segment
 from motionsync_fmu.simulation import Course, check, compare, schedule, simulate
 
@@ -35,14 +37,6 @@ def named(folder: Path) -> str:
 # --- the scenarios that are there ---
 
 
-@pytest.fixture(scope="module")
-def fmus(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """An FMU for each block, in mm: units are labels, the numbers are the same in all of them."""
-    others = {folder.parent.name for folder in FOLDERS} - {"Synchronizer"}
-    target = tmp_path_factory.mktemp("scenarios")
-    return {"Synchronizer": fmu} | {name: build_python(Recipe(name), target / f"{name}.fmu") for name in others}
-
-
 def judged(scenario: Scenario, course: Course) -> list[str]:
     """What was not as expected, reference included."""
     broken = [f"{c.expected}: found {c.found}" for c in check(scenario, course) if not c.passed]
@@ -52,10 +46,10 @@ def judged(scenario: Scenario, course: Course) -> list[str]:
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_a_scenario_is_kept(folder: Path, fmus: dict[str, Path]) -> None:
+def test_a_scenario_is_kept(folder: Path, fmus: Fmus) -> None:
     scenario = load(folder / "scenario.toml")
     assert scenario.expectations
-    course = simulate(scenario, fmus[scenario.recipe.name], scenario.step_size)
+    course = simulate(scenario, fmus.python(scenario.recipe.name), scenario.step_size)
     assert judged(scenario, course) == []
     assert min(d.points for d in compare(scenario, course)) >= 100
 
@@ -70,9 +64,9 @@ def late(scenario: Scenario, step_size: float) -> Scenario:
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_a_scenario_is_kept_at_another_step_size(folder: Path, fmus: dict[str, Path]) -> None:
+def test_a_scenario_is_kept_at_another_step_size(folder: Path, fmus: Fmus) -> None:
     scenario = load(folder / "scenario.toml")
-    course = simulate(scenario, fmus[scenario.recipe.name], UNEVEN)
+    course = simulate(scenario, fmus.python(scenario.recipe.name), UNEVEN)
     assert judged(late(scenario, UNEVEN), course) == []
     assert min(d.points for d in compare(scenario, course)) >= 5
 
@@ -329,6 +323,119 @@ def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> 
     for part in says:
         assert part in message.removeprefix(f"{file}:{line}: {key}: ")
     assert "\n" not in message
+
+
+CUTS = """
+[cuts]
+while = "syn_synchronized"
+length = 20.0
+offset = 3.0
+ratio = 1.5
+tolerance = 0.25
+count = 2
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "says"),
+    [
+        ("[cuts]", "[[cuts]]", "cuts", ("must be a table: [cuts]",)),
+        ("offset", "ofset", "ofset", ("unknown key", "offset")),
+        ('while = "syn_synchronized"\n', "", "while", ("missing",)),
+        ('"syn_synchronized"', "true", "while", ("True", "text")),
+        ("syn_synchronized", "syn_synchronised", "while", ("do you mean 'syn_synchronized'?",)),
+        ("syn_synchronized", "slave.position", "while", ("continuous Real output", "not a Boolean output or local")),
+        ("syn_synchronized", "active", "while", ("discrete Boolean input", "not a Boolean output")),
+        ("length = 20.0\n", "", "length", ("missing",)),
+        ("length = 20.0", "length = 0.0", "length", ("0", "> 0")),
+        ("length = 20.0", "length = nan", "length", ("finite",)),
+        ("length = 20.0", 'length = "20"', "length", ("'20'", "number")),
+        ("offset = 3.0", "offset = inf", "offset", ("finite",)),
+        ("ratio = 1.5", "ratio = 0", "ratio", ("0 is not allowed",)),
+        ("tolerance = 0.25", "tolerance = -1.0", "tolerance", ("-1", ">= 0")),
+        ("count = 2", "count = 2.5", "count", ("2.5", "whole number")),
+        ("count = 2", "count = -1", "count", ("-1", ">= 0")),
+        ("count = 2", "count = true", "count", ("number",)),
+        ("", "", "cuts", ("linear axis", "master.period is 360")),
+    ],
+)
+def test_a_mistake_in_cuts_is_told_with_its_line(
+    old: str, new: str, key: str, says: tuple[str, ...], tmp_path: Path
+) -> None:
+    good = GOOD.replace('"master.period" = 360.0\n', "") if old else GOOD
+    text = good + CUTS.replace(old, new) if old else good + CUTS
+    at = next((i for i, line in enumerate(text.splitlines(), 1) if i > 42 and line.startswith(f"{key} =")), 0)
+    at = at or text[: text.index("[cuts]")].count("\n") + 1
+    file = tmp_path / "scenario.toml"
+    file.write_text(text)
+    with pytest.raises(UserError) as told:
+        load(file)
+    assert str(told.value).startswith(f"{file}:{at}: {key}: ")
+    for part in says:
+        assert part in str(told.value)
+
+
+def test_cuts_are_read(tmp_path: Path) -> None:
+    file = tmp_path / "scenario.toml"
+    linear = GOOD.replace('"master.period" = 360.0\n', "")
+    file.write_text(linear + CUTS)
+    assert load(file).cuts == Cuts("syn_synchronized", 20.0, 3.0, 1.5, 0.25, 2)
+    file.write_text(linear + '[cuts]\nwhile = "ready"\nlength = 5\n')
+    assert load(file).cuts == Cuts("ready", 5.0, 0.0, 1.0, None, None)
+    file.write_text(linear)
+    assert load(file).cuts is None
+
+
+def course_of(places: list[float | None], ratio: float) -> Course:
+    """A saw that lags behind the material by these numbers, at 0, 0.1, 0.2 ... s; None: it does not cut."""
+    n = len(places)
+    master = np.zeros((n, 4))
+    master[:, 0] = 7.0 * np.arange(n)
+    slave = [ratio * (m - (p or 0.0)) for m, p in zip(master[:, 0].tolist(), places, strict=True)]
+    on = [float(p is not None) for p in places]
+    values = {"slave.position": np.array(slave), "in_sync": np.array(on)}
+    return Course(0.1 * np.arange(n), values, master, [])
+
+
+@pytest.mark.parametrize("ratio", [1.0, -2.0, 0.5])
+def test_each_interval_is_a_cut_and_its_error_the_greatest_distance_from_its_mark(ratio: float) -> None:
+    places = [3.0, 3.0, None, 22.75, 23.5, 23.25, None, None, 62.5, None, -37.0, -37.5]
+    cuts = cut(Cuts("in_sync", 20.0, 3.0, ratio, None, None), course_of(places, ratio))
+    assert [(round(c.begin, 9), round(c.end, 9)) for c in cuts] == [(0.0, 0.1), (0.3, 0.5), (0.8, 0.8), (1.0, 1.1)]
+    assert [c.mark for c in cuts] == [3.0, 23.0, 63.0, -37.0]
+    assert [c.error for c in cuts] == pytest.approx([0.0, 0.5, -0.5, -0.5], abs=1e-12)
+
+
+def test_without_a_cut_there_is_none() -> None:
+    assert cut(Cuts("in_sync", 20.0, 0.0, 1.0, None, None), course_of([None] * 5, 1.0)) == []
+
+
+@pytest.mark.parametrize(
+    ("cuts", "expected"),
+    [
+        ("length = 20.0\noffset = 0.5\ntolerance = 0.5000001\ncount = 1", [("1", True), ("at most 0.5 away", True)]),
+        ("length = 20.0\noffset = 0.5\ntolerance = 0.4999\ncount = 2", [("1", False), ("at most 0.5 away", False)]),
+        ("length = 20.0\ntolerance = 1e-9", [("at most", True)]),
+        ("length = 20.0", []),
+    ],
+)
+def test_cuts_are_expectations(cuts: str, expected: list[tuple[str, bool]], fmu: Path, tmp_path: Path) -> None:
+    """The Synchronizer's slave is the master until its ramp begins, and comes to rest for good."""
+    file = tmp_path / "scenario.toml"
+    linear = GOOD.replace('"master.period" = 360.0\n', "")
+    file.write_text(f'{linear}[cuts]\nwhile = "syn_synchronized"\n{cuts}\n')
+    scenario = load(file)
+    found = check(scenario, simulate(scenario, fmu, 0.01))[len(scenario.expectations) :]
+    for c, (beginning, passed) in zip(found, expected, strict=True):
+        assert c.found.startswith(beginning)
+        assert c.passed == passed
+
+
+def test_no_cut_at_all_breaks_a_tolerance() -> None:
+    course = course_of([None] * 5, 1.0)
+    scenario = replace(load(FOLDERS[0] / "scenario.toml"), expectations=(), settings=())
+    (judged,) = check(replace(scenario, cuts=Cuts("in_sync", 20.0, 0.0, 1.0, 1.0, None)), course)
+    assert (judged.found, judged.passed) == ("no cut", False)
 
 
 def test_without_a_mistake_it_is_read(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import matplotlib
 from markupsafe import Markup, escape
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from PIL import Image
 
 from motionsync.blocks import BLOCKS
 from motionsync.declare import Unit
@@ -43,9 +44,10 @@ PLATFORMS = {  # the names that FMI gives them
     "darwin64": "macOS on x86-64 and on 64-bit ARM",
 }
 MASTER, SLAVE = "#7a8793", "#c8451b"
+COLOURS = 32  # of the icon: shades of few
 SHADE: Any = {"color": "#d5ead8", "linewidth": 0.0, "zorder": 0}
 DRAWN = ("position", "velocity", "acceleration")
-SAMPLES = 500
+SAMPLES = 250
 
 
 def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str], slave_unit: str = "") -> Files:
@@ -171,7 +173,7 @@ def transition(name: str, unit: str, slave_unit: str = "") -> bytes:
         bottom.set_xlabel("time in s")
         out = io.BytesIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-    return out.getvalue()
+    return re.sub(rb"-?\d+\.\d{3,}", lambda x: b"%g" % round(float(x[0]), 2), out.getvalue())  # half as long
 
 
 def plot(axes: Axes, courses: dict[str, list[float]]) -> None:
@@ -194,9 +196,10 @@ def picture(name: str) -> bytes:
         axes.grid(visible=False)
         axes.set(xticks=[], yticks=[])
         axes.set_title(name, fontsize=9)
-        out = io.BytesIO()
+        out, small = io.BytesIO(), io.BytesIO()
         figure.savefig(out, format="png", metadata={"Software": None})
-    return out.getvalue()
+    Image.open(out).convert("RGB").quantize(COLOURS).save(small, "PNG", optimize=True)
+    return small.getvalue()
 
 
 def main() -> None:

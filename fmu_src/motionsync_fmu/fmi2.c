@@ -2,6 +2,7 @@
  *
  * The same for all blocks: model.h, which is generated, holds the memory's start image and the tables. There are no
  * globals: all that changes lies in the instance. A call that fails changes nothing, tells why, and may be repeated. */
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -72,7 +73,7 @@ _Static_assert(sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 8 * 8 + size
 
 typedef struct {
     State now;
-    Model before; /* the way back if a call fails */
+    int unfit; /* how many Real inputs have values with which no step is done */
     int logged; /* the categories that are switched on: a set of Category */
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
@@ -199,17 +200,29 @@ static void append_value(Text *text, Instance *c, const Variable *v) {
     }
 }
 
+/* Of a Real; NaN fails every comparison. */
+static bool fits(const Variable *v, double x) {
+    bool sized = x != 0.0 ? fabs(x) >= v->smallest : v->zero;
+    return sized & (fabs(x) <= DBL_MAX) & (x >= v->min) & (x <= v->max) & (x > v->above) & (x < v->below);
+}
+
 static bool allows(Instance *c, const Variable *v) {
-    if (v->kind == REAL) {
-        double x = *(double *)at(&c->now.model, v); /* NaN fails every comparison */
-        bool fits = x >= v->min && x <= v->max && x > v->above && x < v->below && __builtin_isfinite(x);
-        return fits && (x != 0.0 ? fabs(x) >= v->smallest : v->zero);
-    }
+    if (v->kind == REAL) return fits(v, *(double *)at(&c->now.model, v));
     if (v->kind != ENUMERATION) return true;
     const int32_t *choices = NUMBERS + v->choices;
     for (int32_t i = 1; i <= choices[0]; i++)
         if (choices[i] == *(int64_t *)at(&c->now.model, v)) return true;
     return false;
+}
+
+/* A step is refused while a Real input is unfit: counted where one is set, so that a step need not look at each. An
+ * input has no limits but min and max; NaN fails both. */
+static bool unfit(const Variable *v, double x) { return v->access == INPUT && !(x >= v->min && x <= v->max); }
+
+static void count_unfit(Instance *c) {
+    c->unfit = 0;
+    for (int i = 0; i < COUNT; i++)
+        if (VARIABLES[i].kind == REAL) c->unfit += unfit(VARIABLES + i, *real(c, i));
 }
 
 static bool judge(Instance *c, const Variable *v) {
@@ -221,11 +234,14 @@ static bool judge(Instance *c, const Variable *v) {
     return false;
 }
 
-/* Tell what a code means, with the values of the variables it speaks of. */
-static void explain(Instance *c, fmi2Status status, int messages, int64_t code) {
+/* Tell what a code means, with the values of the variables it speaks of; `of`: the name of the variable that holds it,
+ * whose group comes first. */
+static void explain(Instance *c, fmi2Status status, const char *of, int messages, int64_t code) {
+    const char *group = strrchr(of, '.');
     for (const Message *m = MESSAGES + messages; m->code; m++) {
         if (m->code != code) continue;
         Text text = {.length = 0};
+        if (group) append(&text, "%.*s: ", (int)(group - of), of);
         append(&text, "%s", words(m->text));
         const int32_t *shown = NUMBERS + m->shown;
         for (const int32_t *v = shown; *v >= 0; v++) {
@@ -237,24 +253,20 @@ static void explain(Instance *c, fmi2Status status, int messages, int64_t code) 
     }
 }
 
-/* --- the two compiled functions: if one fails, the model is what it was --- */
-
-static fmi2Status conclude(Instance *c, int32_t exception, int64_t refusal) {
-    if (!exception && !refusal) return fmi2OK;
-    if (exception) fail(c, "an arithmetic error: these values lead to no result");
-    else explain(c, fmi2Error, REFUSALS, refusal);
-    c->now.model = c->before;
-    return fmi2Error;
-}
+/* --- the two compiled functions --- */
 
 static fmi2Status initialize(Instance *c) {
     for (const Variable *v = VARIABLES; v < VARIABLES + COUNT; v++)
         if (v->access != OUTPUT && !judge(c, v)) return fmi2Error;
-    c->before = c->now.model;
+    Model before = c->now.model;
     int64_t refusal = 0;
     void *exception = NULL;
     int32_t failed = model_initialize(&refusal, &exception, &c->now.model);
-    return conclude(c, failed, refusal);
+    if (!failed && !refusal) return fmi2OK;
+    if (failed) fail(c, "an arithmetic error: these values lead to no result");
+    else explain(c, fmi2Error, "", REFUSALS, refusal);
+    c->now.model = before;
+    return fmi2Error;
 }
 
 /* While initializing, outputs follow parameters and inputs; what is wrong is told when leaving. */
@@ -266,55 +278,87 @@ static void follow(Instance *c) {
     c->logged = logged;
 }
 
-/* The given derivatives of the master's position stand in for its velocity and acceleration, and the step is one with
- * the master at its beginning. */
-static bool stand_in(Instance *c) {
-    for (int order = 1; order <= 2; order++) {
-        if (!(c->now.given & 1 << order)) continue;
-        *real(c, MASTER[order]) = c->now.derivatives[order];
-        if (!judge(c, VARIABLES + MASTER[order])) return false;
-    }
+/* What a step replaces where derivatives of the master's position are given: its velocity and acceleration, and that
+ * the inputs hold the master at the step's beginning. */
+typedef struct {
+    double values[2];
+    int64_t mode;
+} Lent;
+
+static Lent lend(Instance *c) {
+    Lent lent = {{*real(c, MASTER[1]), *real(c, MASTER[2])}, integer(&c->now.model, INPUT_MODE)};
+    for (int order = 1; order <= 2; order++)
+        if (c->now.given & 1 << order) *real(c, MASTER[order]) = c->now.derivatives[order];
     *(int64_t *)at(&c->now.model, VARIABLES + INPUT_MODE) = START_OF_STEP;
-    return true;
+    return lent;
 }
 
-static void put_back(Instance *c) {
-    const int lent[] = {MASTER[1], MASTER[2], INPUT_MODE};
-    for (int i = 0; i < 3; i++) memcpy(at(&c->now.model, VARIABLES + lent[i]), at(&c->before, VARIABLES + lent[i]), 8);
+static void put_back(Instance *c, const Lent *lent) {
+    for (int order = 1; order <= 2; order++) *real(c, MASTER[order]) = lent->values[order - 1];
+    *(int64_t *)at(&c->now.model, VARIABLES + INPUT_MODE) = lent->mode;
 }
 
-static fmi2Status step(Instance *c, double h) {
+/* A step that the block refuses has changed nothing: that is the block's promise, and saves a copy of it at each step.
+ * An arithmetic error, which no block should have, may have, so the unit must begin anew. */
+static fmi2Status run(Instance *c, double h) {
+    int64_t refusal = 0;
+    void *exception = NULL;
+    if (model_step(&refusal, &exception, &c->now.model, h)) {
+        c->now.mode = TERMINATED;
+        return fail(c, "an arithmetic error: these values lead to no result, and the unit must be reset");
+    }
+    if (refusal) explain(c, fmi2Error, "", REFUSALS, refusal);
+    return refusal ? fmi2Error : fmi2OK;
+}
+
+static bool ready(Instance *c, double h) {
     if (!(h > 0.0 && h <= LONGEST_STEP)) {
         Text text = {.length = 0};
         append(&text, "step size = ");
         append_real(&text, h);
         append(&text, " is not allowed: it must be > 0 and <= %g", LONGEST_STEP);
-        return fail(c, "%s", text.bytes);
+        fail(c, "%s", text.bytes);
+        return false;
     }
-    for (const int *i = REAL_INPUTS; *i >= 0; i++)
-        if (!judge(c, VARIABLES + *i)) return fmi2Error;
-    c->before = c->now.model;
-    bool lent = c->now.given && integer(&c->now.model, INPUT_MODE) != END_OF_STEP;
-    if (lent && !stand_in(c)) {
-        c->now.model = c->before;
-        return fmi2Error;
+    for (int i = 0; c->unfit && i < COUNT; i++)
+        if (VARIABLES[i].access == INPUT && !judge(c, VARIABLES + i)) return false;
+    return true;
+}
+
+static fmi2Status step(Instance *c, double h) {
+    if (!ready(c, h)) return fmi2Error;
+    int64_t codes[sizeof CODED / sizeof *CODED];
+    for (int i = 0; CODED[i].variable >= 0; i++) codes[i] = integer(&c->now.model, CODED[i].variable);
+    fmi2Status status;
+    if (c->now.given && integer(&c->now.model, INPUT_MODE) != END_OF_STEP) {
+        Lent lent = lend(c);
+        bool fit = judge(c, VARIABLES + MASTER[1]) && judge(c, VARIABLES + MASTER[2]);
+        status = fit ? run(c, h) : fmi2Error;
+        put_back(c, &lent);
+    } else {
+        status = run(c, h);
     }
-    int64_t refusal = 0;
-    void *exception = NULL;
-    int32_t failed = model_step(&refusal, &exception, &c->now.model, h);
-    if (conclude(c, failed, refusal)) return fmi2Error;
-    if (lent) put_back(c);
+    if (status) return status;
     c->now.given = 0;
-    for (const Coded *coded = CODED; coded->variable >= 0; coded++) {
-        int64_t code = integer(&c->now.model, coded->variable);
-        if (code && code != integer(&c->before, coded->variable)) explain(c, fmi2Warning, coded->messages, code);
+    for (int i = 0; CODED[i].variable >= 0; i++) {
+        int64_t code = integer(&c->now.model, CODED[i].variable);
+        if (code && code != codes[i])
+            explain(c, fmi2Warning, words(VARIABLES[CODED[i].variable].name), CODED[i].messages, code);
     }
     return fmi2OK;
 }
 
 /* --- getters and setters --- */
 
-#define ACCESS(Type, KINDS, T, FROM)                                                                               \
+static void put_Real(Instance *c, const Variable *v, double x) {
+    double *place = at(&c->now.model, v);
+    c->unfit += unfit(v, x) - (c->unfit && unfit(v, *place));
+    *place = x;
+}
+static void put_Integer(Instance *c, const Variable *v, int x) { *(int64_t *)at(&c->now.model, v) = x; }
+static void put_Boolean(Instance *c, const Variable *v, int x) { *(uint8_t *)at(&c->now.model, v) = x != 0; }
+
+#define ACCESS(Type, KINDS, T)                                                                               \
     fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##Type values[]) {       \
         if (!may_get(c, KINDS, r, n, values, "fmi2Get" #Type)) return fmi2Error;                                   \
         follow(c);                                                                                                 \
@@ -324,13 +368,12 @@ static fmi2Status step(Instance *c, double h) {
     }                                                                                                              \
     fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2##Type values[]) { \
         if (!may_set(c, KINDS, r, n, values, "fmi2Set" #Type)) return fmi2Error;                                   \
-        Model *model = &((Instance *)c)->now.model;                                                                \
-        for (size_t i = 0; i < n; i++) *(T *)at(model, VARIABLES + r[i]) = (T)(values[i] FROM);                    \
+        for (size_t i = 0; i < n; i++) put_##Type(c, VARIABLES + r[i], values[i]);                                 \
         return fmi2OK;                                                                                             \
     }
-ACCESS(Real, REALS, double, )
-ACCESS(Integer, INTEGERS, int64_t, )
-ACCESS(Boolean, BOOLEANS, uint8_t, != 0)
+ACCESS(Real, REALS, double)
+ACCESS(Integer, INTEGERS, int64_t)
+ACCESS(Boolean, BOOLEANS, uint8_t)
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String values[]) {
     if (!may(c, INITIALIZING | STEPPING | TERMINATED, "fmi2GetString")) return fmi2Error;
@@ -353,6 +396,7 @@ static void begin(Instance *c) {
     c->now.size = sizeof(State);
     c->now.mode = INSTANTIATED;
     memcpy(c->now.model.bytes, START, MODEL_SIZE);
+    count_unfit(c);
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
@@ -463,6 +507,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate s) {
     Instance *c = component;
     if (!may(c, ANY, "fmi2SetFMUstate") || !ours(c, s, "fmi2SetFMUstate")) return fmi2Error;
     memcpy(&c->now, s, sizeof(State));
+    count_unfit(c);
     return fmi2OK;
 }
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s) {

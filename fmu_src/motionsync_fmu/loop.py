@@ -4,12 +4,18 @@ One loop serves all blocks and every choice of variables: tables of addresses, s
 what to read. So a process compiles it once, and each block once.
 """
 
+import os
+import platform
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from threading import Lock
 from typing import Any
 
+import llvmlite
 import llvmlite.binding as llvm
+import numba
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
@@ -17,10 +23,12 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from .archive import compilers, digest, sources
 from .native import llvm_text
 
 Whole = NDArray[np.int64]
 STEP_SIZE, INPUT, REFUSED, RAISED, JUDGED = range(1, 6)  # why an instance stopped; 0: it did not
+UNKEPT = (OSError, ValueError, RuntimeError)  # the cache cannot be read or written, holds no text, is not to be found
 
 
 @dataclass(frozen=True)
@@ -71,14 +79,40 @@ def code(block_type: type[Any]) -> Code:
             llvm.initialize_native_target()
             llvm.initialize_native_asmprinter()
             machine = llvm.Target.from_default_triple().create_target_machine(opt=3)
-            module = llvm.parse_assembly(llvm_text(block_type()))
+            module = llvm.parse_assembly(_text(block_type))
             module.triple, module.data_layout = machine.triple, str(machine.target_data)
-            passes = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
-            passes.getModulePassManager().run(module, passes)
             engine = llvm.create_mcjit_compiler(module, machine)
             initialize, step = (engine.get_function_address(f"model_{name}") for name in ("initialize", "step"))
             _codes[block_type] = Code(engine, initialize, step)
         return _codes[block_type]
+
+
+def _text(block_type: type[Any]) -> str:
+    """The block's LLVM text: Numba needs long for it, so that of our own blocks is kept in the user's cache.
+
+    One file a block; its first line tells what it was made from and by."""
+    module = block_type.__module__
+    if module.partition(".")[0] != __package__.removesuffix("_fmu"):
+        return llvm_text(block_type())
+    made_by = f"{platform.python_version()} numba {numba.__version__} llvmlite {llvmlite.__version__}"
+    mark = f"; {digest(sources(module) | compilers())} Python {made_by} {platform.machine()}\n"
+    with suppress(*UNKEPT):
+        if (text := _kept(block_type).read_text("utf-8")).startswith(mark):
+            return text
+    text = mark + llvm_text(block_type())
+    with suppress(*UNKEPT):
+        kept = _kept(block_type)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        part = kept.with_suffix(f".{os.getpid()}.part")
+        part.write_text(text, "utf-8", newline="\n")
+        part.replace(kept)
+    return text
+
+
+def _kept(block_type: type[Any]) -> Path:
+    """The block's file in the user's cache."""
+    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(cache, "motionsync", f"{block_type.__name__}.ll")
 
 
 def run(block: Code, plan: Plan) -> None:

@@ -1,16 +1,22 @@
-"""Numba's code as it was lowered: LLVM's text of functions and of all that they call, not optimised and not loaded.
+"""Numba as it lowers a function and all that it calls to LLVM's text, which is neither optimised nor loaded.
 
-Numba optimises, compiles and loads each function for itself, together with copies of all that it calls: of a block with
-hundreds of methods that is most of its time, and none of it is used here.
+As usual Numba optimises, compiles and loads each function for itself, with copies of all that it calls: of a block with
+hundreds of methods that is most of its time, and none of it is used here. So the blocks are compiled for a target of
+their own (numba.core.target_extension): the usual one stays as it is, and what it has compiled is not found here.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cached_property, partial
 from typing import Any
 
 import llvmlite.binding as llvm
+from numba import jit
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
-from numba.core.compiler_lock import global_compiler_lock
-from numba.core.registry import cpu_target
+from numba.core.cpu import CPUContext
+from numba.core.registry import CPUDispatcher, CPUTarget
+from numba.core.target_extension import CPU, dispatcher_registry, jit_registry, target_registry
+
+TARGET = "text"
 
 
 class _Library(JITCodeLibrary):  # type: ignore[misc]
@@ -25,12 +31,6 @@ class _Library(JITCodeLibrary):  # type: ignore[misc]
     def get_pointer_to_function(self, name: str) -> int:
         return 0
 
-    def _get_module_for_linking(self) -> Any:
-        """A function of Numba's own that was compiled here may later be needed by one that is compiled as usual."""
-        if self._shared_module is None:
-            link(self._final_module, _called(self))
-        return super()._get_module_for_linking()
-
 
 class _Codegen(JITCPUCodegen):  # type: ignore[misc]
     _library_class = _Library
@@ -39,35 +39,50 @@ class _Codegen(JITCPUCodegen):  # type: ignore[misc]
         """There is none: nothing is loaded."""
 
 
+class _Context(CPUContext):  # type: ignore[misc]
+    def init(self) -> None:
+        super().init()
+        self._internal_codegen = _Codegen("motionsync")
+
+
+class _Descriptor(CPUTarget):  # type: ignore[misc]
+    @cached_property
+    def _toplevel_target_context(self) -> _Context:
+        return _Context(self.typing_context, TARGET)
+
+
+class _Dispatcher(CPUDispatcher):  # type: ignore[misc]
+    targetdescr = _Descriptor(TARGET)
+
+
+class _Text(CPU):  # type: ignore[misc]
+    """All that is made for a CPU is for this target too."""
+
+
+target_registry[TARGET] = _Text
+dispatcher_registry[_Text] = _Dispatcher
+text_of: Callable[..., Any] = partial(jit, _target=TARGET)
+jit_registry[_Text] = text_of
+
+
 def lowered(functions: Mapping[str, tuple[Any, tuple[Any, ...]]]) -> tuple[llvm.ModuleRef, dict[str, str]]:
-    """One module for functions with the types of their arguments, and which name in it stands for which function."""
-    target = cpu_target.target_context
-    with global_compiler_lock:
-        usual, target._internal_codegen = target._internal_codegen, _Codegen("motionsync")
-        try:
-            for dispatcher, arguments in functions.values():
-                dispatcher.compile(arguments)
-        finally:
-            target._internal_codegen = usual
-    compiled = {name: dispatcher.overloads[arguments] for name, (dispatcher, arguments) in functions.items()}
+    """One module for functions (from `text_of`) of arguments of these types, and which name in it stands for which."""
+    libraries: dict[Any, None] = {}
+    names = {}
+    for name, (function, arguments) in functions.items():
+        function.compile(arguments)
+        compiled = function.overloads[arguments]
+        names[compiled.fndesc.llvm_func_name] = name
+        _collect(compiled.library, libraries)
     whole = llvm.parse_assembly("")
-    link(whole, {library: None for c in compiled.values() for library in (*_called(c.library), c.library)})
-    return whole, {c.fndesc.llvm_func_name: name for name, c in compiled.items()}
-
-
-def link(whole: llvm.ModuleRef, libraries: Mapping[Any, None]) -> None:
     for library in libraries:
-        module = library._final_module if isinstance(library, _Library) else library._get_module_for_linking()
-        whole.link_in(module, preserve=True)
+        whole.link_in(library._final_module, preserve=True)
+    return whole, names
 
 
-def _called(library: Any) -> dict[Any, None]:
-    """The libraries that one needs, each once, in an order that is the same every time."""
-    found: dict[Any, None] = {}
-    wanted = [*library._linking_libraries]
-    while wanted:
-        other = wanted.pop()
-        if other not in found and other is not library:
-            found[other] = None
-            wanted += other._linking_libraries if isinstance(other, _Library) else ()
-    return found
+def _collect(library: Any, found: dict[Any, None]) -> None:
+    """A library and all that it needs, each once, in an order that is the same every time."""
+    if library not in found:
+        found[library] = None
+        for other in library._linking_libraries:
+            _collect(other, found)

@@ -37,10 +37,15 @@ TARGETS = {  # the path under binaries/ of what zig compiles for each; the two o
     "aarch64-macos.11.0": "arm64/{}.dylib",
     "aarch64-linux-gnu.2.17": "aarch64-linux/{}.so",
 }
-FLAGS = "-Os -ffp-contract=off -fno-strict-aliasing -fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
-LINKS = {  # Windows: no C start-up, which would have nothing to do, and not zig's library, which comes as a whole
-    "linux": "-Wl,-z,defs",
-    "windows": "-rtlib=none -Wl,-e,library_main",
+FLAGS = (
+    "-O2 -ffp-contract=off -fno-strict-aliasing -fno-slp-vectorize "
+    "-fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
+)
+OPTIONS = {  # of the targets whose name holds the word; whatever can be left out is: an FMU holds five libraries
+    "linux": "-Wl,-z,defs -Wl,--hash-style=gnu -fno-asynchronous-unwind-tables -fno-unwind-tables",
+    "macos": "-fno-asynchronous-unwind-tables -fno-unwind-tables",
+    "windows": "-rtlib=none -Wl,-e,library_main",  # fmi2.c has what is missed then
+    "aarch64": "-mno-outline",  # functions made of common pieces are shorter, but pack worse
 }
 HEADERS = Path(str(package_files("fmpy"))) / "c-code"  # FMI's
 PATIENCE = 15.0  # s; a compilation that takes longer is the first of this zig on the machine
@@ -88,10 +93,10 @@ def libraries(block: Any, guid: str, told: Callable[[str], None] = lambda text: 
 def _compile(target: str, path: str, work: Path) -> bytes:
     """One library; names of files stay relative, so that it is the same wherever it was compiled."""
     (work / path).parent.mkdir()
-    links = next((options.split() for name, options in LINKS.items() if name in target), [])
+    options = [option for word, some in OPTIONS.items() if word in target for option in some.split()]
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     done = subprocess.run(
-        [*command, "fmi2.c", "model.ll", "-lm", *links, "-o", path],
+        [*command, "fmi2.c", "model.ll", "-lm", *options, "-o", path],
         cwd=work,
         capture_output=True,
         text=True,
@@ -142,28 +147,30 @@ def llvm_text(block: Any) -> str:
 
 
 def _keep(module: llvm.ModuleRef, entries: dict[str, str]) -> None:
-    """Drop all that the entry points do not need; what stays is optimised once for all platforms, and for its size.
-
-    Numba's names count how much was compiled before: they go too."""
-    for thing in (*module.functions, *module.global_variables):
-        if not thing.is_declaration and thing.name not in entries:
-            thing.linkage = "internal"
-    for function in module.functions:
-        if not function.is_declaration:
-            function.add_function_attribute("optsize")  # large blocks are mostly plans, which are rarely made
-            function.add_function_attribute("nounwind")  # no tables of how to unwind it
-    llvm.initialize_native_target()
-    machine = llvm.Target.from_default_triple().create_target_machine()
-    options = llvm.create_pipeline_tuning_options(speed_level=2)
-    options.loop_vectorization = options.slp_vectorization = False  # that is for each platform's compiler to do
-    builder = llvm.create_pass_builder(machine, options)
-    manager = builder.getModulePassManager()
-    manager.run(module, builder)
+    """Drop all that the entry points do not need. Numba's names count how much was compiled before: they go too."""
     for i, thing in enumerate((*module.functions, *module.global_variables)):
         if thing.name in entries:
             thing.linkage, thing.visibility, thing.name = "external", "hidden", entries[thing.name]
         elif not thing.is_declaration:
-            thing.name = f"internal_{i}"
+            thing.linkage, thing.name = "internal", f"internal_{i}"
+    _optimise(module)
+
+
+def _optimise(module: llvm.ModuleRef) -> None:
+    """Once for all platforms, with an eye on size: most of a large block is planning, which a step seldom does."""
+    for function in module.functions:
+        if not function.is_declaration:
+            for attribute in ("optsize", "nounwind"):  # the last: no tables of how to unwind it
+                function.add_function_attribute(attribute)
+    llvm.initialize_native_target()
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    options = llvm.create_pipeline_tuning_options(speed_level=2)
+    options.loop_vectorization = options.slp_vectorization = False
+    builder = llvm.create_pass_builder(machine, options)
+    first = llvm.create_new_module_pass_manager()
+    first.add_merge_functions_pass()  # what several classes inherit, before it is inlined where each calls it
+    first.run(module, builder)
+    builder.getModulePassManager().run(module, builder)
 
 
 def portable(text: str) -> str:
@@ -221,7 +228,6 @@ def model_header(block: Any, guid: str) -> str:
         *("static const Variable VARIABLES[] = {", *(f"    {row}," for row in rows), "};"),
         *("static const Message MESSAGES[] = {", *(f"    {row}," for row in messages), "};"),
         "enum { REFUSALS = 0 }; /* where in MESSAGES they begin */",
-        f"static const int REAL_INPUTS[] = {_list([i for i, v in enumerate(vs) if v.real_input] + [-1])};",
         f"static const Coded CODED[] = {_list([*coded, '{-1, 0}'])};",
     ]
     return "\n".join([*lines, ""])

@@ -8,17 +8,22 @@ from types import FunctionType
 from typing import Any, get_type_hints
 
 import numpy as np
-from numba import from_dtype, njit, types
+from numba import from_dtype, types
 from numba.core import config
 from numba.extending import models, overload_method, register_model
+
+from .lowering import text_of
 
 # The generated code is for any processor; Numba reads these when it generates its first code.
 config.CPU_NAME, config.CPU_FEATURES = "generic", ""
 
 # Bounds and divisions are checked as in Python; no reference counting, no wrappers for the interpreter.
 OPTIONS = {
-    **{"error_model": "python", "boundscheck": True},
-    **{"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False},
+    "error_model": "python",
+    "boundscheck": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "_nrt": False,
 }
 SCALARS = {float: np.float64, bool: np.bool_}  # int and every enumeration: np.int64
 
@@ -104,7 +109,7 @@ def _overload(method: FunctionType) -> Callable[..., Any]:
 
 def entry(cls: type, name: str) -> Any:
     """A method as a function that can be compiled without the interpreter."""
-    return njit(**OPTIONS)(_rebased(methods(cls)[name]))
+    return text_of(**OPTIONS)(_rebased(methods(cls)[name]))
 
 
 def _rebased(function: FunctionType) -> FunctionType:
@@ -129,4 +134,4 @@ def _namespace(function: FunctionType) -> dict[str, Any]:
 @cache
 def _compiled(function: FunctionType) -> Any:
     """One for all modules that use the function, so that it is compiled once."""
-    return njit(**OPTIONS)(_rebased(function))
+    return text_of(**OPTIONS)(_rebased(function))

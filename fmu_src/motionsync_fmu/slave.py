@@ -112,8 +112,9 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             raise
 
     def explained(self, choice: Any, coded: str = "") -> str:
-        names = spoken_of(choice, self.by_name, coded)
-        return explained(choice, names, lambda name: self.by_name[name].cell.get())
+        names, group = spoken_of(choice, self.by_name, coded), coded.rpartition(".")[0]
+        text = explained(choice, names, lambda name: self.by_name[name].cell.get())
+        return f"{group}: {text}" if group else text
 
     def refuse(self, text: str) -> NoReturn:
         """Fail the call: PythonFMU turns the exception into fmi2Fatal."""

@@ -16,8 +16,8 @@ Further readings of the specification that it leaves open:
 - Master positions are unwrapped from the first one in the period; those among the characteristics are put out wrapped.
 - Waiting for `master_start_distance`: limits, factor, mode and a standing master are judged at the edge and again at
   the start, the slave's sync position only at the start. On a coupled slave the old coupling goes on meanwhile (its
-  backstop, at which the block still parks, is not modelled here). gear_out then makes the slave acceleration-free as ever. Refused at the start the slave goes on by
-  its own motion, a coupled one at constant velocity.
+  backstop, at which the block still parks, is not modelled here). gear_out then makes the slave acceleration-free as
+  ever. Refused at the start the slave goes on by its own motion, a coupled one at constant velocity.
 - The coupling position counts as passed once the master goes beyond it. Before sync a time-based coupling only notes
   it; passed by then, it must be passed forwards and backwards again to park the slave.
 - The time-based limits are those of the own motion from v to the (clamped) target. Where the master's acceleration

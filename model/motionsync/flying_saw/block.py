@@ -42,6 +42,7 @@ SAME_PLACE = 1e-15  # of the master's position: rounding
 ARRIVED = 1e-12  # of a period: a sync position that is less ahead is the one just passed
 REACHED = 1e-9  # of a profile's master travel: closer to its end it is ended, which differs by rounding only
 STANDING = 1e-12  # of the velocity limit: no ramp is needed for less
+SHORTEST = 1e-300  # u: a reciprocal that stays finite
 FASTEST = 1e60
 EVENTS = 8  # in a monotone piece of the master's path there are three at most
 
@@ -198,7 +199,6 @@ class FlyingSaw:
     wanted: Order = var.part(Order)
     awaited: Order = var.part(Order)
     order: Order = var.part(Order)
-    plan: Plan = var.part(Plan)
     profile: Profile = var.part(Profile)
     chase: Chase = var.part(Chase)
     glance: Chase = var.part(Chase)
@@ -207,7 +207,8 @@ class FlyingSaw:
     start: float = 0.0
     toward: float = 1.0
     coupling: float = 0.0
-    nominal: float = 1.0
+    per_nominal: float = 1.0
+    per_travel: float = 0.0
     master_sync: float = 0.0
     slave_sync: float = 0.0
     parked: float = 0.0
@@ -217,6 +218,7 @@ class FlyingSaw:
     velocity: float = 0.0
     acceleration: float = 0.0
     jerk: float = 0.0
+    plan: Plan = var.part(Plan)
 
     def initialize(self) -> Refusal:
         """The axis stands, or moves at its initial velocity; may be called again while parameters still change."""
@@ -241,7 +243,7 @@ class FlyingSaw:
         refusal = self.master.advance(h)
         if refusal != Refusal.NONE:
             return refusal
-        if self.is_coupled():
+        if self.master.seam != self.master.begin and self.is_coupled():
             self.travel(-1, self.master.seam, self.master.begin)
         self.obey()
         if self.drive == Drive.CHASE:
@@ -458,8 +460,9 @@ class FlyingSaw:
         """The plan made for this instant begins."""
         self.characteristics.tell(self.plan, self.master.period)
         self.coupling = place
-        self.nominal = self.plan.master.velocity
-        self.direction = 1.0 if self.nominal > 0.0 else -1.0 if self.nominal < 0.0 else 0.0
+        self.local.coupling_position = wrap(place, self.master.period)
+        nominal = self.plan.master.velocity
+        self.direction = 1.0 if nominal > 0.0 else -1.0 if nominal < 0.0 else 0.0
         self.master_sync = self.plan.master_end
         self.slave_sync = self.plan.end
         if self.plan.at_once:
@@ -474,6 +477,8 @@ class FlyingSaw:
         else:
             self.drive = Drive.PROFILE
             self.profile.take(self.plan.profile)
+            self.per_nominal = clamp(1.0 / nominal, -1.0 / SHORTEST, 1.0 / SHORTEST)
+            self.per_travel = 1.0 / max(abs(self.master_sync - place), SHORTEST)
 
     def begin_awaited(self, time: float) -> None:
         """The master passes the start: plan from the present state."""
@@ -687,9 +692,9 @@ class FlyingSaw:
         """On the profile, by the chain rule; the master's jerk is taken as 0.
 
         Ratios of velocities are held where products stay finite, for masters that all but stood at the start."""
-        position, v, a, j = self.profile.at((place - self.coupling) / self.nominal)
-        pace = clamp(velocity / self.nominal, -FASTEST, FASTEST)
-        gain = clamp(acceleration / self.nominal, -FASTEST, FASTEST)
+        position, v, a, j = self.profile.at((place - self.coupling) * self.per_nominal)
+        pace = clamp(velocity * self.per_nominal, -FASTEST, FASTEST)
+        gain = clamp(acceleration * self.per_nominal, -FASTEST, FASTEST)
         self.position = position
         self.velocity = v * pace
         self.acceleration = a * pace * pace + v * gain
@@ -760,12 +765,10 @@ class FlyingSaw:
 
     def tell_progress(self) -> None:
         """Of the synchronisation, at constant master velocity."""
-        self.local.coupling_position = wrap(self.coupling, self.master.period)
         if self.drive == Drive.PROFILE and not self.waits:
-            whole = self.master_sync - self.coupling
-            missing = clamp((self.master_sync - self.master.end) / whole, 0.0, 1.0)
-            self.local.progress = 1.0 - missing
-            self.local.master_distance_to_sync = missing * abs(whole)
+            missing = max((self.master_sync - self.master.end) * self.direction, 0.0)
+            self.local.progress = clamp(1.0 - missing * self.per_travel, 0.0, 1.0)
+            self.local.master_distance_to_sync = missing
         elif self.in_sync:
             self.local.progress = 1.0
             self.local.master_distance_to_sync = 0.0

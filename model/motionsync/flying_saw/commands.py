@@ -27,7 +27,8 @@ class Command:
     """What all commands share. A derived one adds its values and the name of its result.
 
     A block speaks of its last edge. If that was refused, a command of an earlier edge goes on unseen: `answers` is
-    false. `fresh`: what is shown has arisen in this step.
+    false. `fresh`: what is shown has arisen in this step. `settled`: the outputs are what they are to stay, until
+    something arises or `execute` is no longer as `shown`.
     """
 
     execute: bool = var.input(False, "rising edge: give the command")
@@ -40,6 +41,8 @@ class Command:
     phase: Phase = Phase.IDLE
     answers: bool = True
     fresh: bool = False
+    settled: bool = False
+    shown: bool = False
 
     def accept(self) -> None:
         self.answers = True
@@ -65,6 +68,10 @@ class Command:
 
     def show(self) -> bool:
         """At the end of a step; whether the result is to be shown."""
+        if self.settled and not self.fresh and self.execute == self.shown:
+            return self.phase == Phase.REACHED
+        self.settled = not self.fresh
+        self.shown = self.execute
         if not (self.execute or self.fresh):
             if self.phase != Phase.BUSY:
                 self.phase = Phase.IDLE

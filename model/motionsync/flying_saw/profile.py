@@ -30,7 +30,7 @@ class Profile:
 
         position = origin + sum of coefficients[6 i + n] u^n, n = 0 to 5, u = (t - begins[i]) / durations[i].
 
-    Positions in u, times in s. Every duration of a piece is > 0.
+    Positions in u, times in s. Every duration of a piece is > 0; `rates` are their reciprocals, 1/s.
     """
 
     kind: ProfileKind = ProfileKind.NONE
@@ -38,6 +38,7 @@ class Profile:
     origin: float = 0.0
     begins: list[float] = var.ring(5)
     durations: list[float] = var.ring(4)
+    rates: list[float] = var.ring(4)
     coefficients: list[float] = var.ring(24)
 
     def begin(self, kind: ProfileKind, origin: float) -> None:
@@ -57,6 +58,7 @@ class Profile:
         self.coefficients[at + 4] = c4
         self.coefficients[at + 5] = c5
         self.durations[self.pieces] = duration
+        self.rates[self.pieces] = 1.0 / duration
         self.pieces += 1
         self.begins[self.pieces] = self.begins[self.pieces - 1] + duration
 
@@ -68,6 +70,7 @@ class Profile:
         for i in range(other.pieces):
             self.begins[i + 1] = other.begins[i + 1]
             self.durations[i] = other.durations[i]
+            self.rates[i] = other.rates[i]
         for i in range(ORDER * other.pieces):
             self.coefficients[i] = other.coefficients[i]
 
@@ -85,11 +88,11 @@ class Profile:
         i = 0
         while i < self.pieces - 1 and time > self.begins[i + 1]:
             i += 1
-        return self.within(i, (time - self.begins[i]) / self.durations[i])
+        return self.within(i, (time - self.begins[i]) * self.rates[i])
 
     def within(self, i: int, u: float) -> tuple[float, float, float, float]:
         """As `at`, at u in piece i: unlike a time, u is not rounded in a short piece."""
-        d = self.durations[i]
+        rate = self.rates[i]
         at = ORDER * i
         c1 = self.coefficients[at + 1]
         c2 = self.coefficients[at + 2]
@@ -100,7 +103,7 @@ class Profile:
         velocity = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
         acceleration = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))
         jerk = 6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)
-        return position, velocity / d, acceleration / d / d, jerk / d / d / d
+        return position, velocity * rate, acceleration * rate * rate, jerk * rate * rate * rate
 
     def passed(self, i: int, u: float) -> float:
         """The way from the beginning of piece i to u in it."""

@@ -1,0 +1,418 @@
+"""A great many random gear_in_pos plans, followed to their ends: what is planned, what is refused, and that it holds.
+
+    python benchmarks/plans.py [--plans 1000000] [--seed 1]
+
+Half of the plans are ones that a machine might ask for, half are wild: sizes, times, ratios and limits over many powers
+of ten. The slave stands, moves at its initial velocity, or is under way by another command; the master has either
+direction, mostly an acceleration of 0 at the edge, and goes on at constant velocity: so characteristics must hold for
+what the slave does. Each plan is judged by `broken`, which tests/test_plans.py applies as well.
+"""
+
+import argparse
+import os
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from motionsync.declare import LARGEST_INPUT
+from motionsync.flying_saw.block import FlyingSaw, State
+from motionsync.flying_saw.faults import Fault
+from motionsync.flying_saw.profile import ProfileKind
+from motionsync_fmu.batch import BatchResult, simulate_many
+from motionsync_fmu.variables import variables
+
+Reals = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Values = dict[str, Any]
+
+CHUNK = 5_000  # plans at a time: their results take 100 MB
+STEPS = 26  # of a run: one before the edge, a short one at it, and those that follow the profile a little past its end
+EDGE = 1  # the step at whose beginning the command is given
+PAST = 1.05  # of the profile's duration: it has ended
+SHORT = 1e-9  # of the profile's duration: the step at the edge, where the master may have an acceleration
+CHECKS = {  # and how often each is set
+    "check_min_position": 0.1,
+    "check_max_position": 0.1,
+    "check_max_velocity": 0.3,
+    "check_max_acceleration": 0.2,
+    "check_max_deceleration": 0.2,
+    "check_max_jerk": 0.2,
+    "check_overshoot_position": 0.1,
+    "check_undershoot_position": 0.1,
+    "check_overshoot_velocity": 0.2,
+    "check_undershoot_velocity": 0.2,
+    "check_overshoot_velocity_zero": 0.03,
+    "check_undershoot_velocity_zero": 0.1,
+}
+OTHERS = {
+    "prefer_constant_velocity": 0.3,
+    "ignore_master_acceleration": 0.3,
+    "ignore_slave_acceleration": 0.3,
+    "detailed_error_codes": 0.9,
+    "time_based": 0.005,
+    "rollback_lock": 0.1,
+    "instant_stop_on_rollback": 0.1,
+}
+BEFORE = ("move_velocity", "move_absolute", "gear_in_velo", "halt", "stop")  # what may be under way
+MOTION = ("position", "velocity", "acceleration", "jerk")
+WHOLE = ("state_code", "characteristics.profile", "gear_in_pos.error_id")
+OUTPUTS = [v.name for v in variables(FlyingSaw()) if v.causality in ("output", "local") and v.kind == "Real"]
+TOLERANCE = 1e-9  # of the checks
+FAILED = -1  # instead of an error code
+EPSILON = 2.0**-52
+
+
+@dataclass(frozen=True)
+class Orders:
+    """Random orders, one an instance: what `simulate_many` is given."""
+
+    step_size: Reals
+    inputs: Values
+    start: Values
+
+
+class Dice:
+    """Random numbers, one an instance; half of the instances are wild."""
+
+    def __init__(self, seed: int, number: int) -> None:
+        self.r = np.random.default_rng(seed)
+        self.number = number
+        self.wild = self.seldom(0.5)
+
+    def seldom(self, share: float) -> Bools:
+        return self.r.random(self.number) < share
+
+    def powers(self, low: float, high: float) -> Reals:
+        """From 10**low to 10**high."""
+        return 10.0 ** self.r.uniform(low, high, self.number)
+
+    def uniform(self, low: float, high: float) -> Reals:
+        return self.r.uniform(low, high, self.number)
+
+    def normal(self, size: float = 1.0) -> Reals:
+        return self.r.normal(0.0, size, self.number)
+
+    def choice(self, *values: float) -> Reals:
+        return self.r.choice(values, self.number)
+
+    def either(self, realistic: Reals, other: Reals) -> Reals:
+        return np.where(self.wild, other, realistic)
+
+
+def drawn(seed: int, number: int) -> Orders:
+    """The same orders at every call."""
+    d = Dice(seed, number)
+    sign = d.choice(-1.0, 1.0)
+    duration = d.either(d.uniform(0.2, 4.0), d.powers(-3.0, 3.0))
+    speed = d.either(d.uniform(10.0, 1000.0), d.powers(-4.0, 4.0)) * sign
+    ratio = d.either(d.uniform(0.2, 3.0), d.powers(-2.0, 2.0)) * d.choice(-1.0, 1.0)
+    denominator = d.choice(1, 1, 1, 2, 7)
+    angle = np.where(d.seldom(0.2), d.uniform(-80.0, 80.0), 0.0)
+    synchronous = ratio / denominator / np.cos(np.radians(angle)) * speed
+    travel = np.abs(synchronous) * duration
+    place = d.either(d.uniform(-1e3, 1e3), np.clip(speed * duration * d.powers(-2.0, 6.0), -1e11, 1e11))
+    position = d.either(d.uniform(-1e3, 1e3), travel * d.powers(-2.0, 6.0) * sign)
+    velocity = synchronous * d.either(
+        d.choice(0.0, 1.0, -0.5, 0.5, 2.0) * d.choice(1.0, 0.9), d.normal() * d.powers(-2.0, 2.0)
+    )
+    way = synchronous * duration * d.either(d.uniform(0.05, 1.5), d.powers(-2.0, 2.0))
+    mean = 0.5 * (velocity + synchronous) * duration  # where the velocity need not leave those of both ends
+    way = np.where(d.seldom(0.4), mean * (1.0 + d.normal(0.3)), way)
+    before = d.powers(-3.0, 0.0) * duration  # the step before the edge
+    moved = d.seldom(0.4)  # the slave is under way by a command
+    initial = np.where(moved & d.seldom(0.1), 0.0, velocity)
+
+    start = _limits(d, travel / duration, duration, position, np.abs(way) + travel)
+    start |= {f"sync_mode.{bit}": d.seldom(share) for bit, share in (CHECKS | OTHERS).items()}
+    start |= {
+        "diagonal_angle": angle,
+        "axis.initial_position": position,
+        "axis.initial_velocity": initial,
+        "gear_in_pos.ratio_numerator": np.where(d.seldom(0.003), 0.0, ratio),
+        "gear_in_pos.ratio_denominator": np.where(d.seldom(0.003), d.choice(0, -3), denominator),
+        "gear_in_pos.master_sync_position": place + speed * duration * np.where(d.seldom(0.01), -1.0, 1.0),
+        "gear_in_pos.slave_sync_position": position + initial * before + way * np.where(d.seldom(0.01), -1.0, 1.0),
+        "gear_in_pos.master_start_distance": np.abs(speed) * duration * _distance(d),
+        "gear_in_velo.ratio_numerator": ratio,
+        "move_velocity.velocity": velocity * d.normal(),
+        "move_absolute.position": position + (np.abs(way) + travel) * d.normal(),
+        **{f"{group}.execute": np.zeros(number, np.bool_) for group in (*BEFORE, "gear_in_pos")},
+    }
+    start = {name: x if x.dtype == np.bool_ else np.clip(x, -LARGEST_INPUT, LARGEST_INPUT) for name, x in start.items()}
+
+    speed = np.where(d.seldom(0.003), 0.0, speed)
+    acceleration = speed / duration * d.either(d.normal(0.3), d.powers(-12.0, 1.0))
+    h, inputs = _path(d, place, speed, np.where(d.seldom(0.7), 0.0, acceleration), before, duration)
+    chosen = d.r.choice(len(BEFORE), number, p=[0.4, 0.3, 0.2, 0.08, 0.02])
+    for i, group in enumerate(BEFORE):
+        inputs[f"{group}.execute"] = np.repeat((moved & (chosen == i))[:, None], STEPS, axis=1)
+    return Orders(h, inputs, start)
+
+
+def _limits(d: Dice, scale: Reals, duration: Reals, position: Reals, length: Reals) -> Values:
+    """The axis's limits, and the order's own, for velocities of that scale: some are tight."""
+    limits = {
+        "velocity": scale * (1.0 + d.either(d.powers(-2.0, 1.0), d.powers(-3.0, 4.0))),
+        "acceleration": scale / duration * d.either(d.powers(-0.3, 1.5), d.powers(-4.0, 5.0)),
+        "deceleration": scale / duration * d.either(d.powers(-0.3, 1.5), d.powers(-4.0, 5.0)),
+        "jerk": scale / duration**2 * d.either(d.powers(0.0, 2.5), d.powers(-4.0, 6.0)),
+    }
+    own = {name: np.where(d.seldom(0.3), x * d.powers(-0.5, 0.5), 0.0) for name, x in limits.items()}
+    own["jerk"][d.seldom(0.005)] = -1.0
+    return {
+        "axis.min_position": position - length * d.powers(-2.0, 1.0),
+        "axis.max_position": position + length * d.powers(-2.0, 1.0),
+        **{f"axis.max_{name}": np.clip(x, 1e-9, LARGEST_INPUT) for name, x in limits.items()},
+        **{f"gear_in_pos.{name}": x for name, x in own.items()},
+    }
+
+
+def _distance(d: Dice) -> Reals:
+    """Of the start before the sync position, as a share of the master's travel."""
+    waits = np.where(d.seldom(0.15), d.uniform(0.0, 1.5), 0.0)
+    return np.where(d.seldom(0.003), -1.0, waits)
+
+
+def _path(
+    d: Dice, place: Reals, speed: Reals, acceleration: Reals, before: Reals, duration: Reals
+) -> tuple[Reals, Values]:
+    """Steps of random sizes, and the master, which passes the place at the edge with that speed and goes on with it."""
+    rest = d.r.exponential(1.0, (d.number, STEPS - 2)) + 0.01
+    rest *= (PAST * duration / rest.sum(axis=1))[:, None]
+    h = np.column_stack([before, SHORT * duration, rest])
+    position = place[:, None] + speed[:, None] * (np.cumsum(h, axis=1) - h - before[:, None])
+    velocity = np.repeat(speed[:, None], STEPS, axis=1)
+    accelerations = np.zeros_like(h)
+    position[:, 0] = place - (speed - 0.5 * acceleration * before) * before
+    velocity[:, 0] = speed - acceleration * before
+    accelerations[:, : EDGE + 1] = acceleration[:, None]
+    return h, {
+        "master.position": position,
+        "master.velocity": velocity,
+        "master.acceleration": accelerations,
+        "gear_in_pos.execute": np.broadcast_to(np.arange(STEPS) >= EDGE, h.shape),
+    }
+
+
+def simulated(orders: Orders, steps: int = STEPS) -> BatchResult:
+    inputs = {name: values[:, :steps] for name, values in orders.inputs.items()}
+    return simulate_many(FlyingSaw, orders.step_size[:, :steps], inputs, [*OUTPUTS, *WHOLE], start=orders.start)
+
+
+# --- what became of the plans ---
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Where each instance has come to: the profile that it took, or the error code, 0 if there is none."""
+
+    profile: NDArray[np.int64]
+    fault: NDArray[np.int64]
+
+    @property
+    def accepted(self) -> Bools:
+        return self.fault == Fault.NONE
+
+    def count(self) -> Counter[str]:
+        """How often each profile was taken and each command refused, by their names."""
+        taken = Counter(ProfileKind(kind).name for kind in self.profile[self.accepted].tolist())
+        return taken + Counter(coded(code) for code in self.fault[~self.accepted].tolist())
+
+
+def coded(code: int) -> str:
+    return "failed" if code == FAILED else f"0x{code:04X} {Fault(code).name}"
+
+
+def outcome(result: BatchResult) -> Outcome:
+    """A failed instance counts as refused, with no known code."""
+    profile, fault = (result[name][:, -1] for name in ("characteristics.profile", "gear_in_pos.error_id"))
+    failed = np.isnan(fault)
+    return Outcome(np.where(failed, 0, profile).astype(np.int64), np.where(failed, FAILED, fault).astype(np.int64))
+
+
+def broken(orders: Orders, result: BatchResult) -> dict[str, NDArray[np.int64]]:
+    """The instances that break what should hold, by what that is.
+
+    For all: every number is finite. For the accepted: they are in sync at the end, on the line that leads through both
+    sync positions; on the way nothing leaves the extremes that the characteristics tell, and neither these nor the
+    outputs break a check that was asked for.
+    """
+    found = {"failed": np.array([f.instance for f in result.failures], np.int64)}
+    found["not finite"] = np.flatnonzero(~np.isfinite(result.values).all(axis=(1, 2)))
+    accepted = outcome(result).accepted
+    found["not in sync at the end"] = np.flatnonzero(accepted & (result["state_code"][:, -1] != State.SYNCHRON))
+    for name, wrong in (*_off_the_line(orders, result), *_beyond_extremes(result), *_unchecked(orders, result)):
+        found[name] = np.flatnonzero(accepted & wrong)
+    return {name: instances for name, instances in found.items() if len(instances)}
+
+
+def _off_the_line(orders: Orders, result: BatchResult) -> Iterator[tuple[str, Bools]]:
+    """In sync the slave is at slave_sync + factor (master - master_sync), whose terms are rounded."""
+    h, master = orders.step_size[:, -1], orders.inputs["master.position"][:, -1]
+    master = master + orders.inputs["master.velocity"][:, -1] * h
+    sync, slave_sync = (orders.start[f"gear_in_pos.{name}_sync_position"] for name in ("master", "slave"))
+    factor, slave = result["coupling_factor"][:, -1], result["slave.position"][:, -1]
+    rounding = 16.0 * EPSILON * (np.abs(factor) * (np.abs(master) + np.abs(sync)) + np.abs(slave) + np.abs(slave_sync))
+    yield "not on the line in sync", np.abs(slave - (slave_sync + factor * (master - sync))) > rounding
+
+
+def _beyond_extremes(result: BatchResult) -> Iterator[tuple[str, Bools]]:
+    """What the slave does on the way is within what the characteristics tell."""
+    under_way = _under_way(result)
+    for name in MOTION:
+        least, greatest = (result[f"characteristics.slave_{name}_{end}"][:, -1:] for end in ("min", "max"))
+        size = np.maximum(np.abs(least), np.abs(greatest))
+        tolerance = TOLERANCE * (greatest - least if name == "position" else size) + 8.0 * EPSILON * size
+        x = result[f"slave.{name}"]
+        beyond = (x < least - tolerance) | (x > greatest + tolerance)
+        yield f"slave.{name} beyond its characteristic extremes", (beyond & under_way).any(axis=1)
+
+
+def _unchecked(orders: Orders, result: BatchResult) -> Iterator[tuple[str, Bools]]:
+    """Checks that were asked for and are broken: by the characteristics, and by the outputs."""
+    under_way = _under_way(result)
+    told = {name: result[f"characteristics.{name}"][:, -1] for name in _CHARACTERISTIC}
+    outputs = {name: np.where(under_way, result[f"slave.{name}"], np.nan) for name in MOTION}
+    for by, rows in (
+        ("characteristics", {name: (told[f"slave_{name}_min"], told[f"slave_{name}_max"]) for name in MOTION}),
+        ("outputs", {name: _range(values) for name, values in outputs.items()}),
+    ):
+        for name, wrong in _beyond_limits(orders, told, rows):
+            yield f"{name}, by {by}", _asked(orders, name) & wrong
+    v, a = outputs["velocity"], outputs["acceleration"]
+    sure = np.abs(v) > TOLERANCE * _speed(told)[:, None]  # elsewhere the sign of v is rounding
+    for name, along, peak in (
+        ("acceleration", v * a > 0.0, "plan_acceleration"),
+        ("deceleration", v * a < 0.0, "plan_deceleration"),
+    ):
+        most = _limit(orders, name) * (1.0 + 2.0 * TOLERANCE)
+        greatest = np.where(along & sure, np.abs(a), 0.0).max(axis=1)
+        yield f"check_max_{name}, by outputs", _asked(orders, f"check_max_{name}") & (greatest > most)
+        yield (
+            f"check_max_{name}, by local",
+            _asked(orders, f"check_max_{name}") & (result[f"local.{peak}"][:, -1] > most),
+        )
+
+
+_CHARACTERISTIC = (
+    *(f"slave_{name}_{end}" for name in MOTION for end in ("min", "max")),
+    *(f"slave_{name}_{end}" for name in ("position", "velocity") for end in ("start", "end")),
+)
+
+
+def _beyond_limits(
+    orders: Orders, told: dict[str, Reals], rows: dict[str, tuple[Reals, Reals]]
+) -> Iterator[tuple[str, Bools]]:
+    """All checks but those of acceleration and deceleration, of the least and the greatest of each."""
+    low, high = rows["position"]
+    size = np.maximum(np.abs(told["slave_position_min"]), np.abs(told["slave_position_max"]))
+    near = 2.0 * TOLERANCE * (told["slave_position_max"] - told["slave_position_min"]) + 8.0 * EPSILON * size
+    first, last = told["slave_position_start"], told["slave_position_end"]
+    yield "check_min_position", low < orders.start["axis.min_position"] - near
+    yield "check_max_position", high > orders.start["axis.max_position"] + near
+    yield "check_undershoot_position", low < np.minimum(first, last) - near
+    yield "check_overshoot_position", high > np.maximum(first, last) + near
+    low, high = rows["velocity"]
+    near = 2.0 * TOLERANCE * _speed(told)
+    first, last = told["slave_velocity_start"], told["slave_velocity_end"]
+    most = _limit(orders, "velocity")
+    yield "check_max_velocity", (high > most + near) | (low < -most - near)
+    ahead = last > 0.0
+    begin, end = np.where(ahead, first, -first), np.abs(last)
+    least, greatest = np.where(ahead, low, -high), np.where(ahead, high, -low)
+    yield "check_overshoot_velocity", greatest > np.maximum(begin, end) + near
+    yield "check_undershoot_velocity", least < np.minimum(begin, end) - near
+    yield "check_overshoot_velocity_zero", high > near
+    yield "check_undershoot_velocity_zero", (begin >= 0.0) & (least < -near)
+    low, high = rows["jerk"]
+    most = _limit(orders, "jerk") * (1.0 + 2.0 * TOLERANCE)
+    yield "check_max_jerk", (high > most) | (low < -most)
+
+
+def _under_way(result: BatchResult) -> Bools:
+    """The ends of steps, after the one at the edge, at which the slave is in the profile."""
+    under_way: Bools = result["state_code"] == State.SYNCHRONIZING
+    under_way[:, : EDGE + 1] = False
+    return under_way
+
+
+def _asked(orders: Orders, check: str) -> Bools:
+    asked: Bools = orders.start[f"sync_mode.{check}"]
+    return asked
+
+
+def _limit(orders: Orders, name: str) -> Reals:
+    own: Reals = orders.start[f"gear_in_pos.{name}"]
+    return np.where(own == 0.0, orders.start[f"axis.max_{name}"], own)
+
+
+def _speed(told: dict[str, Reals]) -> Reals:
+    return np.maximum(np.abs(told["slave_velocity_min"]), np.abs(told["slave_velocity_max"]))
+
+
+def _range(values: Reals) -> tuple[Reals, Reals]:
+    """The least and the greatest of each row; where there are none, numbers beyond which nothing is."""
+    least = np.where(np.isnan(values), np.inf, values).min(axis=1)
+    return least, np.where(np.isnan(values), -np.inf, values).max(axis=1)
+
+
+# --- the report ---
+
+
+def count_table(counted: Counter[str], plans: int) -> Any:
+    table = Table("accepted", "plans", "share", box=None)
+    names = [kind.name for kind in ProfileKind] + [f"0x{fault:04X} {fault.name}" for fault in Fault if fault]
+    accepted = sum(counted[kind.name] for kind in ProfileKind)
+    for name in names:
+        if name == f"0x{Fault.SLAVE_MOVING:04X} {Fault.SLAVE_MOVING.name}":
+            continue  # of gear_in_velo
+        table.add_row(name, f"{counted[name]:,}", f"{counted[name] / plans:.3%}")
+    table.add_row("all accepted", f"{accepted:,}", f"{accepted / plans:.3%}")
+    return table
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--plans", type=int, default=1_000_000)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    console = Console(highlight=False, width=120)
+    simulated(drawn(0, 10))  # compiles
+    counted: Counter[str] = Counter()
+    wrong: Counter[str] = Counter()
+    seconds, alone = [], []
+    plans = 0
+    while plans < options.plans:
+        seed, number = options.seed * 1_000_000 + plans // CHUNK, min(CHUNK, options.plans - plans)
+        orders = drawn(seed, number)
+        begun = time.perf_counter()
+        result = simulated(orders)
+        seconds.append(time.perf_counter() - begun)
+        begun = time.perf_counter()
+        simulated(orders, EDGE + 1)
+        alone.append(time.perf_counter() - begun)
+        counted += outcome(result).count()
+        for name, instances in broken(orders, result).items():
+            wrong[name] += len(instances)
+            console.print(f"broken: {name}: seed {seed}, instances {instances[:10].tolist()}")
+        plans += number
+    console.print(count_table(counted, plans))
+    console.print(
+        f"\n{plans:,} plans, {os.cpu_count()} cores: {plans / sum(seconds):,.0f} plans/s, each followed for {STEPS} "
+        f"steps; {plans / sum(alone):,.0f} plans/s with the planning step alone. The slowest {CHUNK:,} took "
+        f"{max(seconds):.2f} s."
+    )
+    console.print("Broken: " + (", ".join(f"{name}: {n}" for name, n in wrong.items()) or "nothing"))
+    if wrong:
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()

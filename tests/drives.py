@@ -1,0 +1,125 @@
+"""How each registered block is driven at random: each block's runs stand in a module of their own."""
+
+from functools import cache
+from typing import Any
+
+from hypothesis import Phase, given, settings
+
+import drive_flying_saw
+import drive_synchronizer
+from drive import Drive, Run
+from motionsync import synchronizer
+from motionsync.blocks import BLOCKS
+from motionsync.flying_saw import block as flying_saw
+from motionsync.flying_saw.block import FlyingSaw
+from motionsync.flying_saw.faults import Fault
+from motionsync.flying_saw.profile import ProfileKind
+from motionsync.master import MasterInput
+from motionsync.synchronizer import Synchronizer
+from motionsync.transition import Curve
+from motionsync_fmu.variables import cells, variables
+
+# The flying saw's faults that are not rare: the shapes that break the other checks have tests of their own.
+OFTEN = (
+    Fault.NONE,
+    Fault.SLAVE_MOVING,
+    Fault.FACTOR,
+    Fault.MASTER_STANDING,
+    Fault.TIME_BASED,
+    Fault.LIMIT,
+    Fault.NOT_AHEAD,
+    Fault.CHECK,
+    Fault.LOCKED,
+)
+
+
+def _synchronizer(block: Synchronizer) -> set[Any]:
+    return {
+        ("state", block.state),
+        ("ramping", block.master.input_mode, block.syn_ramp_on),
+        ("fault", block.error_id),
+        ("curve", block.running.curve),
+    }
+
+
+def _flying_saw(block: FlyingSaw) -> set[Any]:
+    return {
+        ("state", block.state),
+        ("PLCopen", block.plcopen_state),
+        ("mode", block.master.input_mode),
+        ("fault", block.error_id),
+        ("profile", block.characteristics.profile),
+    }
+
+
+DRIVES: dict[str, Drive] = {
+    "Synchronizer": Drive(
+        drive_synchronizer.runs,
+        _synchronizer,
+        frozenset(
+            {
+                *(("state", state) for state in synchronizer.State),
+                *(("ramping", mode, on) for mode in MasterInput for on in (False, True)),
+                *(("fault", fault) for fault in synchronizer.Fault),
+                *(("curve", curve) for curve in Curve),
+            }
+        ),
+    ),
+    "FlyingSaw": Drive(
+        drive_flying_saw.runs,
+        _flying_saw,
+        frozenset(
+            {
+                *(("state", state) for state in flying_saw.State),
+                *(("PLCopen", state) for state in flying_saw.PlcopenState),
+                *(("mode", mode) for mode in MasterInput),
+                *(("fault", fault) for fault in OFTEN),
+                *(("profile", kind) for kind in (ProfileKind.NONE, ProfileKind.P5, ProfileKind.JERK_LIMITED)),
+            }
+        ),
+    ),
+}
+
+
+def drawn(name: str, steps: int, count: int) -> list[Run]:
+    """The same runs at every call."""
+    found: list[Run] = []
+
+    @settings(max_examples=count, derandomize=True, database=None, deadline=None, phases=[Phase.generate])
+    @given(DRIVES[name].runs(steps))
+    def draw(run: Run) -> None:
+        found.append(run)
+
+    draw()
+    return found
+
+
+@cache
+def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
+    """A run with steps of size h of which none is refused: of those drawn, the one that meets most."""
+    allows = {v.name: v.allows for v in variables(BLOCKS[name].type())}
+    runs = [
+        Run(run.start, [(h, {n: x for n, x in values.items() if allows[n](x)}) for _, values in run.steps])
+        for run in drawn(name, steps, count)
+    ]
+    met = [_met(name, run) for run in runs]
+    assert max(met) > 0, f"every run of {name} has a refused step"
+    return runs[met.index(max(met))]
+
+
+def _met(name: str, run: Run) -> int:
+    """How many different things a run meets; 0 if anything is refused."""
+    block = BLOCKS[name].type()
+    by_name = {c.name: c for c in cells(block)}
+    seen: set[Any] = set()
+    for n, value in run.start.items():
+        by_name[n].set(value)
+    refused = block.initialize()
+    for h, values in run.steps:
+        for n, value in values.items():
+            by_name[n].set(value)
+        refused = refused or block.step(h)
+        if refused:
+            return 0
+        seen |= DRIVES[name].watch(block)
+    return len(seen)
