@@ -6,6 +6,8 @@ from typing import Any
 from hypothesis import Phase, given, settings
 
 import drive_flying_saw
+import drive_follower
+import drive_gearing
 import drive_synchronizer
 from drive import Drive, Run
 from motionsync import synchronizer
@@ -14,6 +16,12 @@ from motionsync.flying_saw import block as flying_saw
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.profile import ProfileKind
+from motionsync.follower import block as follower
+from motionsync.follower import faults as follower_faults
+from motionsync.follower.block import Follower
+from motionsync.gearing import choices as gearing
+from motionsync.gearing import faults as gearing_faults
+from motionsync.gearing.block import Gearing
 from motionsync.master import MasterInput
 from motionsync.synchronizer import Synchronizer
 from motionsync.transition import Curve
@@ -49,6 +57,29 @@ def _flying_saw(block: FlyingSaw) -> set[Any]:
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
         ("profile", block.characteristics.profile),
+    }
+
+
+def _gearing(block: Gearing) -> set[Any]:
+    order = block.order_in if block.state < gearing.State.WAITING_FOR_STOPPOSITION else block.order_out
+    return {
+        ("state", block.state),
+        ("mode", block.master.input_mode),
+        ("fault", block.error_id),
+        ("manoeuvre", block.state, order.aim, order.transition),
+        ("inactive", block.state if block.frozen else None),
+        ("pending", block.state if block.pending else None),
+    }
+
+
+def _follower(block: Follower) -> set[Any]:
+    return {
+        ("stage", block.course.stage),
+        ("state", block.state),
+        ("mode", block.master.input_mode),
+        ("fault", block.error_id),
+        ("cycle", block.slave_cycle > 0.0, block.variable_cycle, block.state),
+        ("tight", block.course.tight),
     }
 
 

@@ -393,6 +393,9 @@ class _Run:
         elif before["activate"] and not self.inputs["activate"]:
             self._freeze()
         if self.active:
+            if rises("reset"):
+                self.error_id = 0
+                self._note("reset")
             if rises("start"):
                 self._rise()
             elif before["start"] and not self.inputs["start"]:

@@ -31,6 +31,7 @@ from .faults import Fault
 from .line import ROUNDING, SAME_TURN, Line, ahead, direction_of, nearest, rounding, tolerance
 from .orders import GearedSlave, GearIn, GearOut, Order, Ratio, SetPoint, fault_of, gear_in_fault, gear_out_fault
 
+STANDING = 1e-13  # of the speed in a step: what rounding leaves of a velocity that comes to 0
 ON_LINE = 1e-9  # of the master's position, at least of 1 u: so near to the line the slave is on it
 FARTHEST = 1e25  # u: the master never comes so far; a period beyond it is none
 EVENTS = 16  # in a monotone piece of the master's path there are eight at most
@@ -559,7 +560,8 @@ class Gearing:
             velocity = self.master.begin_velocity
         elif piece == self.master.path.pieces - 1:
             velocity = self.master.end_velocity
-        return way * velocity > 0.0
+        faster = max(abs(self.master.begin_velocity), abs(self.master.end_velocity))
+        return way * velocity > STANDING * faster
 
     def go_to(self, piece: int, place: float) -> None:
         """Further along the piece, to a place on it; the seam takes no time."""
