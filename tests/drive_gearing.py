@@ -99,4 +99,6 @@ def _order(r: Random, engage: bool, length: float, position: float) -> dict[str,
     else:
         values["stop_mode"] = r.randint(1, 6)
         values["stop_position"] = length * r.gauss(0.0, 3.0)
+    if wrong and r.random() < 0.3:
+        values[r.choice(("transition", "start_mode" if engage else "stop_mode"))] = r.choice((0, 8))
     return values

@@ -19,6 +19,7 @@ from motionsync.flying_saw.profile import ProfileKind
 from motionsync.follower import block as follower
 from motionsync.follower import faults as follower_faults
 from motionsync.follower.block import Follower
+from motionsync.follower.course import Stage
 from motionsync.gearing import choices as gearing
 from motionsync.gearing import faults as gearing_faults
 from motionsync.gearing.block import Gearing
@@ -75,12 +76,37 @@ def _gearing(block: Gearing) -> set[Any]:
 def _follower(block: Follower) -> set[Any]:
     return {
         ("stage", block.course.stage),
-        ("state", block.state),
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
         ("cycle", block.slave_cycle > 0.0, block.variable_cycle, block.state),
         ("tight", block.course.tight),
     }
+
+
+# What the gearing may be about in the states of a manoeuvre; without transition the latter two are over at once.
+MANOEUVRES = {
+    gearing.State.WAITING_FOR_STARTPOSITION: tuple(gearing.Aim),
+    gearing.State.WAITING_FOR_STOPPOSITION: (gearing.Aim.DIRECT, gearing.Aim.POSITION),
+    gearing.State.GEAR_IN: tuple(gearing.Aim),
+    gearing.State.GEAR_OUT: (gearing.Aim.DIRECT, gearing.Aim.POSITION),
+}
+AT_ONCE = {
+    ("manoeuvre", state, aim, gearing.Transition.NONE)
+    for state in (gearing.State.GEAR_IN, gearing.State.GEAR_OUT)
+    for aim in gearing.Aim
+}
+# The follower's faults that are not rare; a ratio out of its range and most limits in M_DECEL and later are.
+FOLLOWER_OFTEN = (
+    follower_faults.Fault.NONE,
+    follower_faults.Fault.POSITIONING,
+    follower_faults.Fault.MASTER_MOVED,
+    follower_faults.Fault.ORDER,
+    follower_faults.Fault.NO_ROOM,
+    follower_faults.Fault.SPEED_FOLLOWING,
+    follower_faults.Fault.MASTER_BACKWARDS,
+)
+# A linear slave has no M_DECEL's counterpart: a cyclic one goes home or on at once.
+CYCLIC = frozenset(follower.State) - {follower.State.M_DECEL}
 
 
 DRIVES: dict[str, Drive] = {
@@ -106,6 +132,40 @@ DRIVES: dict[str, Drive] = {
                 *(("mode", mode) for mode in MasterInput),
                 *(("fault", fault) for fault in OFTEN),
                 *(("profile", kind) for kind in (ProfileKind.NONE, ProfileKind.P5, ProfileKind.JERK_LIMITED)),
+            }
+        ),
+    ),
+    "Gearing": Drive(
+        drive_gearing.runs,
+        _gearing,
+        frozenset(
+            {
+                *(("state", state) for state in gearing.State),
+                *(("mode", mode) for mode in MasterInput),
+                *(("fault", fault) for fault in gearing_faults.Fault),
+                *(("inactive", state) for state in gearing.State),
+                *(("pending", state) for state in (gearing.State.GEAR_IN, gearing.State.GEAR_OUT)),
+                *(
+                    ("manoeuvre", state, aim, transition)
+                    for state, aims in MANOEUVRES.items()
+                    for aim in aims
+                    for transition in gearing.Transition
+                ),
+            }
+        )
+        - AT_ONCE,
+    ),
+    "Follower": Drive(
+        drive_follower.runs,
+        _follower,
+        frozenset(
+            {
+                *(("stage", stage) for stage in Stage),
+                *(("mode", mode) for mode in MasterInput),
+                *(("fault", fault) for fault in FOLLOWER_OFTEN),
+                *(("cycle", False, variable, s) for variable in (False, True) for s in follower.State),
+                *(("cycle", True, variable, s) for variable in (False, True) for s in CYCLIC),
+                *(("tight", tight) for tight in (False, True)),
             }
         ),
     ),

@@ -25,7 +25,7 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 from conftest import Fmus
 from drives import calm, drawn
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build import Recipe, build_python
+from motionsync_fmu.build import Flavour, Recipe, build, build_python
 from motionsync_fmu.host import FmuError, Host
 from motionsync_fmu.variables import Variable, variables
 
@@ -490,7 +490,11 @@ def libcosim(fmu: Path, plan: list[dict[str, Any]], h: float) -> list[dict[str, 
     for inputs in plan:
         for name, value in inputs.items():
             kind, reference = references[name]
-            set_values = manipulator.slave_real_values if kind == "Real" else manipulator.slave_boolean_values
+            set_values = {
+                "Real": manipulator.slave_real_values,
+                "Integer": manipulator.slave_integer_values,
+                "Boolean": manipulator.slave_boolean_values,
+            }[kind]
             assert set_values(slave, [reference], [value])
         assert execution.step()
         assert execution.status().state != CosimExecutionState.ERROR.value
@@ -505,6 +509,15 @@ def libcosim(fmu: Path, plan: list[dict[str, Any]], h: float) -> list[dict[str, 
     return rows
 
 
+def assert_fmpy_gives(rows: list[dict[str, float]], fmu: Path, plan: list[dict[str, Any]], h: float) -> None:
+    with Host(fmu) as host:
+        host.initialize(plan[0])
+        for inputs, row in zip(plan, rows, strict=True):
+            host.step(h, inputs)
+            now = host.get()
+            assert row == {name: float(now[name]) for name in row}
+
+
 @pytest.mark.parametrize("curve", ["PARABOLA", "POLYNOMIAL_3_4_5"])
 def test_libcosim_gives_the_results_of_fmpy(tmp_path: Path, curve: str) -> None:
     starts = {"master.period": "10", "output_phasing": "2", "rest_value": "4", "curve": curve}
@@ -516,12 +529,7 @@ def test_libcosim_gives_the_results_of_fmpy(tmp_path: Path, curve: str) -> None:
         plan.append({**inputs, "rest_value": 4.0, "active": True, "stop": 0.5 < t < 5.0, "start": t > 7.0})
     cosim = libcosim(fmu, plan, h)
     assert {row["state_code"] for row in cosim} == {0.0, 1.0}
-    with Host(fmu) as host:
-        host.initialize(plan[0])
-        for inputs, row in zip(plan, cosim, strict=True):
-            host.step(h, inputs)
-            now = host.get()
-            assert row == {name: float(now[name]) for name in row}
+    assert_fmpy_gives(cosim, fmu, plan, h)
 
 
 def two_cuts(h: float) -> list[dict[str, Any]]:
@@ -553,9 +561,61 @@ def test_libcosim_gives_the_flying_saw_of_fmpy(fmus: Fmus, flavour: str) -> None
     assert {row["state_code"] for row in cosim} >= {0.0, 4.0, 5.0, 12.0, 13.0}
     lags = [i * h * 250.0 + 250.0 * h - row["slave.position"] for i, row in enumerate(cosim) if row["in_sync"]]
     assert {round(lag, 9) for lag in lags} == {150.0, 650.0}
-    with Host(fmu) as host:
-        host.initialize(plan[0])
-        for inputs, row in zip(plan, cosim, strict=True):
-            host.step(h, inputs)
-            now = host.get()
-            assert row == {name: float(now[name]) for name in row}
+    assert_fmpy_gives(cosim, fmu, plan, h)
+
+
+def in_gear_and_out(h: float) -> list[dict[str, Any]]:
+    """Of a Gearing: engaged through (150, 0), the ratio changed from 1 to -2 at 250, disengaged to rest at -200."""
+    return [
+        {
+            "master.position": 100.0 * i * h,
+            "master.velocity": 100.0,
+            "gear_in.reference_position": 150.0,
+            "gear_out.stop_position": -200.0,
+            "start": 0.25 < i * h < 3.0,
+            "gearing.numerator": 1 if i * h < 2.5 else -2,
+        }
+        for i in range(round(5.0 / h))
+    ]
+
+
+@pytest.mark.parametrize("flavour", [Flavour.PYTHON, Flavour.NATIVE])
+def test_libcosim_gives_the_gearing_of_fmpy(tmp_path: Path, flavour: Flavour) -> None:
+    starts = {"gear_in.start_mode": "WITH_CW_CCW_REFERENCE_POSITION", "gear_out.stop_mode": "WITH_CW_STOP_POSITION"}
+    fmu = build(flavour, Recipe("Gearing", "mm", starts), tmp_path / "Gearing.fmu")
+    h = 1.0 / 128.0
+    plan = in_gear_and_out(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} == {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}
+    in_gear = [((i + 1) * h * 100.0, row["slave.position"]) for i, row in enumerate(cosim) if row["in_gear"]]
+    offsets = {round(s - m, 9) if m <= 250.0 else round(s + 2.0 * m, 9) for m, s in in_gear}
+    assert offsets == {-150.0, 600.0}
+    assert cosim[-1]["slave.position"] == -200.0
+    assert_fmpy_gives(cosim, fmu, plan, h)
+
+
+def cycles(h: float) -> list[dict[str, Any]]:
+    """Of a Follower with the cycle 1000: one whole way, and one whose synchronized phase is ended early."""
+    return [
+        {
+            "master.position": 250.0 * i * h,
+            "master.velocity": 250.0,
+            "sync_master": 400.0,
+            "position_to_park": i * h > 0.25,
+            "end_synchronism": i * h > 6.0,
+        }
+        for i in range(round(10.0 / h))
+    ]
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_libcosim_gives_the_follower_of_fmpy(fmus: Fmus, flavour: str) -> None:
+    fmu = getattr(fmus, flavour)("Follower")
+    h = 1.0 / 128.0
+    plan = cycles(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} == {1.0, 3.0, 5.0, 8.0, 9.0, 10.0}
+    lags = [(i + 1) * h * 250.0 - row["slave.position"] for i, row in enumerate(cosim) if row["state_code"] == 8.0]
+    assert {round(lag, 9) for lag in lags} == {300.0, 1300.0}
+    assert cosim[-1]["cycle"] == 2.0
+    assert_fmpy_gives(cosim, fmu, plan, h)

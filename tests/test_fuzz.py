@@ -100,13 +100,17 @@ def expected_header(recipe: Recipe) -> str:
     derivatives = ["slave.position", "slave.velocity", "slave.acceleration"]
     slave = [index[name] for name in derivatives] if index.keys() >= {*derivatives} else [-1] * 3
     rows = ",\n".join(f"    {row(v)}" for v in vs)
+    # Of the refusals that speak of this block's variables, a step has those that speak of inputs.
+    own = [r for r in set(Refusal) - {Refusal.NONE, Refusal.MASTER_TURNS} if index.keys() >= set(r.names)]
+    others = {name for r in own for name in r.names}
+    inputs = {v.name for v in vs if v.causality == "input"}
     return "\n".join(
         [
             f'#define GUID "{recipe.guid()}"',
             f"#define LONGEST_STEP {LONGEST_STEP!r}",
             f"enum {{ END_OF_STEP = {MasterInput.END_OF_STEP:d}, POSITION_ONLY = {MasterInput.POSITION_ONLY:d} }};",
             f"enum {{ {', '.join(f'{key} = {index.get(name, -1)}' for key, name in master.items())} }};",
-            f"enum {{ OTHER_REFUSALS = {int(set(Refusal) != {Refusal.NONE, Refusal.MASTER_TURNS})} }};",
+            f"enum {{ REFUSES_STARTS = {int(bool(others))}, REFUSES_STEPS = {int(bool(others & inputs))} }};",
             f"static const fmi2ValueReference SLAVE[] = {{{', '.join(f'(fmi2ValueReference){i}' for i in slave)}}};",
             f"static const Variable VARIABLES[] = {{\n{rows}}};",
             "",

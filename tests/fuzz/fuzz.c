@@ -35,8 +35,9 @@ typedef struct {
     const int *choices; /* of an enumeration: how many, then its numbers */
 } Variable;
 
-/* GUID, VARIABLES, the indices of some of them (-1: the block has none), OTHER_REFUSALS (whether the block may refuse
- * values that are in their ranges for another reason than a master too far away), END_OF_STEP, LONGEST_STEP */
+/* GUID, VARIABLES, the indices of some of them (-1: the block has none), REFUSES_STARTS and REFUSES_STEPS (whether the
+ * block may refuse, at the end of the initialization and in a step, values that are in their ranges for another reason
+ * than a master too far away), END_OF_STEP, LONGEST_STEP */
 #include "expected.h"
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
@@ -413,7 +414,7 @@ static void exit_initialization_mode(Slot *s) {
     for (int i = 0; i < COUNT; i++)
         if (VARIABLES[i].access != OUTPUT && !allowed(VARIABLES + i, k->values[i])) good = false;
     double period = known_value(k, PERIOD).real, turns = fabs(known_value(k, POSITION).real) / period;
-    bool refusable = OTHER_REFUSALS || (period > 0.0 && turns > 0.5e15);
+    bool refusable = REFUSES_STARTS || (period > 0.0 && turns > 0.5e15);
     int wanted = good && refusable ? EITHER : expected(good);
     if (concluded(s, ExitInitializationMode, fmi2ExitInitializationMode(called(s)), wanted, true)) return;
     s->known.mode = STEPPING;
@@ -475,7 +476,7 @@ static void do_step(Slot *s) {
     Knowledge *k = &s->known;
     bool lent = (k->given[1] || k->given[2]) && known_value(k, INPUT_MODE).integer != END_OF_STEP;
     int wanted = stepping(s, h, lent);
-    if ((far_away(k, h, &travelled, &speed) || OTHER_REFUSALS) && !wanted) wanted = EITHER;
+    if ((far_away(k, h, &travelled, &speed) || REFUSES_STEPS) && !wanted) wanted = EITHER;
     fmi2FMUstate before = NULL;
     bool twice = wanted != fmi2Error && one_in(8);
     if (twice && fmi2GetFMUstate(s->unit, &before)) surprise("no state before a step");

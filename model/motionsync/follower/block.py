@@ -328,6 +328,7 @@ class Follower:
             return refusal
         self.read()
         self.travel(-1, self.master.seam, self.master.begin)
+        self.course.see(self.master.begin)
         self.obey()
         for i in range(self.master.path.pieces):
             self.travel(i, self.master.path.places[i], self.master.path.places[i + 1])
@@ -416,7 +417,7 @@ class Follower:
         if self.move_to(target):
             self.course.take(self.sought)
             self.course.stage = Stage.TO_CYCLE
-            self.course.largest = master
+            self.course.watch(master)
             if self.sought.stage == Stage.PARKED and self.sought.known:
                 self.wanted_place = self.chosen_place()
                 self.wanted = self.variable_cycle
@@ -672,12 +673,14 @@ class Follower:
 
     def go_along(self, piece: int, end: float) -> bool:
         """A phase of the cycle: whether it ends in this piece."""
-        least = self.course.largest - self.course.slack
+        least = (self.course.peak if piece >= 0 else self.course.given) - self.course.slack
         if end < least:
             self.alarm(Fault.MASTER_BACKWARDS, self.crossing(piece, least), least)
             return False
         if end < self.course.leg.end:
             self.course.largest = max(self.course.largest, end)
+            if piece >= 0:
+                self.course.peak = max(self.course.peak, end)
             return False
         time = self.crossing(piece, self.course.leg.end)
         self.here = self.course.leg.end

@@ -113,8 +113,10 @@ class Course:
     where it is assumed for the pace of the way home.
 
     `tight`: `reach` is one that left room for the way home. `pace`: the undisturbed travel of the way home (linear
-    slave), `cycle` and `wait` as read at its beginning. `slack`: the master may fall so much behind `largest`, its
-    greatest position since the slave has left the park.
+    slave), `cycle` and `wait` as read at its beginning. `slack`: the master may fall so much behind its greatest
+    position since the slave has left the park. That is `given` up to the present input, `peak` within the present
+    step: where a prediction was too great, the next input shows it, and the master has not fallen. `largest` holds
+    predictions too.
     """
 
     stage: Stage = Stage.IDLE
@@ -132,6 +134,8 @@ class Course:
     wait: float = 0.0
     slack: float = 0.0
     largest: float = 0.0
+    given: float = 0.0
+    peak: float = 0.0
 
     def start(self) -> float:
         """Where the way to the meeting begins."""
@@ -168,7 +172,7 @@ class Course:
             self.leg.curve(self.start(), self.place, self.reach, self.park, 0.0, 0.0, self.sync, self.ratio)
         else:
             self.leg.ramp_up(self.place, self.park, self.sync - self.park, self.ratio)
-        self.largest = self.leg.begin
+        self.watch(self.leg.begin)
 
     def join(self, settings: Settings, master: float, place: float) -> None:
         """From the rest at the park, or from the way home, to (Q, sync), slope k: a quintic."""
@@ -184,7 +188,7 @@ class Course:
         self.tight = False
         self.aim(settings, place, travel)
         self.leg.curve(master, place, travel, position, slope, curvature, sync, self.ratio)
-        self.largest = master
+        self.watch(master)
 
     def meet(self) -> None:
         """At Q: sync + k (m - Q) up to `out`."""
@@ -326,11 +330,24 @@ class Course:
                 case _:
                     self.stage = Stage.PARKED
 
+    def watch(self, master: float) -> None:
+        """The master must not fall behind this place from now on."""
+        self.largest = master
+        self.given = master
+        self.peak = master
+
+    def see(self, master: float) -> None:
+        """The master's present input."""
+        self.given = max(self.given, master)
+        self.peak = self.given
+
     def shift(self, turned: float) -> None:
         """The master's positions count from elsewhere."""
         self.leg.shift(turned)
         self.place -= turned
         self.largest -= turned
+        self.given -= turned
+        self.peak -= turned
 
     def take(self, other: "Course") -> None:
         """Become a copy of the other."""
@@ -349,6 +366,8 @@ class Course:
         self.wait = other.wait
         self.slack = other.slack
         self.largest = other.largest
+        self.given = other.given
+        self.peak = other.peak
 
 
 def bounded(position: float) -> bool:
