@@ -8,6 +8,9 @@ from typing import Any
 
 from motionsync.flying_saw.block import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
+from motionsync.follower.block import State as FollowerState
+from motionsync.gearing.choices import StartMode, StopMode, Transition
+from motionsync.gearing.choices import State as GearingState
 from motionsync.master import MasterInput
 from motionsync.transition import Curve
 
@@ -247,4 +250,173 @@ FLYING_SAW = Cases(
     ),
 )
 
-CASES: Mapping[str, Cases] = {"Synchronizer": SYNCHRONIZER, "FlyingSaw": FLYING_SAW}
+
+# --- Gearing ---
+
+STRAIGHT_IN = {"gear_in.start_mode": StartMode.CW_CCW_DIRECT, "gear_in.transition": Transition.NONE}
+STRAIGHT_OUT = {"gear_out.stop_mode": StopMode.CW_CCW_DIRECT, "gear_out.transition": Transition.NONE}
+AT_REFERENCE = {"gear_in.start_mode": StartMode.WITH_CW_CCW_REFERENCE_POSITION}
+AT_STOP = {"gear_out.stop_mode": StopMode.WITH_CW_CCW_STOP_POSITION}
+SHORT = 0.1  # u and H: a transition within the step that begins it
+ROTARY = {"master.period": PERIOD, "slave.period": PERIOD, "gearing.numerator": 7, "gearing.denominator": -3}
+
+
+def engaged(name: str, transition: Transition, *, velocity: float = 500.0, **start: Any) -> Worst:
+    """From rest into gear within a step, through a reference position ahead that is drawn anew each time."""
+    own = {"gear_in.transition": transition, "gear_in.distance": SHORT, "gear_in.time": SHORT * H}
+    return Worst(
+        f"engaged, {name}",
+        ("start",),
+        start=AT_REFERENCE | STRAIGHT_OUT | own | start,
+        velocity=velocity,
+        ahead={"gear_in.reference_position": ("master.position", (0.6 * SHORT, 0.3))},
+        watch=("state_code",),
+        planned=((GearingState.ACTIVE,),),
+    )
+
+
+def disengaged(name: str, transition: Transition) -> Worst:
+    """Out of gear, into which the step between leads, and to rest within a step: `start` falls at its beginning."""
+    own = {"gear_out.transition": transition, "gear_out.distance": SHORT, "gear_out.time": SHORT * H}
+    return Worst(
+        f"disengaged, {name}",
+        ("reset",),
+        start=STRAIGHT_IN | AT_STOP | own,
+        between=("start",),
+        ahead={"gear_out.stop_position": ("slave.position", (0.6 * SHORT, 0.3))},
+        watch=("state_code",),
+        planned=((GearingState.STOPPED,),),
+    )
+
+
+GEARING = Cases(
+    steady=(
+        Steady("in gear", start=STRAIGHT_IN, begin={"start": True}, holds={"state_code": GearingState.ACTIVE}),
+        Steady(
+            "waiting for the reference position",
+            begin={"start": True, "gear_in.reference_position": FAR},
+            holds={"state_code": GearingState.WAITING_FOR_STARTPOSITION},
+        ),
+        Steady(
+            "in a master-based transition",
+            start=STRAIGHT_IN | {"gear_in.transition": Transition.MASTER_BASED, "gear_in.distance": FAR},
+            begin={"start": True},
+            holds={"state_code": GearingState.GEAR_IN},
+        ),
+        Steady(
+            "in a time-based transition",
+            start=STRAIGHT_IN | {"gear_in.transition": Transition.TIME_BASED, "gear_in.time": FAR},
+            begin={"start": True},
+            holds={"state_code": GearingState.GEAR_IN},
+        ),
+    ),
+    worst=(
+        engaged("master-based", Transition.MASTER_BASED),
+        engaged("time-based", Transition.TIME_BASED),
+        engaged("master-based, rotary axes", Transition.MASTER_BASED, **ROTARY),
+        engaged("master-based, many turns", Transition.MASTER_BASED, velocity=TURNS_A_STEP * PERIOD / H, **ROTARY),
+        disengaged("master-based", Transition.MASTER_BASED),
+        disengaged("time-based", Transition.TIME_BASED),
+    ),
+)
+
+
+# --- Follower ---
+
+CYCLES_A_STEP = 5.0
+LONG_CYCLE = {"master_cycle": 1e12}
+TO_PARK = {"position_to_park": True}  # at standstill on the park: the slave is there at once
+LATE = {"variable_cycle": True, "recover_late_sync": True, "stop_in_park": False, "slave_cycle": 500.0}
+
+
+def passed(
+    name: str, state: FollowerState, sync_slave: float, sync_out: float, sync_master: float, first: float
+) -> Steady:
+    """One way of a cycle that lasts longer than any benchmark; the first step passes what is before it."""
+    return Steady(
+        name,
+        start=LONG_CYCLE
+        | {"sync_slave": sync_slave, "sync_out": sync_out, "space_stop_slave": 1.0, "sync_master": sync_master},
+        begin=TO_PARK,
+        first=first,
+        holds={"state_code": state},
+    )
+
+
+FOLLOWER = Cases(
+    steady=(
+        passed("with the master", FollowerState.M_SYNCHRONIZED, 1.0, FAR, 10.0, 1.0),
+        passed("waiting at the park", FollowerState.M_WAITING, 1.0, 2.0, FAR, H),
+        passed("on the way to the meeting", FollowerState.M_FOLLOWING, FAR, 2.0 * FAR, 2.0 * FAR + 10.0, 1.0),
+        passed("on the way home", FollowerState.M_HOMING, 1.0, 2.0, 10.0, 1.0),
+        Steady(
+            "in a positioning, cruising",
+            start={"slave.initial_position": FAR},
+            begin=TO_PARK,
+            first=1.0,
+            holds={"state_code": FollowerState.M_POSITIONING},
+        ),
+    ),
+    worst=(
+        Worst(
+            "position_to_park",
+            ("position_to_park",),
+            start=LONG_CYCLE | {"sync_master": 0.9e12},
+            pause=10.0,
+            draws={"park_slave": (-1000.0, 90.0)},
+            watch=("state_code",),
+            planned=((FollowerState.M_POSITIONING,),),
+        ),
+        *(
+            Worst(
+                f"position_to_cycle, {name}",
+                ("position_to_cycle",),
+                start=start,
+                velocity=0.0,
+                pause=10.0,
+                draws={"sync_master": (0.0, 1000.0)},
+                watch=("state_code",),
+                planned=((FollowerState.M_POSITIONING,),),
+            )
+            for name, start in (
+                ("linear", {}),
+                ("cyclic", {"slave_cycle": 500.0}),
+                ("cyclic without parking", {"slave_cycle": 500.0, "stop_in_park": False}),
+            )
+        ),
+        *(
+            Worst(
+                f"{CYCLES_A_STEP:.0f} cycles in the step, {name}",
+                ("reset",),
+                start=start,
+                velocity=CYCLES_A_STEP * 1000.0 / H,
+                between=("position_to_park",),
+                watch=("state_code",),
+                planned=tuple((state,) for state in FollowerState if state >= FollowerState.M_WAITING),
+            )
+            for name, start in (
+                ("linear", {}),
+                ("cyclic", {"slave_cycle": 500.0}),
+                ("cyclic without parking", {"slave_cycle": 500.0, "stop_in_park": False}),
+            )
+        ),
+        Worst(
+            "a late meeting is joined, limits checked",
+            ("reset",),
+            start=LATE | {"max_speed": 1e5, "max_acceleration": 1e9},
+            pause=10.0,
+            between=("position_to_park",),
+            ahead={"sync_master": ("master.position", (20.0, 190.0))},
+            watch=("state_code",),
+            planned=((FollowerState.M_FOLLOWING,),),
+        ),
+    ),
+)
+
+
+CASES: Mapping[str, Cases] = {
+    "Synchronizer": SYNCHRONIZER,
+    "FlyingSaw": FLYING_SAW,
+    "Gearing": GEARING,
+    "Follower": FOLLOWER,
+}

@@ -54,7 +54,12 @@ IN_C = 100  # a round of a C host takes so many times the steps: they are short
 WORST = ("median_ns", "p999_ns", "slowest_ns", "undisturbed_ns")
 NOTHING, NATIVE, PYTHON = "do-nothing FMU", "native", "python"
 IN_C_HOST, FMPY, CTYPES = "C host: ", "FMPy: ", "ctypes: "
-NEVER_BUILT = {"Synchronizer": "rest_value", "FlyingSaw": "axis.initial_position"}  # a start value to be changed
+NEVER_BUILT = {  # a start value to be changed
+    "Synchronizer": "rest_value",
+    "FlyingSaw": "axis.initial_position",
+    "Gearing": "slave.initial_position",
+    "Follower": "slave.initial_position",
+}
 BUILD = "from pathlib import Path; from motionsync_fmu.build import *; build_{}(Recipe({!r}, starts={!r}), Path({!r}))"
 
 

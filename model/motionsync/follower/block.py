@@ -33,7 +33,7 @@ from dataclasses import dataclass
 from .. import declare as var
 from ..axis import Edge, Slave, clamp, wrap
 from ..declare import Choice, Unit
-from ..master import Master
+from ..master import Master, MasterInput
 from ..motion import Motion
 from ..refusal import Refusal
 from ..transition import floor
@@ -674,7 +674,8 @@ class Follower:
     def go_along(self, piece: int, end: float) -> bool:
         """A phase of the cycle: whether it ends in this piece."""
         least = (self.course.peak if piece >= 0 else self.course.given) - self.course.slack
-        if end < least:
+        guessed = piece >= 0 and self.master.input_mode == MasterInput.POSITION_ONLY
+        if end < least and not guessed:
             self.alarm(Fault.MASTER_BACKWARDS, self.crossing(piece, least), least)
             return False
         if end < self.course.leg.end:
