@@ -78,7 +78,8 @@ def _follower(block: Follower) -> set[Any]:
         ("stage", block.course.stage),
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
-        ("cycle", block.slave_cycle > 0.0, block.variable_cycle, block.state),
+        ("cyclic", block.slave_cycle > 0.0, block.state),
+        ("variable", block.variable_cycle, block.state),
         ("tight", block.course.tight),
     }
 
@@ -95,18 +96,15 @@ AT_ONCE = {
     for state in (gearing.State.GEAR_IN, gearing.State.GEAR_OUT)
     for aim in gearing.Aim
 }
-# The follower's faults that are not rare; a ratio out of its range and most limits in M_DECEL and later are.
+# The follower's faults that are not rare.
 FOLLOWER_OFTEN = (
     follower_faults.Fault.NONE,
     follower_faults.Fault.POSITIONING,
     follower_faults.Fault.MASTER_MOVED,
-    follower_faults.Fault.ORDER,
     follower_faults.Fault.NO_ROOM,
     follower_faults.Fault.SPEED_FOLLOWING,
     follower_faults.Fault.MASTER_BACKWARDS,
 )
-# A linear slave has no M_DECEL's counterpart: a cyclic one goes home or on at once.
-CYCLIC = frozenset(follower.State) - {follower.State.M_DECEL}
 
 
 DRIVES: dict[str, Drive] = {
@@ -163,8 +161,9 @@ DRIVES: dict[str, Drive] = {
                 *(("stage", stage) for stage in Stage),
                 *(("mode", mode) for mode in MasterInput),
                 *(("fault", fault) for fault in FOLLOWER_OFTEN),
-                *(("cycle", False, variable, s) for variable in (False, True) for s in follower.State),
-                *(("cycle", True, variable, s) for variable in (False, True) for s in CYCLIC),
+                *(("cyclic", False, state) for state in follower.State),
+                *(("cyclic", True, state) for state in follower.State if state != follower.State.M_DECEL),
+                *(("variable", variable, state) for variable in (False, True) for state in follower.State),
                 *(("tight", tight) for tight in (False, True)),
             }
         ),

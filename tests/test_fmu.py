@@ -604,7 +604,7 @@ def cycles(h: float) -> list[dict[str, Any]]:
             "position_to_park": i * h > 0.25,
             "end_synchronism": i * h > 6.0,
         }
-        for i in range(round(10.0 / h))
+        for i in range(round(9.0 / h))
     ]
 
 
