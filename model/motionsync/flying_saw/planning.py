@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from .. import declare as var
+from ..curves import Quintic
 from ..motion import Motion, acceleration_limit
 from .checks import TOLERANCE, broken_position, broken_steepness, broken_velocity
 from .constant_velocity import ConstantVelocity
@@ -14,7 +15,7 @@ from .extremes import Extremes
 from .faults import Fault
 from .order import Order
 from .profile import Profile, ProfileKind
-from .shapes import at_velocity, begin_first, quintic, ramp_duration, ramp_from, same_peak
+from .shapes import at_velocity, begin_first, ramp_duration, ramp_from, same_peak
 
 FREE = 1e-9  # a velocity's share: an acceleration that changes it by less until the end does not count
 EQUAL = 1e-12  # of the greater: velocities that differ by less are in sync at once
@@ -58,6 +59,7 @@ class Plan:
     extremes: Extremes = var.part(Extremes)
     nominal: Motion = var.part(Motion)
     constant: ConstantVelocity = var.part(ConstantVelocity)
+    quintic: Quintic = var.part(Quintic)
     master_end: float = 0.0
     end: float = 0.0
     at_once: bool = False
@@ -198,7 +200,8 @@ class Plan:
     def single(self, duration: float, way: float) -> None:
         """P5."""
         self.profile.begin(ProfileKind.P5, self.slave.position)
-        quintic(self.profile, duration, way, self.slave.velocity, self.acceleration, self.synchronous)
+        self.quintic.fit(duration, 0.0, self.slave.velocity, self.acceleration, way, self.synchronous, 0.0)
+        self.profile.whole(self.quintic)
         self.extremes.measure(self.profile)
 
     def at_constant_velocity(self, order: Order, duration: float, way: float) -> bool:

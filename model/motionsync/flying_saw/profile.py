@@ -8,6 +8,7 @@ follows the same curve over the master's position. Source: TS5055, sections 3, 4
 from dataclasses import dataclass
 
 from .. import declare as var
+from ..curves import Quintic
 from ..declare import Choice
 
 ORDER = 6  # coefficients of a piece
@@ -61,6 +62,10 @@ class Profile:
         self.rates[self.pieces] = 1.0 / duration
         self.pieces += 1
         self.begins[self.pieces] = self.begins[self.pieces - 1] + duration
+
+    def whole(self, curve: Quintic) -> None:
+        """One piece, along a quintic over the time from 0, relative to the origin."""
+        self.add(curve.length, curve.c0, curve.c1, curve.c2, curve.c3, curve.c4, curve.c5)
 
     def take(self, other: "Profile") -> None:
         """Become a copy of the other."""

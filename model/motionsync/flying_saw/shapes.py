@@ -1,4 +1,6 @@
-"""The pieces that position-based profiles are made of, and how long their ramps take. Source: TS5055, section 7.
+"""The pieces that position-based profiles are made of but for P5 alone, and how long their ramps take.
+
+Source: TS5055, section 7.
 
 Velocities, accelerations and jerks are those at constant master velocity; times in s.
 """
@@ -9,21 +11,6 @@ from .profile import Profile, ProfileKind
 
 HALF_WAY = 1e-12  # of the change of velocity: rounding
 JERK_TOLERANCE = 1e-9  # of the jerk limit: a ramp as short as the limit allows keeps it but for rounding
-
-
-def quintic(
-    profile: Profile, duration: float, way: float, velocity: float, acceleration: float, end_velocity: float
-) -> None:
-    """P5: from (0, velocity, acceleration) to (way, end_velocity, 0) in one piece.
-
-    With c1 = v T and c2 = a T^2 / 2 given, the end conditions leave c3 = 10 A - 4 B + C, c4 = -15 A + 7 B - 2 C,
-    c5 = 6 A - 3 B + C of A = way - c1 - c2, B = v_e T - c1 - 2 c2, C = -c2.
-    """
-    c1 = velocity * duration
-    c2 = 0.5 * acceleration * duration * duration
-    a = way - c1 - c2
-    b = end_velocity * duration - c1 - 2.0 * c2
-    profile.add(duration, 0.0, c1, c2, 10.0 * a - 4.0 * b - c2, -15.0 * a + 7.0 * b + 2.0 * c2, 6.0 * a - 3.0 * b - c2)
 
 
 def straight(profile: Profile, duration: float, begin: float, velocity: float) -> float:
