@@ -33,7 +33,6 @@ ROWS = (
     ("jerk", Unit.JERK, 150),
 )
 LANE = 24  # the height of a lane, in px, as those of the rows
-LANES = "lanes"
 MOST_POINTS = 20_000  # of a line: more are thinned out
 MOST_TEXTS = 8  # commands that are written beside their marks; more would cover one another
 MOST_SHADES = 500  # stretches that are shaded behind the positions

@@ -31,7 +31,7 @@ from .chase import Chase
 from .commands import Command, GearInPos, GearInVelo, GearOut, Halt, MoveAbsolute, MoveVelocity, Phase, Reset
 from .extremes import Extremes
 from .faults import Fault
-from .machine import Axis, allowed, chosen
+from .machine import Axis, allowed, chosen, ends_known
 from .order import Order
 from .planning import Plan
 from .profile import Profile, ProfileKind
@@ -214,10 +214,6 @@ class FlyingSaw:
     parked: float = 0.0
     checked: float = 0.0
     here: float = 0.0
-    position: float = 0.0
-    velocity: float = 0.0
-    acceleration: float = 0.0
-    jerk: float = 0.0
     plan: Plan = var.part(Plan)
 
     def initialize(self) -> Refusal:
@@ -262,7 +258,7 @@ class FlyingSaw:
 
     def obey(self) -> None:
         """The edges, at the path's beginning, in the order of urgency."""
-        if self.locked and not self.stop.execute and self.velocity == 0.0 and self.acceleration == 0.0:
+        if self.locked and not self.stop.execute and self.slave.velocity == 0.0 and self.slave.acceleration == 0.0:
             self.locked = False
         if self.reset.edge.rising(self.reset.execute):
             self.reset.done = True
@@ -298,7 +294,7 @@ class FlyingSaw:
         elif not (allowed(deceleration) and allowed(jerk)):
             fault = Fault.LIMIT
         if self.takes(command, owner, fault):
-            self.motion.halt(self.position, self.velocity, self.acceleration, deceleration, jerk)
+            self.motion.halt(self.slave.position, self.slave.velocity, self.slave.acceleration, deceleration, jerk)
             self.uncouple(True)
             self.locked = owner == Owner.STOP
 
@@ -315,8 +311,10 @@ class FlyingSaw:
         ):
             fault = Fault.LIMIT
         if self.takes(self.move_velocity, Owner.MOVE_VELOCITY, fault):
-            limit = acceleration_limit(self.velocity, target, acceleration, deceleration)
-            self.motion.change(self.position, self.velocity, self.acceleration, target, 0.0, -limit, limit, jerk)
+            limit = acceleration_limit(self.slave.velocity, target, acceleration, deceleration)
+            self.motion.change(
+                self.slave.position, self.slave.velocity, self.slave.acceleration, target, 0.0, -limit, limit, jerk
+            )
             self.uncouple(False)
 
     def command_move_absolute(self) -> None:
@@ -329,7 +327,7 @@ class FlyingSaw:
         fault = Fault.NONE
         if self.locked:
             fault = Fault.LOCKED
-        elif not (self.axis.ends_known() and allowed(velocity) and moves):
+        elif not (ends_known(self.axis.min_position, self.axis.max_position) and allowed(velocity) and moves):
             fault = Fault.LIMIT
         elif target < self.axis.min_position:
             fault = Fault.MIN_POSITION
@@ -337,9 +335,9 @@ class FlyingSaw:
             fault = Fault.MAX_POSITION
         if self.takes(self.move_absolute, Owner.MOVE_ABSOLUTE, fault):
             self.motion.move(
-                self.position,
-                self.velocity,
-                self.acceleration,
+                self.slave.position,
+                self.slave.velocity,
+                self.slave.acceleration,
                 target,
                 velocity,
                 acceleration,
@@ -419,7 +417,7 @@ class FlyingSaw:
 
     def run_free(self) -> None:
         """From the state just looked at, without acceleration."""
-        self.motion.run(self.position, self.velocity)
+        self.motion.run(self.slave.position, self.slave.velocity)
         self.uncouple(False)
 
     def is_coupled(self) -> bool:
@@ -447,7 +445,7 @@ class FlyingSaw:
         """Lay before the plan where both axes are; the master's state is given."""
         self.look(time, place, velocity, acceleration)
         self.plan.master.put(place, velocity, acceleration)
-        self.plan.slave.put(self.position, self.velocity, self.acceleration)
+        self.plan.slave.put(self.slave.position, self.slave.velocity, self.slave.acceleration)
 
     def planned(self, order: Order) -> Fault:
         """The plan for the states surveyed, and what it is like, refused or not."""
@@ -471,7 +469,7 @@ class FlyingSaw:
         elif self.order.mode.time_based:
             self.drive = Drive.CHASE
             self.chase.aim(self.order, self.master.velocity_at(time), self.master.mean_acceleration())
-            self.chase.plan(self.order, self.motion, self.position, self.velocity, self.acceleration)
+            self.chase.plan(self.order, self.motion, self.slave.position, self.slave.velocity, self.slave.acceleration)
             self.motion.clock = -time
             self.checked = time
         else:
@@ -624,12 +622,12 @@ class FlyingSaw:
     def park(self, time: float) -> None:
         """The master passes the coupling position backwards: to rest at once, or along the ramp of gear_in_velo."""
         self.look(time, self.coupling, self.master.velocity_at(time), self.master.end_acceleration)
-        self.profile.begin(ProfileKind.NONE, self.position)
-        speed = abs(self.velocity)
+        self.profile.begin(ProfileKind.NONE, self.slave.position)
+        speed = abs(self.slave.velocity)
         if speed > STANDING * self.order.velocity and not self.order.mode.instant_stop_on_rollback:
-            along = -self.acceleration if self.velocity > 0.0 else self.acceleration
+            along = -self.slave.acceleration if self.slave.velocity > 0.0 else self.slave.acceleration
             duration = ramp_duration(speed, along, self.order.deceleration, self.order.checked_jerk())
-            ramp_from(self.profile, duration, self.velocity, self.acceleration, 0.0)
+            ramp_from(self.profile, duration, self.slave.velocity, self.slave.acceleration, 0.0)
         self.parked = -time
         self.here = self.coupling
         self.drive = Drive.PARKED
@@ -646,7 +644,7 @@ class FlyingSaw:
             turning += self.checked
         if meets and not 0.0 <= turning < meeting:
             self.look(meeting, self.coupling, 0.0, 0.0)
-            self.slave_sync = self.position
+            self.slave_sync = self.slave.position
             self.master_sync = self.master.path.position(meeting)
             self.here = self.master_sync
             self.drive = Drive.LINE
@@ -664,29 +662,26 @@ class FlyingSaw:
         if not self.glance.continues(self.order, self.chase, self.motion.clock + time):
             self.look(time, self.coupling, 0.0, 0.0)
             self.chase.take(self.glance)
-            self.chase.plan(self.order, self.motion, self.position, self.velocity, self.acceleration)
+            self.chase.plan(self.order, self.motion, self.slave.position, self.slave.velocity, self.slave.acceleration)
             self.motion.clock = -time
 
     # --- the state at an instant ---
 
     def look(self, time: float, place: float, velocity: float, acceleration: float) -> None:
-        """The slave's state at a time since the step's beginning, with the master there and moving so."""
+        """The slave's state at a time since the step's beginning, with the master there and moving so.
+
+        It is laid down in `slave`, whose last look is the step's end."""
         match self.drive:
             case Drive.LINE:
-                self.position = self.slave_sync + self.order.factor * (place - self.master_sync)
-                self.velocity = self.order.factor * velocity
-                self.acceleration = self.order.factor * acceleration
-                self.jerk = 0.0
+                k = self.order.factor
+                self.slave.put(self.slave_sync + k * (place - self.master_sync), k * velocity, k * acceleration, 0.0)
             case Drive.PROFILE:
                 self.look_along(place, velocity, acceleration)
             case Drive.PARKED | Drive.HALT:
                 self.look_halting(self.parked + time)
             case _:
                 position, v, a, j = self.motion.at(self.motion.clock + time)
-                self.position = position
-                self.velocity = v
-                self.acceleration = a
-                self.jerk = j
+                self.slave.put(position, v, a, j)
 
     def look_along(self, place: float, velocity: float, acceleration: float) -> None:
         """On the profile, by the chain rule; the master's jerk is taken as 0.
@@ -695,28 +690,18 @@ class FlyingSaw:
         position, v, a, j = self.profile.at((place - self.coupling) * self.per_nominal)
         pace = clamp(velocity * self.per_nominal, -FASTEST, FASTEST)
         gain = clamp(acceleration * self.per_nominal, -FASTEST, FASTEST)
-        self.position = position
-        self.velocity = v * pace
-        self.acceleration = a * pace * pace + v * gain
-        self.jerk = j * pace * pace * pace + 3.0 * a * pace * gain
+        self.slave.put(position, v * pace, a * pace * pace + v * gain, j * pace * pace * pace + 3.0 * a * pace * gain)
 
     def look_halting(self, time: float) -> None:
         if time < self.profile.duration():
             position, v, a, j = self.profile.at(time)
-            self.position = position
-            self.velocity = v
-            self.acceleration = a
-            self.jerk = j
+            self.slave.put(position, v, a, j)
         else:
-            self.position = self.profile.origin + self.profile.way()
-            self.velocity = 0.0
-            self.acceleration = 0.0
-            self.jerk = 0.0
+            self.slave.put(self.profile.origin + self.profile.way(), 0.0, 0.0, 0.0)
 
     # --- what is put out ---
 
     def show(self) -> None:
-        self.slave.put(self.position, self.velocity, self.acceleration, self.jerk)
         self.coupled = self.is_coupled()
         self.in_sync = self.drive == Drive.LINE and not self.waits
         factor = self.awaited.factor if self.waits else self.order.factor
@@ -727,7 +712,7 @@ class FlyingSaw:
         self.tell_progress()
 
     def tell_state(self) -> None:
-        moves = self.velocity != 0.0 or self.acceleration != 0.0
+        moves = self.slave.velocity != 0.0 or self.slave.acceleration != 0.0
         if self.waits or self.drive == Drive.PARKED:
             self.state = State.PREPHASE
         elif self.drive == Drive.LINE:
@@ -736,10 +721,12 @@ class FlyingSaw:
             self.state = State.SYNCHRONIZING
         elif not moves:
             self.state = State.INACTIVE
-        elif self.acceleration == 0.0:
+        elif self.slave.acceleration == 0.0:
             self.state = State.CONSTANT_VELOCITY
         else:
-            self.state = State.DECELERATING if self.velocity * self.acceleration < 0.0 else State.ACCELERATING
+            self.state = (
+                State.DECELERATING if self.slave.velocity * self.slave.acceleration < 0.0 else State.ACCELERATING
+            )
         self.state_code = self.state
         if self.coupled:
             self.plcopen_state = PlcopenState.SYNCHRONIZED_MOTION

@@ -85,15 +85,21 @@ class Command:
 
 
 @dataclass(slots=True)
-class GearInVelo(Command):
+class Limited(Command):
+    """A command that may have limits of its own for speeding up and slowing down."""
+
+    acceleration: float = var.input(0.0, "acceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
+    deceleration: float = var.input(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
+    jerk: float = var.input(0.0, "jerk limit; 0: the axis's", Unit.JERK, discrete=True)
+
+
+@dataclass(slots=True)
+class GearInVelo(Limited):
     """MC_GearInVelo: couple the slave to the master's velocity."""
 
     ratio_numerator: float = var.input(1.0, "slave per master: numerator, may be negative", discrete=True)
     ratio_denominator: int = var.input(1, "slave per master: denominator, at least 1")
     velocity: float = var.input(0.0, "velocity limit; 0: the axis's", Unit.VELOCITY, discrete=True)
-    acceleration: float = var.input(0.0, "acceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    deceleration: float = var.input(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    jerk: float = var.input(0.0, "jerk limit; 0: the axis's", Unit.JERK, discrete=True)
     start_sync: bool = var.output(False, "the synchronisation has begun")
     in_sync: bool = var.output(False, "the slave is in sync with the master")
 
@@ -123,25 +129,19 @@ class Halt(Command):
 
 
 @dataclass(slots=True)
-class MoveVelocity(Command):
+class MoveVelocity(Limited):
     """MC_MoveVelocity: go on at a velocity for ever."""
 
     velocity: float = var.input(0.0, "the velocity with its sign; 0: standstill", Unit.VELOCITY, discrete=True)
-    acceleration: float = var.input(0.0, "acceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    deceleration: float = var.input(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    jerk: float = var.input(0.0, "jerk limit; 0: the axis's", Unit.JERK, discrete=True)
     in_velocity: bool = var.output(False, "the velocity is reached")
 
 
 @dataclass(slots=True)
-class MoveAbsolute(Command):
+class MoveAbsolute(Limited):
     """MC_MoveAbsolute: go to a position and rest there."""
 
     position: float = var.input(0.0, "where to go", Unit.POSITION, discrete=True)
     velocity: float = var.input(0.0, "velocity limit; 0: the axis's", Unit.VELOCITY, discrete=True)
-    acceleration: float = var.input(0.0, "acceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    deceleration: float = var.input(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    jerk: float = var.input(0.0, "jerk limit; 0: the axis's", Unit.JERK, discrete=True)
     done: bool = var.output(False, "the axis stands at the position")
 
 

@@ -51,13 +51,15 @@ class Axis:
         1e9, "upper software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST
     )
 
-    def ends_known(self) -> bool:
-        return isfinite(self.min_position) and isfinite(self.max_position)
-
 
 def chosen(limit: float, axis: float) -> float:
     """A command's limit; 0 stands for the axis's."""
     return axis if limit == 0.0 else limit
+
+
+def ends_known(lowest: float, highest: float) -> bool:
+    """Whether the software end positions are numbers; a tunable is judged only where it is read."""
+    return isfinite(lowest) and isfinite(highest)
 
 
 def allowed(limit: float) -> bool:

@@ -6,7 +6,7 @@ from math import isfinite
 from .. import declare as var
 from .commands import GearInVelo
 from .faults import Fault
-from .machine import Axis, allowed, chosen
+from .machine import Axis, allowed, chosen, ends_known
 from .sync_mode import SyncMode
 
 
@@ -74,5 +74,5 @@ class Order:
         if self.factor == 0.0 or not isfinite(self.factor):
             return Fault.FACTOR
         dynamics = allowed(self.acceleration) and allowed(self.deceleration) and allowed(self.jerk)
-        positions = isfinite(self.min_position) and isfinite(self.max_position)
+        positions = ends_known(self.min_position, self.max_position)
         return Fault.NONE if allowed(self.velocity) and dynamics and positions else Fault.LIMIT

@@ -172,18 +172,16 @@ class Plan:
             self.acceleration = 0.0
             if order.mode.prefer_constant_velocity and self.at_constant_velocity(order, duration, way):
                 self.extremes.measure(self.profile)
-                if self.broken(order) == Fault.NONE:
-                    return self.verdict(order)
+                if self.verdict(order) == Fault.NONE:
+                    return Fault.NONE
             mean = way / duration
             between = min(velocity, end) < mean < max(velocity, end)
             if between and (order.mode.check_overshoot_velocity or order.mode.check_undershoot_velocity):
                 begin_first(self.profile, self.slave.position, duration, way, velocity, end)
-                self.extremes.measure(self.profile)
                 if self.driveable(order):
                     return self.verdict(order)
             self.single(duration, way)
             if order.mode.check_max_velocity and self.at_velocity_limit(order, duration, way):
-                self.extremes.measure(self.profile)
                 if self.driveable(order):
                     return self.verdict(order)
                 self.single(duration, way)
@@ -286,5 +284,6 @@ class Plan:
         return fault if fault != Fault.NONE else broken_steepness(self.extremes, order)
 
     def driveable(self, order: Order) -> bool:
-        """Acceleration, deceleration and jerk keep the limits that are checked."""
+        """Measure the profile; whether acceleration, deceleration and jerk keep the limits that are checked."""
+        self.extremes.measure(self.profile)
         return broken_steepness(self.extremes, order) == Fault.NONE
