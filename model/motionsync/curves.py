@@ -19,9 +19,10 @@ def half_ramp(u: float) -> tuple[float, float, float, float]:
 class Quintic:
     """The polynomial of order 5 with position, slope and curvature given at both ends.
 
-    c0 to c5 go with u = x / length."""
+    c0 to c5 go with u = x / length; `rate` is 1 / length: a division costs more than all of the rest."""
 
     length: float = 1.0
+    rate: float = 1.0
     c0: float = 0.0
     c1: float = 0.0
     c2: float = 0.0
@@ -42,6 +43,7 @@ class Quintic:
         """`length` > 0. With what the start lacks at the end, A in position, B in slope, C in curvature (by u),
         c3 = 10 A - 4 B + C / 2, c4 = -15 A + 7 B - C, c5 = 6 A - 3 B + C / 2."""
         self.length = length
+        self.rate = 1.0 / length
         self.c0 = position
         self.c1 = slope * length
         self.c2 = 0.5 * curvature * length * length
@@ -59,9 +61,15 @@ class Quintic:
         slope = self.c1 + u * (2.0 * self.c2 + u * (3.0 * self.c3 + u * (4.0 * self.c4 + u * 5.0 * self.c5)))
         curvature = 2.0 * self.c2 + u * (6.0 * self.c3 + u * (12.0 * self.c4 + u * 20.0 * self.c5))
         twist = 6.0 * self.c3 + u * (24.0 * self.c4 + u * 60.0 * self.c5)
-        return (
-            position,
-            slope / self.length,
-            curvature / self.length / self.length,
-            twist / self.length / self.length / self.length,
-        )
+        return position, slope * self.rate, curvature * self.rate * self.rate, twist * self.rate * self.rate * self.rate
+
+    def take(self, other: "Quintic") -> None:
+        """Become a copy of the other."""
+        self.length = other.length
+        self.rate = other.rate
+        self.c0 = other.c0
+        self.c1 = other.c1
+        self.c2 = other.c2
+        self.c3 = other.c3
+        self.c4 = other.c4
+        self.c5 = other.c5

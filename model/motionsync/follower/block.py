@@ -287,9 +287,6 @@ class Follower:
     motion: Motion = var.part(Motion)
     here: float = 0.0
     position: float = 0.0
-    velocity: float = 0.0
-    acceleration: float = 0.0
-    jerk: float = 0.0
 
     def initialize(self) -> Refusal:
         """M_IDLE at slave.initial_position; may be called again while parameters and inputs still change."""
@@ -474,7 +471,10 @@ class Follower:
     def stands(self) -> bool:
         """Whether a positioning may begin; the slave is looked at as it is at the commands."""
         self.look(0.0, self.master.begin, self.master.begin_velocity, self.master.begin_acceleration)
-        return self.course.stage != Stage.BRAKING and max(abs(self.velocity), abs(self.acceleration)) <= STANDING
+        return (
+            self.course.stage != Stage.BRAKING
+            and max(abs(self.slave.velocity), abs(self.slave.acceleration)) <= STANDING
+        )
 
     def refuse(self) -> None:
         """A positioning; an alarm keeps its own number."""
@@ -485,7 +485,7 @@ class Follower:
         """Leave the alarm at standstill; before, it is ignored."""
         if self.course.stage == Stage.BRAKING:
             self.look(0.0, self.master.begin, 0.0, 0.0)
-            if self.velocity != 0.0:
+            if self.slave.velocity != 0.0:
                 return
             self.course.stage = Stage.IDLE
             self.course.park = wrap(self.position, self.slave_cycle)
@@ -760,9 +760,9 @@ class Follower:
                 at = 3
             case _:
                 pass
-        if at >= 0 and self.exceeds(self.check_speed, abs(self.velocity), self.max_speed):
+        if at >= 0 and self.exceeds(self.check_speed, abs(self.slave.velocity), self.max_speed):
             self.brake(Fault.SPEED_FOLLOWING + at)
-        elif at >= 0 and self.exceeds(self.check_acceleration, abs(self.acceleration), self.max_acceleration):
+        elif at >= 0 and self.exceeds(self.check_acceleration, abs(self.slave.acceleration), self.max_acceleration):
             self.brake(Fault.ACCELERATION_FOLLOWING + at)
 
     def alarm(self, fault: Fault, time: float, place: float) -> None:
@@ -778,11 +778,12 @@ class Follower:
         self.course.stage = Stage.BRAKING
         self.course.known = False
         deceleration = self.max_acceleration if allowed(self.max_acceleration) else self.positioning.acceleration
-        if self.velocity == 0.0 or not allowed(deceleration):
+        velocity = self.slave.velocity
+        if velocity == 0.0 or not allowed(deceleration):
             self.motion.run(self.position, 0.0)
             return
-        self.motion.begin(self.position, self.velocity, -deceleration if self.velocity > 0.0 else deceleration)
-        self.motion.extend(abs(self.velocity) / deceleration, 0.0, 0.0)
+        self.motion.begin(self.position, velocity, -deceleration if velocity > 0.0 else deceleration)
+        self.motion.extend(abs(velocity) / deceleration, 0.0, 0.0)
         self.motion.velocities[self.motion.pieces - 1] = 0.0
 
     # --- the state at an instant ---
@@ -808,14 +809,11 @@ class Follower:
 
     def put(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
         self.position = position
-        self.velocity = velocity
-        self.acceleration = acceleration
-        self.jerk = jerk
+        self.slave.put(wrap(position, self.slave_cycle), velocity, acceleration, jerk)
 
     # --- what is put out ---
 
     def show(self) -> None:
-        self.slave.put(wrap(self.position, self.slave_cycle), self.velocity, self.acceleration, self.jerk)
         self.tell_state()
         self.state_code = self.state
         self.error = self.error_id != Fault.NONE

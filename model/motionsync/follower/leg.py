@@ -90,18 +90,18 @@ class Leg:
     def at(self, master: float) -> tuple[float, float, float, float]:
         """Position (S) and its first three derivatives with respect to the master (S/M, S/M2, S/M3)."""
         way = master - self.begin
-        u = clamp(way / self.length, 0.0, 1.0)
         match self.shape:
             case Shape.LINE:
                 return self.position + self.ratio * way, self.ratio, 0.0, 0.0
             case Shape.RAMP_UP:
-                q, slope, curvature, twist = half_ramp(u)
+                q, slope, curvature, twist = half_ramp(clamp(way / self.length, 0.0, 1.0))
                 return self.ramp(2.0 * self.space * q, slope, curvature, twist)
             case Shape.RAMP_DOWN:
+                u = clamp(way / self.length, 0.0, 1.0)
                 q, slope, curvature, twist = half_ramp(u)
                 return self.ramp(2.0 * self.space * (u - q), 1.0 - slope, -curvature, -twist)
             case Shape.QUINTIC:
-                return self.quintic.at(u * self.length)
+                return self.quintic.at(clamp(way, 0.0, self.length))
             case _:
                 return self.position, 0.0, 0.0, 0.0
 
@@ -129,13 +129,7 @@ class Leg:
         self.lay(other.shape, other.begin, other.end, other.length, other.position)
         self.space = other.space
         self.ratio = other.ratio
-        self.quintic.length = other.quintic.length
-        self.quintic.c0 = other.quintic.c0
-        self.quintic.c1 = other.quintic.c1
-        self.quintic.c2 = other.quintic.c2
-        self.quintic.c3 = other.quintic.c3
-        self.quintic.c4 = other.quintic.c4
-        self.quintic.c5 = other.quintic.c5
+        self.quintic.take(other.quintic)
 
 
 @dataclass(slots=True)
