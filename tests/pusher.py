@@ -1,106 +1,30 @@
-"""A Follower along a scripted master that is exact at constant acceleration, for tests of the block alone."""
+"""A Follower along a scripted master, for tests of the block alone."""
 
-from collections.abc import Iterable, Mapping
-from copy import copy, deepcopy
-from dataclasses import replace
-from itertools import pairwise
-from typing import Any
+from typing import Self
 
-from motionsync.follower.block import Follower, State
+from driven import Driven
+from motionsync.follower.block import Follower
 from motionsync.follower.faults import Fault
-from motionsync.master import MasterInput
-from motionsync.refusal import Refusal
-from motionsync_fmu.variables import variables
 
-MOTION = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 COMMANDS = ("position_to_park", "position_to_cycle", "end_synchronism", "reset")
-Row = dict[str, float]
 
 
-class Pusher:
-    """A block and its master, which is at `place` with `speed` now; each `run` has one acceleration of the master.
+class Pusher(Driven):
+    """Its commands fall again after the step for which they were given."""
 
-    Values are set between the runs: they act at the next one's beginning.
-    """
+    TYPE = Follower
 
-    def __init__(
-        self,
-        values: Mapping[str, Any] | None = None,
-        *,
-        place: float = 0.0,
-        speed: float = 0.0,
-        mode: MasterInput = MasterInput.START_OF_STEP,
-    ) -> None:
-        self.block = Follower()
-        self.cells = {v.name: v.cell for v in variables(self.block)}
-        self.place, self.speed, self.time = place, speed, 0.0
-        self.put({"master.input_mode": mode, **(values or {})})
-        self._show_master(place, speed, 0.0)
-        assert self.block.initialize() == Refusal.NONE
+    def stepped(self) -> None:
+        self.put(dict.fromkeys(COMMANDS, False))
 
-    def twin(self) -> "Pusher":
-        """Another one in the same state."""
-        other = copy(self)
-        other.block = deepcopy(self.block)
-        other.cells = {name: replace(cell, owner=owner(other.block, name)) for name, cell in self.cells.items()}
-        return other
-
-    def put(self, values: Mapping[str, Any]) -> "Pusher":
-        for name, value in values.items():
-            self.cells[name].set(value)
-        return self
-
-    def give(self, *names: str) -> "Pusher":
+    def give(self, *names: str) -> Self:
         """Rising edges of these commands with the next run."""
         return self.put(dict.fromkeys(names, True))
 
-    def run(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> "Pusher":
-        """The master's acceleration for a time, cut into steps at these times since the run's beginning."""
-        self.rows(duration, acceleration=acceleration, cuts=cuts)
-        return self
-
-    def to(self, place: float, steps: int = 1) -> "Pusher":
-        """On at the present speed until the master is there."""
-        duration = (place - self.place) / self.speed
-        self.run(duration, cuts=[i * duration / steps for i in range(1, steps)])
-        self.place = place
-        return self
-
-    def rows(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> dict[float, Row]:
-        """As `run`; the slave's motion at the steps' ends."""
-        place, speed, begin = self.place, self.speed, self.time
-        found = {}
-        for first, last in pairwise(sorted({0.0, duration, *(cut for cut in cuts if 0.0 < cut < duration)})):
-            seen = last if self.block.master.input_mode == MasterInput.END_OF_STEP else first
-            self._show_master(
-                place + (speed + 0.5 * acceleration * seen) * seen, speed + acceleration * seen, acceleration
-            )
-            assert self.block.step(last - first) == Refusal.NONE
-            self.put(dict.fromkeys(COMMANDS, False))
-            self.time = begin + last
-            self.place, self.speed = place + (speed + 0.5 * acceleration * last) * last, speed + acceleration * last
-            found[self.time] = self.read(MOTION)
-        return found
-
-    def read(self, names: Iterable[str]) -> Row:
-        return {name: self.cells[name].get() for name in names}
-
-    def __getitem__(self, name: str) -> Any:
-        return self.cells[name].get()
-
-    @property
-    def slave(self) -> tuple[float, float, float]:
-        """Position, velocity and acceleration."""
-        slave = self.block.slave
-        return slave.position, slave.velocity, slave.acceleration
-
     @property
     def position(self) -> float:
-        return self.block.slave.position
-
-    @property
-    def state(self) -> State:
-        return self.block.state
+        position: float = self.block.slave.position
+        return position
 
     @property
     def fault(self) -> Fault:
@@ -110,17 +34,3 @@ class Pusher:
     def missing(self) -> tuple[float, float, float]:
         """The master's travel missing to start, meeting and end."""
         return self.block.master_to_start, self.block.master_to_sync, self.block.master_to_out
-
-    def _show_master(self, place: float, speed: float, acceleration: float) -> None:
-        master = self.block.master
-        master.position = place % master.period if master.period > 0.0 else place
-        if master.input_mode != MasterInput.POSITION_ONLY:
-            master.velocity, master.acceleration = speed, acceleration
-
-
-def owner(block: Follower, name: str) -> Any:
-    """The part of the block in which the variable of that name lies."""
-    part: Any = block
-    for step in name.split(".")[:-1]:
-        part = getattr(part, step)
-    return part

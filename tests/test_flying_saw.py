@@ -7,10 +7,11 @@ from typing import Any
 import pytest
 from numpy.polynomial import Polynomial
 
+from driven import grid
 from motionsync.flying_saw.block import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
-from saw import GROUPS, OUTPUTS, Saw, grid
+from saw import GROUPS, OUTPUTS, Saw
 
 START, END, ONLY = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY
 INSTANT = 2.0**-20  # s, a step in which hardly anything moves

@@ -11,11 +11,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from driven import MOTION, Row
 from motionsync.flying_saw.block import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
 from numbers_in import numbers_in
-from saw import GROUPS, MOTION, OUTPUTS, Row, Saw
+from saw import GROUPS, OUTPUTS, Saw
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 TICK = 2.0**-20  # s

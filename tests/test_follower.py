@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from fmpy import read_model_description
 
@@ -20,9 +21,12 @@ from motionsync.follower.leg import Leg, Peaks
 from motionsync.master import MasterInput
 from motionsync.refusal import Refusal
 from motionsync_fmu.build import Recipe, build_python
-from motionsync_fmu.description import unit_name
+from motionsync_fmu.description import axis_label, unit_name
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.host import FmuError, Host
+from motionsync_fmu.report import plots
+from motionsync_fmu.scenario import load
+from motionsync_fmu.simulation import Course
 from motionsync_fmu.variables import variables
 from pusher import Pusher
 
@@ -1001,3 +1005,16 @@ def test_names_of_units(kind: Unit, unit: str, slave_unit: str, name: str) -> No
 
 def test_the_states_have_the_numbers_of_the_source() -> None:
     assert [int(state) for state in State] == [-1, 1, 2, 3, 4, 5, 8, 9, 10]
+
+
+def test_the_report_tells_the_units_of_both_axes() -> None:
+    assert axis_label(Unit.VELOCITY, "mm", "deg") == "mm/s, slave deg/s"
+    assert axis_label(Unit.VELOCITY, "mm") == axis_label(Unit.VELOCITY, "mm", "mm") == "mm/s"
+    scenario = load(Path(__file__).parents[1] / "scenarios" / "Follower" / "cyclic_through" / "scenario.toml")
+    assert (scenario.unit, scenario.slave_unit) == ("mm", "deg")
+    times = np.array([0.0, 1.0])
+    by_name = {v.name: v for v in variables(Follower())}
+    outputs = [v.name for v in by_name.values() if v.causality in ("output", "local")]
+    course = Course(times, {name: np.zeros(2) for name in outputs}, np.zeros((2, 4)), [])
+    titles = [axis.title.text for axis in plots(scenario, course, by_name).select_yaxes()]
+    assert titles[:2] == ["position<br>mm, slave deg", "velocity<br>mm/s, slave deg/s"]

@@ -12,13 +12,14 @@ from hypothesis import strategies as st
 
 import drive_follower
 from drive import Run
+from driven import MOTION
 from motionsync.follower.block import Follower, State
 from motionsync.follower.faults import Fault
 from motionsync.master import MasterInput
 from motionsync_fmu.slave import LONGEST_STEP
 from motionsync_fmu.variables import cells, variables
 from numbers_in import numbers_in
-from pusher import MOTION, Pusher
+from pusher import Pusher
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 TICK = 2.0**-20  # s

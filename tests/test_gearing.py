@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from geared import Gear, grid
+from driven import grid
+from geared import Gear
 from motionsync.gearing.block import Gearing
 from motionsync.gearing.choices import StartMode, State, StopMode, Transition
 from motionsync.gearing.curves import into, out

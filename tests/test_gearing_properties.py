@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from drive import Run
 from drive_gearing import runs
-from geared import MOTION, Gear, Row, moved
+from driven import MOTION, Row, moved
+from geared import Gear
 from motionsync.gearing.block import Gearing
 from motionsync.gearing.choices import StartMode, State, StopMode, Transition
 from motionsync.master import MasterInput

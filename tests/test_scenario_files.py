@@ -241,6 +241,8 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
     "expected member's name": ('"slave.position" = 1.0', 'state = "BUSY"', "state", ("'BUSY'", "2 STACKED")),
     "expected NaN": ('"slave.position" = 1.0', '"slave.position" = nan', "slave.position", ("nan",)),
     "unit": ('unit = "deg"', 'unit = "inch"', "unit", ("'inch'", "mm", "deg")),
+    "slave unit": ('unit = "deg"', 'slave_unit = "mm"', "slave_unit", ("'mm'", "Synchronizer", "master's unit")),
+    "slave unit that is none": ('unit = "deg"', 'slave_unit = "inch"', "slave_unit", ("'inch'", "mm", "deg")),
     "block": ('fmu = "Synchronizer"', 'fmu = "Synchroniser"', "fmu", ("'Synchroniser'", "Synchronizer")),
     "tolerance 0": ("tolerance = 1e-9", "tolerance = 0", "tolerance", ("> 0",)),
     # expectations

@@ -85,7 +85,7 @@ def check_slave_unit(block: Any, unit: str) -> None:
     if unit:
         choose(BASES, unit, "slave unit")
         if not any(v.declaration.unit.slave for v in variables(block)):
-            raise UserError(f"--slave-unit {unit}: the slave of {type(block).__name__} is in its master's unit")
+            raise UserError(f"slave unit {unit!r}: the slave of {type(block).__name__} is in its master's unit")
 
 
 def parse(v: Variable, text: str) -> Any:

@@ -97,6 +97,12 @@ def unit_name(kind: Unit, unit: str, slave_unit: str = "") -> str:
     return (above or "1") + below if above or below or kind is not Unit.NONE else ""
 
 
+def axis_label(kind: Unit, unit: str, slave_unit: str = "") -> str:
+    """The units of a plot's axis that shows master and slave: `mm`, or `mm, slave deg` where they differ."""
+    of_master, of_slave = unit_name(kind, unit), unit_name(kind, slave_unit or unit)
+    return of_master if of_master == of_slave else f"{of_master}, slave {of_slave}"
+
+
 def _power(symbol: str, exponent: int) -> str:
     return "" if not symbol or exponent <= 0 else symbol + (str(exponent) if exponent > 1 else "")
 

@@ -20,7 +20,7 @@ from motionsync.master import MasterInput
 
 from . import __version__
 from .archive import Files
-from .description import literal, summary, unit_name
+from .description import axis_label, literal, summary, unit_name
 from .errors import UserError
 from .variables import Variable, cells, members, variables
 
@@ -166,8 +166,7 @@ def transition(name: str, unit: str, slave_unit: str = "") -> bytes:
             axes.plot(courses["time"], courses[n], color=SLAVE)
         for axes, kind in ((top, Unit.POSITION), (middle, Unit.VELOCITY), (bottom, Unit.ACCELERATION)):
             of_slave = unit_name(kind, slave_unit or unit)
-            of_master = unit_name(kind, unit) if axes is not bottom else of_slave
-            label = of_slave if of_slave == of_master else f"{of_master}, slave {of_slave}"
+            label = of_slave if axes is bottom else axis_label(kind, unit, slave_unit)
             axes.set_ylabel(kind.quantity.lower() + (f"\n{label}" if label else ""))
         figure.align_ylabels()
         bottom.set_xlabel("time in s")

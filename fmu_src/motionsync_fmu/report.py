@@ -15,7 +15,7 @@ from motionsync.declare import Unit
 
 from . import __version__
 from .cuts import Cut, cut
-from .description import unit_name
+from .description import axis_label, unit_name
 from .documentation import MASTER, SLAVE, TEMPLATES
 from .scenario import Cuts, Scenario
 from .simulation import Check, Course, Deviation, read_reference
@@ -86,7 +86,7 @@ def plots(scenario: Scenario, course: Course, by_name: dict[str, Variable]) -> A
         if reference and f"slave.{name}" in reference[0]:
             column = reference[1][:, 1 + reference[0].index(f"slave.{name}")]
             _line(figure, i, "reference", reference[1][:, 0], _broken(column, scenario, name), REFERENCE, 1.5, "dot")
-        label = unit_name(kind, scenario.unit)
+        label = axis_label(kind, scenario.unit, scenario.slave_unit)
         figure.update_yaxes(title_text=name + (f"<br>{label}" if label else ""), row=i, col=1)
     _discrete(figure, len(heights), lanes)
     _commands(figure, len(heights), scenario, by_name)

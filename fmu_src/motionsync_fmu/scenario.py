@@ -16,14 +16,14 @@ from typing import Any, NoReturn
 
 from motionsync.blocks import BLOCKS
 
-from .build import Recipe
+from .build import Recipe, check_slave_unit
 from .description import BASES
 from .errors import UserError
 from .script import Script, Segment
 from .variables import Variable, variables
 
 FILE = "scenario.toml"
-SCALARS = ("title", "source", "fmu", "unit", "stop_time", "step_size", "tolerance")
+SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
 COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {"==": operator.eq, "<": operator.lt, ">": operator.gt}
 CONDITION = re.compile(r"\s*([\w.]+)\s*(?:(==|<|>)\s*(\S+)\s*)?")
 MOST_STEPS = 1_000_000  # their results still fit into memory
@@ -105,7 +105,8 @@ class Cuts:
 class Scenario:
     """A checked scenario: all names exist, all values fit their variables.
 
-    `unit`: of positions, for the report; the FMU's numbers do not depend on it.
+    `unit`: of positions, for the report; the FMU's numbers do not depend on it. `slave_unit`: of the slave's, where a
+    block tells them apart; empty: the same.
     `tolerance`: of the reference, relative to the greatest magnitude of each variable in it.
     """
 
@@ -114,6 +115,7 @@ class Scenario:
     source: str
     recipe: Recipe
     unit: str
+    slave_unit: str
     stop_time: float
     step_size: float
     tolerance: float
@@ -182,7 +184,13 @@ class _Reader:
         unit = self.string("unit", "mm")
         if unit not in BASES:
             self.fail("", 0, "unit", f"{unit!r} is not one of {', '.join(BASES)}")
-        self.variables = {v.name: v for v in variables(BLOCKS[name].type())}
+        block = BLOCKS[name].type()
+        slave_unit = self.string("slave_unit", "")
+        try:
+            check_slave_unit(block, slave_unit)
+        except UserError as e:
+            self.fail("", 0, "slave_unit", str(e))
+        self.variables = {v.name: v for v in variables(block)}
         stop_time = self.number(self.root, "stop_time", "", above=0.0)
         step_size = self.number(self.root, "step_size", "", above=0.0, most=stop_time)
         if stop_time / step_size > MOST_STEPS:
@@ -193,6 +201,7 @@ class _Reader:
             self.string("source"),
             Recipe(name),
             unit,
+            slave_unit,
             stop_time,
             step_size,
             self.number(self.root, "tolerance", "", default=1e-9, above=0.0),
