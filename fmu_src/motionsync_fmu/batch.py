@@ -297,7 +297,7 @@ def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
     """`Variable.allows` for many values at once."""
     if v.choices:
         return np.isin(values, [member.value for member in v.choices])
-    if v.kind != "Real":
+    if v.kind == "Boolean":
         return np.ones(values.shape, np.bool_)
     d = v.declaration
     fits = np.isfinite(values) & (d.min <= values) & (values <= d.max)

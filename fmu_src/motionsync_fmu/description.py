@@ -156,10 +156,10 @@ def _variable(v: Variable, reference: int) -> Element:
         value.set("declaredType", v.cell.type.__name__)
     elif d.unit is not Unit.NONE:
         value.set("declaredType", d.unit.quantity)
-    if v.kind == "Real":
+    if v.kind in ("Real", "Integer"):
         for limit, number in (("min", max(d.min, d.above)), ("max", min(d.max, d.below))):
             if math.isfinite(number):
-                value.set(limit, repr(number))
+                value.set(limit, literal(v, number))
     if v.settable:
         value.set("start", literal(v, v.start))
     return scalar

@@ -23,9 +23,9 @@ typedef struct {
     Kind kind;
     Access access;
     size_t offset; /* in the model's memory */
-    double min, max, above, below, smallest; /* of a Real: min and max are allowed, above and below are not;
+    double min, max, above, below, smallest; /* of a number: min and max are allowed, above and below are not;
                                                 smallest but for 0 */
-    bool zero; /* whether a Real may be 0 */
+    bool zero; /* whether a number may be 0 */
     int choices; /* of an enumeration: how many, then its numbers */
     int range; /* the allowed values in words */
 } Variable;
@@ -200,7 +200,7 @@ static void append_value(Text *text, Instance *c, const Variable *v) {
     }
 }
 
-/* Of a Real; NaN fails every comparison. */
+/* Of a number; NaN fails every comparison. */
 static bool fits(const Variable *v, double x) {
     bool sized = x != 0.0 ? fabs(x) >= v->smallest : v->zero;
     return sized & (fabs(x) <= DBL_MAX) & (x >= v->min) & (x <= v->max) & (x > v->above) & (x < v->below);
@@ -208,7 +208,8 @@ static bool fits(const Variable *v, double x) {
 
 static bool allows(Instance *c, const Variable *v) {
     if (v->kind == REAL) return fits(v, *(double *)at(&c->now.model, v));
-    if (v->kind != ENUMERATION) return true;
+    if (v->kind == INTEGER) return fits(v, (double)*(int64_t *)at(&c->now.model, v));
+    if (v->kind == BOOLEAN) return true;
     const int32_t *choices = NUMBERS + v->choices;
     for (int32_t i = 1; i <= choices[0]; i++)
         if (choices[i] == *(int64_t *)at(&c->now.model, v)) return true;

@@ -78,7 +78,7 @@ class Variable:
         """Whether a value, a number or Boolean, is within the declared limits. NaN never is."""
         if self.choices:
             return value in [member.value for member in self.choices]
-        if self.kind != "Real":
+        if self.kind == "Boolean":
             return True
         d = self.declaration
         fits = isfinite(value) and d.min <= value <= d.max and d.above < value < d.below

@@ -7,6 +7,7 @@ from typing import Any
 from .flying_saw.block import FlyingSaw
 from .follower.block import Follower
 from .gearing.block import Gearing
+from .remote_sync.block import RemoteSync
 from .synchronizer import Synchronizer
 
 

@@ -58,3 +58,32 @@ class Refusal(Choice):
         "master.acceleration",
         "master_cycle",
     )
+    REMOTE_RATIO = (
+        11,
+        "data_cycle_time must be a whole multiple or a whole part of task_cycle_time, at most 10000",
+        "data_cycle_time",
+        "task_cycle_time",
+    )
+    REMOTE_PHASE = (
+        12,
+        "the PHASE estimator is for equal cycle times: data_cycle_time must be 0 or task_cycle_time",
+        "estimator",
+        "data_cycle_time",
+        "task_cycle_time",
+    )
+    REMOTE_AGE = (
+        13,
+        "age_of_data_limit must be 0 or at least data_cycle_time / task_cycle_time: new data come no sooner",
+        "age_of_data_limit",
+        "data_cycle_time",
+        "task_cycle_time",
+    )
+    REMOTE_STEP = (
+        14,
+        "max_cycle_index_difference must be 0 or at least task_cycle_time / data_cycle_time: so "
+        "far the index steps in each cycle",
+        "max_cycle_index_difference",
+        "data_cycle_time",
+        "task_cycle_time",
+    )
+    REMOTE_CYCLES = 15, "a step must have at most 1e6 cycles", "task_cycle_time"

@@ -1,0 +1,71 @@
+"""The beats that are known: how far apart they are, and whether that changes.
+
+Source: TwinCAT TS5066, mean drift.
+"""
+
+from dataclasses import dataclass
+
+from .. import declare as var
+
+MOST_PERIODS = 64
+SIGNIFICANT = 0.2  # of the last mean: a change of the drift that is worth a warning
+
+
+@dataclass(slots=True)
+class History:
+    """Beats one after the other, and the distances between those of one sign, in receiver cycles, the latest first.
+
+    `sign` is the latest beat's: 1 where the sender has gained a count; `date` its cycle. `mean` is that of the last
+    `periods` distances, 0 where fewer are known. `changed`: with the latest beat the mean, or the sign, has changed
+    significantly.
+    """
+
+    beats: int = 0
+    sign: int = 0
+    date: float = 0.0
+    known: int = 0
+    mean: float = 0.0
+    changed: bool = False
+    distances: list[float] = var.ring(MOST_PERIODS)
+
+    def begin(self) -> None:
+        self.forget()
+        self.changed = False
+
+    def forget(self) -> None:
+        """All beats; the drift has changed if there were any."""
+        self.changed = self.changed or self.beats > 0
+        self.beats = 0
+        self.sign = 0
+        self.known = 0
+        self.mean = 0.0
+
+    def reverses(self, sign: int) -> bool:
+        """Whether a beat of that sign is opposite to the ones before."""
+        return self.beats > 0 and sign != self.sign
+
+    def add(self, date: float, sign: int, periods: int) -> None:
+        """A beat at a cycle; the mean is that of the last `periods` distances."""
+        if self.beats > 0 and sign == self.sign:
+            last = self.mean
+            self.remember(date - self.date, periods)
+            self.changed = last > 0.0 and abs(self.mean - last) > SIGNIFICANT * last
+        else:
+            self.changed = self.beats > 0
+            self.known = 0
+            self.mean = 0.0
+        self.beats += 1
+        self.sign = sign
+        self.date = date
+
+    def remember(self, distance: float, periods: int) -> None:
+        for i in range(periods - 1):
+            at = periods - 1 - i
+            self.distances[at] = self.distances[at - 1]
+        self.distances[0] = distance
+        self.known = min(self.known + 1, periods)
+        if self.known == periods:
+            total = 0.0
+            for i in range(periods):
+                total += self.distances[i]
+            self.mean = total / periods
