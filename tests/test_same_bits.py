@@ -30,6 +30,7 @@ from motionsync_fmu.simulation import simulate
 from motionsync_fmu.slave import LONGEST_STEP
 from motionsync_fmu.variables import cells, variables
 
+WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
 SCENARIOS = find(Path(__file__).parents[1] / "scenarios")
 # Long runs: a failing one is reported as drawn, since to make it smaller would take minutes.
 LONG = settings(deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate], print_blob=True)
@@ -119,7 +120,7 @@ def test_both_fmus_give_the_same_bits_and_log_the_same(
         for h, values in [] if refused else run.steps:
             assert tried(b.step, h, values) == tried(a.step, h, values)
             assert bits(b.get()) == bits(a.get())
-        assert b.messages == a.messages
+        assert b.messages == [text for text in a.messages if not text.startswith(WRAPPER)]
 
 
 @pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: "/".join(file.parts[-3:-1]))
