@@ -110,3 +110,21 @@ def run_in_process(scenario: Scenario, step_size: float) -> Course:
         np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions]),
         [],
     )
+
+
+class Stepped:
+    """A Listener in the form of an oracle; beside its outputs it tells what it was shown."""
+
+    def __init__(self, parameters: dict[str, Any], shown: dict[str, Any]) -> None:
+        self.block = Listener()
+        self.cells = {v.name: v.cell for v in variables(self.block)}
+        self._set(parameters | shown)
+
+    def step(self, shown: dict[str, Any], h: float) -> dict[str, Any]:
+        self._set(shown)
+        assert self.block.step(h) == 0
+        return {name: cell.get() for name, cell in self.cells.items()}
+
+    def _set(self, values: dict[str, Any]) -> None:
+        for name, value in values.items():
+            self.cells[name].set(value)

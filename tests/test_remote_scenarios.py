@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from listener import registered, run_in_process
+import regenerate
+from listener import Stepped, registered, run_in_process
 from motionsync_fmu.clocks import Clocks, Rate
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.references import inputs_csv
@@ -227,6 +228,24 @@ def test_the_input_file_has_the_telegrams_as_numbers(tmp_path: Path) -> None:
     assert [row[-1] for row in rows[1499:1501]] == ["1", "0"]
 
 
+def test_an_oracle_is_stepped_as_the_fmu_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(regenerate.STEPPED, "Listener", Stepped)
+    monkeypatch.setitem(regenerate.COLUMNS, "Listener", ("slave.position", "corrected_cycle_index", "shifted"))
+    s = scenario(
+        tmp_path, ("share = 0.5", "share = 0.25\nshifted = false"), ("at = 3.0", "at = 3.0015\nshifted = true")
+    )
+    course = run_in_process(s, 0.002)
+    found = regenerate.files(s.file)
+    header, *rows = list(csv.reader(found[tmp_path / "Listener_ref.csv"].splitlines()))
+    assert header == ["time", "slave.position", "corrected_cycle_index", "shifted"]
+    table = np.array(rows, float)
+    np.testing.assert_array_equal(table[:, 0], [i * 0.002 for i in range(10, 2001, 10)])
+    at = np.searchsorted(course.time, table[:, 0] - 1e-9)
+    for column, name in enumerate(header[1:3], 1):
+        np.testing.assert_array_equal(table[:, column], course.values[name][at])
+    np.testing.assert_array_equal(table[:, 3], table[:, 0] > 3.0015)
+
+
 # --- how it is judged ---
 
 
@@ -253,6 +272,15 @@ def test_the_error_of_an_index_that_wraps_does_not_jump(tmp_path: Path) -> None:
     )
     np.testing.assert_allclose(wrapping.index, plain.index, atol=1e-9)
     np.testing.assert_allclose(wrapping.corrected_index, plain.corrected_index, atol=1e-9)
+
+
+def test_an_event_is_known_to_a_cycle(tmp_path: Path) -> None:
+    """The first cycle acts at 0 and is over at 0.002; in shorter steps it shows before."""
+    accuracy = GOOD[GOOD.index("[remote.accuracy]") :]
+    s = scenario(tmp_path, (accuracy, '[[expect]]\nwhen = "state == LISTENING"\ntime = 0.002\n'))
+    (told,) = check(s, run_in_process(s, 0.0007))
+    assert (told.found, told.passed) == ("0.0007 s", True)
+    assert told.expected == "first state == LISTENING at 0.002 s ± 0.002"
 
 
 def test_the_slave_may_be_behind_by_design(tmp_path: Path) -> None:

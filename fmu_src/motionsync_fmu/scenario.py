@@ -61,7 +61,10 @@ class AtTime:
 
 @dataclass(frozen=True)
 class When:
-    """The first time at which a variable compares with a value as told; without a tolerance, to one step of the run."""
+    """The first time at which a variable compares with a value as told.
+
+    Without a tolerance it is known to one step of the run, or to one cycle of a cyclic block if that is longer.
+    """
 
     text: str
     name: str

@@ -151,7 +151,7 @@ def check(scenario: Scenario, course: Course) -> list[Check]:
             case AtTime():
                 found += _at_time(e, course, texts)
             case When():
-                found.append(_when(e, course))
+                found.append(_when(e, course, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
             case Within():
                 found += _within(e, course)
     if scenario.cuts:
@@ -171,8 +171,9 @@ def _at_time(e: AtTime, course: Course, texts: Mapping[str, Callable[[float], st
         yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)
 
 
-def _when(e: When, course: Course) -> Check:
-    tolerance = float(np.diff(course.time).max()) if e.tolerance is None else e.tolerance
+def _when(e: When, course: Course, cycle: float) -> Check:
+    """Without a tolerance an event is known to a step, that of a cyclic block to a cycle."""
+    tolerance = max(float(np.diff(course.time).max()), cycle) if e.tolerance is None else e.tolerance
     holds = np.asarray(COMPARISONS[e.comparison](course.values[e.name], e.value))
     expected = f"first {e.text} at {e.time:g} s ± {tolerance:g}"
     if not holds.any():
