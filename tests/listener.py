@@ -70,7 +70,8 @@ class Listener:
         time = share * self.task_cycle_time + self.delay_time_offset
         remote = self.remote
         self.slave.put(remote.position + time * remote.velocity, remote.velocity, remote.acceleration, 0.0)
-        self.state, self.state_code = Listening.LISTENING, 2
+        self.state = Listening.LISTENING
+        self.state_code = 2
         self.corrected_cycle_index = remote.cycle_index + share
         self.seen = remote.cycle_index
 

@@ -35,6 +35,7 @@ ROWS = (
     ("jerk", Unit.JERK, 150),
 )
 ERRORS = (("index error", 185), ("axis error", 185))  # of a remote axis
+FARTHEST = 10.0  # cycles that the index error shows at first: an index that is held after a fault goes on for ever
 LANE = 24  # the height of a lane, in px, as those of the rows
 MOST_POINTS = 20_000  # of a line: more are thinned out
 MOST_TEXTS = 8  # commands that are written beside their marks; more would cover one another
@@ -133,6 +134,7 @@ def _errors(figure: Any, found: Errors, scenario: Scenario) -> None:
         _line(figure, i, "received", found.time, received, RECEIVED, 1.0)
         _line(figure, i, "slave", found.time, slave, SLAVE, 2.0)
         _title(figure, i, name, unit)
+    figure.update_yaxes(autorangeoptions={"clipmin": -FARTHEST, "clipmax": FARTHEST}, row=len(ROWS) + 1, col=1)
 
 
 def _title(figure: Any, row: int, name: str, unit: str) -> None:
