@@ -8,6 +8,7 @@ from hypothesis import Phase, given, settings
 import drive_flying_saw
 import drive_follower
 import drive_gearing
+import drive_remote_sync
 import drive_synchronizer
 from drive import Drive, Run
 from motionsync import synchronizer
@@ -24,6 +25,10 @@ from motionsync.gearing import choices as gearing
 from motionsync.gearing import faults as gearing_faults
 from motionsync.gearing.block import Gearing
 from motionsync.master import MasterInput
+from motionsync.remote_sync import block as remote_sync
+from motionsync.remote_sync import faults as remote_sync_faults
+from motionsync.remote_sync.blending import Mode
+from motionsync.remote_sync.block import RemoteSync
 from motionsync.synchronizer import Synchronizer
 from motionsync.transition import Curve
 from motionsync_fmu.variables import cells, variables
@@ -81,6 +86,17 @@ def _follower(block: Follower) -> set[Any]:
         ("cyclic", block.slave_cycle > 0.0, block.state),
         ("variable", block.variable_cycle, block.state),
         ("tight", block.course.tight),
+    }
+
+
+def _remote_sync(block: RemoteSync) -> set[Any]:
+    return {
+        ("state", block.state),
+        ("fault", block.error_id),
+        ("estimator", block.estimator, block.synced),
+        ("warning", block.warning),
+        ("transition", block.estimator, block.local.transition),
+        ("blending", block.blending.mode, block.blending.cycles > 0),
     }
 
 
@@ -165,6 +181,20 @@ DRIVES: dict[str, Drive] = {
                 *(("cyclic", True, state) for state in follower.State if state != follower.State.M_DECEL),
                 *(("variable", variable, state) for variable in (False, True) for state in follower.State),
                 *(("tight", tight) for tight in (False, True)),
+            }
+        ),
+    ),
+    "RemoteSync": Drive(
+        drive_remote_sync.runs,
+        _remote_sync,
+        frozenset(
+            {
+                *(("state", mode) for mode in Mode),
+                *(("fault", fault) for fault in remote_sync_faults.Fault),
+                *(("estimator", kind, synced) for kind in remote_sync.Estimator for synced in (False, True)),
+                *(("warning", warning) for warning in (False, True)),
+                *(("transition", kind, zone) for kind in remote_sync.Estimator for zone in (False, True)),
+                *(("blending", mode, True) for mode in Mode),
             }
         ),
     ),

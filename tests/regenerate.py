@@ -4,12 +4,17 @@ python tests/regenerate.py
 """
 
 import tomllib
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from motionsync.master import MasterInput
 from motionsync_fmu.references import csv_text, inputs_csv, options_text
-from motionsync_fmu.scenario import find, load
+from motionsync_fmu.scenario import Scenario, find, load
+from motionsync_fmu.simulation import inputs, schedule
+from motionsync_fmu.variables import variables
 from oracle import flying_saw, follower, gearing, synchronizer
+from oracle.remote_sync import RemoteSyncOracle
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 ORACLES = {
@@ -18,6 +23,9 @@ ORACLES = {
     "Gearing": gearing.reference,
     "Follower": follower.reference,
 }
+STEPPED: dict[str, Callable[[dict[str, Any], dict[str, Any]], Any]] = {"RemoteSync": RemoteSyncOracle}
+"""Oracles of blocks with a remote axis: made from parameters and first inputs, then stepped with all inputs."""
+
 COLUMNS = {
     "Synchronizer": (
         "slave.position",
@@ -75,6 +83,23 @@ COLUMNS = {
         "cycle",
         "error_id",
     ),
+    "RemoteSync": (
+        "slave.position",
+        "slave.velocity",
+        "slave.acceleration",
+        "corrected_cycle_index",
+        "correction_time",
+        "drift",
+        "state_code",
+        "synced",
+        "start_up",
+        "warning",
+        "beats",
+        "cycle_index_difference",
+        "equal_data_total",
+        "equal_data_consecutive",
+        "error_id",
+    ),
 }
 POINTS = 200  # of a reference, about
 
@@ -86,8 +111,11 @@ def files(scenario_file: Path) -> dict[Path, str]:
     steps = round(scenario.stop_time / scenario.step_size)
     stride = max(steps // POINTS, 1)
     times = [i * scenario.step_size for i in range(0, steps + 1, stride)]
-    script = tomllib.loads(scenario_file.read_text()) | {"start": scenario.start}  # members' names are numbers there
-    rows = ORACLES[name](script, times)
+    if scenario.remote:
+        rows = stepped(STEPPED[name], scenario, times[1:])
+    else:
+        script = tomllib.loads(scenario_file.read_text()) | {"start": scenario.start}  # members' names as numbers
+        rows = ORACLES[name](script, times)
     estimated = scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY  # lags where the master jumps
     columns = ("time", *(("slave.position",) if estimated else COLUMNS[name]))
     beside = scenario_file.parent
@@ -96,6 +124,23 @@ def files(scenario_file: Path) -> dict[Path, str]:
         beside / f"{name}_ref.csv": csv_text(columns, [[row[c] for c in columns] for row in rows]),
         beside / f"{name}_ref.opt": options_text(scenario),
     }
+
+
+def stepped(oracle: Callable[..., Any], scenario: Scenario, times: Sequence[float]) -> list[dict[str, float]]:
+    """The outputs of an oracle that sees at each step what the FMU sees, at some of the steps' ends."""
+    settable = {v.name: v.causality for v in variables(scenario.recipe.block())}
+    parameters = {name: value for name, value in scenario.start.items() if settable[name] == "parameter"}
+    seen = {name: value for name, value in scenario.start.items() if settable[name] == "input"}
+    seen |= inputs(scenario, 0.0, 0.0)
+    running = oracle(parameters, seen)
+    wanted = {round(t / scenario.step_size, 6): t for t in times}
+    rows = []
+    for begin, end, changed in schedule(scenario, scenario.step_size):
+        seen |= changed
+        found = running.step(dict(seen), end - begin)
+        if (place := round(end / scenario.step_size, 6)) in wanted:
+            rows.append({"time": wanted[place], **{name: float(value) for name, value in found.items()}})
+    return rows
 
 
 if __name__ == "__main__":

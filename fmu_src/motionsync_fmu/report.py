@@ -17,6 +17,7 @@ from . import __version__
 from .cuts import Cut, cut
 from .description import axis_label, unit_name
 from .documentation import MASTER, SLAVE, TEMPLATES
+from .remote import Errors, errors
 from .scenario import Cuts, Scenario
 from .simulation import Check, Course, Deviation, read_reference
 from .variables import Variable, variables
@@ -24,6 +25,7 @@ from .variables import Variable, variables
 Reals = NDArray[np.float64]
 REFERENCE = "#1f6fb2"
 GREY = "#53616e"
+RECEIVED = "#9a8fb5"
 BANDS = ("#e8edf2", "#fbe3c8", "#d5ead8", "#e6dcf2", "#f7d9dc", "#d6ecef", "#efe9c9", "#dcd3cc")
 TRUE, SYNCHRONOUS = "#aab9c6", "#d5ead8"
 ROWS = (
@@ -32,6 +34,8 @@ ROWS = (
     ("acceleration", Unit.ACCELERATION, 185),
     ("jerk", Unit.JERK, 150),
 )
+ERRORS = (("index error", 185), ("axis error", 185))  # of a remote axis
+FARTHEST = 10.0  # cycles that the index error shows at first: an index that is held after a fault goes on for ever
 LANE = 24  # the height of a lane, in px, as those of the rows
 MOST_POINTS = 20_000  # of a line: more are thinned out
 MOST_TEXTS = 8  # commands that are written beside their marks; more would cover one another
@@ -70,24 +74,21 @@ def _html(figure: Any, *, plotly: bool = False) -> Markup:
 
 
 def plots(scenario: Scenario, course: Course, by_name: dict[str, Variable]) -> Any:
-    """Master and slave over time, the reference over them, lanes of what is discrete, marks of the commands."""
+    """Master and slave over time, the reference over them, a remote axis' errors, lanes of what is discrete, marks of
+    the commands."""
     lanes = list(_lanes(course, by_name))
-    heights = [*(height for *_, height in ROWS), LANE * (len(lanes) + 1)]
+    rows = [height for *_, height in ROWS] + [height for _, height in ERRORS if scenario.remote]
+    heights = [*rows, LANE * (len(lanes) + 1)]
     figure = make_subplots(
         rows=len(heights), cols=1, shared_xaxes=True, vertical_spacing=20.0 / sum(heights), row_heights=heights
     )
-    master = dict(zip((name for name, *_ in ROWS), course.master.T, strict=True))
-    reference = read_reference(scenario)
-    for i, (name, kind, _) in enumerate(ROWS, 1):
-        values = master[name] % scenario.period if name == "position" and scenario.period else master[name]
-        _line(figure, i, "master", course.time, _broken(values, scenario, name), MASTER, 1.5)
-        slave = _broken(course.values[f"slave.{name}"], scenario, name)
-        _line(figure, i, "slave", course.time, slave, SLAVE, 2.5)
-        if reference and f"slave.{name}" in reference[0]:
-            column = reference[1][:, 1 + reference[0].index(f"slave.{name}")]
-            _line(figure, i, "reference", reference[1][:, 0], _broken(column, scenario, name), REFERENCE, 1.5, "dot")
-        label = axis_label(kind, scenario.unit, scenario.slave_unit)
-        figure.update_yaxes(title_text=name + (f"<br>{label}" if label else ""), row=i, col=1)
+    if scenario.remote:
+        found = errors(scenario.remote, course)
+        _received(figure, found)
+        _motion(figure, scenario, course, "remote axis")
+        _errors(figure, found, scenario)
+    else:
+        _motion(figure, scenario, course, "master")
     _discrete(figure, len(heights), lanes)
     _commands(figure, len(heights), scenario, by_name)
     figure.update_layout(
@@ -101,6 +102,43 @@ def plots(scenario: Scenario, course: Course, by_name: dict[str, Variable]) -> A
     )
     figure.update_xaxes(title_text="time in s", row=len(heights), col=1)
     return figure
+
+
+def _motion(figure: Any, scenario: Scenario, course: Course, followed: str) -> None:
+    """The slave, what it follows, and the reference: a row each for position and its derivatives."""
+    master = dict(zip((name for name, *_ in ROWS), course.master.T, strict=True))
+    reference = read_reference(scenario)
+    for i, (name, kind, _) in enumerate(ROWS, 1):
+        values = master[name] % scenario.period if name == "position" and scenario.period else master[name]
+        _line(figure, i, followed, course.time, _broken(values, scenario, name), MASTER, 1.5)
+        slave = _broken(course.values[f"slave.{name}"], scenario, name)
+        _line(figure, i, "slave", course.time, slave, SLAVE, 2.5)
+        if reference and f"slave.{name}" in reference[0]:
+            column = reference[1][:, 1 + reference[0].index(f"slave.{name}")]
+            _line(figure, i, "reference", reference[1][:, 0], _broken(column, scenario, name), REFERENCE, 1.5, "dot")
+        _title(figure, i, name, axis_label(kind, scenario.unit, scenario.slave_unit))
+
+
+def _received(figure: Any, found: Errors) -> None:
+    """What the telegrams tell, in the rows of the motion."""
+    for i, values in enumerate(found.received.T, 1):
+        _line(figure, i, "received", found.time, values, RECEIVED, 1.0)
+
+
+def _errors(figure: Any, found: Errors, scenario: Scenario) -> None:
+    """Rows below those of the motion: how far telegram and slave are from the truth."""
+    units = "cycles", unit_name(Unit.POSITION, scenario.unit)
+    pairs = (found.index, found.corrected_index), (found.position, found.corrected_position)
+    rows = zip(ERRORS, units, pairs, strict=True)
+    for i, ((name, _), unit, (received, slave)) in enumerate(rows, len(ROWS) + 1):
+        _line(figure, i, "received", found.time, received, RECEIVED, 1.0)
+        _line(figure, i, "slave", found.time, slave, SLAVE, 2.0)
+        _title(figure, i, name, unit)
+    figure.update_yaxes(autorangeoptions={"clipmin": -FARTHEST, "clipmax": FARTHEST}, row=len(ROWS) + 1, col=1)
+
+
+def _title(figure: Any, row: int, name: str, unit: str) -> None:
+    figure.update_yaxes(title_text=name + (f"<br>{unit}" if unit else ""), row=row, col=1)
 
 
 def _line(

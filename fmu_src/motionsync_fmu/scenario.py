@@ -1,4 +1,4 @@
-"""Scenario files: a scripted master, commands and expectations, read from TOML and checked against the block.
+"""Scenario files: a scripted axis, commands and expectations, read from TOML and checked against the block.
 
 Every mistake is one `UserError` that begins with file and line and names the key.
 """
@@ -8,7 +8,7 @@ import operator
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -17,16 +17,23 @@ from typing import Any, NoReturn
 from motionsync.blocks import BLOCKS
 
 from .build import Recipe, check_slave_unit
+from .clocks import INDICES, Clocks, Rate
 from .description import BASES
 from .errors import UserError
+from .remote import Accuracy, Remote
 from .script import Script, Segment
 from .variables import Variable, variables
 
 FILE = "scenario.toml"
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
+MOTION = ("position", "velocity", "acceleration", "segments")
+TELEGRAMS = ("sender_cycle", "phase", "jitter", "seed", "lost", "first_index", "accuracy")
+DELAY = "delay_time_offset"  # shifts what the outputs of a block with a remote axis describe
+LISTS = ("segments", "sender_cycle")  # of tables, each on a line of its own or not
 COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {"==": operator.eq, "<": operator.lt, ">": operator.gt}
 CONDITION = re.compile(r"\s*([\w.]+)\s*(?:(==|<|>)\s*(\S+)\s*)?")
 MOST_STEPS = 1_000_000  # their results still fit into memory
+MOST_JITTER = 0.15  # of a cycle: nearly all of it is then less than what keeps the order of cycles
 USES: Mapping[str, tuple[Callable[[Variable], bool], str]] = {  # which variables a table may name
     "start": (lambda v: v.settable, "a parameter or input"),
     "set": (lambda v: v.causality == "input" or v.variability == "tunable", "an input or tunable parameter"),
@@ -54,7 +61,10 @@ class AtTime:
 
 @dataclass(frozen=True)
 class When:
-    """The first time at which a variable compares with a value as told; without a tolerance, to one step of the run."""
+    """The first time at which a variable compares with a value as told.
+
+    Without a tolerance it is known to one step of the run, or to one cycle of a cyclic block if that is longer.
+    """
 
     text: str
     name: str
@@ -108,6 +118,8 @@ class Scenario:
     `unit`: of positions, for the report; the FMU's numbers do not depend on it. `slave_unit`: of the slave's, where a
     block tells them apart; empty: the same.
     `tolerance`: of the reference, relative to the greatest magnitude of each variable in it.
+    `master`: the scripted axis; also that of a remote one.
+    `remote`: how that axis is seen, by a block that has no master; else None.
     """
 
     file: Path
@@ -121,6 +133,7 @@ class Scenario:
     tolerance: float
     start: Mapping[str, Any]
     master: Script
+    remote: Remote | None
     settings: tuple[Setting, ...]
     expectations: tuple[Expectation, ...]
     cuts: Cuts | None
@@ -175,9 +188,10 @@ class _Reader:
             raise UserError(f"{file}:1: not TOML: nested too deeply") from None
         self.lines = _lines(self.text)
         self.variables: dict[str, Variable] = {}
+        self.group = ""  # of the inputs that come from a script, and so the name of its table
 
     def scenario(self) -> Scenario:
-        self.keys(self.root, (*SCALARS, "start", "master", "set", "expect", "cuts"), "")
+        self.keys(self.root, (*SCALARS, "start", "master", "remote", "set", "expect", "cuts"), "")
         name = self.string("fmu")
         if name not in BLOCKS:
             self.fail("", 0, "fmu", f"no block is named {name!r}; there is {', '.join(BLOCKS)}")
@@ -191,10 +205,14 @@ class _Reader:
         except UserError as e:
             self.fail("", 0, "slave_unit", str(e))
         self.variables = {v.name: v for v in variables(block)}
+        self.group, other = ("remote", "master") if "remote.cycle_index" in self.variables else ("master", "remote")
+        if other in self.root:
+            self.fail("", 0, other, f"{name} has no inputs {other}.*: its axis is scripted in [{self.group}]")
         stop_time = self.number(self.root, "stop_time", "", above=0.0)
         step_size = self.number(self.root, "step_size", "", above=0.0, most=stop_time)
         if stop_time / step_size > MOST_STEPS:
             self.fail("", 0, "step_size", f"{step_size:g} makes more than {MOST_STEPS:,} steps up to {stop_time:g}")
+        start, script, settings = self.start(), self.script(), tuple(self.settings(stop_time))
         return Scenario(
             self.file,
             self.string("title"),
@@ -205,9 +223,10 @@ class _Reader:
             stop_time,
             step_size,
             self.number(self.root, "tolerance", "", default=1e-9, above=0.0),
-            self.start(),
-            self.master(),
-            tuple(self.settings(stop_time)),
+            start,
+            script,
+            self.remote(script, start, settings, stop_time) if self.group == "remote" else None,
+            settings,
             tuple(self.expectations(stop_time)),
             self.cuts() if "cuts" in self.root else None,
         )
@@ -216,23 +235,95 @@ class _Reader:
         table = self.table("start", required=False)
         return {name: self.value(name, value, "start", 0) for name, value in table.items()}
 
-    def master(self) -> Script:
-        table = self.table("master")
-        self.keys(table, ("position", "velocity", "acceleration", "segments"), "master")
-        p, v, a = (self.number(table, key, "master", default=0.0) for key in ("position", "velocity", "acceleration"))
-        segments = table.get("segments", [])
-        if not isinstance(segments, list) or not all(isinstance(s, dict) for s in segments):
-            self.fail("master", 0, "segments", "must be a list of tables { duration = ..., ... }")
+    def script(self) -> Script:
+        table = self.table(self.group)
+        self.keys(table, MOTION + (TELEGRAMS if self.group == "remote" else ()), self.group)
+        p, v, a = (self.number(table, key, self.group, default=0.0) for key in ("position", "velocity", "acceleration"))
+        segments = self.listed(table.get("segments", []), "segments", "{ duration = ..., ... }")
         return Script(p, v, a, [self.segment(s, i) for i, s in enumerate(segments)])
 
+    def listed(self, value: Any, key: str, form: str) -> list[dict[str, Any]]:
+        """A list of tables in the script's table."""
+        if not isinstance(value, list) or not all(isinstance(t, dict) for t in value):
+            self.fail(self.group, 0, key, f"must be a list of tables {form}")
+        return value
+
     def segment(self, table: dict[str, Any], i: int) -> Segment:
-        where = "master.segments"
+        where = f"{self.group}.segments"
         self.keys(table, ("duration", "velocity", "acceleration", "jerk"), where, i)
         duration = self.number(table, "duration", where, i, above=0.0)
         held = [key for key in ("velocity", "acceleration", "jerk") if key in table]
         if len(held) > 1:
             self.fail(where, i, held[1], f"a segment holds at most one of velocity, acceleration, jerk, not {held}")
         return Segment(duration, **{key: self.number(table, key, where, i) for key in held})
+
+    def remote(self, axis: Script, start: Mapping[str, Any], settings: Iterable[Setting], stop_time: float) -> Remote:
+        """How the block sees the scripted axis; its own settings tell its cycles and what its outputs describe."""
+        table = self.table("remote")
+        cycle, data_cycle, delay = (
+            start.get(name, self.variables[name].start) for name in ("task_cycle_time", "data_cycle_time", DELAY)
+        )
+        rates = list(self.rates(table))
+        if max(stop_time / cycle, *(stop_time / rate.cycle for rate in rates)) > MOST_STEPS:
+            self.fail("remote", 0, "", f"makes more than {MOST_STEPS:,} cycles up to {stop_time:g}")
+        first_index = self.whole(table, "first_index", "remote", default=0, most=INDICES - 1)
+        clocks = Clocks(
+            cycle,
+            rates,
+            self.number(table, "phase", "remote", default=0.0, least=0.0, below=1.0),
+            self.number(table, "jitter", "remote", default=0.0, least=0.0, most=MOST_JITTER),
+            self.whole(table, "seed", "remote", default=0),
+            list(self.lost(table.get("lost", []), first_index)),
+            first_index,
+        )
+        later = ((s.at, s.values[DELAY]) for s in settings if DELAY in s.values)
+        accuracy = self.accuracy(table["accuracy"], stop_time) if "accuracy" in table else None
+        delays = [(0.0, delay), *sorted(later)]
+        return Remote(axis, clocks, clocks.acted(stop_time), data_cycle or cycle, delays, accuracy)
+
+    def rates(self, table: dict[str, Any]) -> Iterator[Rate]:
+        """The sender's cycles: one for ever, or each from a time on."""
+        if not isinstance(table.get("sender_cycle"), list):
+            yield Rate(0.0, self.number(table, "sender_cycle", "remote", above=0.0))
+            return
+        where, before = "remote.sender_cycle", -math.inf
+        rates = self.listed(table["sender_cycle"], "sender_cycle", "{ at = ..., cycle = ... }")
+        if not rates:
+            self.fail("remote", 0, "sender_cycle", "is empty")
+        for i, rate in enumerate(rates):
+            self.keys(rate, ("at", "cycle"), where, i)
+            at = self.number(rate, "at", where, i, above=before)
+            if i == 0 and at != 0.0:
+                self.fail(where, i, "at", f"{at:g}: the first cycle is that from 0 on")
+            yield Rate(at, self.number(rate, "cycle", where, i, above=0.0))
+            before = at
+
+    def lost(self, ranges: Any, first_index: int) -> Iterator[tuple[int, int]]:
+        """Ranges of lost telegrams; the first one that is sent may be among them."""
+        if not isinstance(ranges, list):
+            self.fail("remote", 0, "lost", "must be a list of ranges [first, last]")
+        for pair in ranges:
+            if not isinstance(pair, list) or [type(x) for x in pair] != [int, int]:
+                self.fail("remote", 0, "lost", f"{pair!r} is not a range [first, last] of whole numbers")
+            first, last = pair
+            if last < first:
+                self.fail("remote", 0, "lost", f"[{first}, {last}] is backwards: the last is at least the first")
+            if first < first_index:
+                self.fail("remote", 0, "lost", f"[{first}, {last}] is before the first telegram, {first_index}")
+            yield first, last
+
+    def accuracy(self, table: Any, stop_time: float) -> Accuracy:
+        where = "remote.accuracy"
+        if not isinstance(table, dict):
+            self.fail("remote", 0, "accuracy", f"must be a table: [{where}]")
+        self.keys(table, ("from", "index", "position", "behind"), where)
+        if not table.keys() & {"index", "position"}:
+            self.fail(where, 0, "", "expects nothing: it needs index, position or both")
+        index, position = (
+            self.number(table, key, where, least=0.0) if key in table else None for key in ("index", "position")
+        )
+        begin = self.number(table, "from", where, least=0.0, most=stop_time)
+        return Accuracy(begin, index, position, self.number(table, "behind", where, default=0.0, least=0.0))
 
     def settings(self, stop_time: float) -> Iterator[Setting]:
         for i, table in enumerate(self.tables("set")):
@@ -309,9 +400,7 @@ class _Reader:
         self.variable(name, "cuts", 0, "while")
         if period := self.root.get("start", {}).get("master.period"):
             self.fail("cuts", 0, "", f"the material is a linear axis, but master.period is {period:g}")
-        count = self.number(table, "count", "cuts", least=0.0) if "count" in table else None
-        if count is not None and not count.is_integer():
-            self.fail("cuts", 0, "count", f"{count:g} is not a whole number")
+        count = self.whole(table, "count", "cuts") if "count" in table else None
         if (ratio := self.number(table, "ratio", "cuts", default=1.0)) == 0.0:
             self.fail("cuts", 0, "ratio", "0 is not allowed: the saw goes along with the material")
         return Cuts(
@@ -320,7 +409,7 @@ class _Reader:
             self.number(table, "offset", "cuts", default=0.0),
             ratio,
             self.number(table, "tolerance", "cuts", least=0.0) if "tolerance" in table else None,
-            None if count is None else int(count),
+            count,
         )
 
     # --- single values ---
@@ -347,8 +436,8 @@ class _Reader:
         fits, what = USES[table]
         if not fits(v):
             self.fail(table, i, key, f"is a {v.variability} {v.causality}, not {what}")
-        if table != "expect" and v.causality == "input" and name.startswith("master."):
-            self.fail(table, i, key, "comes from the script in [master]")
+        if table != "expect" and v.causality == "input" and name.startswith(f"{self.group}."):
+            self.fail(table, i, key, f"comes from the script in [{self.group}]")
         names = {member.name: member.value for member in v.choices}
         value = names.get(value, value) if isinstance(value, str) else value
         kinds: Any = {"Boolean": bool, "Real": (int, float)}.get(v.kind, int)
@@ -372,6 +461,7 @@ class _Reader:
         above: float = -math.inf,
         least: float = -math.inf,
         most: float = math.inf,
+        below: float = math.inf,
         within: str = "",
     ) -> float:
         value, given = table.get(key, default), key in table
@@ -383,11 +473,23 @@ class _Reader:
         value = _real(value)
         if given and not math.isfinite(value):
             self.fail(where, i, key, f"{told}{value} is not allowed: it must be finite")
-        if not (value > above and least <= value <= most) and given:
-            limits = (f"> {above:g}", above), (f">= {least:g}", least), (f"<= {most:g}", -most)
+        if not (value > above and least <= value <= most and value < below) and given:
+            limits = (
+                *((f"> {above:g}", above), (f">= {least:g}", least)),
+                *((f"<= {most:g}", -most), (f"< {below:g}", -below)),
+            )
             text = " and ".join(t for t, limit in limits if limit > -math.inf)
             self.fail(where, i, key, f"{told}{value:g} is not allowed: it must be {text}")
         return value
+
+    def whole(
+        self, table: dict[str, Any], key: str, where: str, *, default: int | None = None, most: float = math.inf
+    ) -> int:
+        """A number >= 0 without a fraction."""
+        value = self.number(table, key, where, default=default, least=0.0, most=most)
+        if not value.is_integer():
+            self.fail(where, 0, key, f"{value:g} is not a whole number")
+        return int(value)
 
     def string(self, key: str, default: str | None = None, within: str = "") -> str:
         table = self.root[within] if within else self.root
@@ -417,7 +519,9 @@ class _Reader:
                 self.fail(where, i, at, f"{'' if not within else key + ': '}unknown key; there is {', '.join(known)}")
 
     def fail(self, table: str, i: int, key: str, message: str) -> NoReturn:
-        places = [(table, i, key), (table, i, "")] if table else [("", 0, key), (key, 0, "")]
+        outer, _, last = table.rpartition(".")
+        inner = f"{table}.{key}".strip(".")
+        places = [(table, i, key), (inner, 0, ""), (table, i, ""), (outer, 0, last)]
         line = next((self.lines[place] for place in places if place in self.lines), 1)
         raise UserError(f"{self.file}:{line}: {key or table}: {message}")
 
@@ -426,11 +530,10 @@ def _lines(text: str) -> dict[tuple[str, int, str], int]:
     """On which line each key of the i-th table of a name stands, "" for the table itself; tomllib does not tell."""
     found: dict[tuple[str, int, str], int] = {}
     tables: Counter[str] = Counter()
-    table, i, segments = "", 0, 0
-    listing = False
+    table, i, listing = "", 0, ""
     for n, line in enumerate(text.split("\n"), 1):
         if header := re.match(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?\s*(#.*)?$", line):
-            table, listing = header[1], False
+            table, listing = header[1], ""
             i = tables[table]
             tables[table] += 1
             found[table, i, ""] = n
@@ -438,10 +541,10 @@ def _lines(text: str) -> dict[tuple[str, int, str], int]:
             found.setdefault((table, i, key[2]), n)
             if not key[1]:  # a.b = ... is a table a to TOML
                 found.setdefault((table, i, key[2].partition(".")[0]), n)
-            listing = key[2] == "segments"
+            listing = f"{table}.{key[2]}" if key[2] in LISTS else ""
         for _ in range(line.count("{") if listing else 0):
-            found["master.segments", segments, ""] = n
-            segments += 1
+            found[listing, tables[listing], ""] = n
+            tables[listing] += 1
     return found
 
 

@@ -15,6 +15,7 @@ from motionsync.master import MasterInput
 from .cuts import cut
 from .errors import UserError
 from .host import FmuError, Host
+from .remote import Accuracy, Errors, errors
 from .scenario import COMPARISONS, AtTime, Cuts, Scenario, When, Within
 from .script import Motion
 from .variables import variables
@@ -26,7 +27,7 @@ CLOSE = 1e-9  # of a step: communication points nearer to one another are one
 class Course:
     """What the FMU put out: `values[name]`, shape (points,), at the communication points `time`, shape (points,), s.
 
-    `master`: the scripted master at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3.
+    `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3.
     """
 
     time: np.ndarray[Any, np.dtype[np.float64]]
@@ -84,7 +85,10 @@ def points(scenario: Scenario, step_size: float) -> list[float]:
 
 
 def inputs(scenario: Scenario, t: float, end: float) -> dict[str, float]:
-    """The master's inputs for the step from t to `end`, wrapped as a rotary axis' would be."""
+    """The scripted axis' inputs for the step from t to `end`: a remote one's telegram, or the master, wrapped as a
+    rotary axis' would be."""
+    if scenario.remote:
+        return scenario.remote.inputs(t, end)
     mode = scenario.start.get("master.input_mode", MasterInput.START_OF_STEP)
     motion = scenario.master.until(end) if mode == MasterInput.END_OF_STEP and end > t else scenario.master.at(t)
     return {
@@ -95,7 +99,7 @@ def inputs(scenario: Scenario, t: float, end: float) -> dict[str, float]:
 
 
 def schedule(scenario: Scenario, step_size: float) -> Iterator[tuple[float, float, dict[str, Any]]]:
-    """Each step's beginning and end, and what is set for it; what stays as it is is not repeated but the master."""
+    """Each step's beginning and end, and what is set for it; what stays as it is is not repeated but the axis."""
     waiting = sorted(scenario.settings, key=lambda s: s.at)
     grid = points(scenario, step_size)
     for t, end in pairwise(grid):
@@ -139,7 +143,7 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Course:
 
 
 def check(scenario: Scenario, course: Course) -> list[Check]:
-    """Every expectation of the scenario, judged; those of its cuts come last."""
+    """Every expectation of the scenario, judged; those of its cuts and of its remote axis come last."""
     found: list[Check] = []
     texts = {v.name: v.text for v in variables(scenario.recipe.block())}
     for e in scenario.expectations:
@@ -147,10 +151,14 @@ def check(scenario: Scenario, course: Course) -> list[Check]:
             case AtTime():
                 found += _at_time(e, course, texts)
             case When():
-                found.append(_when(e, course))
+                found.append(_when(e, course, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
             case Within():
                 found += _within(e, course)
-    return found + ([] if scenario.cuts is None else list(_cuts(scenario.cuts, course)))
+    if scenario.cuts:
+        found += _cuts(scenario.cuts, course)
+    if scenario.remote and scenario.remote.accuracy:
+        found += _accuracy(scenario.remote.accuracy, errors(scenario.remote, course))
+    return found
 
 
 def _at_time(e: AtTime, course: Course, texts: Mapping[str, Callable[[float], str]]) -> Iterator[Check]:
@@ -163,8 +171,9 @@ def _at_time(e: AtTime, course: Course, texts: Mapping[str, Callable[[float], st
         yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)
 
 
-def _when(e: When, course: Course) -> Check:
-    tolerance = float(np.diff(course.time).max()) if e.tolerance is None else e.tolerance
+def _when(e: When, course: Course, cycle: float) -> Check:
+    """Without a tolerance an event is known to a step, that of a cyclic block to a cycle."""
+    tolerance = max(float(np.diff(course.time).max()), cycle) if e.tolerance is None else e.tolerance
     holds = np.asarray(COMPARISONS[e.comparison](course.values[e.name], e.value))
     expected = f"first {e.text} at {e.time:g} s ± {tolerance:g}"
     if not holds.any():
@@ -191,6 +200,20 @@ def _cuts(spec: Cuts, course: Course) -> Iterator[Check]:
         worst = max((abs(c.error) for c in found), default=math.inf)
         expected = f"cuts within {spec.tolerance:g} of a mark, one mark each {spec.length:g}"
         yield Check(expected, f"at most {worst:.3g} away" if found else "no cut", worst <= spec.tolerance)
+
+
+def _accuracy(allowed: Accuracy, found: Errors) -> Iterator[Check]:
+    chosen = found.time >= allowed.begin - 1e-9
+    since = f"from {allowed.begin:g} s on"
+    if allowed.index is not None:
+        width = float(np.ptp(found.corrected_index[chosen]))
+        expected = f"corrected_cycle_index within {allowed.index:g} cycles of the true index, peak to peak, {since}"
+        yield Check(expected, f"{width:.3g}", width <= allowed.index)
+    if allowed.position is not None:
+        worst = float(np.abs(found.corrected_position[chosen]).max())
+        behind = f", {allowed.behind:g} data cycles behind," if allowed.behind else ""
+        expected = f"slave.position within {allowed.position:g} of the true axis{behind} {since}"
+        yield Check(expected, f"at most {worst:.3g} away", worst <= allowed.position)
 
 
 def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]], float] | None:

@@ -35,6 +35,29 @@ class Example:
 
 
 @dataclass(frozen=True)
+class RemoteExample:
+    """A run with an axis at constant velocity on another controller, known by its telegrams.
+
+    Attributes:
+        caption: what the picture of the run shows.
+        velocity: the axis', in u/s; it begins at position 0.
+        sender_cycle: of the controller that sends the telegrams, s.
+        duration: in s.
+        start: start values of parameters.
+        variants: runs that are shown beside one another: what each is called, and further start values.
+        unit: of positions, in the picture that shows the numbers as they are here.
+    """
+
+    caption: str
+    velocity: float
+    sender_cycle: float
+    duration: float
+    start: Mapping[str, Any]
+    variants: Mapping[str, Mapping[str, Any]]
+    unit: str = "mm"
+
+
+@dataclass(frozen=True)
 class Registered:
     """A block and what its documentation shows.
 
@@ -44,7 +67,7 @@ class Registered:
     """
 
     type: type[Any]
-    example: Example
+    example: Example | RemoteExample
     guide: tuple[str, ...]
     names: tuple[tuple[str, str], ...] = ()
 
@@ -277,6 +300,53 @@ BLOCKS: Mapping[str, Registered] = {
             ("command bit 20", "`stop_in_park`"),
             ("command bit 21", "`recover_late_sync`"),
             ("the function's result, errorCode", "`state`, as a plain integer `state_code`; `error_id`"),
+        ),
+    ),
+    "RemoteSync": Registered(
+        RemoteSync,
+        RemoteExample(
+            "An axis moves with 1000 mm/s on a controller whose clock runs 2000 ppm fast; telegrams come every 2 ms. "
+            "As received, its position is up to 2 mm old, and jumps at each beat. Once two beats have been seen the "
+            "drift is known, and both estimators follow the axis: BEAT anew from beat to beat, PHASE evenly.",
+            velocity=1000.0,
+            sender_cycle=0.002 / 1.002,
+            duration=4.5,
+            start={"task_cycle_time": 0.002, "slope1_numerator": 0.5},
+            variants={"BEAT": {"estimator": 1}, "PHASE": {"estimator": 2}},
+        ),
+        guide=(
+            "Wire the telegram: `remote.cycle_index`, the sender's cycle counter of 16 bits, and `remote.position`, "
+            "`remote.velocity`, `remote.acceleration` of that cycle. Say how long the cycles are: `task_cycle_time`, "
+            "the receiver's; `data_cycle_time`, the sender's nominal one, if it is another.",
+            "Wire `slave.position`, `slave.velocity`, `slave.acceleration` to the master of whatever follows the "
+            "remote axis. They belong to the cycle's instant; `delay_time_offset` = `task_cycle_time` gives those of "
+            "the step's end, for a follower with inputs END_OF_STEP.",
+            "Choose the `estimator`. BEAT does what the source does, its corrected index swings by up to half a cycle "
+            "with the default slopes; `slope1_numerator` 0.5 with `slope1_denominator` 0.5 is uniform and more even. "
+            "PHASE stays within a few hundredths of a cycle, for equal cycle times.",
+            "Until two beats have been seen (`start_up`), values are as `start_up_mode` says; then `synced` holds and "
+            "`drift` tells the clocks' difference in ppm: a beat comes every 1e6 / drift cycles. Without any drift "
+            "there is no beat, and TIME is as good.",
+            "For a slower sender BEAT's values are one data cycle old, as the source's are: add `data_cycle_time` to "
+            "`delay_time_offset`.",
+            "A connection that is lost for more than `age_of_data_limit` cycles, or an index that steps by more than "
+            "`max_cycle_index_difference`, leads to `fall_back_mode` over `blending_time`, and `error_id` tells why. A "
+            "rising edge of `enable`, or `automatic_reinit`, begins anew.",
+        ),
+        names=(
+            ("bEnable", "`enable`"),
+            ("iCycleIndex", "`remote.cycle_index`"),
+            ("fTaskCycleTime, fDataCycleTime", "`task_cycle_time`, `data_cycle_time`"),
+            ("fThresholdForSync", "`threshold_for_sync`"),
+            ("iNoOfPeriodsForMeanDrift", "`periods_for_mean_drift`"),
+            ("fDelayTimeOffset", "`delay_time_offset`"),
+            ("iEndOfTransitionLimit", "`end_of_transition_limit`"),
+            ("iNewDriftBendingCycles", "`new_drift_blending_cycles`"),
+            ("iTimeModeBlendingCycles", "`time_mode_blending_cycles`"),
+            ("bUseAccForExtrapolation", "`use_acceleration`"),
+            ("fBlendingTime", "`blending_time`"),
+            ("fCorrectionTime", "`correction_time`"),
+            ("bSynced, bStartUp", "`synced`, `start_up`"),
         ),
     ),
 }
