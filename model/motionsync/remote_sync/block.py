@@ -254,10 +254,11 @@ class RemoteSync:
         if h > MOST_CYCLES * cycle:
             return Refusal.REMOTE_CYCLES
         self.fresh = self.fresh or not self.enable
-        while self.missing < h - SAME_INSTANT * cycle:
+        worked = 0
+        while self.missing + worked * cycle < h - SAME_INSTANT * cycle:
             self.work()
-            self.missing += cycle
-        self.missing -= h
+            worked += 1
+        self.missing += worked * cycle - h
         return Refusal.NONE
 
     def find_ratio(self) -> bool:
