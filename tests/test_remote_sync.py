@@ -206,6 +206,19 @@ def test_a_quiet_stretch_at_the_confirmed_difference_closes_the_zone_without_a_b
     assert (found(course), course["drift"][-1]) == ([590, 1090], 2000.0)
 
 
+@pytest.mark.parametrize("values", [UNIFORM, PHASE])
+@pytest.mark.parametrize("flicker", [511, 700, 1030, 1250])
+def test_a_closed_zone_leaves_the_correction_alone(values: dict[str, Any], flicker: int) -> None:
+    """Quiet stretches of 10 cycles: also while a beat before it is still worked off."""
+    indices = [*BEATING]
+    indices[flicker] += 1
+    parameters: dict[str, Any] = {"end_of_transition_limit": 10, **values}
+    course, calm = run(indices, **parameters), run(BEATING, **parameters)
+    assert at(course, "local.transition", flicker, flicker + 10, flicker + 11) == (True, True, False)
+    for name in ("corrected_cycle_index", "drift", "beats", "synced"):
+        assert course[name] == calm[name]
+
+
 def test_flicker_shortly_before_a_step_belongs_to_its_zone() -> None:
     """First 450, last 500: dated 475."""
     indices = [*BEATING]
@@ -357,6 +370,12 @@ def test_a_change_of_two_before_any_beat_is_no_warning() -> None:
     assert offset(course, 290, 320, 380) == close(0.0, 2.0, 6.0)
 
 
+def test_a_warning_outlasts_another_change_of_two() -> None:
+    course = run([n + (n >= 500) + 3 * (n >= 800) - 2 * (n >= 1100) + (n >= 1400) for n in range(1500)])
+    assert at(course, "beats", 889, 890, 1190, 1490) == (1, 0, 0, 1)
+    assert at(course, "warning", 889, 890, 1190, 1489, 1490) == (False, True, True, True, False)
+
+
 def test_a_reversal_of_the_very_first_beat() -> None:
     """It is forgotten, which is a warning; the opposite one is the first."""
     course = run([n + (300 <= n < 700) - (n >= 1200) for n in range(1300)])
@@ -503,6 +522,32 @@ def test_the_first_two_beats_far_apart_give_the_drift_of_the_line_through_both()
     assert offset(course, 25900)[0] == close(2 + 40e-6 * (25900 - 25499.5))
 
 
+def joined(span: float) -> State:
+    """After the first two beats, at the second one, which is at the border 2."""
+    return 2.0, 1 / span, RHO2, RHO2 / span, 2 * RHO2 / span**2
+
+
+def test_later_beats_far_apart_go_through_the_filter() -> None:
+    """25910 cycles are 38.6 ppm in the mean; a drift that walks there from 40 is as far beyond again by half."""
+    course = run(beating(51600, 500, 25500, 51500 - 90), **PHASE)
+    x, d, *_ = updated(joined(25000.0), 25910.0, 3.0)
+    assert course["drift"][51500] == close(1e6 * d, tolerance=1e-9)
+    assert course["drift"][51500] == pytest.approx(40 - 1.5 * (40 - 1e6 / 25910), abs=0.1)
+    assert offset(course, 51599)[0] == close(x + d * 189.5, tolerance=1e-9)
+
+
+def test_a_first_beat_back_far_away_goes_through_the_filter() -> None:
+    """There and back over the same border: no line leads through both."""
+    course = run([n + (500 <= n < 25500) for n in range(25700)], **PHASE)
+    first = updated((0.5, 0.0, 1 / 12, 0.0, DRIFT2), 499.5, 1.0)
+    assert first[0] + first[1] * 25000 > 2.05  # so it was held in its count: the drift is what is left of it
+    held = (2.05 - first[0]) / (25499 - 499.5)
+    assert course["drift"][25499] == close(1e6 * held, tolerance=1e-9)
+    x, d, *_ = updated((first[0], held, *first[2:]), 25000.0, 1.0)
+    assert course["drift"][25590] == close(1e6 * d, tolerance=1e-9)
+    assert offset(course, 25690)[0] == close(x + d * 190.5, tolerance=1e-9)
+
+
 def test_phase_sets_the_middle_of_a_first_difference_that_does_not_stay() -> None:
     course = run(beating(300, 40), **PHASE)
     assert offset(course, 130, 175, 220, 299) == close(0.5, 1.0, 1.5, 1.5)
@@ -553,6 +598,15 @@ def test_phase_forgets_its_beats_with_a_change_of_two_or_more() -> None:
     d = course["drift"][1390] * 1e-6
     assert d == pytest.approx(0.002, rel=5e-3)
     assert offset(course, 1435, 1480) == close((before + 6.5) / 2 + 45 * d, 6.5 + 90 * d)
+
+
+def test_after_a_change_of_two_or_more_the_phase_is_as_uncertain_as_at_the_start() -> None:
+    """D is 5 from 800 on, seen at 890, and 6 from 1400 on: dated 509.5 later. The drift's variance goes on."""
+    course = run([n + (n >= 500) + 4 * (n >= 800) + (n >= 1400) for n in range(1700)], **PHASE)
+    _, d, _, _, p22 = updated((0.5, 0.0, 1 / 12, 0.0, DRIFT2), 499.5, 1.0)
+    x, d, *_ = updated((5.5, d, 1 / 12, 0.0, p22), 1399.5 - 890.0, 6.0)
+    assert course["drift"][1490] == close(1e6 * d, tolerance=1e-9)
+    assert offset(course, 1580, 1699) == close(x + d * 180.5, x + d * 299.5, tolerance=1e-9)
 
 
 def test_phase_warns_of_a_distance_that_differs_by_more_than_a_fifth() -> None:
@@ -732,6 +786,17 @@ def test_a_rising_edge_of_enable_is_a_new_start() -> None:
     assert [receiver[name] for name in ("synced", "start_up", "drift", "beats", "warning")] == [False, True, 0.0, 0, 0]
     assert (receiver["state"], receiver["cycle_index_difference"], receiver["error"]) == (Mode.TIME, 0, False)
     assert found(receiver.run(range(10000, 10400))) == []
+
+
+@pytest.mark.parametrize("estimator", Estimator)
+@pytest.mark.parametrize("worked", [120, 1120, 1400])
+def test_a_new_start_is_as_the_first_one(estimator: Estimator, worked: int) -> None:
+    """Whatever went on before, in the midst of a zone, of what is worked off, or in sync."""
+    receiver = Receiver({"estimator": estimator})
+    receiver.run(beating(1400, 100, 500, 1000)[:worked])
+    receiver.see(9, {"enable": False})
+    again, first = receiver.run(BEATING, {"enable": True}), run(BEATING, estimator=estimator)
+    assert all(again[name] == first[name] for name in first if not name.startswith("slave"))
 
 
 def test_a_pulse_between_two_cycles_is_a_new_start_in_the_next_one() -> None:

@@ -295,7 +295,6 @@ class RemoteSync:
         self.index = self.remote.cycle_index % INDICES
         self.base = self.index
         self.received = 0
-        self.equal_data_consecutive = 0
         self.local.cycles = -1
         self.zone.begin(0)
         self.beat.begin(0)
