@@ -389,6 +389,16 @@ def test_a_path_without_lines_is_told(motionsync: Command, tmp_path: Path) -> No
         assert told in done.err
 
 
+def test_they_are_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys, "argv", ["motionsync", "list", "--scenarios", str(LINES)])
+    with pytest.raises(SystemExit):
+        cli.main()
+    told = capsys.readouterr().out
+    for file in (SAW, SYNCHRONIZER):
+        assert str(file) in told
+        assert load_line(file).follower.title in told
+
+
 def test_two_lines_of_a_name_are_refused(motionsync: Command, tmp_path: Path) -> None:
     for folder in ("one", "other"):
         (tmp_path / folder).mkdir()

@@ -26,7 +26,7 @@ from .documentation import groups
 from .errors import UserError, choose
 from .line.judge import Result, examine
 from .line.package import Package, write_package
-from .line.reader import Line, find_lines, load_line
+from .line.reader import PATTERN, Line, find_lines, load_line
 from .line.report import write_line_report
 from .references import command_line, csv_text, inputs_csv, inputs_file
 from .report import write_report
@@ -132,7 +132,7 @@ def _assignment(text: str) -> tuple[str, str]:
 def list_all(
     scenarios: Annotated[Path, typer.Option(help="Where scenarios lie.")] = Path("scenarios"),
 ) -> None:
-    """List the blocks that can be built and the scenarios that can be run.
+    """List the blocks that can be built, and the scenarios and lines that can be run.
 
     Example: motionsync list --scenarios scenarios/Synchronizer
     """
@@ -148,6 +148,12 @@ def list_all(
         s = load(file)
         table.add_row(str(file.parent), s.title, s.source)
     wide.print(table)
+    lines = Table("path", "title", "source", title="\nLines", title_justify="left", box=None)
+    for file in sorted(scenarios.rglob(PATTERN)):
+        s = load_line(file).follower
+        lines.add_row(str(file), s.title, s.source)
+    if lines.rows:
+        wide.print(lines)
 
 
 @app.command()
