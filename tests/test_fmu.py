@@ -162,6 +162,16 @@ def test_units_have_si_factors(tmp_path: Path, unit: str, name: str, base: dict[
     assert validate_fmu(str(tmp_path / "Synchronizer.fmu")) == []
 
 
+def test_the_default_step_is_a_cycle_of_a_block_that_has_cycles(tmp_path: Path) -> None:
+    for recipe, step in (
+        (Recipe("Synchronizer"), "0.001"),
+        (Recipe("RemoteSync"), "0.002"),
+        (Recipe("RemoteSync", "mm", {"task_cycle_time": "0.0005"}), "0.0005"),
+    ):
+        root = description(build_python(recipe, tmp_path / f"{step}.fmu"))
+        assert root.find("DefaultExperiment").get("stepSize") == step
+
+
 def test_everything_is_described(block_fmu: Path) -> None:
     root = description(block_fmu)
     for tag in ("ScalarVariable", "SimpleType/Enumeration/Item", "Category"):
