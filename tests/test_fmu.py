@@ -25,6 +25,7 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 from conftest import Fmus
 from drives import calm, drawn
 from motionsync.blocks import BLOCKS
+from motionsync.remote_sync.block import RemoteSync
 from motionsync_fmu.build import Flavour, Recipe, build, build_python
 from motionsync_fmu.host import FmuError, Host
 from motionsync_fmu.variables import Variable, variables
@@ -536,6 +537,21 @@ def test_many_instances_come_and_go(fmu: Path) -> None:
             with pytest.raises(FmuError):
                 hosts[1].initialize({"output_phasing": 0.0})
             hosts[2].initialize().step(0.1)
+
+
+def test_counts_of_cycles_stay_integers_of_32_bits() -> None:
+    """In a run of weeks, of which only the end is stepped: no index has come for ever so long."""
+    block = RemoteSync(age_of_data_limit=0, max_cycle_index_difference=0)
+    block.initialize()
+    block.step(block.task_cycle_time)
+    most = 2**31 - 1
+    block.cycle = block.equal_data_total = block.equal_data_consecutive = most - 2
+    for _ in range(5):
+        block.step(block.task_cycle_time)
+    assert block.cycle > most
+    assert block.zone.difference < -most
+    assert (block.local.cycles, block.local.difference) == (most, -most)
+    assert (block.equal_data_total, block.equal_data_consecutive) == (most, most)
 
 
 # --- libcosim ---
