@@ -116,9 +116,9 @@ static Value of_boolean(int x) { return of_integer(x != 0); }
 
 /* --- chance --- */
 
-static uint64_t random_bits(void) { /* SplitMix64 */
+static uint64_t random_bits(void) { /* SplitMix64; were seeds its own step apart, all would make the same calls */
     static uint64_t state;
-    if (!state) state = seed * 0x9E3779B97F4A7C15u + 1;
+    if (!state) state = seed * 0xD1342543DE82EF95u + 1;
     uint64_t z = state += 0x9E3779B97F4A7C15u;
     z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9u;
     z = (z ^ z >> 27) * 0x94D049BB133111EBu;
