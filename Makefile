@@ -5,10 +5,13 @@ BIN := $(VENV)/bin
 READY := $(VENV)/ready
 FLAGSHIP := scenarios/FlyingSaw/cyclic_cut
 
-.PHONY: run test build lint format references pictures benchmark clean
+.PHONY: run line test build lint format references pictures benchmark clean
 
 run: build ## build the FMUs and simulate the flagship scenario
 	$(BIN)/motionsync run $(FLAGSHIP)
+
+line: $(READY) ## wire a remote axis through RemoteSync into its followers, and tell the errors
+	$(BIN)/motionsync line scenarios/line
 
 test: lint ## everything that proves the project
 	$(BIN)/python -m pytest $(PYTEST)

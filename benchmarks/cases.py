@@ -2,6 +2,7 @@
 
 What is a block's own stands here; the measuring is the same for all."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,13 +13,34 @@ from motionsync.follower.block import State as FollowerState
 from motionsync.gearing.choices import StartMode, StopMode, Transition
 from motionsync.gearing.choices import State as GearingState
 from motionsync.master import MasterInput
+from motionsync.remote_sync.blending import Mode
+from motionsync.remote_sync.block import Estimator, StartUpMode
+from motionsync.remote_sync.faults import Fault as RemoteFault
+from motionsync.remote_sync.history import MOST_PERIODS
 from motionsync.transition import Curve
 
-VELOCITY = 90.0  # of the master, u/s
+VELOCITY = 90.0  # of the axis that moves, u/s
 H = 1e-3  # s a step
 
 Values = Mapping[str, Any]
 Bounds = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The axis that moves: what is set at each step.
+
+    Attributes:
+        group: of position, velocity and acceleration.
+        counter: an Integer, the count of the axis' cycles; empty if it has none.
+    """
+
+    group: str = "master"
+    counter: str = ""
+
+    @property
+    def motion(self) -> tuple[str, str, str]:
+        return f"{self.group}.position", f"{self.group}.velocity", f"{self.group}.acceleration"
 
 
 @dataclass(frozen=True)
@@ -30,6 +52,7 @@ class Steady:
         begin: what is set before the one step that leads there, with the master at 0 unless told.
         first: how long that step is, s.
         holds: what variables are as long as it lasts.
+        counts: what the axis' counter gains a second.
     """
 
     name: str
@@ -37,6 +60,7 @@ class Steady:
     begin: Values = field(default_factory=dict)
     first: float = H
     holds: Values = field(default_factory=dict)
+    counts: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -53,6 +77,7 @@ class Worst:
         ahead: Real inputs, drawn from these bounds after it and added to the variable of that name.
         watch: integers and enumerations that tell after the step whether the command was planned.
         planned: what they are then, one value each; any of these.
+        counts: what the axis' counter gains a second.
     """
 
     name: str
@@ -65,6 +90,7 @@ class Worst:
     ahead: Mapping[str, tuple[str, Bounds]] = field(default_factory=dict)
     watch: tuple[str, ...] = ()
     planned: tuple[tuple[int, ...], ...] = ()
+    counts: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -73,6 +99,12 @@ class Cases:
 
     steady: tuple[Steady, ...]
     worst: tuple[Worst, ...]
+    axis: Axis = Axis()
+
+
+def counted(counts: float, time: float) -> int:
+    """The axis' counter at a time. It never steps just where a step of a run begins, for such a time is inexact."""
+    return math.floor(counts * time + 0.25)
 
 
 # --- Synchronizer ---
@@ -414,9 +446,56 @@ FOLLOWER = Cases(
 )
 
 
+# --- RemoteSync ---
+
+RATE = 1.0 / H  # of a sender whose cycle is H, 1/s
+FAST = 1.002 * RATE  # its clock fast by 2000 ppm: a beat every 500 cycles
+BEATING = 1.5 * RATE  # a beat every 2 cycles: with a limit of 1 it is identified in the second one
+EQUAL = {"task_cycle_time": H}
+AT_ONCE = {"end_of_transition_limit": 1, "new_drift_blending_cycles": 1, "time_mode_blending_cycles": 1}
+TEN_CYCLES = {"task_cycle_time": 0.1 * H, "data_cycle_time": H, "age_of_data_limit": 0}
+
+
+def receiving(name: str, mode: Mode, counts: float = RATE, begin: Values | None = None, **start: Any) -> Steady:
+    holds = {"state_code": mode, "error": False}
+    return Steady(name, start=EQUAL | start, begin=begin or {}, holds=holds, counts=counts)
+
+
+def identified(name: str, cycles: Values, estimator: Estimator, periods: int = 1) -> Worst:
+    """A beat in each step: only as long as each is identified the values stay in sync."""
+    own = {"estimator": estimator, "periods_for_mean_drift": periods, "threshold_for_sync": 10.0}
+    return Worst(
+        name,
+        (),
+        start=cycles | own | AT_ONCE,
+        watch=("state_code", "error_id"),
+        planned=((Mode.SYNC, RemoteFault.NONE),),
+        counts=BEATING,
+    )
+
+
+REMOTE_SYNC = Cases(
+    steady=(
+        receiving("TIME, clocks alike", Mode.TIME),
+        receiving("BYPASS, disabled", Mode.BYPASS, begin={"enable": False}),
+        receiving("PT1, clocks alike", Mode.PT1, start_up_mode=StartUpMode.PT1),
+        receiving("SYNC by BEAT", Mode.SYNC, FAST),
+        receiving("SYNC by PHASE", Mode.SYNC, FAST, estimator=Estimator.PHASE),
+        Steady("after a fault", start=EQUAL, holds={"state_code": Mode.PT1, "error_id": RemoteFault.AGE_OF_DATA}),
+    ),
+    worst=(
+        identified("a beat identified by BEAT", EQUAL, Estimator.BEAT, MOST_PERIODS),
+        identified("a beat identified by PHASE", EQUAL, Estimator.PHASE),
+        identified("the same by BEAT, 10 cycles in the step", TEN_CYCLES, Estimator.BEAT, MOST_PERIODS),
+    ),
+    axis=Axis("remote", "remote.cycle_index"),
+)
+
+
 CASES: Mapping[str, Cases] = {
     "Synchronizer": SYNCHRONIZER,
     "FlyingSaw": FLYING_SAW,
     "Gearing": GEARING,
     "Follower": FOLLOWER,
+    "RemoteSync": REMOTE_SYNC,
 }

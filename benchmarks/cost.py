@@ -9,14 +9,13 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases import VELOCITY, H, Steady
+from cases import VELOCITY, Axis, H, Steady, counted
 from rich.table import Table
 
 from motionsync_fmu.host import Host
 from motionsync_fmu.native import HEADERS
 
 ROUNDS = 7
-MASTER = ("master.position", "master.velocity", "master.acceleration")
 OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 
 Subject = Callable[[int], float]  # does so many steps: nanoseconds a step
@@ -33,21 +32,25 @@ def timed(steps: Callable[[int], None]) -> Subject:
     return subject
 
 
-def begun(host: Host, case: Steady) -> Host:
+def begun(host: Host, case: Steady, axis: Axis) -> Host:
     """Led to where the case begins."""
     host.initialize(case.start)
-    host.step(case.first, {"master.velocity": VELOCITY, **case.begin})
+    host.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
     return host
 
 
-def through_fmpy(host: Host) -> Callable[[int], None]:
-    """Set three inputs, doStep, get four outputs: each a call into the FMU, as FMPy's own simulation does."""
-    inputs, outputs = references(host, MASTER), references(host, OUTPUTS)
+def through_fmpy(host: Host, case: Steady, axis: Axis) -> Callable[[int], None]:
+    """Set three inputs, doStep, get four outputs: each a call into the FMU, as FMPy's own simulation does; one more
+    call if the axis has a counter."""
+    inputs, outputs = references(host, axis.motion), references(host, OUTPUTS)
+    counter = references(host, [axis.counter] if axis.counter else [])
     unit = host.unit
 
     def steps(n: int) -> None:
         for _ in range(n):
             unit.setReal(inputs, [VELOCITY * host.time, VELOCITY, 0.0])
+            if counter:
+                unit.setInteger(counter, [counted(case.counts, host.time)])
             unit.doStep(host.time, H)
             host.time += H
             unit.getReal(outputs)
@@ -55,24 +58,31 @@ def through_fmpy(host: Host) -> Callable[[int], None]:
     return steps
 
 
-def through_ctypes(host: Host) -> Callable[[int], None]:
-    """The same three calls with ctypes alone: arrays made once, nothing checked."""
-    inputs = (ctypes.c_uint * len(MASTER))(*references(host, MASTER))
+def through_ctypes(host: Host, case: Steady, axis: Axis) -> Callable[[int], None]:
+    """The same calls with ctypes alone: arrays made once, nothing checked."""
+    inputs = (ctypes.c_uint * 3)(*references(host, axis.motion))
     outputs = (ctypes.c_uint * len(OUTPUTS))(*references(host, OUTPUTS))
-    values = (ctypes.c_double * len(MASTER))(0.0, VELOCITY, 0.0)
+    counter = (ctypes.c_uint * 1)(*references(host, [axis.counter] if axis.counter else []))
+    values = (ctypes.c_double * 3)(0.0, VELOCITY, 0.0)
+    count = (ctypes.c_int * 1)()
     found = (ctypes.c_double * len(OUTPUTS))()
     reals = (ctypes.c_void_p, ctypes.POINTER(ctypes.c_uint), ctypes.c_size_t, ctypes.POINTER(ctypes.c_double))
     access = ctypes.CFUNCTYPE(ctypes.c_int, *reals)
     stepping = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)
     library, unit = host.unit.dll, host.unit.component
     set_real, get_real = access(("fmi2SetReal", library)), access(("fmi2GetReal", library))
+    integers = (ctypes.c_void_p, ctypes.POINTER(ctypes.c_uint), ctypes.c_size_t, ctypes.POINTER(ctypes.c_int))
+    set_integer = ctypes.CFUNCTYPE(ctypes.c_int, *integers)(("fmi2SetInteger", library))
     do_step = stepping(("fmi2DoStep", library))
 
     def steps(n: int) -> None:
         t = host.time
         for _ in range(n):
             values[0] = VELOCITY * t
-            set_real(unit, inputs, len(MASTER), values)
+            set_real(unit, inputs, 3, values)
+            if axis.counter:
+                count[0] = counted(case.counts, t)
+                set_integer(unit, counter, 1, count)
             do_step(unit, t, H, 1)
             t += H
             get_real(unit, outputs, len(OUTPUTS), found)

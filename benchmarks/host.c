@@ -16,6 +16,7 @@
  * and to measure, with a master that moves by v h a step:
  *
  *     master r r r        what to set at each step: position, velocity and acceleration
+ *     counter r x         an Integer to set too, which gains x a second
  *     outputs r ...       the Reals to get after each step
  *     commands r ...      the Booleans to raise
  *     between r ...       the Booleans to raise in the step between, when the commands are low
@@ -60,7 +61,8 @@ typedef struct {
 static fmi2Component unit;
 static double now;   /* s */
 static double place; /* of the master */
-static References master, outputs, commands, between, watched;
+static References master, outputs, commands, between, watched, counter;
+static double counts; /* of the counter, 1/s */
 
 typedef struct {
     fmi2ValueReference r, base; /* base: of the Real to add the number to, where there is one */
@@ -142,10 +144,17 @@ static fmi2Status set_master(double velocity) {
     return fmi.SetReal(unit, master.r, 3, inputs);
 }
 
-/* Set three inputs, doStep, get the outputs: three calls, as a simulation makes them. */
+/* The counter never steps just where a step of a run begins, for such a time is inexact. */
+static fmi2Status set_counter(void) {
+    fmi2Integer count = (fmi2Integer)(int64_t)(counts * now + 0.25);
+    return fmi.SetInteger(unit, counter.r, 1, &count);
+}
+
+/* Set three inputs, doStep, get the outputs: three calls, as a simulation makes them; four with a counter. */
 static inline fmi2Status full_step(double h, double velocity) {
     fmi2Real values[MOST];
     fmi2Status status = set_master(velocity);
+    if (counter.n) status |= set_counter();
     status |= fmi.DoStep(unit, now, h, fmi2True);
     status |= fmi.GetReal(unit, outputs.r, outputs.n, values);
     now += h;
@@ -300,6 +309,9 @@ static void obey(char *line) {
     } else if (!strcmp(line, "master")) {
         master = references(rest);
         if (master.n != 3) end("master needs", "three value references");
+    } else if (!strcmp(line, "counter")) {
+        counter = (References){.r = {(fmi2ValueReference)strtoul(rest, &after, 10)}, .n = 1};
+        counts = strtod(after, NULL);
     } else if (!strcmp(line, "outputs")) {
         outputs = references(rest);
     } else if (!strcmp(line, "commands")) {

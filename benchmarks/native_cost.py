@@ -25,9 +25,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from cases import CASES, VELOCITY, H, Steady, Worst
+from cases import CASES, VELOCITY, Axis, H, Steady, Worst
 from cost import (
-    MASTER,
     OUTPUTS,
     ROUNDS,
     begun,
@@ -59,6 +58,7 @@ NEVER_BUILT = {  # a start value to be changed
     "FlyingSaw": "axis.initial_position",
     "Gearing": "slave.initial_position",
     "Follower": "slave.initial_position",
+    "RemoteSync": "remote.position",
 }
 BUILD = "from pathlib import Path; from motionsync_fmu.build import *; build_{}(Recipe({!r}, starts={!r}), Path({!r}))"
 
@@ -66,11 +66,12 @@ BUILD = "from pathlib import Path; from motionsync_fmu.build import *; build_{}(
 class CHost:
     """The C host in a process of its own, told what to do line by line (host.c says how)."""
 
-    def __init__(self, program: Path, library: Path, recipe: Recipe) -> None:
+    def __init__(self, program: Path, library: Path, recipe: Recipe, axis: Axis) -> None:
         self.variables = {v.name: (i, v.kind) for i, v in enumerate(variables(recipe.block()))}
         command = [str(program), str(library), recipe.guid()]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
-        self.tell("master", *self.index(*MASTER))
+        self.axis = axis
+        self.tell("master", *self.index(*axis.motion))
         self.tell("outputs", *self.index(*OUTPUTS))
 
     def __enter__(self) -> Self:
@@ -89,6 +90,11 @@ class CHost:
     def tell(self, *words: object) -> None:
         assert self.process.stdin
         print(*words, file=self.process.stdin)
+
+    def count(self, counts: float) -> None:
+        """The axis' counter gains so much a second, if it has one."""
+        if self.axis.counter:
+            self.tell("counter", *self.index(self.axis.counter), counts)
 
     def set(self, values: Mapping[str, Any]) -> None:
         for name, value in values.items():
@@ -120,8 +126,9 @@ class SteadySteps:
         self.undisturbed = math.inf
         host.set(case.start)
         host.tell("initialize")
-        host.set({"master.velocity": VELOCITY, **case.begin})
+        host.set({f"{host.axis.group}.velocity": VELOCITY, **case.begin})
         host.tell("step", case.first)
+        host.count(case.counts)
 
     def __call__(self, n: int) -> float:
         found: dict[str, float] = json.loads(self.host.ask("steady", n * IN_C, H, VELOCITY))
@@ -147,6 +154,7 @@ class WorstSteps:
         host.tell("commands", *host.index(*case.commands))
         host.tell("between", *host.index(*case.between))
         host.tell("watch", *host.index(*case.watch))
+        host.count(case.counts)
         for name, bounds in case.draws.items():
             host.tell("draw", *host.index(name), *bounds)
         for name, (base, bounds) in case.ahead.items():
@@ -257,6 +265,7 @@ def target_table(
 def report(block: str, n: int, program: Path, folder: Path, console: Console, *, cold: bool) -> None:
     """Build a block's FMUs, measure them, print the tables."""
     recipe, cases = Recipe(block), CASES[block]
+    first, axis = cases.steady[0], cases.axis
     fmus = {
         NATIVE: build_native(recipe, folder / "native.fmu", console.print),
         PYTHON: build_python(recipe, folder / "python.fmu"),
@@ -267,18 +276,18 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
     with ExitStack() as stack:
 
         def by_c(library: Path) -> CHost:
-            return stack.enter_context(CHost(program, library, recipe))
+            return stack.enter_context(CHost(program, library, recipe, axis))
 
         def host(fmu: Path) -> Host:
-            return begun(stack.enter_context(Host(fmu)), cases.steady[0])
+            return begun(stack.enter_context(Host(fmu)), first, axis)
 
         in_c = {f"{IN_C_HOST}{NATIVE}, {case.name}": SteadySteps(by_c(native), case) for case in cases.steady}
-        by_nothing = SteadySteps(by_c(nothing), cases.steady[0])
+        by_nothing = SteadySteps(by_c(nothing), first)
         subjects = {
             IN_C_HOST + NOTHING: by_nothing,
             **in_c,
-            **{CTYPES + name: timed(through_ctypes(host(fmu))) for name, fmu in flavours.items()},
-            **{FMPY + name: timed(through_fmpy(host(fmu))) for name, fmu in flavours.items()},
+            **{CTYPES + name: timed(through_ctypes(host(fmu), first, axis)) for name, fmu in flavours.items()},
+            **{FMPY + name: timed(through_fmpy(host(fmu), first, axis)) for name, fmu in flavours.items()},
         }
         planners = [WorstSteps(by_c(native), case) for case in cases.worst]
         steady = measure(subjects, n)

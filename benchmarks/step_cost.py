@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cases import CASES, VELOCITY, H, Steady, Values
+from cases import CASES, VELOCITY, Axis, H, Steady, Values, counted
 from cost import begun, cost_table, measure, through_fmpy, timed
 from rich.console import Console
 
@@ -22,6 +22,7 @@ from motionsync_fmu.build import Recipe, build_python
 from motionsync_fmu.host import Host
 from motionsync_fmu.variables import variables
 
+LEAD = 2000  # steps, in which a remote axis gets in sync: before, nothing is checked
 NOTHING = "do-nothing slave through FMPy"
 
 IDLE = """
@@ -62,7 +63,7 @@ def idle(fmu: Path, block: str, target: Path) -> Path:
     return target
 
 
-def bare(block_type: type[Any], case: Steady) -> Callable[[int], None]:
+def bare(block_type: type[Any], case: Steady, axis: Axis) -> Callable[[int], None]:
     """Steps of the block in plain Python."""
     block = block_type()
     cells = {v.name: v.cell for v in variables(block)}
@@ -73,15 +74,23 @@ def bare(block_type: type[Any], case: Steady) -> Callable[[int], None]:
 
     put(case.start)
     block.initialize()
-    put({"master.velocity": VELOCITY, **case.begin})
+    put({f"{axis.group}.velocity": VELOCITY, **case.begin})
     block.step(case.first)
-    block.master.position = 0.0
+    moving, counter = getattr(block, axis.group), axis.counter.rpartition(".")[2]
+    moving.position = 0.0
+    done = 0
 
     def steps(n: int) -> None:
-        master, step = block.master, block.step
-        for _ in range(n):
-            master.position += VELOCITY * H
+        nonlocal done
+        step = block.step
+        for i in range(done, done + n):
+            moving.position += VELOCITY * H
+            if counter:
+                setattr(moving, counter, counted(case.counts, i * H))
             step(H)
+        done += n
+        if done < LEAD:
+            return
         for name, value in case.holds.items():
             assert cells[name].get() == value, f"{case.name}: {name} is {cells[name].get()}, it should be {value}"
 
@@ -89,13 +98,17 @@ def bare(block_type: type[Any], case: Steady) -> Callable[[int], None]:
 
 
 def report(block: str, n: int, folder: Path) -> Any:
-    cases = CASES[block].steady
+    cases, axis = CASES[block].steady, CASES[block].axis
     fmu = build_python(Recipe(block), folder / f"{block}.fmu")
     with Host(fmu) as whole, Host(idle(fmu, block, folder / f"{block} idle.fmu")) as nothing:
+
+        def steps(host: Host) -> Callable[[int], None]:
+            return through_fmpy(begun(host, cases[0], axis), cases[0], axis)
+
         subjects = {
-            **{f"{block} bare, {case.name}": timed(bare(BLOCKS[block].type, case)) for case in cases},
-            f"its FMU through FMPy, {cases[0].name}": timed(through_fmpy(begun(whole, cases[0]))),
-            NOTHING: timed(through_fmpy(begun(nothing, cases[0]))),
+            **{f"{block} bare, {case.name}": timed(bare(BLOCKS[block].type, case, axis)) for case in cases},
+            f"its FMU through FMPy, {cases[0].name}": timed(steps(whole)),
+            NOTHING: timed(steps(nothing)),
         }
         return cost_table(measure(subjects, n), NOTHING, "of the do-nothing slave")
 

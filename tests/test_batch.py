@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from divider import Divider
 from drives import drawn as drawn_runs
 from motionsync.blocks import BLOCKS
+from motionsync.remote_sync.block import RemoteSync
 from motionsync.synchronizer import Synchronizer
 from motionsync.transition import Curve
 from motionsync_fmu import batch, loop
@@ -188,7 +189,17 @@ def test_an_arithmetic_error_and_a_refusal_of_any_block() -> None:
     )
 
 
-@given(st.sampled_from(variables(Synchronizer()) + variables(Divider())), st.data())
+def test_an_integer_beyond_its_limits_is_a_failure_before_the_first_step() -> None:
+    start = {"periods_for_mean_drift": [1, 0, 64, 65, 2, 1], "end_of_transition_limit": [1, 1, 90, 1, 0, 2**31 - 1]}
+    found = simulate_many("RemoteSync", 0.01, {}, POSITION, start=start)
+    assert found.failures == (
+        Failure(1, -1, "periods_for_mean_drift = 0 is not allowed: it must be 1 to 64"),
+        Failure(3, -1, "periods_for_mean_drift = 65 is not allowed: it must be 1 to 64"),
+        Failure(4, -1, "end_of_transition_limit = 0 is not allowed: it must be >= 1"),
+    )
+
+
+@given(st.sampled_from([v for kind in (Synchronizer, RemoteSync, Divider) for v in variables(kind())]), st.data())
 def test_many_values_are_judged_as_one_is(v: Any, data: st.DataObject) -> None:
     d = v.declaration
     edges = [
@@ -197,7 +208,8 @@ def test_many_values_are_judged_as_one_is(v: Any, data: st.DataObject) -> None:
         for x in (e, -e, math.nextafter(e, 1), math.nextafter(e, -1))
     ]
     kinds = {"Real": st.sampled_from([*edges, math.nan]) | st.floats(), "Boolean": st.booleans()}
-    values = data.draw(st.lists(kinds.get(v.kind, st.integers(-5, 9)), min_size=1))
+    whole = st.integers(-5, 9) | st.sampled_from([64, 65, 2**31 - 1, -(2**31)])
+    values = data.draw(st.lists(kinds.get(v.kind, whole), min_size=1))
     assert batch.allowed(v, np.array(values)).tolist() == [v.allows(x) for x in values]
 
 

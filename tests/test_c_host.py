@@ -107,10 +107,13 @@ def test_a_c_host_without_python_gets_the_bits_of_fmpy(
 
 
 @linux
-def test_the_unit_brings_no_python_into_its_host(block: str, c_host: subprocess.Popen[str]) -> None:
+def test_the_unit_brings_no_python_into_its_host(
+    block: str, c_host: subprocess.Popen[str], kinds: dict[str, tuple[int, str]]
+) -> None:
+    reference = next(reference for reference, kind in kinds.values() if kind == "Real")
     assert c_host.stdin
     assert c_host.stdout
-    c_host.stdin.write(f"initialize\nstep {H.hex()}\nreals 0\n")
+    c_host.stdin.write(f"initialize\nstep {H.hex()}\nreals {reference}\n")
     c_host.stdin.flush()
     assert c_host.stdout.readline().strip() == "0x0p+0"
     loaded = {line.split()[-1] for line in Path(f"/proc/{c_host.pid}/maps").read_text().splitlines() if ".so" in line}

@@ -26,7 +26,7 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu import cli
 
 ROOT = Path(__file__).parents[1]
-COMMANDS = ("build", "list", "describe", "run")
+COMMANDS = ("build", "list", "describe", "run", "line")
 FLAVOURS = ("native", "python")
 PYTHON = ("--flavour", "python")  # the quicker one to build, where either shows it
 

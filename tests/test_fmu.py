@@ -25,6 +25,7 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 from conftest import Fmus
 from drives import calm, drawn
 from motionsync.blocks import BLOCKS
+from motionsync.remote_sync.block import RemoteSync
 from motionsync_fmu.build import Flavour, Recipe, build, build_python
 from motionsync_fmu.host import FmuError, Host
 from motionsync_fmu.variables import Variable, variables
@@ -162,6 +163,16 @@ def test_units_have_si_factors(tmp_path: Path, unit: str, name: str, base: dict[
     assert validate_fmu(str(tmp_path / "Synchronizer.fmu")) == []
 
 
+def test_the_default_step_is_a_cycle_of_a_block_that_has_cycles(tmp_path: Path) -> None:
+    for recipe, step in (
+        (Recipe("Synchronizer"), "0.001"),
+        (Recipe("RemoteSync"), "0.002"),
+        (Recipe("RemoteSync", "mm", {"task_cycle_time": "0.0005"}), "0.0005"),
+    ):
+        root = description(build_python(recipe, tmp_path / f"{step}.fmu"))
+        assert root.find("DefaultExperiment").get("stepSize") == step
+
+
 def test_everything_is_described(block_fmu: Path) -> None:
     root = description(block_fmu)
     for tag in ("ScalarVariable", "SimpleType/Enumeration/Item", "Category"):
@@ -171,6 +182,30 @@ def test_everything_is_described(block_fmu: Path) -> None:
     assert len(date) == 20
     assert date[10] == "T"
     assert date[19] == "Z"
+
+
+def test_the_limits_are_described(block: str, block_fmu: Path) -> None:
+    """As numbers of the variable's type; a limit that is itself refused stands there as well."""
+    found = {v.name: v for v in read_model_description(str(block_fmu)).modelVariables}
+    for v in variables(BLOCKS[block].type()):
+        d, told = v.declaration, found[v.name]
+        number = {"Real": float, "Integer": int}.get(v.kind, str)
+        limits = [x if math.isfinite(x) else None for x in (max(d.min, d.above), min(d.max, d.below))]
+        assert [number(x) if x else None for x in (told.min, told.max)] == limits, v.name
+        assert limits == [None, None] or v.kind in ("Real", "Integer")
+
+
+def test_the_limits_of_integers_are_described(fmus: Fmus) -> None:
+    found = {v.name: v for v in read_model_description(str(fmus.python("RemoteSync"))).modelVariables}
+    limits = {name: (v.min, v.max) for name, v in found.items() if v.type == "Integer" and (v.min or v.max)}
+    assert limits == {
+        "max_cycle_index_difference": ("0", None),
+        "age_of_data_limit": ("0", None),
+        "periods_for_mean_drift": ("1", "64"),
+        "end_of_transition_limit": ("1", None),
+        "new_drift_blending_cycles": ("1", None),
+        "time_mode_blending_cycles": ("1", None),
+    }
 
 
 def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
@@ -373,6 +408,37 @@ def test_a_bad_start_value_fails_the_initialization(fmu: Path, host: Host, name:
         new.initialize().step(0.1)
 
 
+@pytest.mark.parametrize("flavour", ["python", "native"])
+@pytest.mark.parametrize(
+    ("name", "value", "shown"),
+    [
+        ("periods_for_mean_drift", 0, "periods_for_mean_drift = 0 is not allowed: it must be 1 to 64"),
+        ("periods_for_mean_drift", 65, "periods_for_mean_drift = 65 is not allowed: it must be 1 to 64"),
+        ("periods_for_mean_drift", 2**31 - 1, "periods_for_mean_drift = 2147483647 is not allowed"),
+        ("age_of_data_limit", -1, "age_of_data_limit = -1 is not allowed: it must be >= 0"),
+        ("end_of_transition_limit", 0, "end_of_transition_limit = 0 is not allowed: it must be >= 1"),
+        ("end_of_transition_limit", -(2**31), "end_of_transition_limit = -2147483648 is not allowed"),
+    ],
+)
+def test_an_integer_beyond_its_limits_fails_the_initialization(
+    fmus: Fmus, flavour: str, name: str, value: int, shown: str
+) -> None:
+    fmu = getattr(fmus, flavour)("RemoteSync")
+    with Host(fmu) as host, pytest.raises(FmuError) as e:
+        host.initialize({name: value})
+    assert shown in str(e.value)
+    assert [text for text in host.messages if shown in text] == [host.messages[0]]
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_an_integer_at_its_limits_is_taken(fmus: Fmus, flavour: str) -> None:
+    limits = {"age_of_data_limit": 0, "max_cycle_index_difference": 0, "end_of_transition_limit": 2**31 - 1}
+    for periods in (1, 64):
+        with Host(getattr(fmus, flavour)("RemoteSync")) as host:
+            host.initialize(limits | {"periods_for_mean_drift": periods}).step(0.1)
+            assert not host.messages
+
+
 def test_contradictory_start_values_fail_the_initialization(host: Host) -> None:
     with pytest.raises(FmuError, match=r"at most 1e15 periods \(master.position = 1e\+12, .*master.period = 1e-09\)"):
         host.initialize({"master.position": 1e12, "master.period": 1e-9})
@@ -471,6 +537,21 @@ def test_many_instances_come_and_go(fmu: Path) -> None:
             with pytest.raises(FmuError):
                 hosts[1].initialize({"output_phasing": 0.0})
             hosts[2].initialize().step(0.1)
+
+
+def test_counts_of_cycles_stay_integers_of_32_bits() -> None:
+    """In a run of weeks, of which only the end is stepped: no index has come for ever so long."""
+    block = RemoteSync(age_of_data_limit=0, max_cycle_index_difference=0)
+    block.initialize()
+    block.step(block.task_cycle_time)
+    most = 2**31 - 1
+    block.cycle = block.equal_data_total = block.equal_data_consecutive = most - 2
+    for _ in range(5):
+        block.step(block.task_cycle_time)
+    assert block.cycle > most
+    assert block.zone.difference < -most
+    assert (block.local.cycles, block.local.difference) == (most, -most)
+    assert (block.equal_data_total, block.equal_data_consecutive) == (most, most)
 
 
 # --- libcosim ---
@@ -618,4 +699,37 @@ def test_libcosim_gives_the_follower_of_fmpy(fmus: Fmus, flavour: str) -> None:
     lags = [(i + 1) * h * 250.0 - row["slave.position"] for i, row in enumerate(cosim) if row["state_code"] == 8.0]
     assert {round(lag, 9) for lag in lags} == {300.0, 1300.0}
     assert cosim[-1]["cycle"] == 2.0
+    assert_fmpy_gives(cosim, fmu, plan, h)
+
+
+def telegrams(h: float) -> list[dict[str, Any]]:
+    """Of a RemoteSync with the cycle h, from a sender whose clock runs 2 % fast: none come for a while, and then it is
+    enabled anew."""
+    plan = []
+    for i in range(900):
+        index = math.floor(1.02 * min(i, 600) + 0.3)
+        plan.append(
+            {
+                "remote.cycle_index": index if i < 800 else 0,
+                "remote.position": 250.0 * h * (index - 0.3) / 1.02,
+                "remote.velocity": 250.0,
+                "remote.acceleration": 0.0,
+                "enable": i < 700,
+            }
+        )
+    return plan
+
+
+@pytest.mark.parametrize("flavour", [Flavour.PYTHON, Flavour.NATIVE])
+def test_libcosim_gives_the_remote_axis_of_fmpy(tmp_path: Path, flavour: Flavour) -> None:
+    h = 1.0 / 128.0
+    starts = {"estimator": "PHASE", "task_cycle_time": repr(h), "end_of_transition_limit": "10"}
+    fmu = build(flavour, Recipe("RemoteSync", "mm", starts), tmp_path / "RemoteSync.fmu")
+    plan = telegrams(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} == {1.0, 2.0, 3.0, 4.0}
+    assert {row["error_id"] for row in cosim} == {0.0, 0x4B52}
+    assert all(row["synced"] for row in cosim[200:600])
+    lags = [i * h * 250.0 - cosim[i]["slave.position"] for i in range(400, 600)]
+    assert max(map(abs, lags)) < 0.05 * 250.0 * h
     assert_fmpy_gives(cosim, fmu, plan, h)

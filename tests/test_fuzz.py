@@ -14,6 +14,7 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync.refusal import Refusal
+from motionsync.remote_sync.block import MOST_CYCLES
 from motionsync_fmu.archive import HERE
 from motionsync_fmu.build import Recipe
 from motionsync_fmu.native import HEADERS, llvm_text, model_header
@@ -90,12 +91,13 @@ def expected_header(recipe: Recipe) -> str:
     """What an importer knows of the unit, from the declarations and not from the unit's own tables."""
     vs = variables(recipe.block())
     index = {v.name: i for i, v in enumerate(vs)}
-    master = {
+    known = {
         "POSITION": "master.position",
         "VELOCITY": "master.velocity",
         "ACCELERATION": "master.acceleration",
         "PERIOD": "master.period",
         "INPUT_MODE": "master.input_mode",
+        "TASK_CYCLE": "task_cycle_time",
     }
     derivatives = ["slave.position", "slave.velocity", "slave.acceleration"]
     slave = [index[name] for name in derivatives] if index.keys() >= {*derivatives} else [-1] * 3
@@ -108,8 +110,9 @@ def expected_header(recipe: Recipe) -> str:
         [
             f'#define GUID "{recipe.guid()}"',
             f"#define LONGEST_STEP {LONGEST_STEP!r}",
+            f"#define MOST_CYCLES {MOST_CYCLES!r}",
             f"enum {{ END_OF_STEP = {MasterInput.END_OF_STEP:d}, POSITION_ONLY = {MasterInput.POSITION_ONLY:d} }};",
-            f"enum {{ {', '.join(f'{key} = {index.get(name, -1)}' for key, name in master.items())} }};",
+            f"enum {{ {', '.join(f'{key} = {index.get(name, -1)}' for key, name in known.items())} }};",
             f"enum {{ REFUSES_STARTS = {int(bool(others))}, REFUSES_STEPS = {int(bool(others & inputs))} }};",
             f"static const fmi2ValueReference SLAVE[] = {{{', '.join(f'(fmi2ValueReference){i}' for i in slave)}}};",
             f"static const Variable VARIABLES[] = {{\n{rows}}};",

@@ -2,6 +2,7 @@
 
 import io
 import json
+import math
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -23,6 +24,10 @@ from .cuts import cut
 from .description import BASES, summary, unit_name
 from .documentation import groups
 from .errors import UserError, choose
+from .line.judge import Result, examine
+from .line.package import Package, write_package
+from .line.reader import PATTERN, Line, find_lines, load_line
+from .line.report import write_line_report
 from .references import command_line, csv_text, inputs_csv, inputs_file
 from .report import write_report
 from .scenario import FILE, MOST_STEPS, Scenario, find, load
@@ -35,7 +40,8 @@ app = typer.Typer(
     epilog="""Begin with:\n
     motionsync list\n
     motionsync build Synchronizer\n
-    motionsync run scenarios/Synchronizer""",
+    motionsync run scenarios/Synchronizer\n
+    motionsync line scenarios/line""",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -126,7 +132,7 @@ def _assignment(text: str) -> tuple[str, str]:
 def list_all(
     scenarios: Annotated[Path, typer.Option(help="Where scenarios lie.")] = Path("scenarios"),
 ) -> None:
-    """List the blocks that can be built and the scenarios that can be run.
+    """List the blocks that can be built, and the scenarios and lines that can be run.
 
     Example: motionsync list --scenarios scenarios/Synchronizer
     """
@@ -142,6 +148,12 @@ def list_all(
         s = load(file)
         table.add_row(str(file.parent), s.title, s.source)
     wide.print(table)
+    lines = Table("path", "title", "source", title="\nLines", title_justify="left", box=None)
+    for file in sorted(scenarios.rglob(PATTERN)):
+        s = load_line(file).follower
+        lines.add_row(str(file), s.title, s.source)
+    if lines.rows:
+        wide.print(lines)
 
 
 @app.command()
@@ -315,3 +327,114 @@ def _show(s: Scenario, result: dict[str, Any]) -> None:
     if result["report"]:
         out.print(f"  report: {escape(result['report'])}")
     out.print(f"  the same with FMPy alone: {escape(result['fmpy'])}\n")
+
+
+@app.command()
+def line(
+    path: Annotated[list[Path] | None, typer.Argument(help="Line files, or folders with line*.toml in them.")] = None,
+    output: Annotated[
+        Path, typer.Option(help="Where all goes: OUTPUT/<line>.ssp, OUTPUT/<line>/, OUTPUT/reports/line/<line>/.")
+    ] = Path("build"),
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+) -> None:
+    """Wire a remote axis through RemoteSync into a follower, run it, and tell the errors with and without RemoteSync.
+
+    A line file scripts an axis on another controller with a clock of its own. Its telegrams go through the FMU of
+    RemoteSync into that of a follower (FlyingSaw, Synchronizer, ...), wired twice: as an SSP package, run by FMPy's SSP
+    simulation, and as an OSP system structure, run by libcosim (if libcosimpy is installed: pip install
+    'motionsync[line]'). Both must agree. For comparison the follower also sees the raw telegrams, and other estimators.
+
+    FMUs that are missing or stale are built first. The exit status is 1 if anything was not as expected. The format of
+    the file is told in scenarios/line/README.md.
+
+    Examples:
+
+        motionsync line scenarios/line
+
+        motionsync line scenarios/line/line.toml --output elsewhere
+    """
+    lines = [load_line(file) for p in path or [Path("scenarios/line")] for file in find_lines(p)]
+    files: dict[str, Path] = {}
+    for each in lines:
+        if (other := files.setdefault(each.name, each.follower.file)) != each.follower.file:
+            raise UserError(f"{other} and {each.follower.file} would write to the same package {each.name}.ssp")
+    results = []
+    for each in lines:
+        package = write_package(each, output, err.print)
+        result = _examined(each, package)
+        results.append(_line_written(each, package, result, output / "reports" / "line" / each.name, no_report))
+        if not as_json:
+            _show_line(each, result, results[-1])
+    if as_json:
+        print(json.dumps(results, indent=2))
+    if not all(result["passed"] for result in results):
+        raise typer.Exit(1)
+
+
+def _examined(line: Line, package: Package) -> Result:
+    with err.status(line.name) as status:
+        return examine(line, package, lambda text: status.update(f"{line.name}: {text}"))
+
+
+def _line_written(line: Line, package: Package, result: Result, folder: Path, no_report: bool) -> dict[str, Any]:
+    """What was found, and where it was written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    courses = {"RemoteSync": result.remote, line.follower.recipe.name: result.wired.course.values}
+    columns = {
+        f"{component}.{n}": values.tolist() for component, given in courses.items() for n, values in given.items()
+    }
+    file = folder / f"{line.name}_out.csv"
+    file.write_text(csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True)))
+    page = folder / "report.html"
+    if not no_report:
+        write_line_report(page, line, result)
+    return {
+        "line": str(line.follower.file),
+        "title": line.follower.title,
+        "passed": result.passed,
+        "synced": None if math.isinf(result.synced) else result.synced,
+        "before": [asdict(f) for f in result.before],
+        "in_sync": [asdict(f) for f in result.after],
+        "expectations": [asdict(c) for c in result.checks],
+        "agreement": [asdict(a) for a in result.agreements],
+        "libcosim_missing": result.missing,
+        "ssp": str(package.ssp),
+        "osp": str(package.osp),
+        "result": str(file),
+        "report": None if no_report else str(page),
+    }
+
+
+def _show_line(line: Line, result: Result, written: dict[str, Any]) -> None:
+    unit = unit_name(Unit.POSITION, line.unit)
+    mark = "[green]as expected[/]" if result.passed else "[red]NOT as expected[/]"
+    out.print(f"[bold]{escape(line.follower.title)}[/] ({escape(written['line'])}): {mark}")
+    for c in result.checks:
+        out.print(f"  {'kept  ' if c.passed else '[red]broken[/]'}  {escape(c.expected)}: found {c.found}")
+    if result.missing:
+        out.print(f"  [red]not run in libcosim[/]: {escape(result.missing)}")
+    for title, rows in (("before", result.before), (f"in sync, from {result.settled:.5g} s on", result.after)):
+        shown = {  # heading, figure; what has nothing to tell is left out
+            "cuts": [f"{f.cuts}" if f.cuts else "" for f in rows],
+            "worst": [_told(f.worst, unit) for f in rows],
+            "mean": [_told(f.mean, unit) for f in rows],
+            "spread": [_told(f.spread, unit) for f in rows],
+            "worst switch": [_told(f.switches, unit) for f in rows],
+            "slave, worst": [_told(f.away, unit) for f in rows],
+            "jump in a step": [_told(f.jump, unit) for f in rows],
+            "index, spread": [_told(f.index, "cycles") for f in rows],
+        }
+        kept = {heading: texts for heading, texts in shown.items() if any(texts)}
+        table = Table(f"  {title}", *kept, box=None)
+        for i, f in enumerate(rows):
+            table.add_row(f"  {f.name}", *(texts[i] for texts in kept.values()))
+        wide.print(table)
+    for name in ("ssp", "osp", "result", "report"):
+        if written[name]:
+            out.print(f"  {name}: {escape(written[name])}")
+    out.print()
+
+
+def _told(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{value:.2g} {unit}".strip()

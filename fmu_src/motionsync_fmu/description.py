@@ -61,7 +61,8 @@ def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
     categories = SubElement(root, "LogCategories")
     for category, text in CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
-    SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize="0.001")
+    step = repr(getattr(block, "task_cycle_time", 0.001))  # a block with cycles of its own: one of them
+    SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=step)
     model = SubElement(root, "ModelVariables")
     for reference, v in enumerate(vs):
         model.append(_variable(v, reference))

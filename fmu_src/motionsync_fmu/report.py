@@ -57,16 +57,17 @@ def write_report(
         deviations=deviations,
         messages=course.messages,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
-        plots=_html(plots(scenario, course, by_name), plotly=True),
+        plots=html(plots(scenario, course, by_name), plotly=True),
         cuts=cuts,
-        cut_plots=_html(cut_plots(scenario.cuts, cuts, scenario, course)) if scenario.cuts and cuts else "",
+        cut_plots=html(cut_plots(scenario.cuts, cuts, scenario, course)) if scenario.cuts and cuts else "",
         unit=unit_name(Unit.POSITION, scenario.unit),
         by_name=by_name,
     )
     file.write_text(text, "utf-8")
 
 
-def _html(figure: Any, *, plotly: bool = False) -> Markup:
+def html(figure: Any, *, plotly: bool = False) -> Markup:
+    """A figure for a page; the first one of a page brings `plotly` itself."""
     return Markup(figure.to_html(full_html=False, include_plotlyjs=plotly, config={"displaylogo": False}))
 
 
@@ -110,19 +111,19 @@ def _motion(figure: Any, scenario: Scenario, course: Course, followed: str) -> N
     reference = read_reference(scenario)
     for i, (name, kind, _) in enumerate(ROWS, 1):
         values = master[name] % scenario.period if name == "position" and scenario.period else master[name]
-        _line(figure, i, followed, course.time, _broken(values, scenario, name), MASTER, 1.5)
+        curve(figure, i, followed, course.time, _broken(values, scenario, name), MASTER, 1.5)
         slave = _broken(course.values[f"slave.{name}"], scenario, name)
-        _line(figure, i, "slave", course.time, slave, SLAVE, 2.5)
+        curve(figure, i, "slave", course.time, slave, SLAVE, 2.5)
         if reference and f"slave.{name}" in reference[0]:
             column = reference[1][:, 1 + reference[0].index(f"slave.{name}")]
-            _line(figure, i, "reference", reference[1][:, 0], _broken(column, scenario, name), REFERENCE, 1.5, "dot")
+            curve(figure, i, "reference", reference[1][:, 0], _broken(column, scenario, name), REFERENCE, 1.5, "dot")
         _title(figure, i, name, axis_label(kind, scenario.unit, scenario.slave_unit))
 
 
 def _received(figure: Any, found: Errors) -> None:
     """What the telegrams tell, in the rows of the motion."""
     for i, values in enumerate(found.received.T, 1):
-        _line(figure, i, "received", found.time, values, RECEIVED, 1.0)
+        curve(figure, i, "received", found.time, values, RECEIVED, 1.0)
 
 
 def _errors(figure: Any, found: Errors, scenario: Scenario) -> None:
@@ -131,8 +132,8 @@ def _errors(figure: Any, found: Errors, scenario: Scenario) -> None:
     pairs = (found.index, found.corrected_index), (found.position, found.corrected_position)
     rows = zip(ERRORS, units, pairs, strict=True)
     for i, ((name, _), unit, (received, slave)) in enumerate(rows, len(ROWS) + 1):
-        _line(figure, i, "received", found.time, received, RECEIVED, 1.0)
-        _line(figure, i, "slave", found.time, slave, SLAVE, 2.0)
+        curve(figure, i, "received", found.time, received, RECEIVED, 1.0)
+        curve(figure, i, "slave", found.time, slave, SLAVE, 2.0)
         _title(figure, i, name, unit)
     figure.update_yaxes(autorangeoptions={"clipmin": -FARTHEST, "clipmax": FARTHEST}, row=len(ROWS) + 1, col=1)
 
@@ -141,9 +142,10 @@ def _title(figure: Any, row: int, name: str, unit: str) -> None:
     figure.update_yaxes(title_text=name + (f"<br>{unit}" if unit else ""), row=row, col=1)
 
 
-def _line(
+def curve(
     figure: Any, row: int, name: str, time: Reals, values: Reals, colour: str, width: float, dash: str = "solid"
 ) -> None:
+    """A line in a row of a figure; only the first row's is in the legend, and switches those of its name."""
     chosen = _telling(values)
     figure.add_trace(
         go.Scatter(
@@ -289,8 +291,8 @@ def cut_plots(spec: Cuts, cuts: list[Cut], scenario: Scenario, course: Course) -
     unit = unit_name(Unit.POSITION, scenario.unit)
     figure = make_subplots(rows=2, cols=1, vertical_spacing=0.16, row_heights=[0.62, 0.38])
     saw = course.values["slave.position"]
-    _line(figure, 1, "marks on the material", *_passing(spec, course, saw), MASTER, 1.0)
-    _line(figure, 1, "saw", course.time, saw, SLAVE, 2.5)
+    curve(figure, 1, "marks on the material", *_passing(spec, course, saw), MASTER, 1.0)
+    curve(figure, 1, "saw", course.time, saw, SLAVE, 2.5)
     if len(cuts) <= MOST_SHADES:
         _shade(figure, [(c.begin, c.end, SYNCHRONOUS) for c in cuts])
     numbers = list(range(1, len(cuts) + 1))

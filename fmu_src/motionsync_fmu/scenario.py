@@ -167,11 +167,18 @@ def load(file: Path) -> Scenario:
     Raises:
         UserError: the first mistake in it, with file, line and key.
     """
-    return _Reader(file).scenario()
+    return Reader(file).scenario()
 
 
-class _Reader:
-    """One file being read; knows how to tell on which line a mistake stands."""
+class Reader:
+    """One file being read; knows how to tell on which line a mistake stands.
+
+    Attributes:
+        name: the block whose variables the file's tables name at present.
+        variables: these variables.
+        group: which of its inputs come from a script, and so the name of the script's table.
+        origin: where these inputs come from, in words.
+    """
 
     def __init__(self, file: Path) -> None:
         self.file = file
@@ -187,37 +194,24 @@ class _Reader:
         except RecursionError:
             raise UserError(f"{file}:1: not TOML: nested too deeply") from None
         self.lines = _lines(self.text)
+        self.name = ""
         self.variables: dict[str, Variable] = {}
-        self.group = ""  # of the inputs that come from a script, and so the name of its table
+        self.group = ""
+        self.origin = ""
 
     def scenario(self) -> Scenario:
         self.keys(self.root, (*SCALARS, "start", "master", "remote", "set", "expect", "cuts"), "")
-        name = self.string("fmu")
-        if name not in BLOCKS:
-            self.fail("", 0, "fmu", f"no block is named {name!r}; there is {', '.join(BLOCKS)}")
-        unit = self.string("unit", "mm")
-        if unit not in BASES:
-            self.fail("", 0, "unit", f"{unit!r} is not one of {', '.join(BASES)}")
-        block = BLOCKS[name].type()
-        slave_unit = self.string("slave_unit", "")
-        try:
-            check_slave_unit(block, slave_unit)
-        except UserError as e:
-            self.fail("", 0, "slave_unit", str(e))
-        self.variables = {v.name: v for v in variables(block)}
-        self.group, other = ("remote", "master") if "remote.cycle_index" in self.variables else ("master", "remote")
+        unit, slave_unit = self.block()
+        other = "master" if self.group == "remote" else "remote"
         if other in self.root:
-            self.fail("", 0, other, f"{name} has no inputs {other}.*: its axis is scripted in [{self.group}]")
-        stop_time = self.number(self.root, "stop_time", "", above=0.0)
-        step_size = self.number(self.root, "step_size", "", above=0.0, most=stop_time)
-        if stop_time / step_size > MOST_STEPS:
-            self.fail("", 0, "step_size", f"{step_size:g} makes more than {MOST_STEPS:,} steps up to {stop_time:g}")
+            self.fail("", 0, other, f"{self.name} has no inputs {other}.*: its axis is scripted in [{self.group}]")
+        stop_time, step_size = self.times()
         start, script, settings = self.start(), self.script(), tuple(self.settings(stop_time))
         return Scenario(
             self.file,
             self.string("title"),
             self.string("source"),
-            Recipe(name),
+            Recipe(self.name),
             unit,
             slave_unit,
             stop_time,
@@ -231,9 +225,41 @@ class _Reader:
             self.cuts() if "cuts" in self.root else None,
         )
 
-    def start(self) -> dict[str, Any]:
-        table = self.table("start", required=False)
-        return {name: self.value(name, value, "start", 0) for name, value in table.items()}
+    def block(self) -> tuple[str, str]:
+        """The units of positions and of the slave's; from here on the file's tables name the block's variables."""
+        name = self.string("fmu")
+        if name not in BLOCKS:
+            self.fail("", 0, "fmu", f"no block is named {name!r}; there is {', '.join(BLOCKS)}")
+        unit = self.string("unit", "mm")
+        if unit not in BASES:
+            self.fail("", 0, "unit", f"{unit!r} is not one of {', '.join(BASES)}")
+        slave_unit = self.string("slave_unit", "")
+        try:
+            check_slave_unit(BLOCKS[name].type(), slave_unit)
+        except UserError as e:
+            self.fail("", 0, "slave_unit", str(e))
+        self.turn_to(name)
+        return unit, slave_unit
+
+    def turn_to(self, name: str) -> None:
+        """The tables that are read next name this block's variables."""
+        self.name = name
+        self.variables = {v.name: v for v in variables(BLOCKS[name].type())}
+        self.group = "remote" if "remote.cycle_index" in self.variables else "master"
+        self.origin = f"the script in [{self.group}]"
+
+    def times(self) -> tuple[float, float]:
+        """stop_time and step_size."""
+        stop_time = self.number(self.root, "stop_time", "", above=0.0)
+        step_size = self.number(self.root, "step_size", "", above=0.0, most=stop_time)
+        if stop_time / step_size > MOST_STEPS:
+            self.fail("", 0, "step_size", f"{step_size:g} makes more than {MOST_STEPS:,} steps up to {stop_time:g}")
+        return stop_time, step_size
+
+    def start(self, key: str = "start") -> dict[str, Any]:
+        """The start values in the table of this name."""
+        table = self.table(key, required=False)
+        return {name: self.value(name, value, key, 0) for name, value in table.items()}
 
     def script(self) -> Script:
         table = self.table(self.group)
@@ -419,7 +445,7 @@ class _Reader:
         if v is None:
             near = get_close_matches(name, self.variables, 1)
             hint = f"; do you mean {near[0]!r}?" if near else ""
-            self.fail(table, i, key, f"{self.root['fmu']} has no variable {name!r}{hint}")
+            self.fail(table, i, key, f"{self.name} has no variable {name!r}{hint}")
         if table in ("expect", "cuts") and not USES[table][0](v):
             kind = f" {v.kind}" if table == "cuts" else ""
             self.fail(table, i, key, f"{name} is a {v.variability}{kind} {v.causality}, not {USES[table][1]}")
@@ -433,18 +459,18 @@ class _Reader:
                 if f"{name}.{part}" in self.variables and not isinstance(inner, dict):
                     self.fail(table, i, name, f'a name with a dot needs quotes: "{name}.{part}"')
         v = self.variable(name, table, i, key)
-        fits, what = USES[table]
+        fits, what = USES.get(table, USES["start"])
         if not fits(v):
             self.fail(table, i, key, f"is a {v.variability} {v.causality}, not {what}")
         if table != "expect" and v.causality == "input" and name.startswith(f"{self.group}."):
-            self.fail(table, i, key, f"comes from the script in [{self.group}]")
+            self.fail(table, i, key, f"comes from {self.origin}")
         names = {member.name: member.value for member in v.choices}
         value = names.get(value, value) if isinstance(value, str) else value
         kinds: Any = {"Boolean": bool, "Real": (int, float)}.get(v.kind, int)
         if not isinstance(value, kinds) or (isinstance(value, bool) and v.kind != "Boolean"):
             self.fail(table, i, key, f"{value!r} is no {v.kind}" + (f": it must be {v.range}" if v.choices else ""))
         value = _real(value) if v.kind == "Real" else value
-        if (table == "start" or v.choices) and (refusal := v.refusal(value)):
+        if (table not in ("set", "expect") or v.choices) and (refusal := v.refusal(value)):
             self.fail(table, i, key, refusal)
         if table == "expect" and not math.isfinite(value):
             self.fail(table, i, key, f"{value} is not allowed: it must be finite")

@@ -320,7 +320,8 @@ BLOCKS: Mapping[str, Registered] = {
             "the receiver's; `data_cycle_time`, the sender's nominal one, if it is another.",
             "Wire `slave.position`, `slave.velocity`, `slave.acceleration` to the master of whatever follows the "
             "remote axis. They belong to the cycle's instant; `delay_time_offset` = `task_cycle_time` gives those of "
-            "the step's end, for a follower with inputs END_OF_STEP.",
+            "the step's end, which a follower sees one step later in a parallel co-simulation (START_OF_STEP), at "
+            "once in a sequential one (END_OF_STEP).",
             "Choose the `estimator`. BEAT does what the source does, its corrected index swings by up to half a cycle "
             "with the default slopes; `slope1_numerator` 0.5 with `slope1_denominator` 0.5 is uniform and more even. "
             "PHASE stays within a few hundredths of a cycle, for equal cycle times.",

@@ -37,7 +37,7 @@ typedef struct {
 
 /* GUID, VARIABLES, the indices of some of them (-1: the block has none), REFUSES_STARTS and REFUSES_STEPS (whether the
  * block may refuse, at the end of the initialization and in a step, values that are in their ranges for another reason
- * than a master too far away), END_OF_STEP, LONGEST_STEP */
+ * than a master too far away), END_OF_STEP, LONGEST_STEP, MOST_CYCLES (in a step, of a block that has cycles) */
 #include "expected.h"
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
@@ -116,9 +116,9 @@ static Value of_boolean(int x) { return of_integer(x != 0); }
 
 /* --- chance --- */
 
-static uint64_t random_bits(void) { /* SplitMix64 */
+static uint64_t random_bits(void) { /* SplitMix64; were seeds its own step apart, all would make the same calls */
     static uint64_t state;
-    if (!state) state = seed * 0x9E3779B97F4A7C15u + 1;
+    if (!state) state = seed * 0xD1342543DE82EF95u + 1;
     uint64_t z = state += 0x9E3779B97F4A7C15u;
     z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9u;
     z = (z ^ z >> 27) * 0x94D049BB133111EBu;
@@ -230,15 +230,14 @@ static fmi2Component called(Slot *s) {
 static int expected(bool good) { return good ? fmi2OK : fmi2Error; }
 static bool in(const Slot *s, int modes) { return s->known.mode & modes; }
 
-static bool allowed(const Variable *v, Value x) {
-    if (v->kind == REAL) {
-        bool fits = isfinite(x.real) && x.real >= v->min && x.real <= v->max;
-        fits = fits && x.real > v->above && x.real < v->below;
-        return fits && (x.real == 0.0 ? v->zero : fabs(x.real) >= v->smallest);
-    }
+static bool allowed(const Variable *v, Value value) {
     for (int i = 1; v->choices && i <= v->choices[0]; i++)
-        if (v->choices[i] == x.integer) return true;
-    return !v->choices;
+        if (v->choices[i] == value.integer) return true;
+    if (v->choices) return false;
+    if (v->kind == BOOLEAN) return true;
+    double x = v->kind == REAL ? value.real : (double)value.integer;
+    bool fits = isfinite(x) && x >= v->min && x <= v->max && x > v->above && x < v->below;
+    return fits && (x == 0.0 ? v->zero : fabs(x) >= v->smallest);
 }
 
 static Value known_value(const Knowledge *k, int variable) {
@@ -448,6 +447,7 @@ static int stepping(const Slot *s, double h, bool lent) {
     bool good = in(s, STEPPING) && h > 0.0 && h <= LONGEST_STEP;
     for (int i = 0; i < COUNT; i++)
         if (VARIABLES[i].access == INPUT && !allowed(VARIABLES + i, s->known.values[i])) good = false;
+    if (TASK_CYCLE >= 0 && h > MOST_CYCLES * known_value(&s->known, TASK_CYCLE).real) good = false;
     for (int order = 1; lent && order <= 2; order++)
         if (s->known.given[order] && !(fabs(s->known.derivatives[order]) <= 1e12)) good = false;
     return expected(good);

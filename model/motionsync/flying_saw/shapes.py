@@ -42,7 +42,7 @@ def ramp_from(profile: Profile, duration: float, velocity: float, acceleration: 
 
 def ramp_duration(change: float, acceleration: float, limit: float, jerk: float) -> float:
     """The shortest duration of `ramp_from` for a change of velocity > 0 that keeps |a| <= max(limit, |acceleration|)
-    and, where `jerk` > 0, the jerk at both ends, its extremes.
+    and, where `jerk` > 0, the jerk at both ends, its extremes. 0 where the change is too small for any duration.
 
     `acceleration` counts in the direction of the change. At the acceleration limit A the ramp's coefficient 6 dv / T -
     3 a is b = 2 A - a + 2 sqrt(A^2 - A a). A shortest ramp lies there or where a jerk is at its limit: |6 dv / T^2 -
@@ -51,7 +51,7 @@ def ramp_duration(change: float, acceleration: float, limit: float, jerk: float)
     peak = max(limit, abs(acceleration))
     steep = 2.0 * peak - acceleration + 2.0 * sqrt(max(peak * (peak - acceleration), 0.0))
     shortest = 6.0 * change / (steep + 3.0 * acceleration)
-    if jerk <= 0.0 or _jerk_kept(change, acceleration, jerk, shortest):
+    if jerk <= 0.0 or shortest <= 0.0 or _jerk_kept(change, acceleration, jerk, shortest):
         return shortest
     best = 0.0
     for end in range(2):

@@ -106,9 +106,6 @@ class Gearing:
     last_way: float = 0.0
     heading: float = 0.0
     position: float = 0.0
-    velocity: float = 0.0
-    acceleration: float = 0.0
-    jerk: float = 0.0
 
     def initialize(self) -> Refusal:
         """STOPPED at the initial position; may be called again while parameters and inputs still change."""
@@ -355,8 +352,8 @@ class Gearing:
                 self.now,
                 self.order_in.time,
                 self.position - self.line.at(self.here),
-                self.velocity - self.line.scaled(self.master.velocity_at(self.now)),
-                self.acceleration - self.line.scaled(self.master.mean_acceleration()),
+                self.slave.velocity - self.line.scaled(self.master.velocity_at(self.now)),
+                self.slave.acceleration - self.line.scaled(self.master.mean_acceleration()),
                 0.0,
             )
         elif self.order_in.transition == Transition.NONE:
@@ -414,7 +411,7 @@ class Gearing:
         self.timed = self.order_out.transition == Transition.TIME_BASED
         if self.timed:
             self.blend.begin(
-                self.now, self.order_out.time, self.position, self.velocity, self.acceleration, self.target
+                self.now, self.order_out.time, self.position, self.slave.velocity, self.slave.acceleration, self.target
             )
         elif self.order_out.transition == Transition.NONE:
             self.come_to_rest()
@@ -697,17 +694,11 @@ class Gearing:
                     travel, slope, curvature, twist = into(way, self.order_in.distance)
                     self.follow(travel, slope, curvature, twist, velocity, acceleration)
             case State.ACTIVE | State.WAITING_FOR_STOPPOSITION:
-                self.position = self.line.at(place)
-                self.velocity = self.line.scaled(velocity)
-                self.acceleration = self.line.scaled(acceleration)
-                self.jerk = 0.0
+                self.put(self.line.at(place), self.line.scaled(velocity), self.line.scaled(acceleration), 0.0)
             case State.GEAR_OUT:
                 if self.timed:
                     position, v, a, j = self.blend.at(time)
-                    self.position = position
-                    self.velocity = v
-                    self.acceleration = a
-                    self.jerk = j
+                    self.put(position, v, a, j)
                 else:
                     way = self.direction * (place - self.trigger)
                     travel, slope, curvature, twist = out(way, self.order_out.distance)
@@ -716,10 +707,7 @@ class Gearing:
                 self.look_resting()
 
     def look_resting(self) -> None:
-        self.position = self.rest
-        self.velocity = 0.0
-        self.acceleration = 0.0
-        self.jerk = 0.0
+        self.put(self.rest, 0.0, 0.0, 0.0)
 
     def follow(
         self, travel: float, slope: float, curvature: float, twist: float, velocity: float, acceleration: float
@@ -727,18 +715,21 @@ class Gearing:
         """On a curve over the master's position, by the chain rule; the master's jerk is taken as 0."""
         bend = self.direction * curvature
         v = velocity
-        self.position = self.base + self.line.scaled(self.direction * travel)
-        self.velocity = self.line.scaled(slope * v)
-        self.acceleration = self.line.scaled(slope * acceleration + bend * v * v)
-        self.jerk = self.line.scaled(3.0 * bend * v * acceleration + twist * v * v * v)
+        self.put(
+            self.base + self.line.scaled(self.direction * travel),
+            self.line.scaled(slope * v),
+            self.line.scaled(slope * acceleration + bend * v * v),
+            self.line.scaled(3.0 * bend * v * acceleration + twist * v * v * v),
+        )
 
     def look_blending(self, time: float, place: float, velocity: float, acceleration: float) -> None:
         """The line and what still lacks to it."""
         e, e1, e2, e3 = self.blend.at(time)
-        self.position = self.line.at(place) + e
-        self.velocity = self.line.scaled(velocity) + e1
-        self.acceleration = self.line.scaled(acceleration) + e2
-        self.jerk = e3
+        self.put(self.line.at(place) + e, self.line.scaled(velocity) + e1, self.line.scaled(acceleration) + e2, e3)
+
+    def put(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
+        self.position = position
+        self.slave.put(wrap(position, self.slave.period), velocity, acceleration, jerk)
 
     # --- what is put out ---
 
@@ -751,8 +742,7 @@ class Gearing:
         self.local.trigger_position = wrap(place, self.master.period)
 
     def show(self) -> None:
-        """Everything that is put out, at the step's end; periods are applied last."""
-        self.slave.put(wrap(self.position, self.slave.period), self.velocity, self.acceleration, self.jerk)
+        """What else is put out, at the step's end."""
         self.state_code = self.state
         self.in_gear = self.state == State.ACTIVE
         self.error = self.error_id != Fault.NONE

@@ -16,7 +16,7 @@ Decisions where the source is silent:
   in sync from its second beat on; periods_for_mean_drift, the slopes and time_mode_blending_cycles are BEAT's alone.
   The warning of PHASE compares the last two distances.
 - A closed zone lets PHASE hold the phase in its count again; what that changes fades, too.
-- equal_data_total counts since the initialization.
+- equal_data_total counts since the initialization. No count goes beyond what an Integer holds.
 - Before the first cycle the slave has the values as received.
 """
 
@@ -40,7 +40,7 @@ MOST_CYCLES = 1e6  # of the receiver in one step
 MOST_RATIO = 10000  # of the cycle times: indices must not wrap within a cycle
 SAME_RATIO = 1e-6  # of a ratio that is a whole number but for rounding
 SAME_INSTANT = 1e-6  # of a cycle
-LARGEST_COUNT = 2147483647
+LARGEST_COUNT = 2147483647  # that an Integer shows
 
 
 class Estimator(Choice):
@@ -213,6 +213,7 @@ class RemoteSync:
     missing: float = 0.0
     fresh: bool = True
     started: bool = False
+    cycle: int = 0
     index: int = 0
     received: int = 0
     base: int = 0
@@ -295,14 +296,15 @@ class RemoteSync:
         self.index = self.remote.cycle_index % INDICES
         self.base = self.index
         self.received = 0
-        self.local.cycles = -1
+        self.cycle = -1
         self.zone.begin(0)
         self.beat.begin(0)
         self.phase.begin(0)
 
     def advance(self) -> None:
         """The estimate goes on by a cycle; a fault leaves the correction as it was."""
-        self.local.cycles += 1
+        self.cycle += 1
+        self.local.cycles = min(self.cycle, LARGEST_COUNT)
         self.receive()
         fault = self.fault_of_telegram()
         if fault == Fault.NONE:
@@ -322,7 +324,7 @@ class RemoteSync:
         self.index = index
         self.received += step
         self.cycle_index_difference = step
-        if step != 0 or self.local.cycles == 0:
+        if step != 0 or self.cycle == 0:
             self.equal_data_consecutive = 0
         else:
             self.equal_data_consecutive = min(self.equal_data_consecutive + 1, LARGEST_COUNT)
@@ -338,7 +340,7 @@ class RemoteSync:
 
     def estimate(self) -> None:
         """The difference of the indices, where there is a new one, and what follows from it."""
-        cycle = self.local.cycles
+        cycle = self.cycle
         finding = Finding.NOTHING
         if cycle % self.cycles_of_index == 0:
             expected = cycle // self.cycles_of_index * self.indices_of_cycle
@@ -352,7 +354,7 @@ class RemoteSync:
 
     def correct(self) -> Fault:
         """The correction of this cycle, unless it is a fault."""
-        cycle = self.local.cycles
+        cycle = self.cycle
         phase = self.estimator == Estimator.PHASE
         offset = self.phase.offset(cycle) if phase else self.beat.offset(cycle)
         behind = self.received - cycle * self.indices_of_cycle / self.cycles_of_index
@@ -442,6 +444,6 @@ class RemoteSync:
         phase = self.estimator == Estimator.PHASE
         self.beats = self.phase.history.beats if phase else self.beat.history.beats
         self.warning = self.phase.history.changed if phase else self.beat.history.changed
-        self.local.difference = self.zone.difference
+        self.local.difference = max(-LARGEST_COUNT, min(self.zone.difference, LARGEST_COUNT))
         self.local.transition = self.zone.open
         self.local.beat_distance = self.phase.history.mean if phase else self.beat.history.mean

@@ -1,0 +1,139 @@
+"""The line as files: an SSP package for FMPy and other tools, and an OSP system structure for libcosim.
+
+The package holds SystemStructure.ssd, the FMUs, and their parameters as a parameter set of the whole system, with names
+as `RemoteSync.delay_time_offset`. The system's inputs are the telegram and the follower's commands. libcosim reads
+packages too, but none whose system has connectors: so its structure is a folder of its own, with the same FMUs in it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from shutil import copyfile
+from typing import Any
+
+from .. import __version__
+from ..archive import write
+from ..build import Flavour, Recipe, build_native, fmu_path, outdated
+from ..description import describe, literal, unit_name
+from ..documentation import TEMPLATES
+from ..remote import MOTION
+from ..variables import variables
+from .reader import REMOTE, Line
+
+PARAMETERS = "resources/parameters.ssv"
+STRUCTURE = "OspSystemStructure.xml"
+
+
+@dataclass(frozen=True)
+class Package:
+    """Where the line was written.
+
+    Attributes:
+        ssp: the SSP package.
+        osp: the OSP system structure, with the FMUs beside it.
+        fmus: the built FMUs by component.
+    """
+
+    ssp: Path
+    osp: Path
+    fmus: dict[str, Path]
+
+
+@dataclass(frozen=True)
+class Connector:
+    """An input or output of the system or of a component, with FMI's name of its type."""
+
+    name: str
+    kind: str
+    type: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Connection:
+    """From an output to an input; without a component's name, of the system."""
+
+    start: str
+    output: str
+    end: str
+    input: str
+
+
+def write_package(line: Line, output: Path, told: Callable[[str], None]) -> Package:
+    """Build what is missing or stale, and write OUTPUT/<line>.ssp and OUTPUT/<line>/; `told` is told what was built."""
+    folder = output / line.name
+    folder.mkdir(parents=True, exist_ok=True)
+    fmus = {}
+    for name, recipe in line.recipes.items():
+        shared = recipe == Recipe(name)  # with `motionsync run`
+        built = fmu_path(recipe, output, Flavour.NATIVE) if shared else folder / f"{name}.fmu"
+        if why := outdated(built, recipe):
+            build_native(recipe, built, told)
+            told(f"{built} was {why}: built")
+        fmus[name] = folder / f"{name}.fmu"
+        if shared:
+            copyfile(built, fmus[name])
+    texts = _texts(line)
+    osp = folder / STRUCTURE
+    osp.write_bytes(texts.pop(STRUCTURE))
+    ssp = output / f"{line.name}.ssp"
+    write(ssp, texts | {f"resources/{name}.fmu": fmu.read_bytes() for name, fmu in fmus.items()})
+    return Package(ssp, osp, fmus)
+
+
+def connections(line: Line) -> list[Connection]:
+    """Telegram and commands come from outside, the axis goes from RemoteSync to the follower, its outputs go out."""
+    follower = line.follower.recipe.name
+    return [
+        *(Connection("", name, REMOTE, name) for name in line.telegrams),
+        *(Connection("", name, follower, name) for name in line.commands),
+        *(Connection(REMOTE, f"slave.{name}", follower, f"master.{name}") for name in MOTION),
+        *(Connection(follower, v.name, "", v.name) for v in line.outputs[follower]),
+    ]
+
+
+def _texts(line: Line) -> dict[str, bytes]:
+    blocks = {name: {v.name: v for v in variables(recipe.block())} for name, recipe in line.recipes.items()}
+    wires = connections(line)
+
+    def connector(component: str, name: str, kind: str) -> Connector:
+        v = blocks[component][name]
+        unit = unit_name(v.declaration.unit, line.unit, line.follower.slave_unit)
+        return Connector(name, kind, v.kind, unit)
+
+    values: dict[str, Any] = {
+        "name": line.name,
+        "title": line.follower.title,
+        "version": __version__,
+        "stop_time": line.steps * line.step_size,
+        "step_size": line.step_size,
+        "parameters": PARAMETERS,
+        "connectors": [connector(w.end, w.input, "input") for w in wires if not w.start]
+        + [connector(w.start, w.output, "output") for w in wires if not w.end],
+        "components": [
+            {
+                "name": name,
+                "connectors": [connector(name, w.input, "input") for w in wires if w.end == name]
+                + [connector(name, v.name, "output") for v in line.outputs[name]],
+            }
+            for name in blocks
+        ],
+        "connections": wires,
+        "units": _units(line),
+        "values": [
+            {"component": name, "name": n, "kind": blocks[name][n].kind, "value": literal(blocks[name][n], value)}
+            for name, given in line.parameters.items()
+            for n, value in given.items()
+        ],
+    }
+    names = {"SystemStructure.ssd": "SystemStructure.ssd", PARAMETERS: "parameters.ssv", STRUCTURE: STRUCTURE}
+    return {name: TEMPLATES.get_template(f"{t}.j2").render(values).encode() for name, t in names.items()}
+
+
+def _units(line: Line) -> list[dict[str, Any]]:
+    """The units of all components, as their modelDescriptions define them."""
+    found = {}
+    for recipe in line.recipes.values():
+        for unit in describe(recipe.block(), recipe.unit, recipe.slave_unit).iterfind("UnitDefinitions/Unit"):
+            found[unit.get("name")] = dict(unit[0].attrib)
+    return [{"name": name, "base": base} for name, base in sorted(found.items())]

@@ -1,0 +1,101 @@
+"""One self-contained HTML page of a line: the errors on each way, and the course of the wired one."""
+
+from pathlib import Path
+from typing import Any
+
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from motionsync.declare import Unit
+
+from .. import __version__
+from ..cuts import Cut
+from ..description import unit_name
+from ..documentation import SLAVE, TEMPLATES
+from ..report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, plots
+from ..variables import variables
+from .judge import Result, Switch, Way
+from .reader import REMOTE, Line
+
+HUES = (SLAVE, RECEIVED, REFERENCE, "#17713a")  # of the ways
+ROWS = (("all ways", 260), ("as wired", 185), ("index error", 185))
+ROOM = 1.3  # of the wired way's own row, over its greatest error once in sync
+
+
+def write_line_report(file: Path, line: Line, result: Result) -> None:
+    """The page; nothing in it is loaded from elsewhere."""
+    s = line.follower
+    blocks = {name: {v.name: v for v in variables(recipe.block())} for name, recipe in line.recipes.items()}
+    by_name = blocks[s.recipe.name]
+    clocks, wired = line.remote.clocks, result.wired
+    starts = {REMOTE: line.start, s.recipe.name: s.start}
+    values: dict[str, Any] = {
+        "line": line,
+        "s": s,
+        "result": result,
+        "version": __version__,
+        "clocks": clocks,
+        "drift": 1e6 * (line.remote.data_cycle / clocks.rates[0].cycle - 1.0),
+        "synced": result.after[0].away is not None,
+        "unit": unit_name(Unit.POSITION, line.unit),
+        "error_plots": html(_error_plots(line, result), plotly=True),
+        "event_plots": html(_event_plots(line, result)) if wired.cuts or wired.switches else "",
+        "plots": html(plots(s, wired.course, by_name)),
+        "cut_plots": html(cut_plots(s.cuts, wired.cuts, s, wired.course)) if s.cuts and wired.cuts else "",
+        "starts": [(c, n, blocks[c][n].text(value)) for c, given in starts.items() for n, value in given.items()],
+        "settings": [(x.at, n, by_name[n].text(value)) for x in s.settings for n, value in x.values.items()],
+    }
+    file.write_text(TEMPLATES.get_template("line.html.j2").render(values), "utf-8")
+
+
+def _hues(result: Result) -> list[tuple[Way, str]]:
+    return [(way, HUES[i % len(HUES)]) for i, way in enumerate(result.ways)]
+
+
+def _error_plots(line: Line, result: Result) -> Any:
+    """The slave's error on all ways, that of the wired one, and the index errors, over time."""
+    heights = [height for _, height in ROWS]
+    figure = make_subplots(rows=len(ROWS), cols=1, shared_xaxes=True, vertical_spacing=0.04, row_heights=heights)
+    for way, hue in reversed(_hues(result)):
+        width = 2.0 if way is result.wired else 1.0
+        curve(figure, 1, way.name, line.times, way.away, hue, width)
+        curve(figure, 3, way.name, line.times, way.index, hue, width)
+    curve(figure, 2, result.wired.name, line.times, result.wired.away, SLAVE, 2.0)
+    if greatest := result.after[0].away:
+        figure.update_yaxes(range=[-ROOM * greatest, ROOM * greatest], row=2, col=1)
+    unit = unit_name(Unit.POSITION, line.unit)
+    for i, ((name, _), of) in enumerate(zip(ROWS, (unit, unit, "cycles"), strict=True), 1):
+        told = name if i == len(ROWS) else f"slave's error,<br>{name}"
+        figure.update_yaxes(title_text=f"{told}<br>{of}", row=i, col=1)
+    if result.synced <= line.times[-1]:
+        figure.add_vline(x=result.synced, line={"color": GREY, "width": 1, "dash": "dash"})
+        figure.add_annotation(
+            x=result.synced, y=1.0, yref="paper", yanchor="bottom", xanchor="left", text="synced", showarrow=False
+        )
+    figure.update_xaxes(title_text="time in s", row=len(ROWS), col=1)
+    figure.update_layout(height=sum(heights) + 150, margin={"t": 40, "r": 20, "l": 80, "b": 60}, hovermode="x unified")
+    figure.update_layout(template="plotly_white", legend={"orientation": "h", "yref": "container", "y": 0.0})
+    return figure
+
+
+def _event_plots(line: Line, result: Result) -> Any:
+    """The magnitude of each cut's error, or of each switch's, on each way: from micrometres to millimetres."""
+    unit, what = unit_name(Unit.POSITION, line.unit), "cut" if result.wired.cuts else "switch"
+    figure = go.Figure()
+    for way, hue in _hues(result):
+        events: list[Cut] | list[Switch] = way.cuts or way.switches
+        figure.add_trace(
+            go.Bar(
+                x=list(range(1, len(events) + 1)),
+                y=[abs(e.error) for e in events],
+                name=way.name,
+                marker={"color": hue},
+                customdata=[e.error for e in events],
+                hovertemplate=f"{what} %{{x}}: %{{customdata:.3g}} {unit}<extra>{way.name}</extra>",
+            )
+        )
+    figure.update_xaxes(title_text=what, dtick=1)
+    figure.update_yaxes(title_text=f"|error| of the {what}<br>{unit}", type="log", exponentformat="power")
+    figure.update_layout(height=360, margin={"t": 20, "r": 20, "l": 80, "b": 50}, template="plotly_white")
+    figure.update_layout(legend={"orientation": "h", "y": 1.0, "yanchor": "bottom"}, barmode="group")
+    return figure
