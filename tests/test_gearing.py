@@ -1,5 +1,6 @@
 """The Gearing, rule by rule with numbers by hand: engaging, disengaging, edges, ratios, periods, faults."""
 
+import math
 from typing import Any
 
 import pytest
@@ -948,3 +949,16 @@ def test_position_only_inputs_lead_on_to_the_line() -> None:
     gear.start(reference_position=30.0, distance=20.0).run(6.0, cuts=grid(6.0, 0.1))
     assert gear.state == ACTIVE
     assert gear.slave == near(1.5 * 30.0, 15.0, 0.0, tolerance=1e-6)
+
+
+def test_a_step_too_short_to_divide_by_leaves_nothing_infinite() -> None:
+    gear = Gear(speed=10.0, mode=MasterInput.END_OF_STEP)
+    gear.start(start_mode=StartMode.CW_CCW_DIRECT, transition=Transition.NONE).run(1.0)
+    gear.stop(stop_mode=StopMode.CW_CCW_DIRECT, transition=Transition.TIME_BASED, time=1.0).put(
+        {"master.velocity": -20.0}
+    )
+    assert gear.block.step(5e-324) == Refusal.NONE
+    gear.speed = -20.0
+    for motion in gear.rows(1.0, cuts=[0.25, 0.5]).values():
+        assert all(map(math.isfinite, motion.values()))
+    assert gear.state == State.STOPPED

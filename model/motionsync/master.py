@@ -110,9 +110,9 @@ class Master:
         return self.begin_velocity + (self.end_velocity - self.begin_velocity) * (time / self.step)
 
     def mean_acceleration(self) -> float:
-        """With which the velocity comes from the step's beginning to its end."""
+        """With which the velocity comes from the step's beginning to its end; within +-1e12, as inputs are."""
         if self.input_mode == MasterInput.END_OF_STEP:
-            return (self.end_velocity - self.begin_velocity) / self.step
+            return clamp((self.end_velocity - self.begin_velocity) / self.step, -LARGEST_INPUT, LARGEST_INPUT)
         return self.begin_acceleration
 
     def literal(self, position: float) -> float:
