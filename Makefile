@@ -14,7 +14,7 @@ line: $(READY) ## wire a remote axis through RemoteSync into its followers, and 
 	$(BIN)/motionsync line scenarios/line
 
 test: lint ## everything that proves the project
-	$(BIN)/python -m pytest $(PYTEST)
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal $(PYTEST)
 
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build
