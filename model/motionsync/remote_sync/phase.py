@@ -81,7 +81,8 @@ class Phase:
                 pass
         self.confirmed = zone.confirmed
         held = not zone.open and self.hold_in(cycle)
-        if finding > Finding.CLOSED or finding == Finding.SETTLED_ELSEWHERE or (finding == Finding.CLOSED and held):
+        moved = finding in (Finding.SETTLED_ELSEWHERE, Finding.BEAT, Finding.JUMP)
+        if moved or (finding == Finding.CLOSED and held):
             self.rest = before - self.estimate(cycle)
             self.since = cycle
         return finding == Finding.JUMP
