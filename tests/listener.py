@@ -15,8 +15,9 @@ from motionsync import declare as var
 from motionsync.axis import Slave
 from motionsync.blocks import BLOCKS, Example, Registered
 from motionsync.declare import Choice, Unit
+from motionsync_fmu.course import Course
 from motionsync_fmu.scenario import Scenario
-from motionsync_fmu.simulation import Course, inputs, schedule
+from motionsync_fmu.simulation import inputs, schedule
 from motionsync_fmu.variables import variables
 
 

@@ -21,12 +21,12 @@ from motionsync.follower.leg import Leg, Peaks
 from motionsync.master import MasterInput
 from motionsync.refusal import Refusal
 from motionsync_fmu.build import Recipe, build_python
+from motionsync_fmu.course import Course
 from motionsync_fmu.description import axis_label, unit_name
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.host import FmuError, Host
 from motionsync_fmu.report import plots
 from motionsync_fmu.scenario import load
-from motionsync_fmu.simulation import Course
 from motionsync_fmu.variables import variables
 from pusher import Pusher
 

@@ -18,12 +18,13 @@ import regenerate
 from conftest import Fmus
 from motionsync.master import MasterInput
 from motionsync_fmu.build import Recipe
-from motionsync_fmu.cuts import cut
+from motionsync_fmu.course import Course
+from motionsync_fmu.cuts import Cuts, cut
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.references import command_line, inputs_file
-from motionsync_fmu.scenario import AtTime, Cuts, Scenario, When, Within, load
+from motionsync_fmu.scenario import AtTime, Scenario, When, Within, load
 from motionsync_fmu.script import Script, Segment
-from motionsync_fmu.simulation import Course, check, compare, schedule, simulate
+from motionsync_fmu.simulation import check, compare, schedule, simulate
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 FOLDERS = sorted(file.parent for file in SCENARIOS.rglob("scenario.toml"))

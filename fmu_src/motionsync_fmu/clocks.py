@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from .course import Reals
 from .script import Script
 
-Reals = np.ndarray[Any, np.dtype[np.float64]]
 Integers = np.ndarray[Any, np.dtype[np.int64]]
 INDICES = 65536  # of telegrams, then they begin at 0 again
 CLOSE = 1e-6  # of a cycle: an instant so little after a time is at it

@@ -5,13 +5,34 @@ slave = ratio (master - mark). Each interval in which the Boolean of the scenari
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .scenario import Cuts
-    from .simulation import Course
+from .course import Course
+
+
+@dataclass(frozen=True)
+class Cuts:
+    """The slave is a saw that cuts the master's material while a Boolean is true.
+
+    Attributes:
+        name: the Boolean.
+        length: distance of the marks on the material, in u; one of them lies at `offset`.
+        ratio: the slave's travel over the master's.
+        tolerance: the greatest allowed distance of a cut from its mark, in u; None: it is not judged.
+        count: how many cuts there have to be; None: any number.
+    """
+
+    name: str
+    length: float
+    offset: float
+    ratio: float
+    tolerance: float | None
+    count: int | None
+
+    def nearest(self, place: float) -> float:
+        """The mark that is nearest to a place on the material."""
+        return self.offset + round((place - self.offset) / self.length) * self.length
 
 
 @dataclass(frozen=True)
@@ -30,7 +51,7 @@ class Cut:
     error: float
 
 
-def cut(spec: "Cuts", course: "Course") -> list[Cut]:
+def cut(spec: Cuts, course: Course) -> list[Cut]:
     """The cuts of a run, in the order of time."""
     on = course.values[spec.name] != 0.0
     borders = np.flatnonzero(np.diff(on, prepend=False, append=False))

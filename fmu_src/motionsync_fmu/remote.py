@@ -8,15 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .clocks import INDICES, Clocks, Reals, Telegrams
+from .clocks import INDICES, Clocks, Telegrams
+from .course import Course, Reals
 from .script import Script
-
-if TYPE_CHECKING:
-    from .simulation import Course
 
 MOTION = ("position", "velocity", "acceleration")
 
@@ -87,7 +84,7 @@ class Errors:
     corrected_position: Reals
 
 
-def errors(remote: Remote, course: "Course") -> Errors:
+def errors(remote: Remote, course: Course) -> Errors:
     """The errors of a run."""
     clocks, telegrams = remote.clocks, remote.telegrams
     shown = np.array([clocks.shown(begin, end) for begin, end in pairwise(course.time.tolist())])

@@ -14,15 +14,15 @@ from plotly.subplots import make_subplots
 from motionsync.declare import Unit
 
 from . import __version__
-from .cuts import Cut, cut
+from .course import Course, Reals
+from .cuts import Cut, Cuts, cut
 from .description import axis_label, unit_name
 from .documentation import MASTER, SLAVE, TEMPLATES
 from .remote import Errors, errors
-from .scenario import Cuts, Scenario
-from .simulation import Check, Course, Deviation, read_reference
+from .scenario import Scenario
+from .simulation import Check, Deviation, read_reference
 from .variables import Variable, variables
 
-Reals = NDArray[np.float64]
 REFERENCE = "#1f6fb2"
 GREY = "#53616e"
 RECEIVED = "#9a8fb5"

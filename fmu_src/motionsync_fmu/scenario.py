@@ -18,6 +18,7 @@ from motionsync.blocks import BLOCKS
 
 from .build import Recipe, check_slave_unit
 from .clocks import INDICES, Clocks, Rate
+from .cuts import Cuts
 from .description import BASES
 from .errors import UserError
 from .remote import Accuracy, Remote
@@ -85,30 +86,6 @@ class Within:
 
 
 Expectation = AtTime | When | Within
-
-
-@dataclass(frozen=True)
-class Cuts:
-    """The slave is a saw that cuts the master's material while a Boolean is true.
-
-    Attributes:
-        name: the Boolean.
-        length: distance of the marks on the material, in u; one of them lies at `offset`.
-        ratio: the slave's travel over the master's.
-        tolerance: the greatest allowed distance of a cut from its mark, in u; None: it is not judged.
-        count: how many cuts there have to be; None: any number.
-    """
-
-    name: str
-    length: float
-    offset: float
-    ratio: float
-    tolerance: float | None
-    count: int | None
-
-    def nearest(self, place: float) -> float:
-        """The mark that is nearest to a place on the material."""
-        return self.offset + round((place - self.offset) / self.length) * self.length
 
 
 @dataclass(frozen=True)

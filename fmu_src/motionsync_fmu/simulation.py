@@ -12,32 +12,16 @@ import numpy as np
 
 from motionsync.master import MasterInput
 
-from .cuts import cut
+from .course import Course
+from .cuts import Cuts, cut
 from .errors import UserError
 from .host import FmuError, Host
 from .remote import Accuracy, Errors, errors
-from .scenario import COMPARISONS, AtTime, Cuts, Scenario, When, Within
+from .scenario import COMPARISONS, AtTime, Scenario, When, Within
 from .script import Motion
 from .variables import variables
 
 CLOSE = 1e-9  # of a step: communication points nearer to one another are one
-
-
-@dataclass(frozen=True)
-class Course:
-    """What the FMU put out: `values[name]`, shape (points,), at the communication points `time`, shape (points,), s.
-
-    `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3.
-    """
-
-    time: np.ndarray[Any, np.dtype[np.float64]]
-    values: dict[str, np.ndarray[Any, np.dtype[np.float64]]]
-    master: np.ndarray[Any, np.dtype[np.float64]]
-    messages: list[str]
-
-    def rows(self) -> Iterator[tuple[float, ...]]:
-        """Time, then the variables, point by point."""
-        return zip(self.time.tolist(), *(v.tolist() for v in self.values.values()), strict=True)
 
 
 @dataclass(frozen=True)

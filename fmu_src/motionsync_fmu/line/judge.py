@@ -13,10 +13,10 @@ import numpy as np
 
 from motionsync.remote_sync.block import Estimator
 
-from ..clocks import Reals
+from ..course import Course, Reals
 from ..cuts import Cut, cut
 from ..remote import MOTION, errors
-from ..simulation import Check, Course, check
+from ..simulation import Check, check
 from .package import Package
 from .reader import RAMP, REMOTE, Line
 from .runs import Inputs, MissingLibraryError, Values, run_alone, run_cosim, run_ssp

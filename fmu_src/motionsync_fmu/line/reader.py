@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from motionsync.blocks import BLOCKS
 
 from ..build import Recipe
-from ..clocks import Reals
+from ..course import Reals
 from ..errors import UserError
 from ..remote import MOTION, Remote
 from ..scenario import DELAY, SCALARS, AtTime, Reader, Scenario, When, Within

@@ -16,7 +16,7 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import ParameterSet, read_ssd
 from numpy.typing import NDArray
 
-from ..clocks import Reals
+from ..course import Reals
 from ..errors import UserError
 from ..host import FmuError, Host
 from ..variables import variables

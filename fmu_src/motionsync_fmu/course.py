@@ -1,0 +1,26 @@
+"""What a run has put out, over time."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+Reals = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class Course:
+    """What the FMU put out: `values[name]`, shape (points,), at the communication points `time`, shape (points,), s.
+
+    `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3.
+    """
+
+    time: Reals
+    values: dict[str, Reals]
+    master: Reals
+    messages: list[str]
+
+    def rows(self) -> Iterator[tuple[float, ...]]:
+        """Time, then the variables, point by point."""
+        return zip(self.time.tolist(), *(v.tolist() for v in self.values.values()), strict=True)
