@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from drive import EXTREMES, Run
 
 EDGES = ("position_to_park", "position_to_cycle", "end_synchronism", "reset")
+MOTION = ("master.position", "master.velocity", "master.acceleration")
+LONG = (1e3, 3e6)  # cycles: a step of so many takes Python seconds to minutes; from 1e6 on it is refused
 LEVELS = ("skip_next_cycle", "stop_after_forward", "sync_assumed")
 TUNABLE = {  # what a machine changes while it runs, as a factor of its start value
     **dict.fromkeys(("master_cycle", "space_stop_slave", "k_slave_master"), (0.9, 1.1)),
@@ -69,6 +71,7 @@ def _steps(
     cycle = start["master_cycle"]
     first = r.choice(("position_to_park", "position_to_park", "position_to_cycle"))
     speed = velocity
+    last: dict[str, Any] = {name: start[name] for name in MOTION[:2]}
     for i in range(steps):
         h = 10.0 ** r.uniform(-2.5, -0.5) if r.random() < 0.97 else 10.0 ** r.uniform(-15.0, 1.5)
         if r.random() < 0.05:
@@ -86,10 +89,15 @@ def _steps(
         }
         velocity += acceleration * h
         values |= {name: i == 5 and name == first for name in EDGES}
-        values |= dict(_commands(r, start, before, extreme, commands))
+        calm, ordinary = values | dict(_commands(r, start, before, commands)), h
+        values = calm | dict(_extremes(r, extreme))
         if r.random() < extreme:
-            longest = 1e6 if velocity == 0.0 else 1e3  # hundreds of thousands of cycles take Python minutes
-            h = r.choice((0.0, -h, math.nan, math.inf, longest, 1.1e6, 5e-324))
+            h = r.choice((0.0, -h, math.nan, math.inf, 1e3, 1e6, 1.1e6, 5e-324))
+        way = _way(last, values, h)
+        if LONG[0] * cycle < way < LONG[1] * cycle:
+            h, values = ordinary, calm
+        elif way <= LONG[0] * cycle:
+            last = values
         yield h, values
         if r.random() < back:
             position -= r.choice((1e-11, 1e-6, 1.3)) * cycle
@@ -97,9 +105,7 @@ def _steps(
             position = 0.0
 
 
-def _commands(
-    r: Random, start: dict[str, Any], position: float, extreme: float, commands: float
-) -> Iterator[tuple[str, Any]]:
+def _commands(r: Random, start: dict[str, Any], position: float, commands: float) -> Iterator[tuple[str, Any]]:
     """Edges, levels, values of sync_master, mostly in time, and changes of parameters, mostly small ones."""
     cycle, variable = start["master_cycle"], start["variable_cycle"]
     yield from ((name, r.random() < 0.2) for name in LEVELS if r.random() < 0.1)
@@ -113,6 +119,15 @@ def _commands(
         yield name, start[name] * r.uniform(*TUNABLE[name]) if r.random() < 0.95 else r.choice(EXTREMES)
         if r.random() < 0.5:
             yield name, start[name]
+
+
+def _extremes(r: Random, extreme: float) -> Iterator[tuple[str, Any]]:
     if r.random() < extreme:
-        names = ("master.position", "master.velocity", "master.acceleration", "sync_master")
-        yield r.choice(names), r.choice(EXTREMES)
+        yield r.choice((*MOTION, "sync_master")), r.choice(EXTREMES)
+
+
+def _way(last: dict[str, Any], values: dict[str, Any], h: float) -> float:
+    """No less than what the master travels in a step and before it."""
+    before, now = (last[name] for name in MOTION[:2]), (values[name] for name in MOTION)
+    (p0, v0), (p, v, a) = before, now
+    return float(abs(p - p0) + (abs(v0) + abs(v) + abs(a) * abs(h)) * abs(h))
