@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from motionsync.remote_sync.block import Estimator
+from motionsync.remote_sync.block import INDICES, Estimator
 from motionsync_fmu.batch import simulate_many
-from motionsync_fmu.clocks import INDICES, Clocks, Rate
+from motionsync_fmu.clocks import Clocks, Rate
 
 Reals = NDArray[np.float64]
 Limit = Callable[[float, bool], float]  # of the drift's size (not in ppm), and whether there is jitter

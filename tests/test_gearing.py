@@ -7,11 +7,12 @@ import pytest
 
 from driven import grid
 from geared import Gear
+from motionsync.axis import nearest
 from motionsync.gearing.block import Gearing
 from motionsync.gearing.choices import StartMode, State, StopMode, Transition
 from motionsync.gearing.curves import into, out
 from motionsync.gearing.faults import Fault
-from motionsync.gearing.line import Line, ahead, direction_of, nearest
+from motionsync.gearing.line import Line, ahead, direction_of
 from motionsync.master import MasterInput
 from motionsync.refusal import Refusal
 from motionsync_fmu.variables import variables

@@ -10,7 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from known import KNOWN_RAMPS
-from motionsync.transition import Curve, Transition, floor, half_law
+from motionsync.axis import floor
+from motionsync.transition import Curve, Transition, half_law
 
 settings.register_profile("transition", derandomize=True, deadline=None, max_examples=100)
 repeatable = settings.get_profile("transition")

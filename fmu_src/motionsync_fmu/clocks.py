@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from motionsync.remote_sync.block import INDICES
+
 from .course import Reals
 from .script import Script
 
 Integers = np.ndarray[Any, np.dtype[np.int64]]
-INDICES = 65536  # of telegrams, then they begin at 0 again
 CLOSE = 1e-6  # of a cycle: an instant so little after a time is at it
 FARTHEST = 0.45  # of the shorter cycle: jitter moves no instant farther, so that cycles and telegrams keep their order
 BEFORE = 2  # telegrams sent before time 0: one of them is seen until the first one arrives

@@ -11,7 +11,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from .clocks import INDICES, Clocks, Telegrams
+from motionsync.remote_sync.block import INDICES
+
+from .clocks import Clocks, Telegrams
 from .course import Course, Reals
 from .script import Script
 

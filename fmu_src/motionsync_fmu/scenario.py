@@ -15,9 +15,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from motionsync.blocks import BLOCKS
+from motionsync.remote_sync.block import INDICES
 
 from .build import Recipe, check_slave_unit
-from .clocks import INDICES, Clocks, Rate
+from .clocks import Clocks, Rate
 from .cuts import Cuts
 from .description import BASES
 from .errors import UserError

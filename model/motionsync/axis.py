@@ -1,4 +1,4 @@
-"""What every block has at its two ends: the slave's setpoint and the edges of its commands."""
+"""What every block has at its two ends: the slave's setpoint and the edges of its commands; places on an axis."""
 
 from dataclasses import dataclass
 
@@ -50,3 +50,18 @@ def wrap(position: float, period: float) -> float:
         return position + 0.0  # 0 of -0, as the remainder makes it
     wrapped = position % period
     return wrapped if wrapped < period else 0.0
+
+
+def floor(x: float) -> float:
+    """The greatest whole number not above x; from 2^52 on there are only whole numbers."""
+    if abs(x) >= 4503599627370496.0:
+        return x
+    whole = float(int(x))
+    return whole - 1.0 if whole > x else whole
+
+
+def nearest(base: float, spacing: float, here: float) -> float:
+    """Of the places base + n spacing the one nearest to `here`; with a spacing of 0, `base`."""
+    if spacing == 0.0:
+        return base
+    return base + floor((here - base) / spacing + 0.5) * spacing

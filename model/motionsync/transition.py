@@ -10,7 +10,7 @@ gives the 3-4-5 law for a start only; a stop is its point mirror, so its ramp li
 from dataclasses import dataclass
 from math import sqrt
 
-from .axis import clamp
+from .axis import clamp, floor
 from .declare import Choice
 
 
@@ -144,11 +144,3 @@ def half_law(curve: Curve, z: float) -> tuple[float, float, float, float]:
         60.0 * z * rest * (1.0 - 2.0 * z),
         60.0 + 360.0 * z * (z - 1.0),
     )
-
-
-def floor(x: float) -> float:
-    """The greatest whole number not above x; from 2^52 on there are only whole numbers."""
-    if abs(x) >= 4503599627370496.0:
-        return x
-    whole = float(int(x))
-    return whole - 1.0 if whole > x else whole

@@ -31,12 +31,11 @@ Decisions where the source is silent:
 from dataclasses import dataclass
 
 from .. import declare as var
-from ..axis import Edge, Slave, clamp, wrap
+from ..axis import Edge, Slave, clamp, floor, nearest, wrap
 from ..declare import Choice, Unit
 from ..master import Master, MasterInput
 from ..motion import Motion
 from ..refusal import Refusal
-from ..transition import floor
 from .course import LEAST, LEAST_RATIO, MOST, SAME_PLACE, Course, Settings, Stage
 from .faults import Fault
 from .leg import FAR, Peaks
@@ -390,10 +389,7 @@ class Follower:
         if not (self.stands() and abs(self.park_slave) <= MOST):
             self.refuse()
             return
-        target = self.park_slave
-        if self.slave_cycle > 0.0:
-            target += round_off((self.position - target) / self.slave_cycle) * self.slave_cycle
-        if self.move_to(target):
+        if self.move_to(nearest(self.park_slave, self.slave_cycle, self.position)):
             self.course.stage = Stage.TO_PARK
             self.course.park = self.park_slave
             self.course.known = False
@@ -409,9 +405,7 @@ class Follower:
         target = self.sought.park
         if self.sought.stage != Stage.PARKED:
             target, _, _, _ = self.sought.leg.at(master)
-        if self.slave_cycle > 0.0:
-            target += round_off((self.position - target) / self.slave_cycle) * self.slave_cycle
-        if self.move_to(target):
+        if self.move_to(nearest(target, self.slave_cycle, self.position)):
             self.course.take(self.sought)
             self.course.stage = Stage.TO_CYCLE
             self.course.watch(master)
@@ -884,8 +878,3 @@ class Follower:
 def allowed(limit: float) -> bool:
     """Whether a limit or length can be used; 0 is none."""
     return LEAST_RATIO <= limit <= MOST
-
-
-def round_off(x: float) -> float:
-    """To the nearest whole number."""
-    return floor(x + 0.5)

@@ -7,8 +7,8 @@ positions and travels in M, slave positions in S, ratios k in S/M.
 from dataclasses import dataclass
 
 from .. import declare as var
+from ..axis import floor
 from ..declare import Choice
-from ..transition import floor
 from .faults import Fault
 from .leg import Leg
 

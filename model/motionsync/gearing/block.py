@@ -21,14 +21,14 @@ Source: MOVIKIT gearing; its mechanism with a reference position. Decisions wher
 from dataclasses import dataclass
 
 from .. import declare as var
-from ..axis import Edge, clamp, wrap
+from ..axis import Edge, clamp, nearest, wrap
 from ..declare import LARGEST_INPUT, Unit
 from ..master import Master
 from ..refusal import Refusal
 from .choices import Aim, State, Transition
 from .curves import SAME_TIME, Blend, into, out
 from .faults import Fault
-from .line import ROUNDING, SAME_TURN, Line, ahead, direction_of, nearest, rounding, tolerance
+from .line import ROUNDING, SAME_TURN, Line, ahead, direction_of, rounding, tolerance
 from .orders import GearedSlave, GearIn, GearOut, Order, Ratio, SetPoint, fault_of, gear_in_fault, gear_out_fault
 
 STANDING = 1e-13  # of the speed in a step: what rounding leaves of a velocity that comes to 0

@@ -5,7 +5,7 @@ Source: MOVIKIT gearing: a ratio of whole numbers, and the point through which t
 
 from dataclasses import dataclass
 
-from ..transition import floor
+from ..axis import floor
 
 ROUNDING = 1e-15  # of a position
 SAME_TURN = 1e-12  # of the distance between two places on a grid
@@ -65,10 +65,3 @@ def ahead(base: float, spacing: float, way: float, here: float, on_it: bool) -> 
     margin = tolerance(base, spacing, here)
     missing = way * (here - base) + (-margin if on_it else margin)
     return base - way * floor(-missing / spacing) * spacing
-
-
-def nearest(base: float, spacing: float, here: float) -> float:
-    """Of the places base + n spacing the one nearest to `here`; with a spacing of 0, `base`."""
-    if spacing == 0.0:
-        return base
-    return base + floor((here - base) / spacing + 0.5) * spacing
