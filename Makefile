@@ -29,10 +29,10 @@ format: $(READY)
 	$(BIN)/ruff format .
 
 references: $(READY) ## the cross-check files of all scenarios, from the scripts and the oracles
-	$(BIN)/python tests/regenerate.py
+	$(BIN)/python -m tests.regenerate
 
 pictures: $(READY) ## the README's pictures
-	$(BIN)/python -m motionsync_fmu.documentation docs
+	$(BIN)/python -m motionsync_fmu.pages.block_page docs
 
 benchmark: $(READY)
 	$(BIN)/python benchmarks/step_cost.py

@@ -6,7 +6,7 @@ Each seed is two clocks with a start phase of their own; every second one has a 
 the peak to peak value of the corrected index less the true one, in cycles, from 91 cycles after the identification of
 the second beat on, and how far the index's steps from cycle to cycle differ from 1 + drift there. A true value behind
 by whole cycles does not count: BEAT follows a slower sender one cycle behind. What is allowed stands in `COLUMNS`,
-which tests/test_remote_sync_accuracy.py applies as well.
+which tests/model/remote_sync/test_accuracy.py applies as well.
 """
 
 import argparse
@@ -21,8 +21,8 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsync.remote_sync.block import INDICES, Estimator
-from motionsync_fmu.batch import simulate_many
-from motionsync_fmu.clocks import Clocks, Rate
+from motionsync_fmu.native.batch import simulate_many
+from motionsync_fmu.scenario.clocks import Clocks, Rate
 
 Reals = NDArray[np.float64]
 Limit = Callable[[float, bool], float]  # of the drift's size (not in ppm), and whether there is jitter

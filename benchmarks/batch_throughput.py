@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motionsync.synchronizer import Synchronizer
-from motionsync_fmu.batch import simulate_many
+from motionsync.synchronizer.block import Synchronizer
+from motionsync_fmu.native.batch import simulate_many
 
 INSTANCES, STEPS, H, VELOCITY, TURN = 64, 20_000, 1e-3, 180.0, 360.0
 OUTPUTS = ["slave.position", "slave.velocity", "state"]

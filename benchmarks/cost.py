@@ -12,8 +12,8 @@ from typing import Any
 from cases import VELOCITY, Axis, H, Steady, counted
 from rich.table import Table
 
-from motionsync_fmu.host import Host
-from motionsync_fmu.native import HEADERS
+from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.scenario.fmu_instance import Host
 
 ROUNDS = 7
 OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")

@@ -43,8 +43,8 @@ from rich.table import Table
 
 from motionsync_fmu.archive import write
 from motionsync_fmu.build import Recipe, build_native, build_python
-from motionsync_fmu.host import Host
-from motionsync_fmu.variables import variables
+from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.scenario.fmu_instance import Host
 
 HERE = Path(__file__).parent
 LIBRARY = "binaries/linux64/{}.so"

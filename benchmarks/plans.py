@@ -5,7 +5,7 @@
 Half of the plans are ones that a machine might ask for, half are wild: sizes, times, ratios and limits over many powers
 of ten. The slave stands, moves at its initial velocity, or is under way by another command; the master has either
 direction, mostly an acceleration of 0 at the edge, and goes on at constant velocity: so characteristics must hold for
-what the slave does. Each plan is judged by `broken`, which tests/test_plans.py applies as well.
+what the slave does. Each plan is judged by `broken`, which tests/benchmarks/test_plans.py applies as well.
 """
 
 import argparse
@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from motionsync.declare import LARGEST_INPUT
 from motionsync.flying_saw.block import FlyingSaw, State
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.profile import ProfileKind
-from motionsync_fmu.batch import BatchResult, simulate_many
-from motionsync_fmu.variables import variables
+from motionsync.var import LARGEST_INPUT
+from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.native.batch import BatchResult, simulate_many
 
 Reals = NDArray[np.float64]
 Bools = NDArray[np.bool_]

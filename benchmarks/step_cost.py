@@ -19,8 +19,8 @@ from rich.console import Console
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.archive import write
 from motionsync_fmu.build import Recipe, build_python
-from motionsync_fmu.host import Host
-from motionsync_fmu.variables import variables
+from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.scenario.fmu_instance import Host
 
 LEAD = 2000  # steps, in which a remote axis gets in sync: before, nothing is checked
 NOTHING = "do-nothing slave through FMPy"

@@ -1,6 +1,6 @@
 """Writes the cross-check files of every scenario: inputs from its script, the reference from the oracle.
 
-python tests/regenerate.py
+python -m tests.regenerate
 """
 
 import tomllib
@@ -9,14 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from motionsync.master import MasterInput
-from motionsync_fmu.references import csv_text, inputs_csv, options_text
-from motionsync_fmu.scenario import Scenario, find, load
-from motionsync_fmu.simulation import inputs, schedule
-from motionsync_fmu.variables import variables
-from oracle import flying_saw, follower, gearing, synchronizer
-from oracle.remote_sync import RemoteSyncOracle
+from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.scenario.crosscheck import csv_text, inputs_csv, options_text
+from motionsync_fmu.scenario.run import inputs, schedule
+from motionsync_fmu.scenario.scenario import Scenario, find, load
+from tests import ROOT
+from tests.oracle import flying_saw, follower, gearing, synchronizer
+from tests.oracle.remote_sync import RemoteSyncOracle
 
-SCENARIOS = Path(__file__).parents[1] / "scenarios"
+SCENARIOS = ROOT / "scenarios"
 ORACLES = {
     "Synchronizer": synchronizer.reference,
     "FlyingSaw": flying_saw.reference,

@@ -46,12 +46,12 @@ def _imported(tree: ast.Module, path: Path) -> Iterator[Path]:
 
 def runtime() -> Files:
     """The part of this package that runs inside the Python FMU."""
-    return _own("slave.py", "variables.py")
+    return _own("interface/variables.py", "python/slave.py")
 
 
 def compilers() -> Files:
     """The part of this package that determines the native code."""
-    return _own("fmi2.c", "lowering.py", "native.py", "record.py")
+    return _own("native/fmi2.c", "native/libraries.py", "native/memory_layout.py", "native/numba_target.py")
 
 
 def _own(*names: str) -> Files:

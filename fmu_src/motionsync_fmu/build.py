@@ -15,14 +15,14 @@ from xml.etree.ElementTree import ParseError, fromstring, tostring
 from motionsync.blocks import BLOCKS
 
 from .archive import Files, compilers, digest, epoch, runtime, sources, write
-from .description import BASES, describe, finish
-from .documentation import pages, picture
 from .errors import UserError, choose
-from .kernel import check
-from .variables import Variable, variables
+from .interface.fmi2_xml import BASES, describe, finish
+from .interface.variables import Variable, variables
+from .native.subset import check
+from .pages.block_page import pages, picture
 
 SCRIPT = """from {package}_{tag}.{module} import {name}
-from motionsync_fmu_{tag}.slave import BlockSlave, keep
+from motionsync_fmu_{tag}.python.slave import BlockSlave, keep
 
 keep(globals())
 
@@ -126,7 +126,7 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     files: Files = {
         f"resources/{name.lower()}_{tag}.py": script.encode(),
         "resources/slavemodule.txt": f"{name.lower()}_{tag}".encode(),
-        f"resources/motionsync_fmu_{tag}/__init__.py": b"",
+        **{f"resources/motionsync_fmu_{tag}/{room}__init__.py": b"" for room in ("", "interface/", "python/")},
     }
     files |= {f"resources/{package}_{tag}/{n}": text for n, text in sources(type(block).__module__).items()}
     files |= {f"resources/motionsync_fmu_{tag}/{n}": text for n, text in runtime().items()}
@@ -147,7 +147,7 @@ def build_native(recipe: Recipe, target: Path, told: Callable[[str], None] = lam
     block = recipe.block()
     check_kernel(type(block).__module__)
     try:
-        from . import native  # noqa: PLC0415 (Numba and zig: needed for this flavour only)
+        from .native import libraries as native  # noqa: PLC0415 (Numba and zig: needed for this flavour only)
     except ModuleNotFoundError as e:
         raise UserError(
             f"the native flavour is compiled with {e.name}, which is not installed: install it with "

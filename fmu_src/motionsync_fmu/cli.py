@@ -16,23 +16,23 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from motionsync.blocks import BLOCKS
-from motionsync.declare import Unit
+from motionsync.var import Unit
 
 from .build import Flavour, Recipe, check_slave_unit, fmu_path, outdated
 from .build import build as build_fmu
-from .cuts import cut
-from .description import BASES, summary, unit_name
-from .documentation import groups
 from .errors import UserError, choose
+from .interface.fmi2_xml import BASES, summary, unit_name
+from .interface.variables import members, variables
 from .line.judge import Result, examine
 from .line.package import Package, write_package
 from .line.reader import PATTERN, Line, find_lines, load_line
 from .line.report import write_line_report
-from .references import command_line, csv_text, inputs_csv, inputs_file
-from .report import write_report
-from .scenario import FILE, MOST_STEPS, Scenario, find, load
-from .simulation import check, compare, simulate
-from .variables import members, variables
+from .pages.block_page import groups
+from .pages.report import write_report
+from .scenario.crosscheck import command_line, csv_text, inputs_csv, inputs_file
+from .scenario.cuts import cut
+from .scenario.run import check, compare, simulate
+from .scenario.scenario import FILE, MOST_STEPS, Scenario, find, load
 
 app = typer.Typer(
     name="motionsync",

@@ -8,7 +8,7 @@ from .flying_saw.block import FlyingSaw
 from .follower.block import Follower
 from .gearing.block import Gearing
 from .remote_sync.block import RemoteSync
-from .synchronizer import Synchronizer
+from .synchronizer.block import Synchronizer
 
 
 @dataclass(frozen=True)

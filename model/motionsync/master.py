@@ -6,16 +6,23 @@ Source: the three input modes are motionsync's own; they tell apart the ways in 
 
 from dataclasses import dataclass
 
-from . import declare as var
-from .axis import clamp, wrap
-from .declare import LARGEST_INPUT, Choice, Unit
+from . import var
+from .grid import wrap
+from .limits import clamp
 from .path import Path
-from .refusal import Refusal
+from .var import LARGEST_INPUT, Enumeration, Unit
 
 MOST_TURNS = 1e15  # beyond it the part of a turn is lost to rounding
+TURNS = (  # a refusal's text and the variables it speaks of, for the blocks that have a master
+    "the master's position and its prediction must be at most 1e15 periods",
+    "master.position",
+    "master.velocity",
+    "master.acceleration",
+    "master.period",
+)
 
 
-class MasterInput(Choice):
+class MasterInput(Enumeration):
     """What the master's inputs hold when doStep(t, h) is called"""
 
     START_OF_STEP = 1, "the master at t, carried on to t+h with constant acceleration (parallel masters, FMPy)"
@@ -27,9 +34,9 @@ class MasterInput(Choice):
 class Master:
     """The master axis and its motion during the present step.
 
-    A step's path begins at `seam`, where the step before ended; the straight way from there to `begin`, the present
-    input, takes no time. The commands act at `begin`, with the velocity and acceleration that the master has there;
-    then comes `path`, `step` s long, up to `end`. With a period all these are
+    The step's `path` begins where the step before ended. Its piece 0, which takes no time, leads to `begin`, the
+    present input. The commands act there, with the velocity and acceleration that the master has at `begin`; the other
+    pieces take `step` s and lead to `end`. With a period all these are
     unwrapped: they are continuous, relative to a whole number of turns that `rebase` chooses.
 
     In mode POSITION_ONLY the estimates are held within the limits of Real inputs, +-1e12, so that samples taken in
@@ -45,7 +52,6 @@ class Master:
     period: float = var.parameter(
         0.0, "modulo period of the positions: 0, a linear axis, or at least 1e-9", Unit.POSITION, min=0.0, smallest=1e-9
     )
-    seam: float = 0.0
     begin: float = 0.0
     begin_velocity: float = 0.0
     begin_acceleration: float = 0.0
@@ -60,39 +66,39 @@ class Master:
     before: float = 0.0
     before_step: float = 0.0
 
-    def initialize(self) -> Refusal:
+    def try_initialize(self) -> bool:
         """The master stands where the inputs say; with POSITION_ONLY its velocity is not known yet: 0."""
         if self.beyond(self.position):
-            return Refusal.MASTER_TURNS
+            return False
         known = self.input_mode != MasterInput.POSITION_ONLY
         self.end = wrap(self.position, self.period)
         self.end_velocity = self.velocity if known else 0.0
         self.end_acceleration = self.acceleration if known else 0.0
         self.samples = 0
-        return Refusal.NONE
+        return True
 
-    def advance(self, h: float) -> Refusal:
+    def try_advance(self, h: float) -> bool:
         """Lay the path of the step; a refused one leaves the master as it was."""
         if self.beyond(self.position):
-            return Refusal.MASTER_TURNS
+            return False
         match self.input_mode:
             case MasterInput.START_OF_STEP:
-                return self.predict(h, self.unwrapped(self.end), self.velocity, self.acceleration)
+                return self.try_predict(h, self.unwrapped(self.end), self.velocity, self.acceleration)
             case MasterInput.END_OF_STEP:
-                return self.join(h)
+                return self.try_join(h)
             case _:
-                return self.extrapolate(h)
+                return self.try_extrapolate(h)
 
     def longest_way(self, h: float) -> float:
-        """No less than what the master travels, back and forth, on the path of the coming step and its seam.
+        """No less than what the master travels, back and forth, on the path of the coming step.
 
-        Told before `advance`, for blocks that refuse a step too long; 0 if `advance` refuses it anyway."""
+        Told before `try_advance`, for blocks that refuse a step too long; 0 if `try_advance` refuses it anyway."""
         if self.beyond(self.position):
             return 0.0
         match self.input_mode:
             case MasterInput.START_OF_STEP:
-                seam = abs(self.unwrapped(self.end) - self.end) if self.samples > 0 else 0.0
-                return seam + (abs(self.velocity) + 0.5 * abs(self.acceleration) * h) * h
+                correction = abs(self.unwrapped(self.end) - self.end) if self.samples > 0 else 0.0
+                return correction + (abs(self.velocity) + 0.5 * abs(self.acceleration) * h) * h
             case MasterInput.END_OF_STEP:
                 expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
                 if self.beyond(expected):
@@ -100,9 +106,9 @@ class Master:
                 return abs(self.unwrapped(expected) - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h
             case _:
                 position = self.unwrapped(self.end)
-                seam = abs(position - self.end) if self.samples > 0 else 0.0
+                correction = abs(position - self.end) if self.samples > 0 else 0.0
                 velocity, acceleration = self.estimated(position)
-                return seam + (abs(velocity) + 0.5 * abs(acceleration) * h) * h
+                return correction + (abs(velocity) + 0.5 * abs(acceleration) * h) * h
 
     def velocity_at(self, time: float) -> float:
         """Within the step, from the velocities at both ends: exact at constant acceleration, and free of the rounding
@@ -131,17 +137,17 @@ class Master:
             self.last -= turned
             self.before -= turned
 
-    def predict(self, h: float, position: float, velocity: float, acceleration: float) -> Refusal:
+    def try_predict(self, h: float, position: float, velocity: float, acceleration: float) -> bool:
         """From the input at t, unwrapped, with constant acceleration to t+h."""
         end = position + (velocity + 0.5 * acceleration * h) * h
         if self.beyond(end):
-            return Refusal.MASTER_TURNS
-        self.seam = self.end if self.samples > 0 else position
+            return False
+        former = self.end if self.samples > 0 else position
         self.begin = position
         self.begin_velocity = velocity
         self.begin_acceleration = acceleration
         self.step = h
-        self.path.parabola(position, velocity, acceleration, h)
+        self.path.parabola(former, position, velocity, acceleration, h)
         self.end = end
         self.end_velocity = velocity + acceleration * h
         self.end_acceleration = acceleration
@@ -150,15 +156,14 @@ class Master:
         self.before_step = self.last_step
         self.last = position
         self.last_step = h
-        return Refusal.NONE
+        return True
 
-    def join(self, h: float) -> Refusal:
+    def try_join(self, h: float) -> bool:
         """From the master of the call before to the input at t+h, along the cubic."""
         expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
         if self.beyond(expected):
-            return Refusal.MASTER_TURNS
+            return False
         position = self.unwrapped(expected)
-        self.seam = self.end
         self.begin = self.end
         self.begin_velocity = self.end_velocity
         self.begin_acceleration = self.end_acceleration
@@ -167,13 +172,13 @@ class Master:
         self.end = position
         self.end_velocity = self.velocity
         self.end_acceleration = self.acceleration
-        return Refusal.NONE
+        return True
 
-    def extrapolate(self, h: float) -> Refusal:
+    def try_extrapolate(self, h: float) -> bool:
         """From the input at t with the velocity and acceleration that the last samples tell."""
         position = self.unwrapped(self.end)
         velocity, acceleration = self.estimated(position)
-        return self.predict(h, position, velocity, acceleration)
+        return self.try_predict(h, position, velocity, acceleration)
 
     def estimated(self, position: float) -> tuple[float, float]:
         """Velocity and acceleration of the parabola through the last three samples at its newest point, `position`, by

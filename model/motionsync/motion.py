@@ -10,8 +10,9 @@ PLCopen's move_velocity, move_absolute and halt.
 from dataclasses import dataclass
 from math import sqrt
 
-from . import declare as var
-from .axis import clamp
+from . import var
+from .clock import Clock
+from .limits import clamp
 
 SAME_TIME = 1.0 - 1e-13  # of a time: it is reached, but for rounding
 BISECTIONS = 200  # enough to halve any piece down to neighbouring numbers but for roots below 1e-40 of it
@@ -22,8 +23,8 @@ class Motion:
     """A motion in time of piecewise constant jerk; its last piece goes on for ever.
 
     Piece i, 0 <= i < pieces, begins at the time begins[i] (s, since the motion began) in the state positions[i],
-    velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock` is the present time; `lost`
-    is what rounding has added to it, so that many small steps make no drift.
+    velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock` tells the time since
+    the motion began.
 
     All limits are greater than 0. Nothing overflows for numbers within 1e12 and limits from 1e-12 on.
     """
@@ -34,8 +35,7 @@ class Motion:
     velocities: list[float] = var.ring(9)
     accelerations: list[float] = var.ring(9)
     jerks: list[float] = var.ring(9)
-    clock: float = 0.0
-    lost: float = 0.0
+    clock: Clock = var.part(Clock)
 
     def run(self, position: float, velocity: float) -> None:
         """Constant velocity (u/s) for ever; 0 is standstill."""
@@ -119,11 +119,8 @@ class Motion:
         return self.state(i, time - self.begins[i])
 
     def advance(self, h: float) -> None:
-        """The clock goes on by h; its rounding error is taken off the next step (Kahan's summation)."""
-        step = h - self.lost
-        clock = self.clock + step
-        self.lost = (clock - self.clock) - step
-        self.clock = clock
+        """The clock goes on by h."""
+        self.clock.advance(h)
 
     def state(self, piece: int, time: float) -> tuple[float, float, float, float]:
         """Position, velocity, acceleration and jerk at a time since the beginning of that piece."""
@@ -140,8 +137,7 @@ class Motion:
         self.velocities[0] = velocity
         self.accelerations[0] = acceleration
         self.jerks[0] = 0.0
-        self.clock = 0.0
-        self.lost = 0.0
+        self.clock.start(0.0)
 
     def extend(self, time: float, jerk: float, acceleration: float) -> None:
         """The last piece gets this jerk for that time and ends with `acceleration`; there a new one begins.

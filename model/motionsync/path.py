@@ -1,5 +1,8 @@
 """The master's path inside one step, cut at its turning points into monotone pieces.
 
+Piece 0 is the input correction: the step before ended where the master was predicted to be, and the present input
+tells where it is. The straight way from the one place to the other takes no time.
+
 Where the inputs hold the master at the beginning of the step the path is a parabola; where they hold its end it is the
 cubic through the positions and velocities of both ends.
 """
@@ -7,8 +10,8 @@ cubic through the positions and velocities of both ends.
 from dataclasses import dataclass
 from math import isfinite, sqrt
 
-from . import declare as var
-from .axis import clamp
+from . import var
+from .limits import clamp
 
 GREATEST_SPEED = 1e154  # u/s: its square is finite
 BISECTIONS = 200  # enough to halve any step down to neighbouring numbers but for roots below 1e-40 of it
@@ -16,28 +19,29 @@ BISECTIONS = 200  # enough to halve any step down to neighbouring numbers but fo
 
 @dataclass(slots=True)
 class Path:
-    """x(t) = origin + t (velocity + t (bend + t twist)), 0 <= t <= h; u, u/s, u/s2, u/s3.
+    """x(t) = origin + t (velocity + t (c2 + t c3)), 0 <= t <= h; u, u/s, u/s2, u/s3.
 
-    Piece i, 0 <= i < pieces, runs monotonously from places[i] at times[i] to places[i + 1] at times[i + 1].
+    Piece i, 0 <= i < pieces, runs monotonously from places[i] at times[i] to places[i + 1] at times[i + 1]. The path
+    proper begins with piece 1, at places[1] = origin.
     """
 
     origin: float = 0.0
     velocity: float = 0.0
-    bend: float = 0.0
-    twist: float = 0.0
+    c2: float = 0.0
+    c3: float = 0.0
     pieces: int = 0
-    times: list[float] = var.ring(4)
-    places: list[float] = var.ring(4)
+    times: list[float] = var.ring(5)
+    places: list[float] = var.ring(5)
 
-    def parabola(self, origin: float, velocity: float, acceleration: float, h: float) -> None:
-        """The path of constant acceleration over h; one turning point at most."""
-        self.begin(origin, velocity, 0.5 * acceleration, 0.0)
+    def parabola(self, former: float, origin: float, velocity: float, acceleration: float, h: float) -> None:
+        """The path of constant acceleration over h, after the correction from `former`; one turning point at most."""
+        self.begin(former, origin, velocity, 0.5 * acceleration, 0.0)
         if velocity * (velocity + acceleration * h) < 0.0:
-            self.cut(-velocity / acceleration)
+            self.turn_at(-velocity / acceleration)
         self.finish(h, origin + (velocity + 0.5 * acceleration * h) * h)
 
     def cubic(self, origin: float, velocity: float, end: float, end_velocity: float, h: float) -> None:
-        """The cubic with these positions and velocities at its ends; two turning points at most.
+        """The cubic with these positions and velocities at its ends; two turning points at most, and no correction.
 
         With u = t / h and the mean velocity w its velocity is velocity + 2 b u + 3 c u^2, b = 3 w - 2 velocity -
         end_velocity, c = velocity + end_velocity - 2 w. A step too short for the quotients to be finite is a straight
@@ -47,30 +51,30 @@ class Path:
         b = 3.0 * mean - 2.0 * velocity - end_velocity
         c = velocity + end_velocity - 2.0 * mean
         if isfinite(b / h) and isfinite(c / h / h):
-            self.begin(origin, velocity, b / h, c / h / h)
+            self.begin(origin, origin, velocity, b / h, c / h / h)
             root = sqrt(max(b * b - 3.0 * c * velocity, 0.0))
             q = -(b + root) if b >= 0.0 else root - b  # the root of greater magnitude has no cancellation
             first = velocity / q if q != 0.0 else 0.0
             second = q / (3.0 * c) if c != 0.0 else 0.0
             if root > 0.0:
                 if 0.0 < min(first, second) < 1.0:
-                    self.cut(min(first, second) * h)
+                    self.turn_at(min(first, second) * h)
                 if 0.0 < max(first, second) < 1.0:
-                    self.cut(max(first, second) * h)
+                    self.turn_at(max(first, second) * h)
         else:
-            self.begin(origin, clamp(mean, -GREATEST_SPEED, GREATEST_SPEED), 0.0, 0.0)
+            self.begin(origin, origin, clamp(mean, -GREATEST_SPEED, GREATEST_SPEED), 0.0, 0.0)
         self.finish(h, end)
 
-    def begin(self, origin: float, velocity: float, bend: float, twist: float) -> None:
+    def begin(self, former: float, origin: float, velocity: float, c2: float, c3: float) -> None:
         self.origin = origin
         self.velocity = velocity
-        self.bend = bend
-        self.twist = twist
+        self.c2 = c2
+        self.c3 = c3
+        self.places[0] = former
         self.pieces = 0
-        self.times[0] = 0.0
-        self.places[0] = origin
+        self.finish(0.0, origin)
 
-    def cut(self, time: float) -> None:
+    def turn_at(self, time: float) -> None:
         """A turning point: a piece ends there and the next one begins."""
         self.finish(time, self.position(time))
 
@@ -80,11 +84,13 @@ class Path:
         self.places[self.pieces] = place
 
     def position(self, time: float) -> float:
-        return self.origin + time * (self.velocity + time * (self.bend + time * self.twist))
+        return self.origin + time * (self.velocity + time * (self.c2 + time * self.c3))
 
     def crossing(self, piece: int, place: float) -> float:
         """The time at which a piece passes a place that lies on it: closed form on a parabola, bisection to rounding on
-        a cubic. A place beyond the piece gives the piece's nearer end."""
+        a cubic. A place beyond the piece gives the piece's nearer end. Piece 0 takes no time."""
+        if piece == 0:
+            return 0.0
         rising = self.places[piece + 1] > self.places[piece]
         first = self.times[piece]
         last = self.times[piece + 1]
@@ -92,7 +98,7 @@ class Path:
             return first
         if place == self.places[piece + 1] or (place > self.places[piece + 1]) == rising:
             return last
-        if self.twist == 0.0:
+        if self.c3 == 0.0:
             return max(first, min(self.root(place, 1.0 if rising else -1.0), last))
         for _ in range(BISECTIONS):
             middle = 0.5 * (first + last)
@@ -108,7 +114,7 @@ class Path:
         """The parabola passes `place` with the velocity direction * sqrt(v^2 + 2 a d), d the way to it; of the two ways
         to write its time the one without cancellation."""
         way = place - self.origin
-        speed = direction * sqrt(max(self.velocity * self.velocity + 4.0 * self.bend * way, 0.0))
+        speed = direction * sqrt(max(self.velocity * self.velocity + 4.0 * self.c2 * way, 0.0))
         if self.velocity * direction >= 0.0:
             return 2.0 * way / (self.velocity + speed) if self.velocity + speed != 0.0 else 0.0
-        return 0.5 * (speed - self.velocity) / self.bend
+        return 0.5 * (speed - self.velocity) / self.c2

@@ -34,11 +34,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from oracle.flying_saw_commands import ABORTED, BUSY, DONE, ERROR, GROUPS, Command, Pulse, shown
-from oracle.flying_saw_curves import ZERO, Curve, value
-from oracle.flying_saw_curves import derivative as derived
-from oracle.flying_saw_motion import Phases, limit_towards, move, ramp, ramp_between, stop
-from oracle.flying_saw_plan import (
+from tests.oracle.flying_saw_commands import ABORTED, BUSY, DONE, ERROR, GROUPS, Command, Pulse, shown
+from tests.oracle.flying_saw_curves import ZERO, Curve, value
+from tests.oracle.flying_saw_curves import derivative as derived
+from tests.oracle.flying_saw_motion import Phases, limit_towards, move, ramp, ramp_between, stop
+from tests.oracle.flying_saw_plan import (
     BAD_FACTOR,
     BAD_LIMIT,
     CHARACTERISTICS,
@@ -52,7 +52,7 @@ from oracle.flying_saw_plan import (
     refusal,
     velocity_ramp,
 )
-from oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a jump makes two rows."""

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from oracle.master import Number, mp
+from tests.oracle.master import Number, mp
 
 ZERO = mp.mpf(0)
 

@@ -6,8 +6,8 @@ A motion is a list of phases (duration in s, jerk in u/s3) from a known state.
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
-from oracle.flying_saw_curves import ZERO, solve
-from oracle.master import Motion, Number, mp
+from tests.oracle.flying_saw_curves import ZERO, solve
+from tests.oracle.master import Motion, Number, mp
 
 Phases: TypeAlias = list[tuple[Number, Number]]
 

@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
 
-from oracle.flying_saw_curves import (
+from tests.oracle.flying_saw_curves import (
     ACCELERATION,
     JERK,
     POSITION,
@@ -39,8 +39,8 @@ from oracle.flying_saw_curves import (
     solve,
     value,
 )
-from oracle.flying_saw_motion import limit_towards, ramp
-from oracle.master import Motion, Number, mp
+from tests.oracle.flying_saw_motion import limit_towards, ramp
+from tests.oracle.master import Motion, Number, mp
 
 GEAR_IN_VELO, GEAR_IN_POS = "gear_in_velo", "gear_in_pos"
 NONE, P5, P1_P5, P5_P1, P5_P1_P5, JERK_LIMITED = range(6)

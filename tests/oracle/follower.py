@@ -53,9 +53,9 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
 
-from oracle.flying_saw_curves import ZERO
-from oracle.flying_saw_motion import move
-from oracle.follower_cycle import (
+from tests.oracle.flying_saw_curves import ZERO
+from tests.oracle.flying_saw_motion import move
+from tests.oracle.follower_cycle import (
     BAD_K,
     DECEL,
     FOLLOWING,
@@ -87,7 +87,7 @@ from oracle.follower_cycle import (
     synchronized,
     way_to_park,
 )
-from oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a jump makes two rows."""

@@ -46,7 +46,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from oracle.gearing_laws import (
+from tests.oracle.gearing_laws import (
     DRAWN_IN,
     DRAWN_OUT,
     ZERO,
@@ -60,7 +60,7 @@ from oracle.gearing_laws import (
     timed,
     zero_of,
 )
-from oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a change makes two rows."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion, Number, mp
 
 ZERO, ONE = mp.mpf(0), mp.mpf(1)
 ORDER = 4

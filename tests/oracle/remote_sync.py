@@ -28,8 +28,8 @@ from fractions import Fraction
 from itertools import takewhile
 from typing import Any
 
-from oracle.master import Number, mp
-from oracle.remote_sync_estimators import Beat, Phase, whole_ratio
+from tests.oracle.master import Number, mp
+from tests.oracle.remote_sync_estimators import Beat, Phase, whole_ratio
 
 BEAT, PHASE = 1, 2
 BYPASS, PT1, SYNC, TIME = 1, 2, 3, 4

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from oracle.master import Number, mp
+from tests.oracle.master import Number, mp
 
 ONE = Fraction(1)
 SIGNIFICANT = Fraction(1, 5)

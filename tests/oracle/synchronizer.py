@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which an event makes two rows."""

@@ -13,10 +13,10 @@ import numpy as np
 
 from motionsync.remote_sync.block import Estimator
 
-from ..course import Course, Reals
-from ..cuts import Cut, cut
-from ..remote import MOTION, errors
-from ..simulation import Check, check
+from ..scenario.cuts import Cut, cut
+from ..scenario.recording import Course, Reals
+from ..scenario.run import Check, check
+from ..scenario.telegrams import MOTION, errors
 from .package import Package
 from .reader import RAMP, REMOTE, Line
 from .runs import Inputs, MissingLibraryError, Values, run_alone, run_cosim, run_ssp

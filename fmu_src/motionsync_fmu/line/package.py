@@ -14,10 +14,10 @@ from typing import Any
 from .. import __version__
 from ..archive import write
 from ..build import Flavour, Recipe, build_native, fmu_path, outdated
-from ..description import describe, literal, unit_name
-from ..documentation import TEMPLATES
-from ..remote import MOTION
-from ..variables import variables
+from ..interface.fmi2_xml import describe, literal, unit_name
+from ..interface.variables import variables
+from ..pages.block_page import TEMPLATES
+from ..scenario.telegrams import MOTION
 from .reader import REMOTE, Line
 
 PARAMETERS = "resources/parameters.ssv"

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from motionsync.blocks import BLOCKS
 
 from ..build import Recipe
-from ..course import Reals
 from ..errors import UserError
-from ..remote import MOTION, Remote
-from ..scenario import DELAY, SCALARS, AtTime, Reader, Scenario, When, Within
-from ..variables import Variable, variables
+from ..interface.variables import Variable, variables
+from ..scenario.recording import Reals
+from ..scenario.scenario import DELAY, SCALARS, AtTime, Reader, Scenario, When, Within
+from ..scenario.telegrams import MOTION, Remote
 
 PATTERN = "line*.toml"
 REMOTE = "RemoteSync"

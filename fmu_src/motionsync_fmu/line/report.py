@@ -6,14 +6,14 @@ from typing import Any
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from motionsync.declare import Unit
+from motionsync.var import Unit
 
 from .. import __version__
-from ..cuts import Cut
-from ..description import unit_name
-from ..documentation import SLAVE, TEMPLATES
-from ..report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, plots
-from ..variables import variables
+from ..interface.fmi2_xml import unit_name
+from ..interface.variables import variables
+from ..pages.block_page import SLAVE, TEMPLATES
+from ..pages.report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, plots
+from ..scenario.cuts import Cut
 from .judge import Result, Switch, Way
 from .reader import REMOTE, Line
 

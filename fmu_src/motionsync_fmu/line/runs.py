@@ -16,10 +16,10 @@ from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import ParameterSet, read_ssd
 from numpy.typing import NDArray
 
-from ..course import Reals
 from ..errors import UserError
-from ..host import FmuError, Host
-from ..variables import variables
+from ..interface.variables import variables
+from ..scenario.fmu_instance import FmuError, Host
+from ..scenario.recording import Reals
 from .package import Package
 from .reader import REMOTE, Line
 

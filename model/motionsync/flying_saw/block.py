@@ -19,19 +19,21 @@ Decisions where the source is silent:
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import Slave, clamp, wrap
+from .. import var
 from ..cosine import cosine
-from ..declare import Choice, Unit
+from ..grid import wrap
+from ..laws import chain_rule
+from ..limits import clamp, usable
 from ..master import Master
 from ..motion import Motion, acceleration_limit
-from ..refusal import Refusal
+from ..slave import Slave
+from ..var import Enumeration, Unit
 from .characteristics import Characteristics
 from .chase import Chase
 from .commands import Command, GearInPos, GearInVelo, GearOut, Halt, MoveAbsolute, MoveVelocity, Phase, Reset
 from .extremes import Extremes
-from .faults import Fault
-from .machine import Axis, allowed, chosen, ends_known
+from .faults import Fault, Refusal
+from .machine import Axis, chosen, ends_known
 from .order import Order
 from .planning import Plan
 from .profile import Profile, ProfileKind
@@ -47,7 +49,7 @@ FASTEST = 1e60
 EVENTS = 8  # in a monotone piece of the master's path there are three at most
 
 
-class State(Choice):
+class State(Enumeration):
     """What moves the axis (nAxisState)"""
 
     INACTIVE = 0, "it stands"
@@ -59,7 +61,7 @@ class State(Choice):
     SYNCHRON = 13, "coupled, in sync"
 
 
-class PlcopenState(Choice):
+class PlcopenState(Enumeration):
     """State of the axis in PLCopen's diagram"""
 
     STANDSTILL = 1, "it stands, and no command moves it"
@@ -69,7 +71,7 @@ class PlcopenState(Choice):
     STOPPING = 5, "locked by stop"
 
 
-class Drive(Choice):
+class Drive(Enumeration):
     """Whence the setpoint comes"""
 
     OWN = 0, "the axis's own motion"
@@ -80,7 +82,7 @@ class Drive(Choice):
     PARKED = 5, "a halt in time, then rest, until the master passes the coupling position forwards"
 
 
-class Owner(Choice):
+class Owner(Enumeration):
     """Whose command moves the axis"""
 
     NOBODY = 0, "no command's, or a finished one's"
@@ -218,33 +220,32 @@ class FlyingSaw:
 
     def initialize(self) -> Refusal:
         """The axis stands, or moves at its initial velocity; may be called again while parameters still change."""
-        refusal = self.master.initialize()
-        if refusal == Refusal.NONE:
-            self.cosine = cosine(self.diagonal_angle)
-            self.motion.run(self.axis.initial_position, self.axis.initial_velocity)
-            self.reset.edge.before = self.reset.execute
-            self.stop.edge.before = self.stop.execute
-            self.halt.edge.before = self.halt.execute
-            self.gear_out.edge.before = self.gear_out.execute
-            self.gear_in_velo.edge.before = self.gear_in_velo.execute
-            self.gear_in_pos.edge.before = self.gear_in_pos.execute
-            self.move_velocity.edge.before = self.move_velocity.execute
-            self.move_absolute.edge.before = self.move_absolute.execute
-            self.look(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
-            self.show()
-        return refusal
+        if not self.master.try_initialize():
+            return Refusal.MASTER_TURNS
+        self.cosine = cosine(self.diagonal_angle)
+        self.motion.run(self.axis.initial_position, self.axis.initial_velocity)
+        self.reset.edge.before = self.reset.execute
+        self.stop.edge.before = self.stop.execute
+        self.halt.edge.before = self.halt.execute
+        self.gear_out.edge.before = self.gear_out.execute
+        self.gear_in_velo.edge.before = self.gear_in_velo.execute
+        self.gear_in_pos.edge.before = self.gear_in_pos.execute
+        self.move_velocity.edge.before = self.move_velocity.execute
+        self.move_absolute.edge.before = self.move_absolute.execute
+        self.look(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
+        self.show()
+        return Refusal.NONE
 
     def step(self, h: float) -> Refusal:
         """From t to t+h: the seam to the present input, the commands, then the path of the step."""
-        refusal = self.master.advance(h)
-        if refusal != Refusal.NONE:
-            return refusal
-        if self.master.seam != self.master.begin and self.is_coupled():
-            self.travel(-1, self.master.seam, self.master.begin)
+        if not self.master.try_advance(h):
+            return Refusal.MASTER_TURNS
+        if self.master.path.places[0] != self.master.begin and self.is_coupled():
+            self.travel(0, self.master.path.places[0], self.master.begin)
         self.obey()
         if self.drive == Drive.CHASE:
             self.renew(0.0)
-        for i in range(self.master.path.pieces):
+        for i in range(1, self.master.path.pieces):
             self.travel(i, self.master.path.places[i], self.master.path.places[i + 1])
         self.motion.advance(h)
         self.parked += h
@@ -291,7 +292,7 @@ class FlyingSaw:
         fault = Fault.NONE
         if self.locked and owner != Owner.STOP:
             fault = Fault.LOCKED
-        elif not (allowed(deceleration) and allowed(jerk)):
+        elif not (usable(deceleration) and usable(jerk)):
             fault = Fault.LIMIT
         if self.takes(command, owner, fault):
             self.motion.halt(self.slave.position, self.slave.velocity, self.slave.acceleration, deceleration, jerk)
@@ -307,7 +308,7 @@ class FlyingSaw:
         if self.locked:
             fault = Fault.LOCKED
         elif not (
-            allowed(acceleration) and allowed(deceleration) and allowed(jerk) and abs(target) <= self.axis.max_velocity
+            usable(acceleration) and usable(deceleration) and usable(jerk) and abs(target) <= self.axis.max_velocity
         ):
             fault = Fault.LIMIT
         if self.takes(self.move_velocity, Owner.MOVE_VELOCITY, fault):
@@ -322,12 +323,12 @@ class FlyingSaw:
         acceleration = chosen(self.move_absolute.acceleration, self.axis.max_acceleration)
         deceleration = chosen(self.move_absolute.deceleration, self.axis.max_deceleration)
         jerk = chosen(self.move_absolute.jerk, self.axis.max_jerk)
-        moves = allowed(acceleration) and allowed(deceleration) and allowed(jerk)
+        moves = usable(acceleration) and usable(deceleration) and usable(jerk)
         target = self.move_absolute.position
         fault = Fault.NONE
         if self.locked:
             fault = Fault.LOCKED
-        elif not (ends_known(self.axis.min_position, self.axis.max_position) and allowed(velocity) and moves):
+        elif not (ends_known(self.axis.min_position, self.axis.max_position) and usable(velocity) and moves):
             fault = Fault.LIMIT
         elif target < self.axis.min_position:
             fault = Fault.MIN_POSITION
@@ -470,7 +471,7 @@ class FlyingSaw:
             self.drive = Drive.CHASE
             self.chase.aim(self.order, self.master.velocity_at(time), self.master.mean_acceleration())
             self.chase.plan(self.order, self.motion, self.slave.position, self.slave.velocity, self.slave.acceleration)
-            self.motion.clock = -time
+            self.motion.clock.start(time)
             self.checked = time
         else:
             self.drive = Drive.PROFILE
@@ -490,7 +491,7 @@ class FlyingSaw:
             self.give_up(fault)
             if self.is_coupled():
                 self.run_free()
-                self.motion.clock = -time
+                self.motion.clock.start(time)
 
     def resume(self, time: float) -> None:
         """The master passes the coupling position forwards again: plan from the present state."""
@@ -524,8 +525,8 @@ class FlyingSaw:
     # --- the way of the step ---
 
     def travel(self, piece: int, begin: float, end: float) -> None:
-        """A monotone piece of the master's path, -1 being the seam; it is cut where a waiting command starts."""
-        last = self.master.path.times[piece + 1] if piece >= 0 else 0.0
+        """A monotone piece of the master's path, 0 being the input correction; cut where a waiting command starts."""
+        last = self.master.path.times[piece + 1]
         if self.waits and (end - self.start) * self.toward > 0.0:
             time = self.crossing(piece, self.start)
             self.proceed(piece, begin, self.start, time)
@@ -557,7 +558,7 @@ class FlyingSaw:
 
     def crossing(self, piece: int, place: float) -> float:
         """When the piece passes the place, s since the step's beginning; the seam takes no time."""
-        return self.master.path.crossing(piece, place) if piece >= 0 else 0.0
+        return self.master.path.crossing(piece, place)
 
     def beyond(self, place: float) -> float:
         """How far a place lies beyond the coupling position, in the direction of the coupling; 0 within rounding."""
@@ -566,7 +567,7 @@ class FlyingSaw:
 
     def arrive(self, last: float) -> None:
         """A motion of the axis that has ended by then has led to its result."""
-        if self.owner == Owner.NOBODY or not self.motion.over(self.motion.clock + last):
+        if self.owner == Owner.NOBODY or not self.motion.over(self.motion.clock.time + last):
             return
         match self.owner:
             case Owner.HALT:
@@ -635,10 +636,10 @@ class FlyingSaw:
 
     def run_after(self, piece: int, last: float) -> bool:
         """In time: the velocities meet, or the target comes to its limit or back from it."""
-        if piece < 0:
+        if piece == 0:
             return False
-        meeting = min(self.motion.end() - self.motion.clock, last)
-        meets = self.motion.over(self.motion.clock + last) and self.chase.reachable and not self.chase.held
+        meeting = min(self.motion.end() - self.motion.clock.time, last)
+        meets = self.motion.over(self.motion.clock.time + last) and self.chase.reachable and not self.chase.held
         turning = self.chase.turn(self.order, self.master.velocity_at(self.checked), self.master.mean_acceleration())
         if turning >= 0.0:
             turning += self.checked
@@ -659,11 +660,11 @@ class FlyingSaw:
         """Plan the time-based motion anew if the master does not do what was expected."""
         self.checked = time
         self.glance.aim(self.order, self.master.velocity_at(time), self.master.mean_acceleration())
-        if not self.glance.continues(self.order, self.chase, self.motion.clock + time):
+        if not self.glance.continues(self.order, self.chase, self.motion.clock.time + time):
             self.look(time, self.coupling, 0.0, 0.0)
             self.chase.take(self.glance)
             self.chase.plan(self.order, self.motion, self.slave.position, self.slave.velocity, self.slave.acceleration)
-            self.motion.clock = -time
+            self.motion.clock.start(time)
 
     # --- the state at an instant ---
 
@@ -680,7 +681,7 @@ class FlyingSaw:
             case Drive.PARKED | Drive.HALT:
                 self.look_halting(self.parked + time)
             case _:
-                position, v, a, j = self.motion.at(self.motion.clock + time)
+                position, v, a, j = self.motion.at(self.motion.clock.time + time)
                 self.slave.put(position, v, a, j)
 
     def look_along(self, place: float, velocity: float, acceleration: float) -> None:
@@ -690,7 +691,8 @@ class FlyingSaw:
         position, v, a, j = self.profile.at((place - self.coupling) * self.per_nominal)
         pace = clamp(velocity * self.per_nominal, -FASTEST, FASTEST)
         gain = clamp(acceleration * self.per_nominal, -FASTEST, FASTEST)
-        self.slave.put(position, v * pace, a * pace * pace + v * gain, j * pace * pace * pace + 3.0 * a * pace * gain)
+        velocity, acceleration, jerk = chain_rule(v, a, j, pace, gain)
+        self.slave.put(position, velocity, acceleration, jerk)
 
     def look_halting(self, time: float) -> None:
         if time < self.profile.duration():

@@ -5,9 +5,9 @@ Source: TS5055, sections 6 and 12.3.2, the four values that TwinCAT reserves inc
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import wrap
-from ..declare import Unit
+from .. import var
+from ..grid import wrap
+from ..var import Unit
 from .extremes import Extremes
 from .planning import Plan
 from .profile import ProfileKind

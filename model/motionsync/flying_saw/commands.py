@@ -7,13 +7,13 @@ The falling edge never ends a command. Source: PLCopen motion control, TS5055, s
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import Edge
-from ..declare import Choice, Unit
+from .. import var
+from ..slave import Edge
+from ..var import Enumeration, Unit
 from .faults import Fault
 
 
-class Phase(Choice):
+class Phase(Enumeration):
     """What has become of a command, as its outputs show it"""
 
     IDLE = 0, "nothing to show"

@@ -6,7 +6,7 @@ Source: TS5055, section 7 (PREFERCONSTVELO).
 from dataclasses import dataclass
 from math import inf
 
-from .. import declare as var
+from .. import var
 from ..motion import acceleration_limit
 from .shapes import level_ramp_duration
 

@@ -7,7 +7,7 @@ TS5055, "Characteristic values"; momentum, mean and effective value are those th
 from dataclasses import dataclass
 from math import inf, sqrt
 
-from .. import declare as var
+from .. import var
 from ..polynomial import ROUNDING, Polynomial
 from .profile import ORDER, Profile
 

@@ -3,7 +3,8 @@
 Source: TS5055, section 13, and TwinCAT's NC errors.
 """
 
-from ..declare import Choice
+from ..master import TURNS
+from ..var import Enumeration
 
 RATIO = (".ratio_numerator", ".ratio_denominator", "diagonal_angle")
 LIMITS = (".velocity", ".acceleration", ".deceleration", ".jerk")
@@ -19,7 +20,7 @@ SPEEDS = ("local.plan_velocity_min", "local.plan_velocity_max")
 SYNC_POSITIONS = (".master_sync_position", ".slave_sync_position", ".master_start_distance")
 
 
-class Fault(Choice):
+class Fault(Enumeration):
     """Why a command was refused; the numbers are TwinCAT's"""
 
     NONE = 0, "no fault"
@@ -173,3 +174,10 @@ class Fault(Choice):
     )
     JERK_ABOVE = 0x438A, "refused (0x438A): jerk above its limit", "local.plan_jerk_max", ".jerk", "axis.max_jerk"
     JERK_BELOW = 0x438B, "refused (0x438B): jerk below minus its limit", "local.plan_jerk_min", ".jerk", "axis.max_jerk"
+
+
+class Refusal(Enumeration):
+    """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
+
+    NONE = 0, "done"
+    MASTER_TURNS = 1, *TURNS

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 from math import isfinite
 
-from .. import declare as var
-from ..declare import Unit
-
-LEAST = 1e-12  # what a limit may be: from here ...
-MOST = 1e12  # ... to here nothing overflows
+from .. import var
+from ..limits import LEAST_LIMIT, MOST
+from ..var import Unit
 
 
 @dataclass(slots=True)
@@ -19,7 +17,14 @@ class Axis:
         0.0, "its velocity at first, with which it goes on for ever", Unit.VELOCITY, min=-MOST, max=MOST
     )
     max_velocity: float = var.parameter(
-        2000.0, "velocity limit, not 0", Unit.VELOCITY, tunable=True, min=0.0, max=MOST, smallest=LEAST, zero=False
+        2000.0,
+        "velocity limit, not 0",
+        Unit.VELOCITY,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+        zero=False,
     )
     max_acceleration: float = var.parameter(
         10000.0,
@@ -28,7 +33,7 @@ class Axis:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST,
+        smallest=LEAST_LIMIT,
         zero=False,
     )
     max_deceleration: float = var.parameter(
@@ -38,11 +43,11 @@ class Axis:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST,
+        smallest=LEAST_LIMIT,
         zero=False,
     )
     max_jerk: float = var.parameter(
-        100000.0, "jerk limit, not 0", Unit.JERK, tunable=True, min=0.0, max=MOST, smallest=LEAST, zero=False
+        100000.0, "jerk limit, not 0", Unit.JERK, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT, zero=False
     )
     min_position: float = var.parameter(
         -1e9, "lower software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST
@@ -60,7 +65,3 @@ def chosen(limit: float, axis: float) -> float:
 def ends_known(lowest: float, highest: float) -> bool:
     """Whether the software end positions are numbers; a tunable is judged only where it is read."""
     return isfinite(lowest) and isfinite(highest)
-
-
-def allowed(limit: float) -> bool:
-    return LEAST <= limit <= MOST

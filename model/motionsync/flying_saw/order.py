@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from math import isfinite
 
-from .. import declare as var
+from .. import var
+from ..limits import usable
 from .commands import GearInVelo
 from .faults import Fault
-from .machine import Axis, allowed, chosen, ends_known
+from .machine import Axis, chosen, ends_known
 from .sync_mode import SyncMode
 
 
@@ -73,6 +74,6 @@ class Order:
         """What is wrong with the values whatever the axes do."""
         if self.factor == 0.0 or not isfinite(self.factor):
             return Fault.FACTOR
-        dynamics = allowed(self.acceleration) and allowed(self.deceleration) and allowed(self.jerk)
+        dynamics = usable(self.acceleration) and usable(self.deceleration) and usable(self.jerk)
         positions = ends_known(self.min_position, self.max_position)
-        return Fault.NONE if allowed(self.velocity) and dynamics and positions else Fault.LIMIT
+        return Fault.NONE if usable(self.velocity) and dynamics and positions else Fault.LIMIT

@@ -6,8 +6,8 @@ Source: TS5055, sections 3 to 7 and 13.
 from dataclasses import dataclass
 from math import isfinite
 
-from .. import declare as var
-from ..curves import Quintic
+from .. import var
+from ..laws import Quintic
 from ..motion import Motion, acceleration_limit
 from .checks import TOLERANCE, broken_position, broken_steepness, broken_velocity
 from .constant_velocity import ConstantVelocity

@@ -7,14 +7,14 @@ follows the same curve over the master's position. Source: TS5055, sections 3, 4
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..curves import Quintic
-from ..declare import Choice
+from .. import var
+from ..laws import Quintic
+from ..var import Enumeration
 
 ORDER = 6  # coefficients of a piece
 
 
-class ProfileKind(Choice):
+class ProfileKind(Enumeration):
     """Which polynomials the synchronisation is made of"""
 
     NONE = 0, "in sync at once, or nothing synchronised yet"

@@ -5,7 +5,7 @@ Source: TS5055, sections 5 and 12.3.1.
 
 from dataclasses import dataclass
 
-from .. import declare as var
+from .. import var
 
 
 @dataclass(slots=True)

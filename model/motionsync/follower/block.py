@@ -30,14 +30,16 @@ Decisions where the source is silent:
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import Edge, Slave, clamp, floor, nearest, wrap
-from ..declare import Choice, Unit
+from .. import var
+from ..grid import floor, nearest, wrap
+from ..laws import chain_rule
+from ..limits import LEAST_LIMIT, MOST, clamp, usable
 from ..master import Master, MasterInput
 from ..motion import Motion
-from ..refusal import Refusal
-from .course import LEAST, LEAST_RATIO, MOST, SAME_PLACE, Course, Settings, Stage
-from .faults import Fault
+from ..slave import Edge, Slave
+from ..var import Enumeration, Unit
+from .course import LEAST_LENGTH, SAME_PLACE, Course, Settings, Stage
+from .faults import Fault, Refusal
 from .leg import FAR, Peaks
 
 MOST_CYCLES = 1e6  # of the master in one step
@@ -48,7 +50,7 @@ STANDING = 1e-9  # u/s, u/s2: less is rounding of a master that stands
 EXCEEDED = 1.0 + 1e-9  # of a limit
 
 
-class State(Choice):
+class State(Enumeration):
     """What the slave does (the source's phases; -1, 1, 9 and 10 are motionsync's own numbers)"""
 
     M_IN_ALARM = -1, "it stops or has stopped because of a fault"
@@ -80,7 +82,7 @@ class Positioning:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST_RATIO,
+        smallest=LEAST_LIMIT,
     )
     acceleration: float = var.parameter(
         5000.0,
@@ -89,7 +91,7 @@ class Positioning:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST_RATIO,
+        smallest=LEAST_LIMIT,
     )
     jerk: float = var.parameter(
         50000.0,
@@ -98,11 +100,11 @@ class Positioning:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST_RATIO,
+        smallest=LEAST_LIMIT,
     )
 
     def allowed(self) -> bool:
-        return allowed(self.velocity) and allowed(self.acceleration) and allowed(self.jerk)
+        return usable(self.velocity) and usable(self.acceleration) and usable(self.jerk)
 
 
 @dataclass(slots=True)
@@ -147,7 +149,7 @@ class Follower:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST,
+        smallest=LEAST_LENGTH,
         zero=False,
     )
     variable_cycle: bool = var.parameter(
@@ -165,7 +167,7 @@ class Follower:
         Unit.SLAVE_POSITION,
         min=0.0,
         max=MOST,
-        smallest=LEAST,
+        smallest=LEAST_LENGTH,
     )
     park_slave: float = var.parameter(
         0.0, "where the slave parks (qParkSlave)", Unit.SLAVE_POSITION, tunable=True, min=-MOST, max=MOST
@@ -193,7 +195,7 @@ class Follower:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST,
+        smallest=LEAST_LENGTH,
         zero=False,
     )
     space_wait_in_park: float = var.parameter(
@@ -206,7 +208,7 @@ class Follower:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST_RATIO,
+        smallest=LEAST_LIMIT,
         zero=False,
     )
     align_center: bool = var.parameter(
@@ -226,7 +228,7 @@ class Follower:
         tunable=True,
         min=0.0,
         max=MOST,
-        smallest=LEAST_RATIO,
+        smallest=LEAST_LIMIT,
     )
     check_speed: bool = var.parameter(True, "max_speed is checked (not command bit 17)", tunable=True)
     check_acceleration: bool = var.parameter(True, "max_acceleration is checked (not command bit 18)", tunable=True)
@@ -289,19 +291,18 @@ class Follower:
 
     def initialize(self) -> Refusal:
         """M_IDLE at slave.initial_position; may be called again while parameters and inputs still change."""
-        refusal = self.master.initialize()
-        if refusal != Refusal.NONE:
-            return refusal
+        if not self.master.try_initialize():
+            return Refusal.MASTER_TURNS
         self.read()
         match self.now.fault(self.park_slave):
             case Fault.NONE:
                 pass
             case Fault.ORDER:
-                return Refusal.FOLLOWER_ORDER
+                return Refusal.ORDER
             case Fault.RATIO:
-                return Refusal.FOLLOWER_RATIO
+                return Refusal.RATIO
             case _:
-                return Refusal.FOLLOWER_ROOM_CYCLIC if self.slave_cycle > 0.0 else Refusal.FOLLOWER_ROOM_LINEAR
+                return Refusal.ROOM_CYCLIC if self.slave_cycle > 0.0 else Refusal.ROOM_LINEAR
         self.course.stage = Stage.IDLE
         self.course.park = wrap(self.slave.initial_position, self.slave_cycle)
         self.park_edge.before = self.position_to_park
@@ -318,15 +319,14 @@ class Follower:
     def step(self, h: float) -> Refusal:
         """From t to t+h: the seam to the present input, the commands, then the path of the step."""
         if 0.0 < MOST_CYCLES * self.master_cycle < self.master.longest_way(h):
-            return Refusal.FOLLOWER_CYCLES
-        refusal = self.master.advance(h)
-        if refusal != Refusal.NONE:
-            return refusal
+            return Refusal.CYCLES
+        if not self.master.try_advance(h):
+            return Refusal.MASTER_TURNS
         self.read()
-        self.travel(-1, self.master.seam, self.master.begin)
+        self.travel(0, self.master.path.places[0], self.master.begin)
         self.course.see(self.master.begin)
         self.obey()
-        for i in range(self.master.path.pieces):
+        for i in range(1, self.master.path.pieces):
             self.travel(i, self.master.path.places[i], self.master.path.places[i + 1])
         self.motion.advance(h)
         self.look(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
@@ -488,7 +488,7 @@ class Follower:
     # --- the way of the step ---
 
     def travel(self, piece: int, begin: float, end: float) -> None:
-        """A monotone piece of the master's path, -1 being the seam: one event after the other."""
+        """A monotone piece of the master's path, 0 being the input correction: one event after the other."""
         self.here = begin
         for _ in range(MOST_EVENTS):
             more = False
@@ -506,14 +506,14 @@ class Follower:
 
     def crossing(self, piece: int, place: float) -> float:
         """When the piece passes the place, s since the step's beginning; the seam takes no time."""
-        return self.master.path.crossing(piece, place) if piece >= 0 else 0.0
+        return self.master.path.crossing(piece, place)
 
     def move_on(self, piece: int, end: float) -> bool:
         """A positioning: whether it ends in this piece. Into the cycle, the master has to stand meanwhile."""
-        first = self.master.path.times[piece] if piece >= 0 else 0.0
-        last = self.master.path.times[piece + 1] if piece >= 0 else 0.0
-        ends = self.motion.over(self.motion.clock + last)
-        arrival = clamp(self.motion.end() - self.motion.clock, first, last)
+        first = self.master.path.times[piece]
+        last = self.master.path.times[piece + 1]
+        ends = self.motion.over(self.motion.clock.time + last)
+        arrival = clamp(self.motion.end() - self.motion.clock.time, first, last)
         slack = self.course.slack
         if self.course.stage == Stage.TO_CYCLE and abs(end - self.course.largest) > slack:
             limit = self.course.largest + (slack if end > self.course.largest else -slack)
@@ -523,7 +523,7 @@ class Follower:
                 return False
         if not ends:
             return False
-        if piece >= 0 and arrival > first:
+        if piece > 0 and arrival > first:
             place = end if arrival >= last else self.master.path.position(arrival)
             self.here = clamp(place, min(self.here, end), max(self.here, end))
         self.missed = False
@@ -667,14 +667,14 @@ class Follower:
 
     def go_along(self, piece: int, end: float) -> bool:
         """A phase of the cycle: whether it ends in this piece."""
-        least = (self.course.peak if piece >= 0 else self.course.given) - self.course.slack
-        guessed = piece >= 0 and self.master.input_mode == MasterInput.POSITION_ONLY
+        least = (self.course.peak if piece > 0 else self.course.given) - self.course.slack
+        guessed = piece > 0 and self.master.input_mode == MasterInput.POSITION_ONLY
         if end < least and not guessed:
             self.alarm(Fault.MASTER_BACKWARDS, self.crossing(piece, least), least)
             return False
         if end < self.course.leg.end:
             self.course.largest = max(self.course.largest, end)
-            if piece >= 0:
+            if piece > 0:
                 self.course.peak = max(self.course.peak, end)
             return False
         time = self.crossing(piece, self.course.leg.end)
@@ -764,16 +764,16 @@ class Follower:
         velocity = self.master.velocity_at(time)
         self.look(time, place, velocity, 0.0)
         self.brake(fault)
-        self.motion.clock = -time
+        self.motion.clock.start(time)
 
     def brake(self, fault: int) -> None:
         """The linear stop ramp from the state just looked at."""
         self.error_id = fault
         self.course.stage = Stage.BRAKING
         self.course.known = False
-        deceleration = self.max_acceleration if allowed(self.max_acceleration) else self.positioning.acceleration
+        deceleration = self.max_acceleration if usable(self.max_acceleration) else self.positioning.acceleration
         velocity = self.slave.velocity
-        if velocity == 0.0 or not allowed(deceleration):
+        if velocity == 0.0 or not usable(deceleration):
             self.motion.run(self.position, 0.0)
             return
         self.motion.begin(self.position, velocity, -deceleration if velocity > 0.0 else deceleration)
@@ -789,17 +789,12 @@ class Follower:
             case Stage.IDLE | Stage.PARKED:
                 self.put(self.course.park, 0.0, 0.0, 0.0)
             case Stage.TO_PARK | Stage.TO_CYCLE | Stage.BRAKING:
-                position, v, a, j = self.motion.at(self.motion.clock + time)
+                position, v, a, j = self.motion.at(self.motion.clock.time + time)
                 self.put(position, v, a, j)
             case _:
                 position, slope, curvature, twist = self.course.leg.at(max(place, self.course.largest))
-                v = max(velocity, 0.0)
-                self.put(
-                    position,
-                    slope * v,
-                    slope * acceleration + curvature * v * v,
-                    3.0 * curvature * v * acceleration + twist * v * v * v,
-                )
+                v, a, j = chain_rule(slope, curvature, twist, max(velocity, 0.0), acceleration)
+                self.put(position, v, a, j)
 
     def put(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
         self.position = position
@@ -872,9 +867,4 @@ class Follower:
             self.barred -= turned
             self.free -= turned
             origin = self.origin - turned
-            self.origin = wrap(origin, self.master_cycle) if allowed(self.master_cycle) else origin
-
-
-def allowed(limit: float) -> bool:
-    """Whether a limit or length can be used; 0 is none."""
-    return LEAST_RATIO <= limit <= MOST
+            self.origin = wrap(origin, self.master_cycle) if usable(self.master_cycle) else origin

@@ -6,21 +6,20 @@ positions and travels in M, slave positions in S, ratios k in S/M.
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import floor
-from ..declare import Choice
+from .. import var
+from ..grid import floor
+from ..limits import MOST, usable
+from ..var import Enumeration
 from .faults import Fault
 from .leg import Leg
 
-LEAST = 1e-9  # least length, M or S, that a phase's law is laid over
-LEAST_RATIO = 1e-12
-MOST = 1e12  # of positions, lengths and the ratio: here nothing overflows
+LEAST_LENGTH = 1e-9  # least length, M or S, that a phase's law is laid over
 SAME_PLACE = 1e-9  # of the master's cycle: places that differ by less are the same
 ROUNDING = 1e-12  # of the master's cycle: no room but for rounding
 LONGEST_HOMING = 2.5  # times S_h / k: a longer quintic with the slope k at its beginning would run past the park
 
 
-class Stage(Choice):
+class Stage(Enumeration):
     """What drives the slave; the state that is put out is coarser"""
 
     IDLE = 0, "standing, before any positioning"
@@ -56,15 +55,15 @@ class Settings:
         """3, 4, 5 or none, for a slave that stands at `park`; what is not finite or beyond 1e12 is out of order."""
         if not self.ordered(park):
             return Fault.ORDER
-        if not LEAST_RATIO <= self.ratio <= MOST:
+        if not usable(self.ratio):
             return Fault.RATIO
-        if not LEAST <= self.cycle <= MOST or not self.room(park) > ROUNDING * self.cycle:
+        if not LEAST_LENGTH <= self.cycle <= MOST or not self.room(park) > ROUNDING * self.cycle:
             return Fault.NO_ROOM
         return Fault.NONE
 
     def startable(self) -> bool:
         """Whether it can be told where a cycle starts, be it a good one or not."""
-        known = LEAST_RATIO <= self.ratio <= MOST and LEAST <= self.cycle <= MOST
+        known = usable(self.ratio) and LEAST_LENGTH <= self.cycle <= MOST
         return known and bounded(self.sync) and bounded(self.out)
 
     def waiting(self) -> float:
@@ -75,11 +74,11 @@ class Settings:
         """park < sync < out, of a cyclic slave < park + turn, and the spaces in their ranges."""
         if not (bounded(park) and bounded(self.sync) and bounded(self.out) and 0.0 <= self.wait <= MOST):
             return False
-        if not (self.sync - park >= LEAST and self.out > self.sync):
+        if not (self.sync - park >= LEAST_LENGTH and self.out > self.sync):
             return False
         if self.turn > 0.0:
-            return park + self.turn - self.out >= LEAST
-        return LEAST <= self.stop <= MOST
+            return park + self.turn - self.out >= LEAST_LENGTH
+        return LEAST_LENGTH <= self.stop <= MOST
 
     def room(self, park: float) -> float:
         """Master travel of a cycle that is left for the way home of a linear slave, and for that and the way to the
@@ -231,7 +230,7 @@ class Course:
         way = settings.sync - settings.park
         back = settings.park + settings.turn - self.out
         room = place - begin - settings.wait
-        if not back >= LEAST:
+        if not back >= LEAST_LENGTH:
             return Fault.ORDER
         if not room > ROUNDING * settings.cycle:
             return Fault.NO_ROOM
@@ -250,7 +249,7 @@ class Course:
         begin = self.leg.end
         way = settings.sync + settings.turn - self.out
         travel = place - begin
-        if not way >= LEAST:
+        if not way >= LEAST_LENGTH:
             return Fault.ORDER
         if not travel > ROUNDING * settings.cycle:
             return Fault.NO_ROOM

@@ -1,6 +1,7 @@
 """Why the follower refuses a positioning or stops. The numbers are motionsync's own: the source names none."""
 
-from ..declare import Choice
+from ..master import TURNS
+from ..var import Enumeration
 
 POSITIONS = ("park_slave", "sync_slave", "sync_out", "slave_cycle")
 SPACES = ("master_cycle", "k_slave_master", "space_stop_slave", "space_wait_in_park", "sync_master")
@@ -8,7 +9,7 @@ SPEED = ("slave.velocity", "max_speed")
 ACCELERATION = ("slave.acceleration", "max_acceleration")
 
 
-class Fault(Choice):
+class Fault(Enumeration):
     """Why a positioning was refused (1) or the slave has stopped (2 to 14)"""
 
     NONE = 0, "no fault"
@@ -58,5 +59,51 @@ class Fault(Choice):
         14,
         "stopped: the master has moved backwards by more than 1e-9 master_cycle since the slave left its park",
         "master.position",
+        "master_cycle",
+    )
+
+
+class Refusal(Enumeration):
+    """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
+
+    NONE = 0, "done"
+    MASTER_TURNS = 1, *TURNS
+    ORDER = (
+        2,
+        "park_slave < sync_slave < sync_out is required (at least 1e-9 from park to sync), of a cyclic slave also "
+        "sync_out < park_slave + slave_cycle",
+        "park_slave",
+        "sync_slave",
+        "sync_out",
+        "slave_cycle",
+    )
+    RATIO = 3, "k_slave_master must be 1e-12 to 1e12", "k_slave_master"
+    ROOM_LINEAR = (
+        4,
+        "master_cycle must be greater than 2 (sync_slave - park_slave) / k_slave_master + (sync_out - sync_slave) / "
+        "k_slave_master + 2 space_stop_slave / k_slave_master + space_wait_in_park",
+        "master_cycle",
+        "park_slave",
+        "sync_slave",
+        "sync_out",
+        "k_slave_master",
+        "space_stop_slave",
+        "space_wait_in_park",
+    )
+    ROOM_CYCLIC = (
+        5,
+        "master_cycle must be greater than (sync_out - sync_slave) / k_slave_master + space_wait_in_park",
+        "master_cycle",
+        "sync_slave",
+        "sync_out",
+        "k_slave_master",
+        "space_wait_in_park",
+    )
+    CYCLES = (
+        6,
+        "the master must travel at most 1e6 times master_cycle in a step",
+        "master.position",
+        "master.velocity",
+        "master.acceleration",
         "master_cycle",
     )

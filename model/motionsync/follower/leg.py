@@ -5,16 +5,16 @@ Master positions and travels are in master units (M), slave positions in slave u
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import clamp
-from ..curves import Quintic, half_ramp
-from ..declare import Choice
+from .. import var
+from ..laws import Quintic, half_ramp
+from ..limits import clamp
 from ..polynomial import Polynomial
+from ..var import Enumeration
 
 FAR = 1e300  # beyond every position of the master
 
 
-class Shape(Choice):
+class Shape(Enumeration):
     """Of a law"""
 
     REST = 0, "standstill"
@@ -129,7 +129,7 @@ class Leg:
         self.lay(other.shape, other.begin, other.end, other.length, other.position)
         self.space = other.space
         self.ratio = other.ratio
-        self.quintic.take(other.quintic)
+        var.copy(self.quintic, other.quintic)
 
 
 @dataclass(slots=True)

@@ -20,14 +20,16 @@ Source: MOVIKIT gearing; its mechanism with a reference position. Decisions wher
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import Edge, clamp, nearest, wrap
-from ..declare import LARGEST_INPUT, Unit
+from .. import var
+from ..grid import nearest, wrap
+from ..laws import chain_rule
+from ..limits import clamp
 from ..master import Master
-from ..refusal import Refusal
+from ..slave import Edge
+from ..var import LARGEST_INPUT, Unit
 from .choices import Aim, State, Transition
 from .curves import SAME_TIME, Blend, into, out
-from .faults import Fault
+from .faults import Fault, Refusal
 from .line import ROUNDING, SAME_TURN, Line, ahead, direction_of, rounding, tolerance
 from .orders import GearedSlave, GearIn, GearOut, Order, Ratio, SetPoint, fault_of, gear_in_fault, gear_out_fault
 
@@ -110,39 +112,38 @@ class Gearing:
     def initialize(self) -> Refusal:
         """STOPPED at the initial position; may be called again while parameters and inputs still change."""
         if self.gearing.denominator == 0:
-            return Refusal.GEARING_DENOMINATOR
+            return Refusal.DENOMINATOR
         if self.gearing.numerator == 0:
-            return Refusal.GEARING_NUMERATOR
+            return Refusal.NUMERATOR
         if fault_of(self.gear_in.transition, 0.0, self.gear_in.time) != Fault.NONE:
             return Refusal.GEAR_IN_TIME
         if fault_of(self.gear_out.transition, 0.0, self.gear_out.time) != Fault.NONE:
             return Refusal.GEAR_OUT_TIME
-        refusal = self.master.initialize()
-        if refusal == Refusal.NONE:
-            self.was_active = self.activate
-            self.started = self.start
-            self.reset_edge.before = self.reset
-            self.set_master.edge.before = self.set_master.execute
-            self.set_slave.edge.before = self.set_slave.execute
-            self.notice_ratio()
-            self.rest = self.slave.initial_position
-            self.sync_slave = self.rest
-            self.line.take(0.0, self.rest)
-            self.mark_line()
-            self.look(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
-            self.show()
-        return refusal
+        if not self.master.try_initialize():
+            return Refusal.MASTER_TURNS
+        self.was_active = self.activate
+        self.started = self.start
+        self.reset_edge.before = self.reset
+        self.set_master.edge.before = self.set_master.execute
+        self.set_slave.edge.before = self.set_slave.execute
+        self.notice_ratio()
+        self.rest = self.slave.initial_position
+        self.sync_slave = self.rest
+        self.line.take(0.0, self.rest)
+        self.mark_line()
+        self.look(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
+        self.show()
+        return Refusal.NONE
 
     def step(self, h: float) -> Refusal:
         """From t to t+h: the seam to the present input, the commands, then the path of the step."""
-        refusal = self.master.advance(h)
-        if refusal != Refusal.NONE:
-            return refusal
-        self.travel(-1, self.master.seam, self.master.begin)
+        if not self.master.try_advance(h):
+            return Refusal.MASTER_TURNS
+        self.travel(0, self.master.path.places[0], self.master.begin)
         self.here = self.master.begin
         self.now = 0.0
         self.obey()
-        for i in range(self.master.path.pieces):
+        for i in range(1, self.master.path.pieces):
             self.travel(i, self.master.path.places[i], self.master.path.places[i + 1])
         self.blend.advance(h)
         self.rebase()
@@ -427,9 +428,9 @@ class Gearing:
     # --- the way of the step ---
 
     def travel(self, piece: int, begin: float, end: float) -> None:
-        """A monotone piece of the master's path, -1 being the seam: one event after the other."""
+        """A monotone piece of the master's path, 0 being the input correction: one event after the other."""
         self.here = begin
-        self.now = self.master.path.times[piece] if piece >= 0 else 0.0
+        self.now = self.master.path.times[piece]
         way = direction_of(end - begin, 0.0)
         for _ in range(EVENTS):
             if self.frozen or not self.meets(piece, way, end):
@@ -540,7 +541,7 @@ class Gearing:
 
     def moves(self, piece: int) -> bool:
         """Whether the master's way in a piece is a motion: not the seam, nor what rounding leaves of a stop."""
-        if piece < 0 or self.master.path.times[piece + 1] - self.now <= SAME_TIME * self.master.step:
+        if piece == 0 or self.master.path.times[piece + 1] - self.now <= SAME_TIME * self.master.step:
             return False
         if self.master.begin_velocity != 0.0 or self.master.end_velocity != 0.0:
             return True
@@ -553,7 +554,7 @@ class Gearing:
     def goes_on(self, piece: int, way: float) -> bool:
         """Whether the master passes the end of a piece that leads that way, rather than turn or rest there."""
         velocity = 0.0
-        if piece < 0:
+        if piece == 0:
             velocity = self.master.begin_velocity
         elif piece == self.master.path.pieces - 1:
             velocity = self.master.end_velocity
@@ -562,7 +563,7 @@ class Gearing:
 
     def go_to(self, piece: int, place: float) -> None:
         """Further along the piece, to a place on it; the seam takes no time."""
-        if piece >= 0:
+        if piece > 0:
             self.now = max(self.now, self.master.path.crossing(piece, place))
         self.here = place
 
@@ -637,7 +638,7 @@ class Gearing:
 
     def blend_ends(self, piece: int, end: float) -> bool:
         """Go to where the master is when the transition's time is over, if that is in this piece."""
-        if piece < 0 or not self.blend.over(self.master.path.times[piece + 1]):
+        if piece == 0 or not self.blend.over(self.master.path.times[piece + 1]):
             return False
         last = self.master.path.times[piece + 1]
         time = clamp(self.blend.left(), self.now, last)
@@ -713,14 +714,9 @@ class Gearing:
         self, travel: float, slope: float, curvature: float, twist: float, velocity: float, acceleration: float
     ) -> None:
         """On a curve over the master's position, by the chain rule; the master's jerk is taken as 0."""
-        bend = self.direction * curvature
-        v = velocity
-        self.put(
-            self.base + self.line.scaled(self.direction * travel),
-            self.line.scaled(slope * v),
-            self.line.scaled(slope * acceleration + bend * v * v),
-            self.line.scaled(3.0 * bend * v * acceleration + twist * v * v * v),
-        )
+        v, a, j = chain_rule(slope, self.direction * curvature, twist, velocity, acceleration)
+        position = self.base + self.line.scaled(self.direction * travel)
+        self.put(position, self.line.scaled(v), self.line.scaled(a), self.line.scaled(j))
 
     def look_blending(self, time: float, place: float, velocity: float, acceleration: float) -> None:
         """The line and what still lacks to it."""

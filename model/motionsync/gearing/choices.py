@@ -1,9 +1,9 @@
 """What can be chosen of the gearing, and what it tells: its enumerations. Source: MOVIKIT gearing."""
 
-from ..declare import Choice
+from ..var import Enumeration
 
 
-class State(Choice):
+class State(Enumeration):
     """What the slave does (eGearingState)"""
 
     STOPPED = 0, "it rests"
@@ -14,7 +14,7 @@ class State(Choice):
     GEAR_OUT = 5, "it is on its way to rest"
 
 
-class StartMode(Choice):
+class StartMode(Enumeration):
     """Through which point the line runs, and in which direction the master has to travel; the numbers are our own"""
 
     CW_DIRECT = 1, "through both axes' positions as soon as the master travels clockwise (upwards)"
@@ -26,7 +26,7 @@ class StartMode(Choice):
     CONTINUE_SYNCHRONIZED = 7, "through the last synchronous point, either way"
 
 
-class StopMode(Choice):
+class StopMode(Enumeration):
     """Where the slave comes to rest, and in which direction the master has to travel; the numbers are our own"""
 
     CW_DIRECT = 1, "anywhere, as soon as the master travels clockwise (upwards)"
@@ -37,7 +37,7 @@ class StopMode(Choice):
     WITH_CW_CCW_STOP_POSITION = 6, "at the stop position, either way"
 
 
-class Transition(Choice):
+class Transition(Enumeration):
     """How the slave changes between rest and the line"""
 
     NONE = 1, "at once: its velocity jumps"
@@ -45,7 +45,7 @@ class Transition(Choice):
     TIME_BASED = 3, "along a curve in time"
 
 
-class Aim(Choice):
+class Aim(Enumeration):
     """What a manoeuvre goes by"""
 
     DIRECT = 1, "where both axes are when its condition is met"

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import clamp
-from ..curves import Quintic, half_ramp
+from .. import var
+from ..clock import Clock
+from ..laws import Quintic, half_ramp
+from ..limits import clamp
 
 SAME_TIME = 1e-13  # of a step's or a transition's time: what is missing is rounding
 
@@ -29,39 +30,33 @@ def out(way: float, distance: float) -> tuple[float, float, float, float]:
 class Blend:
     """A quintic in time from a state of motion to another, and how long it has run.
 
-    `clock` is the time since its beginning, s, at the present step's beginning; `lost` is what rounding has added to
-    it, so that many small steps make no drift."""
+    `clock` tells the time since it began."""
 
     curve: Quintic = var.part(Quintic)
-    clock: float = 0.0
-    lost: float = 0.0
+    clock: Clock = var.part(Clock)
 
     def begin(
         self, time: float, duration: float, position: float, velocity: float, acceleration: float, end: float
     ) -> None:
         """At a time since the step's beginning; to rest at `end`."""
         self.curve.fit(duration, position, velocity, acceleration, end, 0.0, 0.0)
-        self.clock = -time
-        self.lost = 0.0
+        self.clock.start(time)
 
     def at(self, time: float) -> tuple[float, float, float, float]:
         """Position and its derivatives at a time since the step's beginning."""
-        return self.curve.at(clamp(self.clock + time, 0.0, self.curve.length))
+        return self.curve.at(clamp(self.clock.time + time, 0.0, self.curve.length))
 
     def left(self) -> float:
         """The time from the step's beginning to the end."""
-        return self.curve.length - self.clock
+        return self.curve.length - self.clock.time
 
     def over(self, time: float) -> bool:
         """Whether it has ended by then."""
         return self.left() - time <= SAME_TIME * self.curve.length
 
     def progress(self) -> float:
-        return clamp(self.clock / self.curve.length, 0.0, 1.0)
+        return clamp(self.clock.time / self.curve.length, 0.0, 1.0)
 
     def advance(self, h: float) -> None:
-        """The clock goes on by h (Kahan's summation)."""
-        step = h - self.lost
-        clock = self.clock + step
-        self.lost = (clock - self.clock) - step
-        self.clock = clock
+        """The clock goes on by h."""
+        self.clock.advance(h)

@@ -1,9 +1,10 @@
 """Why a command of the gearing is refused, or a change of its ratio. The numbers are our own."""
 
-from ..declare import Choice
+from ..master import TURNS
+from ..var import Enumeration
 
 
-class Fault(Choice):
+class Fault(Enumeration):
     """Why a command was refused"""
 
     NONE = 0, "no fault"
@@ -24,3 +25,14 @@ class Fault(Choice):
         "refused: a mode or a transition is none of the listed ones",
         *("gear_in.start_mode", "gear_in.transition", "gear_out.stop_mode", "gear_out.transition"),
     )
+
+
+class Refusal(Enumeration):
+    """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
+
+    NONE = 0, "done"
+    MASTER_TURNS = 1, *TURNS
+    DENOMINATOR = 2, "the ratio's denominator must not be 0", "gearing.denominator"
+    NUMERATOR = 3, "the ratio's numerator must not be 0", "gearing.numerator"
+    GEAR_IN_TIME = 4, "a time-based transition must last 1e-9 s to 1e12 s", "gear_in.time"
+    GEAR_OUT_TIME = 5, "a time-based transition must last 1e-9 s to 1e12 s", "gear_out.time"

@@ -5,7 +5,7 @@ Source: MOVIKIT gearing: a ratio of whole numbers, and the point through which t
 
 from dataclasses import dataclass
 
-from ..axis import floor
+from ..grid import floor
 
 ROUNDING = 1e-15  # of a position
 SAME_TURN = 1e-12  # of the distance between two places on a grid

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import Edge, Slave
-from ..declare import LARGEST_INPUT, Unit
+from .. import var
+from ..slave import Edge, Slave
+from ..var import LARGEST_INPUT, Unit
 from .choices import Aim, StartMode, StopMode, Transition
 from .faults import Fault
 

@@ -5,7 +5,7 @@ Source: TwinCAT TS5066, corrections. All dates and lengths are in receiver cycle
 
 from dataclasses import dataclass
 
-from .. import declare as var
+from .. import var
 from .history import History
 from .zone import Finding, Zone
 

@@ -5,10 +5,10 @@ Source: TwinCAT TS5066, modes of the axis values and blending time.
 
 from dataclasses import dataclass
 
-from ..declare import Choice
+from ..var import Enumeration
 
 
-class Mode(Choice):
+class Mode(Enumeration):
     """Where the axis values come from"""
 
     BYPASS = 1, "as received"

@@ -22,13 +22,12 @@ Decisions where the source is silent:
 
 from dataclasses import dataclass
 
-from .. import declare as var
-from ..axis import Slave
-from ..declare import LARGEST_INPUT, Choice, Unit
-from ..refusal import Refusal
+from .. import var
+from ..slave import Slave
+from ..var import LARGEST_INPUT, Enumeration, Unit
 from .beat import Beats
 from .blending import Blending, Mode
-from .faults import Fault
+from .faults import Fault, Refusal
 from .history import MOST_PERIODS
 from .phase import Phase
 from .zone import Finding, Zone
@@ -43,14 +42,14 @@ SAME_INSTANT = 1e-6  # of a cycle
 LARGEST_COUNT = 2147483647  # that an Integer shows
 
 
-class Estimator(Choice):
+class Estimator(Enumeration):
     """How the sender's phase is estimated"""
 
     BEAT = 1, "the source's: from the distances between beats"
     PHASE = 2, "phase and drift by a Kalman filter: more even, and within 0.05 cycles; for equal cycle times"
 
 
-class StartUpMode(Choice):
+class StartUpMode(Enumeration):
     """Where the axis values come from until the drift is known"""
 
     BYPASS = 1, "as received"
@@ -58,7 +57,7 @@ class StartUpMode(Choice):
     TIME = 4, "shifted in time by what evens out the received cycle index"
 
 
-class FallBackMode(Choice):
+class FallBackMode(Enumeration):
     """Where the axis values come from after a fault"""
 
     BYPASS = 1, "as received"
@@ -227,13 +226,13 @@ class RemoteSync:
     def initialize(self) -> Refusal:
         """As received; may be called again while parameters and inputs still change."""
         if not self.find_ratio():
-            return Refusal.REMOTE_RATIO
+            return Refusal.RATIO
         if self.estimator == Estimator.PHASE and (self.cycles_of_index > 1 or self.indices_of_cycle > 1):
-            return Refusal.REMOTE_PHASE
+            return Refusal.PHASE
         if 0 < self.age_of_data_limit < self.cycles_of_index:
-            return Refusal.REMOTE_AGE
+            return Refusal.AGE
         if 0 < self.max_cycle_index_difference < self.indices_of_cycle:
-            return Refusal.REMOTE_STEP
+            return Refusal.STEP
         self.beat.periods = self.periods_for_mean_drift
         self.beat.slope = self.slope1_numerator
         self.beat.knee = self.slope1_denominator
@@ -253,7 +252,7 @@ class RemoteSync:
         """The receiver's cycles in [t, t+h), all with the same input."""
         cycle = self.task_cycle_time
         if h > MOST_CYCLES * cycle:
-            return Refusal.REMOTE_CYCLES
+            return Refusal.CYCLES
         self.fresh = self.fresh or not self.enable
         worked = 0
         while self.missing + worked * cycle < h - SAME_INSTANT * cycle:

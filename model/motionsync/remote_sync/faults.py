@@ -1,9 +1,9 @@
 """Why the remote synchronisation falls back. Source: TwinCAT TS5066, error codes; 0x4B56 covers all bad tunables."""
 
-from ..declare import Choice
+from ..var import Enumeration
 
 
-class Fault(Choice):
+class Fault(Enumeration):
     """Why the values are not synchronised"""
 
     NONE = 0, "no fault"
@@ -32,3 +32,38 @@ class Fault(Choice):
         "the correction would shift the position by more than max_position_difference",
         *("max_position_difference", "remote.position", "remote.velocity", "remote.acceleration"),
     )
+
+
+class Refusal(Enumeration):
+    """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
+
+    NONE = 0, "done"
+    RATIO = (
+        1,
+        "data_cycle_time must be a whole multiple or a whole part of task_cycle_time, at most 10000",
+        "data_cycle_time",
+        "task_cycle_time",
+    )
+    PHASE = (
+        2,
+        "the PHASE estimator is for equal cycle times: data_cycle_time must be 0 or task_cycle_time",
+        "estimator",
+        "data_cycle_time",
+        "task_cycle_time",
+    )
+    AGE = (
+        3,
+        "age_of_data_limit must be 0 or at least data_cycle_time / task_cycle_time: new data come no sooner",
+        "age_of_data_limit",
+        "data_cycle_time",
+        "task_cycle_time",
+    )
+    STEP = (
+        4,
+        "max_cycle_index_difference must be 0 or at least task_cycle_time / data_cycle_time: so "
+        "far the index steps in each cycle",
+        "max_cycle_index_difference",
+        "data_cycle_time",
+        "task_cycle_time",
+    )
+    CYCLES = 5, "a step must have at most 1e6 cycles", "task_cycle_time"

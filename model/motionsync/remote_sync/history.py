@@ -5,7 +5,7 @@ Source: TwinCAT TS5066, mean drift.
 
 from dataclasses import dataclass
 
-from .. import declare as var
+from .. import var
 
 MOST_PERIODS = 64
 SIGNIFICANT = 0.2  # of the last mean: a change of the drift that is worth a warning

@@ -7,7 +7,7 @@ All times are in receiver cycles, the phase in data indices; for equal nominal c
 
 from dataclasses import dataclass
 
-from .. import declare as var
+from .. import var
 from .history import History
 from .zone import Finding, Zone
 

@@ -5,10 +5,10 @@ Source: TwinCAT TS5066, identification of beat effects.
 
 from dataclasses import dataclass
 
-from ..declare import Choice
+from ..var import Enumeration
 
 
-class Finding(Choice):
+class Finding(Enumeration):
     """What has come of a cycle's difference"""
 
     NOTHING = 0, "the stretch or the zone goes on"

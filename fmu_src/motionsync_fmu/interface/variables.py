@@ -1,0 +1,189 @@
+"""A block's variables and cells, read from its declarations. Part of the Python FMU: imports no motionsync."""
+
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from enum import IntEnum
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any, get_type_hints
+
+if TYPE_CHECKING:
+    from motionsync.var import Declaration
+
+LONGEST_STEP = 1e6  # s; a step may not be longer
+KINDS = {float: "Real", int: "Integer", bool: "Boolean"}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One field that holds a value: `name` is its path in the block, `owner` the object it lies in."""
+
+    name: str
+    owner: Any = field(repr=False)
+    attribute: str
+    type: type
+    declaration: "Declaration | None"
+    known: frozenset[int] | None = field(repr=False)  # an enumeration's values
+
+    def get(self) -> Any:
+        return getattr(self.owner, self.attribute)
+
+    def set(self, value: Any) -> None:
+        """A number outside an enumeration's list is kept as it is: the end of the initialization refuses it."""
+        fits = self.known is None or value in self.known
+        setattr(self.owner, self.attribute, self.type(value) if fits else int(value))
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A declared cell; its index in `variables()` is its value reference, in both flavours."""
+
+    cell: Cell
+    declaration: "Declaration"
+    depends: tuple[str, ...]
+    start: Any
+
+    @property
+    def name(self) -> str:
+        return self.cell.name
+
+    @property
+    def kind(self) -> str:
+        """FMI's type: Real, Integer, Boolean or Enumeration."""
+        return KINDS.get(self.cell.type, "Enumeration")
+
+    @property
+    def causality(self) -> str:
+        return self.declaration.causality
+
+    @property
+    def variability(self) -> str:
+        if self.causality == "parameter":
+            return "tunable" if self.declaration.tunable else "fixed"
+        return "continuous" if self.kind == "Real" and not self.declaration.discrete else "discrete"
+
+    @property
+    def settable(self) -> bool:
+        return self.causality in ("input", "parameter")
+
+    @property
+    def real_input(self) -> bool:
+        """Whether it is judged at each step; all else that can be set is judged at the initialization only."""
+        return self.causality == "input" and self.kind == "Real"
+
+    @property
+    def choices(self) -> list[Any]:
+        """The members of an enumeration, each with `name`, `value` and `description`; else none."""
+        return members(self.cell.type)
+
+    def allows(self, value: Any) -> bool:
+        """Whether a value, a number or Boolean, is within the declared limits. NaN never is."""
+        if self.choices:
+            return value in [member.value for member in self.choices]
+        if self.kind == "Boolean":
+            return True
+        d = self.declaration
+        fits = isfinite(value) and d.min <= value <= d.max and d.above < value < d.below
+        return fits and (abs(value) >= d.smallest if value != 0.0 else d.zero)
+
+    def text(self, value: float) -> str:
+        """A value as people read it: an enumeration's member by name, true or false, a number with ten digits."""
+        if self.kind == "Boolean" and value in (0, 1):
+            return "true" if value else "false"
+        return next((str(member.name) for member in self.choices if member == value), f"{value:.10g}")
+
+    @property
+    def range(self) -> str:
+        """The allowed values in words."""
+        if self.choices:
+            return ", ".join(f"{member.value} {member.name}" for member in self.choices)
+        d = self.declaration
+        zero = "0, or " if d.smallest and d.zero else ""
+        if d.smallest and d.min < 0.0:
+            return f"{zero}a magnitude of {d.smallest:g} to {d.max:g}"
+        low = max(d.min, d.smallest) if d.smallest else d.min
+        if d.max < inf and low > -inf:
+            return f"{zero}{low:g} to {d.max:g}"
+        above = f"> {d.above:g}" if d.above > -inf else f">= {low:g}" if low > -inf else ""
+        below = f"< {d.below:g}" if d.below < inf else f"<= {d.max:g}" if d.max < inf else ""
+        return zero + (" and ".join(filter(None, (above, below))) or "finite")
+
+    def refusal(self, value: Any) -> str:
+        """Why a value is not allowed, naming variable, value and range; empty if it is."""
+        return "" if self.allows(value) else f"{self.name} = {shown(value)} is not allowed: it must be {self.range}"
+
+
+def members(kind: Any) -> list[Any]:
+    """All members of an enumeration; none of any other type."""
+    return list(kind) if issubclass(kind, IntEnum) else []
+
+
+def shown(value: Any) -> str:
+    """A value in a log line; a Real with the fewest of 6, 15, 16 or 17 digits that read back as the same number."""
+    if not isinstance(value, float):
+        return str(value)
+    texts = [f"{value:.{digits}g}" for digits in (6, 15, 16, 17)]
+    return next((text for text in texts if float(text) == value), texts[0])
+
+
+def refusals(block_type: type[Any]) -> list[Any]:
+    """What a block's `initialize` and `step` may answer: the members of its own enumeration, those that refuse."""
+    answers = (get_type_hints(getattr(block_type, name))["return"] for name in ("initialize", "step"))
+    return [answer for kind in dict.fromkeys(answers) for answer in members(kind) if answer != 0]
+
+
+def spoken_of(choice: Any, known: Container[str], coded: str = "") -> list[str]:
+    """The names of the variables of which a refusal speaks, or a fault that the variable `coded` tells; of those that
+    lie in the group of `coded` (`.velocity`), only the ones that this group has."""
+    group = coded.rpartition(".")[0]
+    names = [group + name if name.startswith(".") else name for name in choice.names]
+    optional = [name.startswith(".") for name in choice.names]
+    return [full for full, may_lack in zip(names, optional, strict=True) if not may_lack or full in known]
+
+
+def explained(choice: Any, names: Iterable[str], value_of: Callable[[str], Any]) -> str:
+    """A refusal or fault in words, with the values of the variables of these names."""
+    values = ", ".join(f"{name} = {shown(value_of(name))}" for name in names)
+    return f"{choice.description} ({values})" if values else str(choice.description)
+
+
+def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool = False) -> Iterator[Cell]:
+    """Every cell of the block, in the order of declaration: together they are its whole state."""
+    hints = get_type_hints(type(block))
+    for f in fields(block):
+        value, name = getattr(block, f.name), prefix + f.name
+        if is_dataclass(value):
+            part = f.metadata
+            yield from cells(
+                value, name + ".", hidden or part.get("hidden", False), slave_unit or part.get("slave_unit", False)
+            )
+            continue
+        hint = list if isinstance(value, list) else hints[f.name]
+        if type(value) is not hint:  # an int in a float field would be an integer in compiled code
+            raise TypeError(f"{name} is declared {hint.__name__}, but starts as {value!r}")
+        known = frozenset(member.value for member in members(hint)) or None
+        declaration = None if hidden else f.metadata.get("declaration")
+        if declaration and slave_unit:
+            declaration = replace(declaration, unit=declaration.unit.of_slave())
+        yield Cell(name, block, f.name, hint, declaration, known)
+
+
+def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
+    """What the outputs depend on after initialization, where a part says so for its fields."""
+    found: dict[str, tuple[str, ...]] = {}
+    for f in fields(block):
+        value = getattr(block, f.name)
+        if is_dataclass(value):
+            told: Mapping[str, tuple[str, ...]] = f.metadata.get("depends", {})
+            found |= {f"{prefix}{f.name}.{name}": names for name, names in told.items()}
+            found |= dependencies(value, f"{prefix}{f.name}.")
+    return found
+
+
+def variables(block: Any) -> list[Variable]:
+    """The declared variables with the block's present values as start values."""
+    told = dependencies(block)
+    return [
+        Variable(c, c.declaration, told.get(c.name, c.declaration.depends), c.get())
+        for c in cells(block)
+        if c.declaration
+    ]

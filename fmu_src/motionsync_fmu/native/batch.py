@@ -1,0 +1,392 @@
+"""Many runs at once: independent instances of a block, stepped in this process by compiled code on all cores.
+
+    result = simulate_many(
+        "Synchronizer",
+        1e-3,
+        {"master.position": position, "master.velocity": 180.0, "stop": stop},  # position, stop: (steps,)
+        ["slave.position", "state"],
+        start={"master.period": 360.0, "output_phasing": np.linspace(30.0, 120.0, 10_000)},
+    )
+    result["slave.position"]  # (10000, steps)
+
+An instance behaves as the block's FMU does, to the last bit, and fails where the FMU would; the others go on.
+"""
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from motionsync.blocks import BLOCKS
+
+from ..errors import UserError, choose
+from ..interface.variables import LONGEST_STEP, Variable, explained, refusals, shown, variables
+
+try:
+    from .batch_loop import INPUT, JUDGED, REFUSED, STEP_SIZE, Code, Plan, code, run
+    from .memory_layout import image, offset
+except ModuleNotFoundError as e:
+    raise ModuleNotFoundError(
+        f"batches are compiled with {e.name}, which is not installed: install it with pip install 'motionsync[native]'",
+        name=e.name,
+    ) from None
+
+Array = NDArray[Any]
+Reals = NDArray[np.float64]
+Whole = NDArray[np.int64]
+Inputs = Mapping[Any, ArrayLike]  # keys: str or tuple[str, ...]; a Mapping takes no narrower type of key
+
+TASK_STEPS = 1 << 18  # instance-steps of one task: about 10 ms
+TASK_INSTANCES = 1 << 13  # their memory stays within a few megabytes
+NUMBERS = "biuf"  # NumPy's kinds of types that are taken
+LARGEST_INTEGER = 2**31 - 1  # of FMI
+NO_RESULT = "an arithmetic error: these values lead to no result"
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Where and why an instance stopped; `step` is -1 where it could not be initialized."""
+
+    instance: int
+    step: int
+    message: str
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """What the instances put out.
+
+    Attributes:
+        names: the outputs.
+        values: the outputs at the end of each step, of shape (instances, steps, names); Booleans, integers and
+            enumerations as numbers. NaN, whatever the type, from the step on at which the instance failed.
+        failures: one for each instance that failed, in the order of the instances.
+    """
+
+    names: tuple[str, ...]
+    values: Reals
+    failures: tuple[Failure, ...]
+
+    def __getitem__(self, name: str) -> Reals:
+        """One output, of shape (instances, steps): a view.
+
+        Raises:
+            UserError: it was not asked for.
+        """
+        index = choose({n: i for i, n in enumerate(self.names)}, name, "output of this batch")
+        return self.values[:, :, index]
+
+
+def simulate_many(
+    block: str | type[Any],
+    step_size: ArrayLike,
+    inputs: Inputs,
+    outputs: Sequence[str],
+    *,
+    start: Mapping[str, ArrayLike] | None = None,
+    steps: int | None = None,
+    instances: int | None = None,
+    threads: int | None = None,
+    out: Reals | None = None,
+    progress: Callable[[float], None] = lambda share: None,
+) -> BatchResult:
+    """Step independent instances of a block over given inputs, with compiled code on all cores.
+
+    Shapes: `step_size` and each value of `inputs` is broadcast to (instances, steps) by NumPy's rules: a scalar,
+    (steps,) the same for all instances, (instances, 1) constant in time, or (instances, steps). A key of `inputs` may
+    be a tuple of names; its array has one axis more, the last one, along these names. The numbers of instances and of
+    steps are those of the arrays, or 1 where no array tells them.
+
+    Numbers: float64 for a Real, int64 for an Integer or enumeration and bool for a Boolean are read where they lie,
+    with any strides; other numbers are converted piece by piece while the batch runs. A Boolean may be 0 or 1 in an
+    array of any type; an enumeration is given by its values.
+
+    The work is done in threads of its own, without the interpreter's lock; any number of threads may call this
+    function at the same time. The first call for a block compiles it, which takes some seconds a process.
+
+    Args:
+        block: the name of a registered block, or a block's class.
+        step_size: in s.
+        inputs: inputs and tunable parameters by name. A step's values are set before it. The first step's are there
+            during initialization too, so a command that begins true has no edge, but for variables in `start`.
+        outputs: the names of any variables of the block.
+        start: start values by name, each a scalar or of shape (instances,), for parameters and inputs.
+        steps: their number, where no array tells it.
+        instances: their number, where no array tells it.
+        threads: their greatest number; as many as there are cores by default.
+        out: where to put the values: float64, of shape (instances, steps, outputs), with any strides.
+        progress: is told the share that is done, in the caller's thread.
+
+    Returns:
+        The outputs, and where and why instances failed. That is judged as in the FMU and told in the words of its log:
+        all parameters and inputs at initialization, Real inputs and the step size at each step, and what the block
+        refuses.
+
+    Raises:
+        UserError: before anything runs, what is wrong for all: an unknown block or variable, one that cannot be set, a
+            shape that does not fit, a value of the wrong kind (text; 0.5 for a Boolean).
+    """
+    batch = _Batch(block, step_size, inputs, start or {}, outputs, steps, instances)
+    shape = (batch.instances, batch.steps, len(outputs))
+    if out is None:
+        out = np.empty(shape)
+    elif out.dtype != np.float64 or out.shape != shape or not out.flags.behaved:
+        raise UserError(f"out is {out.dtype} of shape {out.shape}: it must be float64 of shape {shape}, and writeable")
+    if threads is not None and threads < 1:
+        raise UserError(f"threads = {threads} is not allowed: it must be >= 1")
+    workers = threads or os.cpu_count() or 1
+    failures: list[Failure] = []
+    done = 0
+    with ThreadPoolExecutor(workers, "motionsync") as pool:
+        tasks = {pool.submit(batch.run, first, last, out): last - first for first, last in batch.tasks(workers)}
+        try:
+            for task in as_completed(tasks):
+                failures += task.result()
+                done += tasks[task]
+                progress(done / batch.instances)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return BatchResult(tuple(outputs), out, tuple(sorted(failures, key=lambda f: f.instance)))
+
+
+@dataclass(frozen=True)
+class _Column:
+    """The values of one variable, of shape (instances or 1, steps or 1), and the shape in which they were given."""
+
+    name: str
+    values: Array
+    given: tuple[int, ...]
+
+    def piece(self, first: int, last: int, kind: Any) -> Array:
+        """The values of some instances in the type of the block's memory: a view if they are of this type."""
+        piece = self.values[first:last] if len(self.values) > 1 else self.values
+        return piece if piece.dtype == kind and piece.flags.aligned else piece.astype(kind)
+
+
+class _Batch:
+    """What is the same for all instances. What is wrong for all is found when this is made."""
+
+    def __init__(
+        self,
+        block: str | type[Any],
+        step_size: ArrayLike,
+        inputs: Inputs,
+        start: Mapping[str, ArrayLike],
+        outputs: Sequence[str],
+        steps: int | None,
+        instances: int | None,
+    ) -> None:
+        self.type: type[Any] = choose(BLOCKS, block, "block").type if isinstance(block, str) else block
+        self.image = image(self.type())
+        self.variables = {v.name: v for v in variables(self.type())}
+        self.outputs = [choose(self.variables, name, f"variable of {self.type.__name__}") for name in outputs]
+        self.step_sizes = _column("step_size", step_size)
+        running = [self.checked(c, "inputs") for c in _split(inputs)]
+        starts = [self.checked(_column(name, values, per_step=False), "start") for name, values in start.items()]
+        self.instances = _length("instances", instances, 0, [self.step_sizes, *running, *starts])
+        self.steps = _length("steps", steps, 1, [self.step_sizes, *running])
+        self.starts = starts + [c for c in running if c.name not in start]
+        varying = {c.name: c for c in running if c.values.shape[1] > 1 or c.name in start}  # all else is set once
+        moving = [(v, varying[v.name]) for v in self.variables.values() if v.name in varying]
+        self.reals, self.words, self.flags = ([(v, c) for v, c in moving if _group(v) == g] for g in range(3))
+        given = {c.name for c in self.starts}
+        settable = [v for v in self.variables.values() if v.settable]
+        self.judged = [v for v in settable if v.name in given or not v.allows(v.start)]
+        self.refusals = {member.value: member for member in refusals(self.type)}
+        self.code: Code = code(self.type)
+
+    def checked(self, column: _Column, where: str) -> _Column:
+        """The column, if its variable can be set there and all its numbers are of the variable's kind."""
+        v = choose(self.variables, column.name, f"variable of {self.type.__name__}")
+        if not v.settable or (where == "inputs" and v.variability == "fixed"):
+            allowed = "inputs and tunable parameters" if where == "inputs" else "parameters and inputs"
+            raise UserError(f"{where}: {v.name} ({v.variability} {v.causality}) cannot be set: {allowed} can")
+        if v.kind != "Real" and (bad := _first_unfit(v, column.values)):
+            i, t = bad
+            allowed = "true or false, 1 or 0" if v.kind == "Boolean" else "a whole number of 32 bits"
+            value = shown(column.values[i, t].item())
+            raise UserError(f"{where}: {v.name} = {value} at [{i}, {t}] is no {v.kind}: it must be {allowed}")
+        return column
+
+    def tasks(self, workers: int) -> Iterator[tuple[int, int]]:
+        """First and last instance, the last exclusive: small tasks for progress and memory, enough for all workers."""
+        size = max(1, min(TASK_INSTANCES, TASK_STEPS // max(1, self.steps), -(-self.instances // workers)))
+        for first in range(0, self.instances, size):
+            yield first, min(first + size, self.instances)
+
+    def run(self, first: int, last: int, out: Reals) -> list[Failure]:
+        """Some instances from start to end."""
+        memory = np.full(last - first, self.image)
+        for c in self.starts:
+            field = _field(memory, c.name)
+            if c.values.shape[1]:  # without steps there is no first one
+                field[...] = c.piece(first, last, field.dtype)[:, 0]
+        refused = self.judge(memory)
+        told = np.zeros((len(memory), 3), np.int64)
+        told[list(refused)] = JUDGED, -1, 0
+        step_sizes = self.step_sizes.piece(first, last, np.float64)
+        pieces = {
+            v.name: c.piece(first, last, _field(memory, v.name).dtype) for v, c in self.reals + self.words + self.flags
+        }
+        target = out[first:last]
+
+        def sources(columns: list[tuple[Variable, _Column]]) -> Whole:
+            return _table(4, ([*_source(pieces[v.name]), offset(memory.dtype, v.name)] for v, _ in columns))
+
+        def sinks(*kinds: str) -> Whole:
+            chosen = [(i, v) for i, v in enumerate(self.outputs) if v.kind in kinds]
+            return _table(2, ([offset(memory.dtype, v.name), i * target.strides[2]] for i, v in chosen))
+
+        run(
+            self.code,
+            Plan(
+                blocks=np.array([memory.ctypes.data, memory.itemsize, len(memory), self.steps]),
+                step_size=np.array(_source(step_sizes)),
+                longest=LONGEST_STEP,
+                sources=(sources(self.reals), sources(self.words), sources(self.flags)),
+                limits=np.array([(v.declaration.min, v.declaration.max) for v, _ in self.reals]).reshape(-1, 2),
+                sinks=(sinks("Real"), sinks("Integer", "Enumeration"), sinks("Boolean")),
+                target=np.array([target.ctypes.data, *target.strides[:2]]),
+                told=told,
+            ),
+        )
+        failures = []
+        for i in np.flatnonzero(told[:, 0]).tolist():
+            cause, step, number = told[i].tolist()
+            target[i, max(step, 0) :] = np.nan
+            if cause == JUDGED:
+                message = refused[i]
+            elif cause == STEP_SIZE:
+                h = np.broadcast_to(step_sizes, (len(memory), self.steps))[i, step].item()
+                message = f"step size = {shown(h)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
+            elif cause == INPUT:
+                v, _ = self.reals[number]
+                message = v.refusal(_value(memory[i : i + 1], v.name))
+            elif cause == REFUSED:
+                refusal = self.refusals[number]
+                message = explained(refusal, refusal.names, partial(_value, memory[i : i + 1]))
+            else:
+                message = NO_RESULT
+            failures.append(Failure(first + i, step, message))
+        return failures
+
+    def judge(self, memory: Array) -> dict[int, str]:
+        """The instances that cannot be initialized, and the first variable that is not allowed."""
+        refused: dict[int, str] = {}
+        for v in self.judged:
+            values = _field(memory, v.name)
+            for i in np.flatnonzero(~allowed(v, values)).tolist():
+                refused.setdefault(i, v.refusal(values[i].item()))
+        return refused
+
+
+def _group(v: Variable) -> int:
+    """0: a Real input, which is judged at each step; 1: another word of 8 bytes; 2: a Boolean."""
+    return 0 if v.real_input else 2 if v.kind == "Boolean" else 1
+
+
+def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
+    """`Variable.allows` for many values at once."""
+    if v.choices:
+        return np.isin(values, [member.value for member in v.choices])
+    if v.kind == "Boolean":
+        return np.ones(values.shape, np.bool_)
+    d = v.declaration
+    fits = np.isfinite(values) & (d.min <= values) & (values <= d.max)
+    fits &= (d.above < values) & (values < d.below)
+    return fits & np.where(values == 0.0, d.zero, np.abs(values) >= d.smallest)
+
+
+def _field(memory: Array, name: str) -> Array:
+    for part in name.split("."):
+        memory = memory[part]
+    return memory
+
+
+def _value(memory: Array, name: str) -> Any:
+    """The value of one variable of one instance."""
+    return _field(memory, name)[0].item()
+
+
+def _source(values: Array) -> list[int]:
+    """Address, stride over instances, stride over steps; what is the same for all has the stride 0."""
+    return [values.ctypes.data, *(s if n > 1 else 0 for s, n in zip(values.strides, values.shape, strict=True))]
+
+
+def _table(columns: int, rows: Iterable[list[int]]) -> Whole:
+    return np.array(list(rows), np.int64).reshape(-1, columns)
+
+
+def _split(inputs: Inputs) -> list[_Column]:
+    """One column a variable, whether its values were given alone or beside others'."""
+    columns: list[_Column] = []
+    for names, values in inputs.items():
+        if isinstance(names, str):
+            columns.append(_column(names, values))
+            continue
+        array = _numbers(", ".join(names), values)
+        if array.ndim == 0 or array.shape[-1] != len(names):
+            raise UserError(
+                f"{', '.join(names)} have the shape {array.shape}: the last axis must be of length {len(names)}, one "
+                "for each name"
+            )
+        columns += [_column(name, array[..., i]) for i, name in enumerate(names)]
+    names_given = [c.name for c in columns]
+    for name in names_given:
+        if names_given.count(name) > 1:
+            raise UserError(f"inputs: {name} is given {names_given.count(name)} times: it must be given once")
+    return columns
+
+
+def _column(name: str, values: ArrayLike, per_step: bool = True) -> _Column:
+    array = _numbers(name, values)
+    if array.ndim > (2 if per_step else 1):
+        shapes = "(), (steps,), (instances, 1) or (instances, steps)" if per_step else "() or (instances,)"
+        raise UserError(f"{name} has the shape {array.shape}: it must be {shapes}")
+    given = array.shape
+    array = np.atleast_2d(array)
+    return _Column(name, array if per_step else array.T, given)
+
+
+def _numbers(name: str, values: ArrayLike) -> Array:
+    try:
+        array = np.asarray(values)
+    except ValueError as e:
+        raise UserError(f"{name} is no array: {e}") from None
+    if array.dtype.kind not in NUMBERS:
+        raise UserError(f"{name} is of the type {array.dtype}: it must be real numbers or Booleans")
+    return array
+
+
+def _length(what: str, asked: int | None, axis: int, columns: list[_Column]) -> int:
+    """The number of instances or steps on which all agree."""
+    if asked is not None and asked < 0:
+        raise UserError(f"{what} = {asked} is not allowed: it must be >= 0")
+    told = [c for c in columns if c.values.shape[axis] != 1]
+    length = asked if asked is not None else told[0].values.shape[axis] if told else 1
+    for c in told:
+        if c.values.shape[axis] != length:
+            other = f"{what} = {asked}" if asked is not None else f"{told[0].name} has the shape {told[0].given}"
+            raise UserError(f"{c.name} has the shape {c.given}, but {other}: {what} must agree, or be 1")
+    return length
+
+
+def _first_unfit(v: Variable, values: Array) -> tuple[int, int] | None:
+    """Instance and step of the first number that no Boolean, or no integer of 32 bits, can be; none if all fit."""
+    if values.dtype == np.bool_:
+        return None
+    least, greatest = (0, 1) if v.kind == "Boolean" else (-LARGEST_INTEGER - 1, LARGEST_INTEGER)
+    rows = max(1, TASK_STEPS // max(1, values.shape[1]))
+    for i in range(0, values.shape[0], rows):
+        for t in range(0, values.shape[1], TASK_STEPS):
+            x = values[i : i + rows, t : t + TASK_STEPS]
+            unfit = np.argwhere(~((least <= x) & (x <= greatest) & (x == np.rint(x))))
+            if len(unfit):
+                return i + int(unfit[0, 0]), t + int(unfit[0, 1])
+    return None

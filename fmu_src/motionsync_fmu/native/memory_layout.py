@@ -1,0 +1,157 @@
+"""Numba compiles a block: its object tree becomes one NumPy record, its classes become Numba types with methods."""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass
+from functools import cache
+from types import FunctionType
+from typing import Any, get_type_hints
+
+import numpy as np
+from numba import from_dtype, types
+from numba.core import config
+from numba.extending import models, overload, overload_method, register_model
+
+from motionsync import var
+
+from .numba_target import text_of
+
+# The generated code is for any processor; Numba reads these when it generates its first code.
+config.CPU_NAME, config.CPU_FEATURES = "generic", ""
+
+# Bounds and divisions are checked as in Python; no reference counting, no wrappers for the interpreter.
+OPTIONS = {
+    "error_model": "python",
+    "boundscheck": True,
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "_nrt": False,
+}
+SCALARS = {float: np.float64, bool: np.bool_}  # int and every enumeration: np.int64
+
+
+def dtype(block: Any) -> np.dtype[Any]:
+    """The memory of one object, nested parts included, laid out as C would."""
+    hints = get_type_hints(type(block))
+    columns: list[Any] = []
+    for f in fields(block):
+        value = getattr(block, f.name)
+        if is_dataclass(value):
+            columns.append((f.name, dtype(value)))
+        elif isinstance(value, list):
+            columns.append((f.name, np.float64, (len(value),)))
+        else:
+            columns.append((f.name, SCALARS.get(hints[f.name], np.int64)))
+    return np.dtype(columns, align=True)
+
+
+def offset(layout: Any, name: str) -> int:
+    """Where the variable of that name lies in memory of that layout, in bytes."""
+    total = 0
+    for part in name.split("."):
+        layout, here = layout.fields[part][:2]
+        total += here
+    return total
+
+
+def image(block: Any) -> np.ndarray[Any, Any]:
+    """The block's present values in that memory; what lies between the fields is 0."""
+    memory = np.zeros((), dtype(block))
+    _fill(memory, block)
+    return memory
+
+
+def _fill(memory: Any, block: Any) -> None:
+    for f in fields(block):
+        value = getattr(block, f.name)
+        if is_dataclass(value):
+            _fill(memory[f.name], value)
+        else:
+            memory[f.name] = value
+
+
+def record(block: Any) -> types.Record:
+    """The Numba type of one object: a record that knows its class, so that methods find the right receiver."""
+    plain = from_dtype(dtype(block))
+    columns = []
+    for f in fields(block):
+        value = getattr(block, f.name)
+        kind = record(value) if is_dataclass(value) else plain.typeof(f.name)
+        columns.append((f.name, {"type": kind, "offset": plain.offset(f.name)}))
+    cls: Any = type(block)
+    return _kind(cls)(columns, plain.size, plain.aligned)
+
+
+@cache
+def _kind(cls: Any) -> Any:
+    """A class of records of its own: two classes with equal fields, or equal method names, must not be mixed up."""
+    kind = type(cls.__name__, (types.Record,), {"__repr__": lambda self: cls.__name__})  # Numba's spells all fields
+    register_model(kind)(models.RecordModel)
+    for name, method in methods(cls).items():
+        overload_method(kind, name, jit_options=OPTIONS)(_overload(method))
+    return kind
+
+
+def methods(cls: type) -> dict[str, FunctionType]:
+    """The methods written in a class and in those that it inherits from."""
+    found = {name: thing for base in reversed(cls.__mro__) for name, thing in vars(base).items()}
+    return {name: m for name, m in found.items() if isinstance(m, FunctionType) and not name.startswith("__")}
+
+
+def _overload(method: FunctionType) -> Callable[..., Any]:
+    """Numba asks for a method by argument types and compares the two signatures."""
+    implementation = _rebased(method)
+
+    def pick(*arguments: Any) -> Callable[..., Any]:
+        return implementation
+
+    pick.__signature__ = inspect.signature(implementation)  # type: ignore[attr-defined]
+    return pick
+
+
+@overload(var.copy, jit_options=OPTIONS)  # type: ignore[untyped-decorator]
+def _copy(into, source):  # type: ignore[no-untyped-def] # Numba compares this signature with the implementation's
+    """`var.copy` of two records: their fields one by one."""
+    if not isinstance(into, types.Record) or type(into) is not type(source):
+        return None
+    lines = []
+    for name, kind in into.members:
+        if isinstance(kind, types.Record):
+            lines.append(f"copy(into.{name}, source.{name})")
+        elif isinstance(kind, types.NestedArray):
+            lines.append(f"for i in range({kind.shape[0]}): into.{name}[i] = source.{name}[i]")
+        else:
+            lines.append(f"into.{name} = source.{name}")
+    space: dict[str, Any] = {"copy": var.copy}
+    exec("\n    ".join(["def implementation(into, source):", *lines]), space)
+    return space["implementation"]
+
+
+def entry(cls: type, name: str) -> Any:
+    """A method as a function that can be compiled without the interpreter."""
+    return text_of(**OPTIONS)(_rebased(methods(cls)[name]))
+
+
+def _rebased(function: FunctionType) -> FunctionType:
+    """The function over a copy of its module in which the package's own functions are compiled ones."""
+    return FunctionType(function.__code__, _namespace(function), function.__name__, function.__defaults__)
+
+
+_namespaces: dict[str, dict[str, Any]] = {}
+
+
+def _namespace(function: FunctionType) -> dict[str, Any]:
+    module = function.__module__
+    if module not in _namespaces:
+        space = _namespaces[module] = dict(function.__globals__)
+        package = module.partition(".")[0]
+        for name, value in list(space.items()):
+            if isinstance(value, FunctionType) and value.__module__.partition(".")[0] == package:
+                space[name] = _compiled(value)
+    return _namespaces[module]
+
+
+@cache
+def _compiled(function: FunctionType) -> Any:
+    """One for all modules that use the function, so that it is compiled once."""
+    return text_of(**OPTIONS)(_rebased(function))

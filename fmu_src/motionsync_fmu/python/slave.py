@@ -1,0 +1,205 @@
+"""The Python flavour: a block behind PythonFMU. Part of the Python FMU: imports no motionsync."""
+
+import ctypes
+import json
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import partialmethod
+from operator import attrgetter
+from typing import Any, ClassVar, NoReturn
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+from ..interface.variables import LONGEST_STEP, Cell, Variable, cells, explained, members, shown, spoken_of, variables
+
+State = dict[str, Any]
+FAILURES: tuple[type[Exception], ...] = (ValueError, ArithmeticError, LookupError)
+
+
+def keep(*things: Any) -> None:
+    """PythonFMU 0.7 gives back references that it does not own: the script's names at each instantiation (it runs the
+    script anew each time), and at each exception the class, the instance and its log, which it goes on to use."""
+    for thing in things:
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(thing))
+
+
+class BlockSlave(Fmi2Slave):  # type: ignore[misc]
+    """One instance of a block.
+
+    Attributes:
+        block_type: the block.
+        build: the content hash of this FMU; the state of another FMU is refused.
+        starts: start values that were baked into this FMU.
+    """
+
+    block_type: ClassVar[type]
+    build: ClassVar[str]
+    starts: ClassVar[dict[str, Any]]
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.block = self.block_type()
+        self.variables = variables(self.block)
+        self.by_name = {v.name: v for v in self.variables}
+        for name, value in self.starts.items():
+            self.by_name[name].cell.set(value)
+        self.settable = [v for v in self.variables if v.settable]
+        self.inputs = [v for v in self.variables if v.real_input]
+        self.limits = [(v.declaration.min, v.declaration.max) for v in self.inputs]
+        self.read_inputs = reader(v.name for v in self.inputs)
+        self.codes = [v for v in self.variables if v.declaration.codes]
+        self.cells = list(cells(self.block))
+        self.read_cells = reader(c.name for c in self.cells)
+        self.lists = [i for i, c in enumerate(self.cells) if c.type is list]
+        self.readers: dict[tuple[object, ...], Callable[[Any], tuple[Any, ...]]] = {}  # by value references
+        self.writers: dict[tuple[object, ...], list[Cell]] = {}
+        self.initializing = False
+        self.stepping = False
+
+    def enter_initialization_mode(self) -> None:
+        self.initializing = True
+
+    def exit_initialization_mode(self) -> None:
+        try:
+            self.initialize()
+        except FAILURES as e:
+            self.refuse(str(e))
+        self.initializing = False
+        self.stepping = True
+
+    def initialize(self) -> None:
+        """Every parameter and input is judged, then the block derives from them what it starts from."""
+        self.judge(self.settable)
+        self.attempt(self.block.initialize)
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """False (fmi2Discard) if it cannot be done: an exception would make PythonFMU give up the instance."""
+        told = [v.cell.get() for v in self.codes]
+        try:
+            if not 0.0 < step_size <= LONGEST_STEP:
+                raise ValueError(
+                    f"step size = {shown(step_size)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
+                )
+            for value, (low, high) in zip(self.read_inputs(self.block), self.limits, strict=True):
+                if not low <= value <= high:  # NaN fails every comparison
+                    self.judge(self.inputs)
+            self.attempt(self.block.step, step_size)
+        except FAILURES as e:
+            self.say(str(e), Fmi2Status.error)
+            return False
+        for v, before in zip(self.codes, told, strict=True):
+            if (code := v.cell.get()) != before:
+                for fault in members(v.declaration.codes):
+                    if fault == code != 0:
+                        self.say(self.explained(fault, v.name), Fmi2Status.warning)
+        return True
+
+    def judge(self, settable: list[Variable]) -> None:
+        for v in settable:
+            if refusal := v.refusal(v.cell.get()):
+                raise ValueError(refusal)
+
+    def attempt(self, action: Callable[..., Any], *arguments: Any) -> None:
+        """Do it; if it cannot be done, the block is what it was before."""
+        before = self.values()
+        try:
+            if refusal := action(*arguments):
+                raise ValueError(self.explained(refusal))
+        except FAILURES:
+            self.restore(before)
+            raise
+
+    def explained(self, choice: Any, coded: str = "") -> str:
+        names, group = spoken_of(choice, self.by_name, coded), coded.rpartition(".")[0]
+        text = explained(choice, names, lambda name: self.by_name[name].cell.get())
+        return f"{group}: {text}" if group else text
+
+    def refuse(self, text: str) -> NoReturn:
+        """Fail the call: PythonFMU turns the exception into fmi2Fatal."""
+        keep(type(self), self, self.log_queue)
+        self.say(text, Fmi2Status.error)
+        raise ValueError(text.replace("%", "percent"))
+
+    def say(self, text: str, status: Fmi2Status) -> None:
+        """PythonFMU passes the text on as a format: a percent sign would be read as a conversion."""
+        self.log(text.replace("%", "percent"), status)
+
+    def _get(self, kinds: tuple[str, ...], references: list[int]) -> list[Any]:
+        if self.initializing:  # outputs follow parameters and inputs; what is wrong is reported when leaving
+            with suppress(*FAILURES):
+                self.initialize()
+        key = (kinds, *references)
+        if key not in self.readers:
+            self.readers[key] = reader(self.variable(r, kinds).name for r in references)
+        return list(self.readers[key](self.block))
+
+    def _set(self, kinds: tuple[str, ...], references: list[int], values: list[Any]) -> None:
+        key = (kinds, self.stepping, *references)
+        if key not in self.writers:
+            chosen = [self.variable(r, kinds) for r in references]
+            for v in chosen:
+                if not v.settable or (self.stepping and v.variability == "fixed"):
+                    self.refuse(f"{v.name} ({v.variability} {v.causality}) cannot be set now")
+            self.writers[key] = [v.cell for v in chosen]
+        for cell, value in zip(self.writers[key], values, strict=True):
+            cell.set(value)
+
+    def variable(self, reference: int, kinds: tuple[str, ...]) -> Variable:
+        v = self.variables[reference] if reference < len(self.variables) else None
+        if v is None or v.kind not in kinds:
+            self.refuse(f"no {' or '.join(kinds)} has the value reference {reference}")
+        return v
+
+    get_real = partialmethod(_get, ("Real",))
+    get_integer = partialmethod(_get, ("Integer", "Enumeration"))
+    get_boolean = partialmethod(_get, ("Boolean",))
+    set_real = partialmethod(_set, ("Real",))
+    set_integer = partialmethod(_set, ("Integer", "Enumeration"))
+    set_boolean = partialmethod(_set, ("Boolean",))
+
+    def values(self) -> list[Any]:
+        values = list(self.read_cells(self.block))
+        for i in self.lists:
+            values[i] = values[i].copy()
+        return values
+
+    def restore(self, values: list[Any]) -> None:
+        for cell, value in zip(self.cells, values, strict=True):
+            if cell.type is list:
+                cell.get()[:] = value
+            else:
+                cell.set(value)
+
+    def _get_fmu_state(self) -> State:
+        """The whole block, not only its registered variables."""
+        return {
+            "build": self.build,
+            "initializing": self.initializing,
+            "stepping": self.stepping,
+            "cells": self.values(),
+        }
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> State:
+        """Foreign bytes become an empty state, which `_set_fmu_state` refuses with a log line."""
+        try:
+            read = json.loads(state)
+        except ValueError:
+            read = None
+        return read if isinstance(read, dict) else {}
+
+    def _set_fmu_state(self, state: State) -> None:
+        if state.get("build") != self.build:
+            self.refuse("this FMU state belongs to another FMU")
+        self.initializing = state["initializing"]
+        self.stepping = state["stepping"]
+        self.restore(state["cells"])
+
+
+def reader(names: Iterable[str]) -> Callable[[Any], tuple[Any, ...]]:
+    """A function that reads these attribute paths of an object, always as a tuple."""
+    paths = list(names)
+    if len(paths) > 1:
+        return attrgetter(*paths)
+    return lambda thing: tuple(attrgetter(path)(thing) for path in paths)

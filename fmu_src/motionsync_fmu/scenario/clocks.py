@@ -1,0 +1,132 @@
+"""Two clocks and the telegrams between them: what a receiver sees of an axis whose controller has a clock of its own.
+
+All times are the receiver's, in s: its cycle i acts at i times its cycle. The sender's cycles are nearly as long, or a
+whole multiple or part of that; in each it sends a telegram with its index and with the axis as it is at that instant.
+Everything is known exactly: the sender's index at any time as a real number, and the axis.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from motionsync.remote_sync.block import INDICES
+
+from .recording import Reals
+from .script import Script
+
+Integers = np.ndarray[Any, np.dtype[np.int64]]
+CLOSE = 1e-6  # of a cycle: an instant so little after a time is at it
+FARTHEST = 0.45  # of the shorter cycle: jitter moves no instant farther, so that cycles and telegrams keep their order
+BEFORE = 2  # telegrams sent before time 0: one of them is seen until the first one arrives
+
+
+@dataclass(frozen=True)
+class Rate:
+    """The length of the sender's cycles, in s, from a time on."""
+
+    at: float
+    cycle: float
+
+
+@dataclass(frozen=True)
+class Telegrams:
+    """What the receiver sees in each of its cycles.
+
+    Attributes:
+        index: which telegram, counted on from the first one without wrapping; shape (cycles,).
+        cycle_index: the same as the telegram tells it, 0 to 65535.
+        motion: position, velocity and acceleration of the axis as the telegram tells them, in u, u/s, u/s2; shape
+            (cycles, 3).
+        true_index: the sender's index at the cycle's instant, a real number that never wraps; shape (cycles,).
+    """
+
+    index: Integers
+    cycle_index: Integers
+    motion: Reals
+    true_index: Reals
+
+
+@dataclass(frozen=True)
+class Clocks:
+    """A receiver's clock and a sender's.
+
+    Attributes:
+        task_cycle: the receiver's cycle, in s.
+        rates: the sender's cycles, the first from 0 on. Where they change, the phase goes on continuously.
+        phase: how long before time 0 the first telegram is sent, as a share of the sender's cycle: from 0 to below 1.
+        jitter: of the instants at which telegrams are sent, and of those at which they are read: independent and
+            Gaussian, one standard deviation as a share of the receiver's cycle. A telegram tells the axis at the
+            instant without jitter.
+        seed: of the jitter; the same seed gives the same one, however long the run.
+        lost: first and last index of telegrams that never arrive, counted as `Telegrams.index` is; none of them is
+            sent before the first one.
+        first_index: of the first telegram, 0 to 65535.
+    """
+
+    task_cycle: float
+    rates: Sequence[Rate]
+    phase: float = 0.0
+    jitter: float = 0.0
+    seed: int = 0
+    lost: Sequence[tuple[int, int]] = ()
+    first_index: int = 0
+
+    def acted(self, t: float) -> int:
+        """How many of the receiver's cycles have acted before t; the next one to act has this number."""
+        return max(math.ceil(t / self.task_cycle - CLOSE), 0)
+
+    def shown(self, begin: float, end: float) -> int:
+        """The cycle whose telegram a step shows: the first in [begin, end); without one, the latest, or cycle 0."""
+        return max(min(self.acted(begin), self.acted(end) - 1), 0)
+
+    def true_index(self, times: Reals) -> Reals:
+        """The sender's index at these times, shape (times,): real numbers that never wrap."""
+        at, cycle, begun = self._pieces
+        place = np.maximum(np.searchsorted(at, times, "right") - 1, 0)
+        return np.asarray(self.first_index + begun[place] + (times - at[place]) / cycle[place])
+
+    def sent(self, index: Integers) -> Reals:
+        """When the telegrams with these indices are sent, in s, without jitter; shape (index,)."""
+        at, cycle, begun = self._pieces
+        counted = index - self.first_index
+        place = np.maximum(np.searchsorted(begun, counted, "right") - 1, 0)
+        return np.asarray(at[place] + (counted - begun[place]) * cycle[place])
+
+    def received(self, cycles: int) -> Integers:
+        """The latest telegram that has arrived at each of the receiver's first cycles, shape (cycles,): its index,
+        counted on without wrapping."""
+        reads = np.arange(float(cycles)) * self.task_cycle + self._noise(0, cycles)
+        last = int(self.true_index(np.array([cycles * self.task_cycle]))[0])
+        index = np.arange(self.first_index - BEFORE, last + BEFORE)
+        arrives = np.ones(len(index), bool)
+        for lowest, highest in self.lost:
+            arrives &= (index < lowest) | (highest < index)
+        sends = self.sent(index) + self._noise(1, len(index))
+        return np.asarray(index[arrives][np.searchsorted(sends[arrives], reads, "right") - 1])
+
+    def telegrams(self, axis: Script, cycles: int) -> Telegrams:
+        """What the receiver sees of this axis in its first cycles."""
+        index = self.received(cycles)
+        motions = [axis.at(t) for t in self.sent(index).tolist()]
+        return Telegrams(
+            index,
+            index % INDICES,
+            np.array([(m.position, m.velocity, m.acceleration) for m in motions]),
+            self.true_index(np.arange(float(cycles)) * self.task_cycle),
+        )
+
+    @cached_property
+    def _pieces(self) -> tuple[Reals, Reals, Reals]:
+        """From when on the sender has which cycle, in s, and its index there, counted from the first one."""
+        at, cycle = np.array([(rate.at, rate.cycle) for rate in self.rates]).T
+        return at, cycle, self.phase + np.concatenate([[0.0], np.cumsum(np.diff(at) / cycle[:-1])])
+
+    def _noise(self, side: int, count: int) -> Reals:
+        """The jitter of a side's instants, in s, shape (count,)."""
+        normal = np.random.default_rng((self.seed, side)).standard_normal(count)
+        limit = FARTHEST * min(self.task_cycle, float(self._pieces[1].min()))
+        return np.clip(self.jitter * self.task_cycle * normal, -limit, limit)

@@ -1,0 +1,70 @@
+"""The cross-check files of a scenario: inputs as a CSV file that FMPy's own command line takes, and options."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from shlex import quote
+from typing import Any
+
+from ..interface.fmi2_xml import literal
+from ..interface.variables import Variable, variables
+from .run import schedule
+from .scenario import Scenario
+
+
+def inputs_csv(scenario: Scenario) -> str:
+    """Time, the master, and whatever the scenario sets, at every communication point; Booleans as 0 and 1."""
+    by_name = _by_name(scenario)
+    names = list(dict.fromkeys(name for s in scenario.settings for name in s.values))
+    values: dict[str, Any] = {name: scenario.start.get(name, by_name[name].start) for name in names}
+    rows = []
+    for t, _, changed in schedule(scenario, scenario.step_size):
+        values |= changed
+        rows.append([t, *(_number(by_name[n], v) for n, v in sorted(values.items()))])
+    return csv_text(["time", *sorted(values)], rows)
+
+
+def csv_text(names: Sequence[str], rows: Iterable[Sequence[float]]) -> str:
+    """The cross-check format: commas, quoted names, numbers with all their digits."""
+    out = io.StringIO()
+    writer = csv.writer(out, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows(rows)
+    return out.getvalue()
+
+
+def options_text(scenario: Scenario) -> str:
+    """The .opt file beside a reference."""
+    settings = {
+        "StartTime": 0.0,
+        "StopTime": scenario.stop_time,
+        "StepSize": scenario.step_size,
+        "RelTol": scenario.tolerance,
+    }
+    return "".join(f"{name}, {value!r}\n" for name, value in settings.items())
+
+
+def inputs_file(scenario: Scenario) -> Path:
+    """Where a scenario's inputs lie, if they have been generated."""
+    return scenario.file.parent / f"{scenario.recipe.name}_in.csv"
+
+
+def command_line(scenario: Scenario, fmu: Path, inputs: Path) -> str:
+    """The call of FMPy that runs the scenario from its input file, without motionsync."""
+    by_name = _by_name(scenario)
+    starts = " ".join(f"{name} {literal(by_name[name], value)}" for name, value in scenario.start.items())
+    parts = [
+        f"fmpy simulate {quote(str(fmu))} --stop-time {scenario.stop_time!r} --output-interval {scenario.step_size!r}",
+        f"--start-values {starts}" if starts else "",
+        f"--input-file {quote(str(inputs))} --output-file {scenario.recipe.name}_out.csv",
+    ]
+    return " ".join(filter(None, parts))
+
+
+def _by_name(scenario: Scenario) -> dict[str, Variable]:
+    return {v.name: v for v in variables(scenario.recipe.block())}
+
+
+def _number(v: Variable, value: Any) -> float | int:
+    return float(value) if v.kind == "Real" else int(value)

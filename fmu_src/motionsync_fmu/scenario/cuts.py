@@ -1,0 +1,65 @@
+"""Cuts of a saw: where on the material they lie, and how far they are from the marks they were meant for.
+
+The material moves with the master. A mark lies on it every `length`; the saw that was coupled at a mark stays at it:
+slave = ratio (master - mark). Each interval in which the Boolean of the scenario's table [cuts] is true is one cut.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .recording import Course
+
+
+@dataclass(frozen=True)
+class Cuts:
+    """The slave is a saw that cuts the master's material while a Boolean is true.
+
+    Attributes:
+        name: the Boolean.
+        length: distance of the marks on the material, in u; one of them lies at `offset`.
+        ratio: the slave's travel over the master's.
+        tolerance: the greatest allowed distance of a cut from its mark, in u; None: it is not judged.
+        count: how many cuts there have to be; None: any number.
+    """
+
+    name: str
+    length: float
+    offset: float
+    ratio: float
+    tolerance: float | None
+    count: int | None
+
+    def nearest(self, place: float) -> float:
+        """The mark that is nearest to a place on the material."""
+        return self.offset + round((place - self.offset) / self.length) * self.length
+
+
+@dataclass(frozen=True)
+class Cut:
+    """One synchronous phase, seen at the communication points.
+
+    Attributes:
+        begin, end: its first and its last point, in s.
+        mark: the place of the nearest mark on the material, in u.
+        error: how far the cut is from the mark where it is farthest, in u; positive: the saw lags.
+    """
+
+    begin: float
+    end: float
+    mark: float
+    error: float
+
+
+def cut(spec: Cuts, course: Course) -> list[Cut]:
+    """The cuts of a run, in the order of time."""
+    on = course.values[spec.name] != 0.0
+    borders = np.flatnonzero(np.diff(on, prepend=False, append=False))
+    places = course.master[:, 0] - course.values["slave.position"] / spec.ratio
+    found = []
+    for first, after in zip(borders[::2].tolist(), borders[1::2].tolist(), strict=True):
+        mark = spec.nearest(float(places[first:after].mean()))
+        errors = places[first:after] - mark
+        worst = float(errors[np.argmax(np.abs(errors))])
+        found.append(Cut(float(course.time[first]), float(course.time[after - 1]), mark, worst))
+    return found

@@ -1,0 +1,116 @@
+"""A scenario's remote axis: what its telegrams tell the block, and how far the block's outputs are from the truth.
+
+What an output at a communication point describes is the axis at the instant of the last cycle before that point,
+shifted by `delay_time_offset`. The truth about it is the script, which the telegrams sample.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from motionsync.remote_sync.block import INDICES
+
+from .clocks import Clocks, Telegrams
+from .recording import Course, Reals
+from .script import Script
+
+MOTION = ("position", "velocity", "acceleration")
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How near the block has to be to the truth.
+
+    Attributes:
+        begin: from when on, in s.
+        index: of `corrected_cycle_index` to the sender's true index, peak to peak in the sender's cycles; None: it is
+            not judged.
+        position: of `slave.position` to the true axis, in u; None: it is not judged.
+        behind: how many data cycles the slave is behind the axis by design.
+    """
+
+    begin: float
+    index: float | None
+    position: float | None
+    behind: float
+
+
+@dataclass(frozen=True)
+class Remote:
+    """An axis that is known by telegrams only.
+
+    Attributes:
+        cycles: how many cycles of the receiver there are.
+        data_cycle: nominal distance of the telegrams, in s.
+        delays: the block's `delay_time_offset` from a time on, both in s; the first from 0 on.
+    """
+
+    axis: Script
+    clocks: Clocks
+    cycles: int
+    data_cycle: float
+    delays: Sequence[tuple[float, float]]
+    accuracy: Accuracy | None
+
+    @cached_property
+    def telegrams(self) -> Telegrams:
+        return self.clocks.telegrams(self.axis, self.cycles)
+
+    def inputs(self, begin: float, end: float) -> dict[str, float]:
+        """The telegram that a step shows to the block."""
+        i = self.clocks.shown(begin, end)
+        motion = zip(MOTION, self.telegrams.motion[i].tolist(), strict=True)
+        return {"remote.cycle_index": int(self.telegrams.cycle_index[i])} | {f"remote.{n}": x for n, x in motion}
+
+
+@dataclass(frozen=True)
+class Errors:
+    """How far a run is from the truth, at its communication points but the first; each of shape (points - 1,).
+
+    Attributes:
+        time: in s.
+        received: the axis as the telegrams told it, shape (points - 1, 3): u, u/s, u/s2.
+        index, corrected_index: of the telegram and of the block, in the sender's cycles; positive: ahead of the
+            sender. As the telegrams' index wraps, so do they: to less than 32768 cycles.
+        position, corrected_position: of the telegram at the cycle's instant, and of the slave, in u.
+    """
+
+    time: Reals
+    received: Reals
+    index: Reals
+    corrected_index: Reals
+    position: Reals
+    corrected_position: Reals
+
+
+def errors(remote: Remote, course: Course) -> Errors:
+    """The errors of a run."""
+    clocks, telegrams = remote.clocks, remote.telegrams
+    shown = np.array([clocks.shown(begin, end) for begin, end in pairwise(course.time.tolist())])
+    acted = np.array([clocks.acted(t) - 1 for t in course.time.tolist()[1:]])
+    instant = acted * clocks.task_cycle
+    at, delays = np.array(remote.delays).T
+    delay = delays[np.searchsorted(at, instant + 1e-9, "right") - 1]
+    behind = remote.accuracy.behind * remote.data_cycle if remote.accuracy else 0.0
+    true_index, received = telegrams.true_index[acted], telegrams.motion[shown]
+    corrected = course.values["corrected_cycle_index"][1:]
+    return Errors(
+        course.time[1:],
+        received,
+        _wrapped(telegrams.cycle_index[shown] - true_index),
+        _wrapped(corrected - true_index),
+        received[:, 0] - _positions(remote.axis, instant),
+        course.values["slave.position"][1:] - _positions(remote.axis, instant + delay - behind),
+    )
+
+
+def _positions(axis: Script, times: Reals) -> Reals:
+    return np.array([axis.at(t).position for t in times.tolist()])
+
+
+def _wrapped(difference: Reals) -> Reals:
+    """A difference of indices, of which at least one may have wrapped."""
+    return np.asarray(difference - INDICES * np.round(difference / INDICES))

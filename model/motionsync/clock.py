@@ -1,0 +1,25 @@
+"""Time that is summed up step by step without drift."""
+
+from dataclasses import dataclass
+
+
+@dataclass(slots=True)
+class Clock:
+    """The time since some instant, s, at the beginning of the present step.
+
+    `lost` is what rounding has added to the sum; it is taken off the next step (Kahan's summation).
+    """
+
+    time: float = 0.0
+    lost: float = 0.0
+
+    def start(self, offset: float) -> None:
+        """Time 0 lies `offset` seconds after the beginning of the present step."""
+        self.time = 0.0 - offset
+        self.lost = 0.0
+
+    def advance(self, h: float) -> None:
+        step = h - self.lost
+        time = self.time + step
+        self.lost = (time - self.time) - step
+        self.time = time

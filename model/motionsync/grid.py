@@ -1,0 +1,30 @@
+"""Places on an axis that repeat: the turns of a modulo axis, and grids of equal spacing."""
+
+
+def wrap(position: float, period: float) -> float:
+    """`position` modulo `period` in [0, period); `position` itself if the period is 0.
+
+    The remainder is exact for a position >= 0; of a negative one a whole period is lacking, and where adding it rounds
+    to the period itself the answer is 0.
+    """
+    if period == 0.0:
+        return position
+    if 0.0 <= position < period:  # nearly always, and a division is slow
+        return position + 0.0  # 0 of -0, as the remainder makes it
+    wrapped = position % period
+    return wrapped if wrapped < period else 0.0
+
+
+def floor(x: float) -> float:
+    """The greatest whole number not above x; from 2^52 on there are only whole numbers."""
+    if abs(x) >= 4503599627370496.0:
+        return x
+    whole = float(int(x))
+    return whole - 1.0 if whole > x else whole
+
+
+def nearest(base: float, spacing: float, here: float) -> float:
+    """Of the places base + n spacing the one nearest to `here`; with a spacing of 0, `base`."""
+    if spacing == 0.0:
+        return base
+    return base + floor((here - base) / spacing + 0.5) * spacing

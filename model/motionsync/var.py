@@ -1,0 +1,183 @@
+"""Declarations: what a field is to the outside world, written once, beside the field.
+
+    from . import var
+
+    position: float = var.input(0.0, "the master's position", Unit.POSITION)
+
+To the type checker each function returns its start value's type, so the line is an ordinary typed dataclass field;
+at run time it returns a `dataclasses.field` whose metadata holds the `Declaration`. A field without a declaration is
+the block's own business: it belongs to the state, but nobody outside sees it.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from enum import Enum, IntEnum
+from math import inf
+from typing import Self, TypeVar
+
+T = TypeVar("T")
+LARGEST_INPUT = 1e12  # beyond it a Real input is refused like NaN: squares and cubes of it stay finite
+
+
+class Unit(Enum):
+    """What a Real measures: powers of the position unit `u`, chosen when the FMU is built, of the second, of the
+    degree, which stays a degree whatever positions are in, and of the slave's own position unit, which is `u` unless
+    chosen too."""
+
+    NONE = (0, 0, "")
+    POSITION = (1, 0, "Position")
+    VELOCITY = (1, -1, "Velocity")
+    ACCELERATION = (1, -2, "Acceleration")
+    JERK = (1, -3, "Jerk")
+    PER_POSITION = (-1, 0, "PerPosition")
+    PER_POSITION2 = (-2, 0, "PerPositionSquared")
+    MOMENTUM = (2, -3, "AccelerationPower")  # velocity times acceleration
+    TIME = (0, 1, "Time")
+    ANGLE = (0, 0, "Angle", 1)
+    SLAVE_POSITION = (0, 0, "SlavePosition", 0, 1)
+    SLAVE_VELOCITY = (0, -1, "SlaveVelocity", 0, 1)
+    SLAVE_ACCELERATION = (0, -2, "SlaveAcceleration", 0, 1)
+    SLAVE_JERK = (0, -3, "SlaveJerk", 0, 1)
+    SLAVE_PER_MASTER = (-1, 0, "SlavePerMaster", 0, 1)
+
+    def __init__(self, position: int, second: int, quantity: str, degree: int = 0, slave: int = 0) -> None:
+        self.position = position
+        self.second = second
+        self.quantity = quantity
+        self.degree = degree
+        self.slave = slave
+
+    def of_slave(self) -> "Unit":
+        """The same with the slave's position unit for `u`, where there is such a member."""
+        return next((unit for unit in Unit if unit.quantity == f"Slave{self.quantity}"), self)
+
+
+class Enumeration(IntEnum):
+    """An enumeration whose members describe themselves: `NAME = value, "description"`.
+
+    Further strings are names of variables that the description speaks of; a log line shows their values. One that
+    begins with a dot lies in the group of the variable whose code the member is (`.velocity` of `halt.error_id`:
+    `halt.velocity`), and is left out where that group has no such variable.
+    """
+
+    description: str
+    names: tuple[str, ...]
+
+    def __new__(cls, value: int, description: str, *names: str) -> Self:
+        member = int.__new__(cls, value)
+        member._value_ = value
+        member.description = description
+        member.names = names
+        return member
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What the outside world knows of a variable.
+
+    Attributes:
+        causality: FMI's `input`, `parameter`, `output` or `local`.
+        discrete: a Real that changes at commands only (Integers, Booleans and enumerations always are discrete).
+        tunable: a parameter that may change while running.
+        min, max: limits, both allowed.
+        above, below: limits that are themselves refused.
+        smallest: the least magnitude of a value other than 0.
+        zero: whether 0 itself is allowed.
+        depends: the inputs and parameters on which the value after initialization depends (outputs only).
+        codes: what the values of a plain Integer mean; a log line tells it when the value changes to one other than 0.
+    """
+
+    causality: str
+    description: str
+    unit: Unit = Unit.NONE
+    discrete: bool = False
+    tunable: bool = False
+    min: float = -inf
+    max: float = inf
+    above: float = -inf
+    below: float = inf
+    smallest: float = 0.0
+    zero: bool = True
+    depends: tuple[str, ...] = ()
+    codes: type[Enumeration] | None = None
+
+
+def input(start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False) -> T:
+    """A Real input lies within ±1e12; integers and Booleans have no limits but their type's."""
+    limit = LARGEST_INPUT if isinstance(start, float) else inf
+    return _declared(start, Declaration("input", description, unit, discrete, min=-limit, max=limit))
+
+
+def parameter(
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    tunable: bool = False,
+    min: float = -inf,
+    max: float = inf,
+    above: float = -inf,
+    below: float = inf,
+    smallest: float = 0.0,
+    zero: bool = True,
+) -> T:
+    declaration = Declaration(
+        "parameter", description, unit, False, tunable, min, max, above, below, smallest=smallest, zero=zero
+    )
+    return _declared(start, declaration)
+
+
+def output(
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    discrete: bool = False,
+    depends: tuple[str, ...] = (),
+    codes: type[Enumeration] | None = None,
+) -> T:
+    return _declared(start, Declaration("output", description, unit, discrete, depends=depends, codes=codes))
+
+
+def local(
+    start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False, min: float = -inf, max: float = inf
+) -> T:
+    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max))
+
+
+def part(
+    kind: Callable[[], T],
+    depends: Mapping[str, tuple[str, ...]] | None = None,
+    *,
+    hidden: bool = False,
+    slave_unit: bool = False,
+) -> T:
+    """An object made once with the block; `depends` tells it for the outputs in the part, by their names there.
+
+    `hidden`: its declared fields are not the block's variables; it keeps what such variables once held.
+    `slave_unit`: what it declares in the position unit is in the slave's own one.
+    """
+    return field(default_factory=kind, metadata={"depends": depends or {}, "hidden": hidden, "slave_unit": slave_unit})
+
+
+def ring(length: int) -> list[float]:
+    """A list of fixed length, zeros at first."""
+    return field(default_factory=lambda: [0.0] * length)
+
+
+def copy(into: T, source: T) -> None:
+    """Every field of one part gets the value of the other's: parts of the same class, with all that lies in them.
+
+    In compiled code too, where nothing else of this module is."""
+    for f in fields(source):  # type: ignore[arg-type]
+        value = getattr(source, f.name)
+        if is_dataclass(value):
+            copy(getattr(into, f.name), value)
+        elif isinstance(value, list):
+            getattr(into, f.name)[:] = value
+        else:
+            setattr(into, f.name, value)
+
+
+def _declared(start: T, declaration: Declaration) -> T:
+    return field(default=start, metadata={"declaration": declaration})

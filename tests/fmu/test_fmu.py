@@ -1,0 +1,735 @@
+"""The built FMU, python flavour, as importers meet it: standard, state, refusals, reproducibility, libcosim."""
+
+import math
+import os
+import random
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import fromstring
+
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+from libcosimpy.CosimEnums import CosimExecutionState
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimManipulator import CosimManipulator
+from libcosimpy.CosimObserver import CosimObserver
+from libcosimpy.CosimSlave import CosimLocalSlave
+
+from motionsync.blocks import BLOCKS
+from motionsync.remote_sync.block import RemoteSync
+from motionsync_fmu.build import Flavour, Recipe, build, build_python
+from motionsync_fmu.interface.variables import Variable, variables
+from motionsync_fmu.scenario.fmu_instance import FmuError, Host
+from tests import ROOT
+from tests.conftest import Fmus
+from tests.support.random_runs import calm, drawn
+
+DISCARD, FATAL = 2, 4
+
+
+@pytest.fixture
+def host(fmu: Path) -> Iterator[Host]:
+    with Host(fmu) as host:
+        yield host
+
+
+def drive(seed: int, steps: int) -> list[tuple[float, dict[str, Any]]]:
+    """A random run: a wandering master of period 10, commands, changes of phasing and rest, uneven steps."""
+    r = random.Random(seed)
+    position, plan = 0.0, []
+    flags = {"start": False, "stop": False, "active": True}
+    for _ in range(steps):
+        h = 10.0 ** r.uniform(-4.0, -1.0)
+        v, a = r.gauss(3.0, 6.0), r.gauss(0.0, 5.0)
+        for name, often in (("start", 0.1), ("stop", 0.1), ("active", 0.01)):
+            if r.random() < often:
+                flags[name] = not flags[name]
+        inputs = {"master.position": position % 10.0, "master.velocity": v, "master.acceleration": a, **flags}
+        if r.random() < 0.05:
+            inputs |= {"rest_value": r.uniform(-20.0, 20.0), "output_phasing": r.choice((0.0, 0.5, 2.0, -3.0, 12.0))}
+        plan.append((h, inputs))
+        position += (v + 0.5 * a * h) * h
+    return plan
+
+
+START = {"master.period": 10.0, "output_phasing": 2.0, "rest_value": 4.0}
+
+
+def bits(host: Host) -> dict[str, Any]:
+    return {name: value.hex() if isinstance(value, float) else value for name, value in host.get().items()}
+
+
+def description(fmu: Path) -> Any:
+    with zipfile.ZipFile(fmu) as z:
+        return fromstring(z.read("modelDescription.xml"))
+
+
+# --- the standard ---
+
+
+def test_fmpy_finds_no_fault(block_fmu: Path) -> None:
+    assert validate_fmu(str(block_fmu)) == []
+
+
+def test_fmutool_finds_no_error_or_warning(block_fmu: Path) -> None:
+    tool = Path(sys.executable).with_name("fmutool")
+    done = subprocess.run([tool, "-input", str(block_fmu), "-check"], capture_output=True, text=True, check=True)
+    text = done.stdout + done.stderr
+    assert "compliant with FMI-2.0" in text
+    assert "No semantic error" in text
+    assert "ERROR" not in text
+    assert "WARNING" not in text
+
+
+def test_capabilities(block_fmu: Path) -> None:
+    unit = read_model_description(str(block_fmu)).coSimulation
+    assert unit.canHandleVariableCommunicationStepSize
+    assert unit.canGetAndSetFMUstate
+    assert unit.canSerializeFMUstate
+    assert not unit.needsExecutionTool
+    assert not unit.canBeInstantiatedOnlyOncePerProcess
+
+
+def test_the_interface_is_the_specified_one(fmu: Path) -> None:
+    """Written out by hand: users wire against these names."""
+    names = {
+        v.name: (v.causality, v.variability, v.type, v.start) for v in read_model_description(str(fmu)).modelVariables
+    }
+    real_in = ("input", "continuous", "Real", "0.0")
+    out_real, out_int, out_bool = (
+        ("output", k, t, None) for k, t in (("continuous", "Real"), ("discrete", "Integer"), ("discrete", "Boolean"))
+    )
+    assert names == {
+        "master.position": real_in,
+        "master.velocity": real_in,
+        "master.acceleration": real_in,
+        "master.input_mode": ("parameter", "fixed", "Enumeration", "1"),
+        "master.period": ("parameter", "fixed", "Real", "0.0"),
+        "curve": ("parameter", "fixed", "Enumeration", "2"),
+        "output_phasing": ("parameter", "tunable", "Real", "90.0"),
+        "active": ("input", "discrete", "Boolean", "true"),
+        "start": ("input", "discrete", "Boolean", "false"),
+        "stop": ("input", "discrete", "Boolean", "false"),
+        "rest_value": ("input", "discrete", "Real", "0.0"),
+        "slave.position": out_real,
+        "slave.velocity": out_real,
+        "slave.acceleration": out_real,
+        "slave.jerk": out_real,
+        "state": ("output", "discrete", "Enumeration", None),
+        "state_code": out_int,
+        "ready": out_bool,
+        "synchronized": out_bool,
+        "status": out_int,
+        "syn_synchronized": out_bool,
+        "syn_ramp_on": out_bool,
+        "error": out_bool,
+        "error_id": out_int,
+        "local.ramp_begin": ("local", "discrete", "Real", None),
+        "local.ramp_end": ("local", "discrete", "Real", None),
+        "local.progress": ("local", "continuous", "Real", None),
+        "local.distance_to_begin": ("local", "continuous", "Real", None),
+        "local.distance_to_end": ("local", "continuous", "Real", None),
+        "local.transition_distance": ("local", "discrete", "Real", None),
+        "local.peak_acceleration_per_v2": ("local", "discrete", "Real", None),
+        "local.peak_jerk_per_v3": ("local", "discrete", "Real", None),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("unit", "name", "base"),
+    [
+        ("mm", "mm/s2", {"m": "1", "s": "-2", "factor": "0.001"}),
+        ("mm", "1/mm2", {"m": "-2", "factor": "1000000.0"}),
+        ("m", "m/s3", {"m": "1", "s": "-3"}),
+        ("deg", "1/deg", {"rad": "-1", "factor": "57.29577951308232"}),
+        ("rad", "rad/s", {"rad": "1", "s": "-1"}),
+        ("1", "1/s2", {"s": "-2"}),
+        ("1", "1", {}),
+    ],
+)
+def test_units_have_si_factors(tmp_path: Path, unit: str, name: str, base: dict[str, str]) -> None:
+    root = description(build_python(Recipe("Synchronizer", unit), tmp_path / "Synchronizer.fmu"))
+    units = {u.get("name"): u.find("BaseUnit").attrib for u in root.findall("UnitDefinitions/Unit")}
+    assert units[name] == base
+    used = {r.get("unit") for r in root.findall("TypeDefinitions/SimpleType/Real")}
+    assert used <= set(units)
+    assert validate_fmu(str(tmp_path / "Synchronizer.fmu")) == []
+
+
+def test_the_default_step_is_a_cycle_of_a_block_that_has_cycles(tmp_path: Path) -> None:
+    for recipe, step in (
+        (Recipe("Synchronizer"), "0.001"),
+        (Recipe("RemoteSync"), "0.002"),
+        (Recipe("RemoteSync", "mm", {"task_cycle_time": "0.0005"}), "0.0005"),
+    ):
+        root = description(build_python(recipe, tmp_path / f"{step}.fmu"))
+        assert root.find("DefaultExperiment").get("stepSize") == step
+
+
+def test_everything_is_described(block_fmu: Path) -> None:
+    root = description(block_fmu)
+    for tag in ("ScalarVariable", "SimpleType/Enumeration/Item", "Category"):
+        for element in root.iter(tag.rpartition("/")[2]):
+            assert element.get("description"), element.attrib
+    date = root.get("generationDateAndTime")
+    assert len(date) == 20
+    assert date[10] == "T"
+    assert date[19] == "Z"
+
+
+def test_the_limits_are_described(block: str, block_fmu: Path) -> None:
+    """As numbers of the variable's type; a limit that is itself refused stands there as well."""
+    found = {v.name: v for v in read_model_description(str(block_fmu)).modelVariables}
+    for v in variables(BLOCKS[block].type()):
+        d, told = v.declaration, found[v.name]
+        number = {"Real": float, "Integer": int}.get(v.kind, str)
+        limits = [x if math.isfinite(x) else None for x in (max(d.min, d.above), min(d.max, d.below))]
+        assert [number(x) if x else None for x in (told.min, told.max)] == limits, v.name
+        assert limits == [None, None] or v.kind in ("Real", "Integer")
+
+
+def test_the_limits_of_integers_are_described(fmus: Fmus) -> None:
+    found = {v.name: v for v in read_model_description(str(fmus.python("RemoteSync"))).modelVariables}
+    limits = {name: (v.min, v.max) for name, v in found.items() if v.type == "Integer" and (v.min or v.max)}
+    assert limits == {
+        "max_cycle_index_difference": ("0", None),
+        "age_of_data_limit": ("0", None),
+        "periods_for_mean_drift": ("1", "64"),
+        "end_of_transition_limit": ("1", None),
+        "new_drift_blending_cycles": ("1", None),
+        "time_mode_blending_cycles": ("1", None),
+    }
+
+
+def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
+    with zipfile.ZipFile(block_fmu) as z:
+        names = set(z.namelist())
+        page = z.read("documentation/index.html").decode()
+        assert z.read("model.png").startswith(b"\x89PNG")
+        assert b"<svg" in z.read("documentation/transition.svg")
+        assert all(i.compress_type == zipfile.ZIP_DEFLATED and "\\" not in i.filename for i in z.infolist())
+    assert {"documentation/externalDependencies.html", "documentation/licenses/motionsync.txt"} <= names
+    assert {"documentation/licenses/pythonfmu.txt", f"binaries/linux64/{block}.so"} <= names
+    assert all(v.name in page for v in variables(BLOCKS[block].type()))
+
+
+def test_dependencies_after_initialization_are_the_declared_ones(block: str) -> None:
+    """Moving an input or parameter changes exactly the outputs that say so, for at least one start."""
+    declared = {(v.name, source) for v in variables(BLOCKS[block].type()) for source in v.depends}
+    found = set()
+    for run in drawn(block, 0, 30):
+        before = outputs(block, run.start)
+        for v in variables(BLOCKS[block].type()):
+            if not v.settable or before is None:
+                continue
+            for value in moved(v, run.start.get(v.name, v.start)):
+                after = outputs(block, run.start | {v.name: value}) or before
+                found |= {(name, v.name) for name in before if before[name] != after[name]}
+    assert found == declared
+
+
+def moved(v: Variable, value: Any) -> list[Any]:
+    """Other values that a variable may have."""
+    if v.kind == "Boolean":
+        return [not value]
+    others = v.choices or ([value + 1] if v.kind == "Integer" else [value + 1.0, 0.7 * value])
+    return [x for x in others if x != value and v.allows(x)]
+
+
+def outputs(block: str, start: dict[str, Any]) -> dict[str, Any] | None:
+    """The outputs after initialization; None if it is refused."""
+    instance = BLOCKS[block].type()
+    own = {v.name: v for v in variables(instance)}
+    for name, value in start.items():
+        own[name].cell.set(value)
+    if instance.initialize():
+        return None
+    return {v.name: v.cell.get() for v in own.values() if v.causality == "output"}
+
+
+# --- reproducible ---
+
+
+def rebuilt(folder: Path, root: Path = ROOT, **environment: str) -> Path:
+    """Built in a process of its own, from sources that may be a changed copy."""
+    code = (
+        "from pathlib import Path; from motionsync_fmu.build import *;"
+        f"build_python(Recipe('Synchronizer'), Path({str(folder / 'Synchronizer.fmu')!r}))"
+    )
+    path = os.pathsep.join(str(root / part) for part in ("model", "fmu_src"))
+    subprocess.run([sys.executable, "-c", code], check=True, env=os.environ | {"PYTHONPATH": path} | environment)
+    return folder / "Synchronizer.fmu"
+
+
+def test_two_builds_are_byte_identical(fmu: Path, tmp_path: Path) -> None:
+    assert rebuilt(tmp_path, PYTHONHASHSEED="42", TZ="Asia/Tokyo").read_bytes() == fmu.read_bytes()
+
+
+def test_source_date_epoch_is_honoured(fmu: Path, tmp_path: Path) -> None:
+    dated = rebuilt(tmp_path, SOURCE_DATE_EPOCH="1700000000")
+    assert description(dated).get("generationDateAndTime") == "2023-11-14T22:13:20Z"
+    with zipfile.ZipFile(dated) as z:
+        assert {i.date_time[:5] for i in z.infolist()} == {(2023, 11, 14, 22, 13)}
+    assert description(dated).get("guid") == description(fmu).get("guid")
+
+
+@pytest.fixture(scope="session")
+def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Another version of the block: it rests one unit beside the rest value, and fails at a rest value of 77."""
+    root = tmp_path_factory.mktemp("other")
+    for folder in ("model", "fmu_src"):
+        shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    source = root / "model" / "motionsync" / "synchronizer.py"
+    old = "self.slave.put(self.rest, 0.0, 0.0, 0.0)"
+    assert old in source.read_text()
+    new = "self.slave.put(self.rest + 1.0, 0.0 / (self.rest - 77.0), 0.0, 0.0)"
+    source.write_text(source.read_text().replace(old, new))
+    return rebuilt(root, root)
+
+
+def test_two_versions_in_one_process_do_not_mix(fmu: Path, other: Path) -> None:
+    with ExitStack() as stack:
+        hosts = [stack.enter_context(Host(f)).initialize({"active": False}) for f in (fmu, other, fmu)]
+        for host in hosts:
+            host.step(0.1)
+            host.step(0.1, {"stop": True, "rest_value": 5.0})
+        assert [host.get()["slave.position"] for host in hosts] == [5.0, 6.0, 5.0]
+
+
+# --- the FMU state ---
+
+
+def test_rollback_gives_the_same_bits(host: Host) -> None:
+    host.initialize(START)
+    plan = drive(3, 3000)
+    for h, inputs in plan[:1000]:
+        host.step(h, inputs)
+
+    def stretch(begin: int) -> list[dict[str, Any]]:
+        rows = []
+        for h, inputs in plan[begin : begin + 1000]:
+            host.step(h, inputs)
+            rows.append(bits(host))
+        return rows
+
+    state = host.unit.getFMUstate()
+    saved = host.unit.serializeFMUstate(state)
+    first = stretch(1000)
+    assert len({row["state"] for row in first}) == 3
+    host.unit.setFMUstate(state)
+    assert stretch(1000) == first
+    stretch(2000)
+    host.unit.setFMUstate(host.unit.deSerializeFMUstate(saved))
+    assert stretch(1000) == first
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_a_state_of_any_block_brings_back_the_same_bits(fmus: Fmus, block: str, flavour: str) -> None:
+    """In its own instance and in another one, also through bytes."""
+    fmu = getattr(fmus, flavour)(block)
+    run = calm(block, 2.0**-7, 300)
+
+    def stretch(host: Host) -> list[dict[str, Any]]:
+        rows = []
+        for h, values in run.steps[100:]:
+            host.step(h, values)
+            rows.append(bits(host))
+        return rows
+
+    with Host(fmu) as host, Host(fmu) as second:
+        host.initialize(run.start)
+        second.initialize()
+        for h, values in run.steps[:100]:
+            host.step(h, values)
+        state = host.unit.getFMUstate()
+        saved = host.unit.serializeFMUstate(state)
+        first = stretch(host)
+        assert first[0] != first[-1]
+        host.unit.setFMUstate(state)
+        assert stretch(host) == first
+        second.unit.setFMUstate(second.unit.deSerializeFMUstate(saved))
+        assert stretch(second) == first
+
+
+def test_a_state_moves_to_another_instance(fmu: Path, host: Host) -> None:
+    host.initialize(START)
+    with Host(fmu) as second:
+        second.initialize()
+        for h, inputs in drive(4, 200):
+            host.step(h, inputs)
+        saved = host.unit.serializeFMUstate(host.unit.getFMUstate())
+        second.unit.setFMUstate(second.unit.deSerializeFMUstate(saved))
+        for h, inputs in drive(5, 200):
+            host.step(h, inputs)
+            second.step(h, inputs)
+        assert bits(host) == bits(second)
+
+
+@pytest.mark.parametrize("foreign", [b"", b"not a state", b"[1, 2]", b'{"build": "another"}'])
+def test_a_foreign_state_is_refused(host: Host, foreign: bytes) -> None:
+    host.initialize(START)
+    with pytest.raises(FmuError, match="belongs to another FMU"):
+        host.call(host.unit.setFMUstate, host.unit.deSerializeFMUstate(foreign))
+
+
+# --- refusals ---
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "shown"),
+    [
+        ("output_phasing", 0.0, "output_phasing = 0 is not allowed: it must be a magnitude of 1e-09 to 1e+12"),
+        ("output_phasing", 1e-10, "output_phasing = 1e-10 is not allowed"),
+        ("output_phasing", -2e12, "output_phasing = -2e+12 is not allowed"),
+        ("output_phasing", math.nan, "output_phasing = nan is not allowed"),
+        ("output_phasing", math.inf, "output_phasing = inf is not allowed"),
+        ("master.period", -1.0, "master.period = -1 is not allowed: it must be 0, or >= 1e-09"),
+        ("master.period", 1e-10, "master.period = 1e-10 is not allowed"),
+        ("master.period", math.nan, "master.period = nan is not allowed"),
+        ("master.period", math.inf, "master.period = inf is not allowed"),
+        ("curve", 3, "curve = 3 is not allowed: it must be 1 PARABOLA, 2 POLYNOMIAL_3_4_5"),
+        ("master.input_mode", 0, "master.input_mode = 0 is not allowed: it must be 1 START_OF_STEP"),
+        ("master.position", math.nan, "master.position = nan is not allowed: it must be -1e+12 to 1e+12"),
+    ],
+)
+def test_a_bad_start_value_fails_the_initialization(fmu: Path, host: Host, name: str, value: Any, shown: str) -> None:
+    with pytest.raises(FmuError) as e:
+        host.initialize({name: value})
+    assert e.value.__cause__.status == FATAL
+    assert shown in str(e.value)
+    with Host(fmu) as new:  # the way on: a new instance
+        new.initialize().step(0.1)
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+@pytest.mark.parametrize(
+    ("name", "value", "shown"),
+    [
+        ("periods_for_mean_drift", 0, "periods_for_mean_drift = 0 is not allowed: it must be 1 to 64"),
+        ("periods_for_mean_drift", 65, "periods_for_mean_drift = 65 is not allowed: it must be 1 to 64"),
+        ("periods_for_mean_drift", 2**31 - 1, "periods_for_mean_drift = 2147483647 is not allowed"),
+        ("age_of_data_limit", -1, "age_of_data_limit = -1 is not allowed: it must be >= 0"),
+        ("end_of_transition_limit", 0, "end_of_transition_limit = 0 is not allowed: it must be >= 1"),
+        ("end_of_transition_limit", -(2**31), "end_of_transition_limit = -2147483648 is not allowed"),
+    ],
+)
+def test_an_integer_beyond_its_limits_fails_the_initialization(
+    fmus: Fmus, flavour: str, name: str, value: int, shown: str
+) -> None:
+    fmu = getattr(fmus, flavour)("RemoteSync")
+    with Host(fmu) as host, pytest.raises(FmuError) as e:
+        host.initialize({name: value})
+    assert shown in str(e.value)
+    assert [text for text in host.messages if shown in text] == [host.messages[0]]
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_an_integer_at_its_limits_is_taken(fmus: Fmus, flavour: str) -> None:
+    limits = {"age_of_data_limit": 0, "max_cycle_index_difference": 0, "end_of_transition_limit": 2**31 - 1}
+    for periods in (1, 64):
+        with Host(getattr(fmus, flavour)("RemoteSync")) as host:
+            host.initialize(limits | {"periods_for_mean_drift": periods}).step(0.1)
+            assert not host.messages
+
+
+def test_contradictory_start_values_fail_the_initialization(host: Host) -> None:
+    with pytest.raises(FmuError, match=r"at most 1e15 periods \(master.position = 1e\+12, .*master.period = 1e-09\)"):
+        host.initialize({"master.position": 1e12, "master.period": 1e-9})
+
+
+def test_a_bad_value_at_run_time_refuses_the_command(host: Host) -> None:
+    host.initialize({"output_phasing": 10.0, "master.velocity": 1.0})
+    for phasing in (0.0, math.nan, math.inf, 1e-10):
+        host.step(0.5, {"output_phasing": phasing, "stop": False, "master.position": host.time})
+        assert not host.get()["error"]
+        host.step(0.5, {"stop": True, "master.position": host.time})
+        now = host.get()
+        assert (now["error"], now["error_id"], now["state_code"], now["synchronized"]) == (1, 1, 0, 1)
+        assert now["slave.position"] == pytest.approx(host.time, abs=1e-12)
+        assert "command refused: output_phasing must have a magnitude of 1e-9 to 1e12" in host.messages[-1]
+        host.step(0.5, {"start": True, "master.position": host.time})  # ignored, and clears the fault
+        host.step(0.5, {"start": False, "master.position": host.time})
+        assert not host.get()["error"]
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1.1e12])
+@pytest.mark.parametrize("name", ["master.position", "master.velocity", "master.acceleration", "rest_value"])
+def test_a_bad_input_fails_the_step_and_changes_nothing(fmu: Path, host: Host, name: str, value: float) -> None:
+    with Host(fmu) as clean:
+        for h in (host, clean):
+            h.initialize(START)
+        for h, inputs in drive(5, 60):
+            host.set(inputs | {name: value})
+            before = bits(host)
+            with pytest.raises(FmuError, match="is not allowed: it must be") as e:
+                host.call(host.unit.doStep, host.time, h)
+            assert e.value.__cause__.status == DISCARD
+            assert f"{name} = " in str(e.value)
+            assert bits(host) == before
+            host.step(h, {"rest_value": 4.0} | inputs)
+            clean.step(h, {"rest_value": 4.0} | inputs)
+            assert bits(host) == bits(clean)
+
+
+def test_a_bad_step_size_fails_the_step_and_changes_nothing(fmu: Path, host: Host) -> None:
+    with Host(fmu) as clean:
+        for h in (host, clean):
+            h.initialize(START)
+        for h, inputs in drive(6, 100):
+            host.set(inputs)
+            for bad in (0.0, -h, math.nan, math.inf, 1.1e6):
+                with pytest.raises(FmuError, match=r"step size = .* is not allowed: it must be > 0 and <= 1e\+06"):
+                    host.call(host.unit.doStep, host.time, bad)
+            host.step(h, inputs)
+            clean.step(h, inputs)
+            assert bits(host) == bits(clean)
+
+
+def test_a_position_of_too_many_turns_fails_the_step(host: Host) -> None:
+    host.initialize({"master.period": 1e-9})
+    before = host.unit.serializeFMUstate(host.unit.getFMUstate())
+    with pytest.raises(FmuError, match=r"at most 1e15 periods \(.*master.velocity = 1e\+12"):
+        host.step(1e3, {"master.velocity": 1e12})
+    host.set({"master.velocity": 0.0})
+    assert host.unit.serializeFMUstate(host.unit.getFMUstate()) == before
+
+
+def test_an_exception_in_the_block_changes_nothing(other: Path) -> None:
+    with Host(other) as host:
+        host.initialize({"active": False})
+        host.step(0.1)
+        host.set({"stop": True, "rest_value": 77.0})
+        before = host.unit.serializeFMUstate(host.unit.getFMUstate())
+        with pytest.raises(FmuError, match="division"):
+            host.call(host.unit.doStep, host.time, 0.1)
+        assert host.unit.serializeFMUstate(host.unit.getFMUstate()) == before
+        host.step(0.1, {"rest_value": 7.0})
+        assert host.get()["slave.position"] == 8.0
+
+
+@pytest.mark.parametrize("name", ["master.period", "slave.position", "local.progress", "curve"])
+def test_what_is_not_settable_now_is_refused(host: Host, name: str) -> None:
+    host.initialize()
+    host.step(0.1)
+    with pytest.raises(FmuError, match=f"{name} .*cannot be set now"):
+        host.set({name: 1})
+
+
+def test_a_log_text_has_no_percent_sign(host: Host) -> None:
+    """PythonFMU would read a conversion from it, and memory that is not there."""
+    with pytest.raises(FmuError):
+        host.initialize({"output_phasing": 0.0})
+    assert all("%" not in text for text in host.messages)
+
+
+def test_many_instances_come_and_go(fmu: Path) -> None:
+    for _ in range(20):
+        with ExitStack() as stack:
+            hosts = [stack.enter_context(Host(fmu)) for _ in range(3)]
+            hosts[0].initialize({"output_phasing": 5.0}).step(0.1)
+            with pytest.raises(FmuError):
+                hosts[1].initialize({"output_phasing": 0.0})
+            hosts[2].initialize().step(0.1)
+
+
+def test_counts_of_cycles_stay_integers_of_32_bits() -> None:
+    """In a run of weeks, of which only the end is stepped: no index has come for ever so long."""
+    block = RemoteSync(age_of_data_limit=0, max_cycle_index_difference=0)
+    block.initialize()
+    block.step(block.task_cycle_time)
+    most = 2**31 - 1
+    block.cycle = block.equal_data_total = block.equal_data_consecutive = most - 2
+    for _ in range(5):
+        block.step(block.task_cycle_time)
+    assert block.cycle > most
+    assert block.zone.difference < -most
+    assert (block.local.cycles, block.local.difference) == (most, -most)
+    assert (block.equal_data_total, block.equal_data_consecutive) == (most, most)
+
+
+# --- libcosim ---
+
+
+def libcosim(fmu: Path, plan: list[dict[str, Any]], h: float) -> list[dict[str, float]]:
+    """The unit in libcosim, driven by overriding its inputs; start values are baked in, for it cannot set
+    enumerations."""
+    description = read_model_description(str(fmu))
+    references = {v.name: (v.type, v.valueReference) for v in description.modelVariables}
+    execution = CosimExecution.from_step_size(step_size=round(h * 1e9))
+    slave = execution.add_local_slave(CosimLocalSlave(fmu_path=str(fmu), instance_name="unit"))
+    manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
+    assert execution.add_manipulator(manipulator)
+    assert execution.add_observer(observer)
+    rows = []
+    for inputs in plan:
+        for name, value in inputs.items():
+            kind, reference = references[name]
+            set_values = {
+                "Real": manipulator.slave_real_values,
+                "Integer": manipulator.slave_integer_values,
+                "Boolean": manipulator.slave_boolean_values,
+            }[kind]
+            assert set_values(slave, [reference], [value])
+        assert execution.step()
+        assert execution.status().state != CosimExecutionState.ERROR.value
+        rows.append({})
+        for kind, get in (
+            ("Real", observer.last_real_values),
+            ("Integer", observer.last_integer_values),
+            ("Boolean", observer.last_boolean_values),
+        ):
+            names = [n for n, (k, _) in references.items() if k == kind]
+            rows[-1] |= zip(names, map(float, get(slave, [references[n][1] for n in names])), strict=True)
+    return rows
+
+
+def assert_fmpy_gives(rows: list[dict[str, float]], fmu: Path, plan: list[dict[str, Any]], h: float) -> None:
+    with Host(fmu) as host:
+        host.initialize(plan[0])
+        for inputs, row in zip(plan, rows, strict=True):
+            host.step(h, inputs)
+            now = host.get()
+            assert row == {name: float(now[name]) for name in row}
+
+
+@pytest.mark.parametrize("curve", ["PARABOLA", "POLYNOMIAL_3_4_5"])
+def test_libcosim_gives_the_results_of_fmpy(tmp_path: Path, curve: str) -> None:
+    starts = {"master.period": "10", "output_phasing": "2", "rest_value": "4", "curve": curve}
+    fmu = build_python(Recipe("Synchronizer", "mm", starts), tmp_path / "Synchronizer.fmu")
+    h, plan = 1.0 / 128.0, []  # whole nanoseconds, and exact in binary
+    for i in range(1500):
+        t = i * h
+        inputs = {"master.position": (3.0 * t) % 10.0, "master.velocity": 3.0, "master.acceleration": 0.0}
+        plan.append({**inputs, "rest_value": 4.0, "active": True, "stop": 0.5 < t < 5.0, "start": t > 7.0})
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} == {0.0, 1.0}
+    assert_fmpy_gives(cosim, fmu, plan, h)
+
+
+def two_cuts(h: float) -> list[dict[str, Any]]:
+    """Of a FlyingSaw, every 500 of a master at 250 u/s; the second is ordered on the way back."""
+    plan = []
+    for i in range(round(4.5 / h)):
+        t = i * h
+        plan.append(
+            {
+                "master.position": 250.0 * t,
+                "master.velocity": 250.0,
+                "gear_in_pos.master_sync_position": 250.0 if t < 2.0 else 750.0,
+                "gear_in_pos.slave_sync_position": 100.0,
+                "gear_in_pos.execute": 0.25 < t < 1.6 or 2.35 < t < 3.6,
+                "move_absolute.velocity": 600.0,
+                "move_absolute.execute": 1.6 < t < 2.35 or t > 3.6,
+                "sync_mode.check_max_velocity": True,
+            }
+        )
+    return plan
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_libcosim_gives_the_flying_saw_of_fmpy(fmus: Fmus, flavour: str) -> None:
+    fmu = getattr(fmus, flavour)("FlyingSaw")
+    h = 1.0 / 128.0
+    plan = two_cuts(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} >= {0.0, 4.0, 5.0, 12.0, 13.0}
+    lags = [i * h * 250.0 + 250.0 * h - row["slave.position"] for i, row in enumerate(cosim) if row["in_sync"]]
+    assert {round(lag, 9) for lag in lags} == {150.0, 650.0}
+    assert_fmpy_gives(cosim, fmu, plan, h)
+
+
+def in_gear_and_out(h: float) -> list[dict[str, Any]]:
+    """Of a Gearing: engaged through (150, 0), the ratio changed from 1 to -2 at 250, disengaged to rest at -200."""
+    return [
+        {
+            "master.position": 100.0 * i * h,
+            "master.velocity": 100.0,
+            "gear_in.reference_position": 150.0,
+            "gear_out.stop_position": -200.0,
+            "start": 0.25 < i * h < 3.0,
+            "gearing.numerator": 1 if i * h < 2.5 else -2,
+        }
+        for i in range(round(5.0 / h))
+    ]
+
+
+@pytest.mark.parametrize("flavour", [Flavour.PYTHON, Flavour.NATIVE])
+def test_libcosim_gives_the_gearing_of_fmpy(tmp_path: Path, flavour: Flavour) -> None:
+    starts = {"gear_in.start_mode": "WITH_CW_CCW_REFERENCE_POSITION", "gear_out.stop_mode": "WITH_CW_STOP_POSITION"}
+    fmu = build(flavour, Recipe("Gearing", "mm", starts), tmp_path / "Gearing.fmu")
+    h = 1.0 / 128.0
+    plan = in_gear_and_out(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} == {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}
+    in_gear = [((i + 1) * h * 100.0, row["slave.position"]) for i, row in enumerate(cosim) if row["in_gear"]]
+    offsets = {round(s - m, 9) if m <= 250.0 else round(s + 2.0 * m, 9) for m, s in in_gear}
+    assert offsets == {-150.0, 600.0}
+    assert cosim[-1]["slave.position"] == -200.0
+    assert_fmpy_gives(cosim, fmu, plan, h)
+
+
+def cycles(h: float) -> list[dict[str, Any]]:
+    """Of a Follower with the cycle 1000: one whole way, and one whose synchronized phase is ended early."""
+    return [
+        {
+            "master.position": 250.0 * i * h,
+            "master.velocity": 250.0,
+            "sync_master": 400.0,
+            "position_to_park": i * h > 0.25,
+            "end_synchronism": i * h > 6.0,
+        }
+        for i in range(round(9.0 / h))
+    ]
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_libcosim_gives_the_follower_of_fmpy(fmus: Fmus, flavour: str) -> None:
+    fmu = getattr(fmus, flavour)("Follower")
+    h = 1.0 / 128.0
+    plan = cycles(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} == {1.0, 3.0, 5.0, 8.0, 9.0, 10.0}
+    lags = [(i + 1) * h * 250.0 - row["slave.position"] for i, row in enumerate(cosim) if row["state_code"] == 8.0]
+    assert {round(lag, 9) for lag in lags} == {300.0, 1300.0}
+    assert cosim[-1]["cycle"] == 2.0
+    assert_fmpy_gives(cosim, fmu, plan, h)
+
+
+def telegrams(h: float) -> list[dict[str, Any]]:
+    """Of a RemoteSync with the cycle h, from a sender whose clock runs 2 % fast: none come for a while, and then it is
+    enabled anew."""
+    plan = []
+    for i in range(900):
+        index = math.floor(1.02 * min(i, 600) + 0.3)
+        plan.append(
+            {
+                "remote.cycle_index": index if i < 800 else 0,
+                "remote.position": 250.0 * h * (index - 0.3) / 1.02,
+                "remote.velocity": 250.0,
+                "remote.acceleration": 0.0,
+                "enable": i < 700,
+            }
+        )
+    return plan
+
+
+@pytest.mark.parametrize("flavour", [Flavour.PYTHON, Flavour.NATIVE])
+def test_libcosim_gives_the_remote_axis_of_fmpy(tmp_path: Path, flavour: Flavour) -> None:
+    h = 1.0 / 128.0
+    starts = {"estimator": "PHASE", "task_cycle_time": repr(h), "end_of_transition_limit": "10"}
+    fmu = build(flavour, Recipe("RemoteSync", "mm", starts), tmp_path / "RemoteSync.fmu")
+    plan = telegrams(h)
+    cosim = libcosim(fmu, plan, h)
+    assert {row["state_code"] for row in cosim} == {1.0, 2.0, 3.0, 4.0}
+    assert {row["error_id"] for row in cosim} == {0.0, 0x4B52}
+    assert all(row["synced"] for row in cosim[200:600])
+    lags = [i * h * 250.0 - cosim[i]["slave.position"] for i in range(400, 600)]
+    assert max(map(abs, lags)) < 0.05 * 250.0 * h
+    assert_fmpy_gives(cosim, fmu, plan, h)

@@ -1,0 +1,171 @@
+"""The FMI functions of the native flavour under a fuzzing host, watched by gcc's address and behaviour sanitizers."""
+
+import json
+import re
+import shutil
+import subprocess
+from math import inf, isinf
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+import pytest
+
+from motionsync.blocks import BLOCKS
+from motionsync.master import MasterInput
+from motionsync.remote_sync.block import MOST_CYCLES
+from motionsync_fmu.build import Recipe
+from motionsync_fmu.interface.variables import Variable, refusals, variables
+from motionsync_fmu.native import libraries
+from motionsync_fmu.native.libraries import HEADERS, llvm_text, model_header
+from motionsync_fmu.python.slave import LONGEST_STEP
+
+FUZZ = Path(__file__).with_name("fuzz.c")
+LAYER = Path(libraries.__file__).with_name("fmi2.c")
+SEED = 1
+CALLS = 2_000_000  # of all blocks together; the C file is the same for all
+SANITIZERS = [
+    "-fsanitize=address,undefined,float-cast-overflow",
+    "-fno-sanitize-recover=all",
+    "-fno-omit-frame-pointer",
+]
+FLAGS = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-g", "-ffp-contract=off", "-fno-strict-aliasing"]
+OPTIONS = {"ASAN_OPTIONS": "detect_leaks=1:abort_on_error=1", "UBSAN_OPTIONS": "print_stacktrace=1"}
+
+FUNCTIONS = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", (HEADERS / "fmi2Functions.h").read_text()))
+# What cannot succeed, and what cannot fail.
+NO_MODEL_EXCHANGE = {
+    "fmi2EnterEventMode",
+    "fmi2NewDiscreteStates",
+    "fmi2EnterContinuousTimeMode",
+    "fmi2CompletedIntegratorStep",
+    "fmi2SetTime",
+    "fmi2SetContinuousStates",
+    "fmi2GetDerivatives",
+    "fmi2GetEventIndicators",
+    "fmi2GetContinuousStates",
+    "fmi2GetNominalsOfContinuousStates",
+}
+NEVER_OK = NO_MODEL_EXCHANGE | {
+    "fmi2CancelStep",
+    "fmi2GetDirectionalDerivative",
+    "fmi2GetStatus",
+    "fmi2GetIntegerStatus",
+    "fmi2GetStringStatus",
+}
+NEVER_ERROR = {"fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2FreeInstance"}
+SOMETIMES_DISCARD = {
+    "fmi2GetStatus",
+    "fmi2GetIntegerStatus",
+    "fmi2GetStringStatus",
+    "fmi2GetRealStatus",
+    "fmi2GetBooleanStatus",
+}
+
+needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc with its sanitizers is not installed")
+
+
+@pytest.fixture(scope="module", params=BLOCKS)
+def fuzzer(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The unit's C file and the fuzzing host, instrumented, with the compiled block, as one program."""
+    folder = tmp_path_factory.mktemp("fuzz")
+    recipe = Recipe(request.param)
+    (folder / "model.o").write_bytes(object_code(llvm_text(recipe.block())))
+    (folder / "model.h").write_text(model_header(recipe.block(), recipe.guid()))
+    (folder / "expected.h").write_text(expected_header(recipe))
+    sources = [
+        str(LAYER),
+        str(FUZZ),
+        "model.o",
+        "-lm",
+        "-Wl,--wrap=malloc,--wrap=calloc",
+    ]
+    command = ["gcc", *FLAGS, *SANITIZERS, "-I.", "-isystem", str(HEADERS), *sources, "-o", "fuzz"]
+    subprocess.run(command, cwd=folder, check=True)
+    return folder / "fuzz"
+
+
+def object_code(text: str) -> bytes:
+    """The compiled block for this machine."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_default_triple().create_target_machine(opt=2, reloc="pic")
+    return bytes(machine.emit_object(llvm.parse_assembly(text)))
+
+
+def expected_header(recipe: Recipe) -> str:
+    """What an importer knows of the unit, from the declarations and not from the unit's own tables."""
+    vs = variables(recipe.block())
+    index = {v.name: i for i, v in enumerate(vs)}
+    known = {
+        "POSITION": "master.position",
+        "VELOCITY": "master.velocity",
+        "ACCELERATION": "master.acceleration",
+        "PERIOD": "master.period",
+        "INPUT_MODE": "master.input_mode",
+        "TASK_CYCLE": "task_cycle_time",
+    }
+    derivatives = ["slave.position", "slave.velocity", "slave.acceleration"]
+    slave = [index[name] for name in derivatives] if index.keys() >= {*derivatives} else [-1] * 3
+    rows = ",\n".join(f"    {row(v)}" for v in vs)
+    # A step has those refusals that speak of inputs.
+    others = {name for r in refusals(BLOCKS[recipe.name].type) if r.name != "MASTER_TURNS" for name in r.names}
+    inputs = {v.name for v in vs if v.causality == "input"}
+    return "\n".join(
+        [
+            f'#define GUID "{recipe.guid()}"',
+            f"#define LONGEST_STEP {LONGEST_STEP!r}",
+            f"#define MOST_CYCLES {MOST_CYCLES!r}",
+            f"enum {{ END_OF_STEP = {MasterInput.END_OF_STEP:d}, POSITION_ONLY = {MasterInput.POSITION_ONLY:d} }};",
+            f"enum {{ {', '.join(f'{key} = {index.get(name, -1)}' for key, name in known.items())} }};",
+            f"enum {{ REFUSES_STARTS = {int(bool(others))}, REFUSES_STEPS = {int(bool(others & inputs))} }};",
+            f"static const fmi2ValueReference SLAVE[] = {{{', '.join(f'(fmi2ValueReference){i}' for i in slave)}}};",
+            f"static const Variable VARIABLES[] = {{\n{rows}}};",
+            "",
+        ]
+    )
+
+
+def row(v: Variable) -> str:
+    d = v.declaration
+    kind = "INTEGER" if v.choices else v.kind.upper()
+    access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
+    limits = ", ".join(number(x) for x in (v.start, d.min, d.max, d.above, d.below, d.smallest))
+    choices = [len(v.choices), *(int(member) for member in v.choices)]
+    listed = f"(const int[]){{{', '.join(map(str, choices))}}}" if v.choices else "NULL"
+    return f"{{{kind}, {access}, {limits}, {int(d.zero)}, {listed}}}"
+
+
+def number(x: float) -> str:
+    return f"{'-' if x == -inf else ''}INFINITY" if isinf(x) else float(x).hex()
+
+
+def run(fuzzer: Path, seed: int, calls: int) -> dict[str, Any]:
+    done = subprocess.run(
+        [str(fuzzer), str(seed), str(calls)], capture_output=True, text=True, env=OPTIONS, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stderr[-5000:]
+    assert not done.stderr
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+@needs_gcc
+def test_a_million_random_calls_find_nothing(fuzzer: Path) -> None:
+    found = run(fuzzer, SEED, max(CALLS // len(BLOCKS), 200_000))
+    functions = found["functions"]
+    assert found["calls"] >= CALLS // len(BLOCKS)
+    assert functions.keys() == FUNCTIONS
+    for name, answers in functions.items():
+        assert (answers["OK"] > 0) == (name not in NEVER_OK), name
+        assert (answers["Error"] > 0) == (name not in NEVER_ERROR), name
+        assert (answers["Discard"] > 0) == (name in SOMETIMES_DISCARD), name
+        assert (answers["Warning"] > 0) == (name == "fmi2SetRealInputDerivatives"), name
+        assert answers["Fatal"] == answers["Pending"] == 0, name
+    assert functions["fmi2DoStep"]["OK"] > found["calls"] // 50, "most of the code is only reached in step mode"
+
+
+@needs_gcc
+def test_the_same_seed_makes_the_same_calls(fuzzer: Path) -> None:
+    first, second, other = (run(fuzzer, seed, 20_000)["functions"] for seed in (2, 2, 3))
+    assert first == second != other

@@ -1,0 +1,409 @@
+"""Lines: a remote axis through RemoteSync into a follower, wired in an SSP package and in libcosim."""
+
+import json
+import math
+import re
+import sys
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import fromstring
+
+import numpy as np
+import pytest
+from fmpy.ssp.ssd import read_ssd, read_ssv
+
+from motionsync.remote_sync.block import Estimator
+from motionsync_fmu import cli
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.line.judge import RAW, Result, Way, examine, through
+from motionsync_fmu.line.package import PARAMETERS, Package, write_package
+from motionsync_fmu.line.reader import Line, load_line
+from motionsync_fmu.scenario.clocks import Rate
+from tests import ROOT
+from tests.conftest import Fmus
+
+LINES = ROOT / "scenarios" / "line"
+SAW, SYNCHRONIZER = LINES / "line.toml", LINES / "line_synchronizer.toml"
+CYCLE, PPM, PHASE = 0.002, 300e-6, 0.665  # of line.toml
+
+
+@dataclass(frozen=True)
+class Examined:
+    line: Line
+    package: Package
+    result: Result
+
+    def way(self, name: str) -> Way:
+        return next(way for way in self.result.ways if way.name == name)
+
+
+def examined(file: Path, fmus: Fmus) -> Examined:
+    line = load_line(file)
+    package = write_package(line, fmus.folder, lambda text: None)
+    return Examined(line, package, examine(line, package))
+
+
+@pytest.fixture(scope="session")
+def saw(fmus: Fmus) -> Examined:
+    return examined(SAW, fmus)
+
+
+@pytest.fixture(scope="session")
+def synchronizer(fmus: Fmus) -> Examined:
+    return examined(SYNCHRONIZER, fmus)
+
+
+def integrated(pieces: list[tuple[float, float]], t: float) -> float:
+    """Position at t of an axis that starts at rest, from durations and accelerations."""
+    position, velocity = 0.0, 0.0
+    for duration, acceleration in [*pieces, (math.inf, 0.0)]:
+        stretch = min(duration, t)
+        position += velocity * stretch + 0.5 * acceleration * stretch * stretch
+        velocity += acceleration * stretch
+        if (t := t - stretch) <= 0.0:
+            break
+    return position
+
+
+MATERIAL = [(0.5, 0.0), (2.0, 500.0), (6.5, 0.0), (1.5, -200.0), (4.5, 0.0), (2.0, 200.0), (6.0, 0.0), (1.0, -200.0)]
+AXIS = [(0.5, 720.0), (11.5, 0.0), (1.0, -180.0), (4.0, 0.0), (2.0, 180.0)]
+
+
+# --- the package ---
+
+
+@pytest.mark.parametrize("name", ["saw", "synchronizer"])
+def test_the_package_is_valid(name: str, request: pytest.FixtureRequest) -> None:
+    run: Examined = request.getfixturevalue(name)
+    follower = run.line.follower.recipe.name
+    ssd = read_ssd(str(run.package.ssp), validate=True)  # against the schemas of SSP 1.0
+    read_ssv(str(run.package.ssp), PARAMETERS, validate=True)
+    assert [(c.name, c.source) for c in ssd.system.elements] == [
+        (component, f"resources/{component}.fmu") for component in ("RemoteSync", follower)
+    ]
+    wires = {
+        (c.startElement, c.startConnector, c.endElement, c.endConnector)
+        for c in ssd.system.connections
+        if c.startElement and c.endElement
+    }
+    assert wires == {
+        ("RemoteSync", f"slave.{n}", follower, f"master.{n}") for n in ("position", "velocity", "acceleration")
+    }
+    with zipfile.ZipFile(run.package.ssp) as z:
+        members = {"SystemStructure.ssd", PARAMETERS, "resources/RemoteSync.fmu", f"resources/{follower}.fmu"}
+        assert set(z.namelist()) == members
+        assert z.read("resources/RemoteSync.fmu") == run.package.fmus["RemoteSync"].read_bytes()
+
+
+def test_its_parameters_are_inside(saw: Examined) -> None:
+    (binding,) = read_ssd(str(saw.package.ssp)).system.parameterBindings
+    values = {p.name: (p.type, p.value) for p in binding.parameterValues[0].parameters}
+    assert values["RemoteSync.delay_time_offset"] == ("Real", "0.002")
+    assert values["FlyingSaw.axis.max_velocity"] == ("Real", "1500.0")
+    assert values["FlyingSaw.sync_mode.check_max_velocity"] == ("Boolean", "true")
+    assert not any("estimator" in name for name in values)  # an enumeration: baked in
+    with zipfile.ZipFile(saw.package.fmus["RemoteSync"]) as z:
+        description = fromstring(z.read("modelDescription.xml"))
+    (start,) = description.iterfind("ModelVariables/ScalarVariable[@name='estimator']/Enumeration")
+    assert start.get("start") == str(int(Estimator.PHASE))
+
+
+def test_a_package_is_the_same_every_time(saw: Examined, fmus: Fmus) -> None:
+    before = saw.package.ssp.read_bytes()
+    write_package(saw.line, fmus.folder, pytest.fail)
+    assert saw.package.ssp.read_bytes() == before
+
+
+def test_the_example_for_fmpy_runs(saw: Examined) -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", (LINES / "README.md").read_text(), re.DOTALL)
+    exec(code.replace("build/line.ssp", str(saw.package.ssp)), {})
+
+
+# --- both runs ---
+
+
+@pytest.mark.parametrize("name", ["saw", "synchronizer"])
+def test_fmpy_and_libcosim_agree_after_two_steps(name: str, request: pytest.FixtureRequest) -> None:
+    result: Result = request.getfixturevalue(name).result
+    assert result.missing == ""
+    assert len(result.agreements) > 15
+    for a in result.agreements:
+        assert a.later <= a.allowed, a.name
+        if a.name.startswith("RemoteSync.") or a.name.endswith("slave.position"):
+            assert a.later < 1e-11, a.name
+
+
+def test_an_fmu_alone_after_the_other_gives_the_wired_line(saw: Examined) -> None:
+    """A parallel co-simulation hands values over one step later; nothing else is between the FMUs."""
+    remote, follower = through(saw.line, saw.package)
+    for name, values in remote.items():
+        assert np.array_equal(values[2:], saw.result.remote[name][2:]), name
+    for name, values in follower.items():
+        wired = saw.result.wired.course.values[name]
+        assert values == pytest.approx(wired, rel=1e-9, abs=1e-9), name
+
+
+def test_without_drift_and_jitter_nothing_lags(saw: Examined) -> None:
+    clocks = replace(saw.line.remote.clocks, rates=[Rate(0.0, CYCLE)], phase=0.0, jitter=0.0)
+    line = replace(saw.line, remote=replace(saw.line.remote, clocks=clocks))
+    _, follower = through(line, saw.package, {"estimator": Estimator.BEAT})
+    synced = follower["in_sync"] > 0.0
+    material = np.array([integrated(MATERIAL, t) for t in line.times.tolist()])
+    places = material[synced] - follower["slave.position"][synced]
+    marks = np.round(places / 1500.0)
+    assert set(marks) == set(range(1, 15))
+    errors = np.abs(places - 1500.0 * marks)
+    smooth = np.ones(len(places), bool)
+    for t in np.cumsum([duration for duration, _ in MATERIAL]):  # where the acceleration jumps: nobody foresees that
+        smooth &= np.abs(line.times[synced] - t) > 2.5 * CYCLE
+    assert errors[smooth].max() < 1e-10
+    assert errors.max() < 1.01 * 200.0 * CYCLE**2 / 2.0
+
+
+# --- what it is worth ---
+
+
+def test_the_cuts_are_on_their_marks_with_remote_sync(saw: Examined) -> None:
+    """Reckoned anew, from the script and the results alone."""
+    result, wired = saw.result, saw.result.wired.course
+    material = np.array([integrated(MATERIAL, t) for t in wired.time.tolist()])
+    assert np.abs(material - wired.master[:, 0]).max() < 1e-8
+    assert len(result.wired.cuts) == 14
+    late = [c for c in result.wired.cuts if c.begin > result.settled]
+    assert len(late) == 9
+    for number, c in enumerate(result.wired.cuts, 1):
+        inside = (wired.time >= c.begin) & (wired.time <= c.end)
+        assert wired.values["in_sync"][inside].all()
+        errors = material[inside] - wired.values["slave.position"][inside] - 1500.0 * number
+        assert (c.mark, np.abs(errors).max()) == pytest.approx((1500.0 * number, abs(c.error)), abs=1e-8)
+    assert max(abs(c.error) for c in late) < 0.01
+    assert result.passed
+
+
+def test_without_remote_sync_they_are_off_by_the_age_of_the_telegram(saw: Examined) -> None:
+    """At 66 m/min, cuts 10 to 12: the telegram in use was sent a share of a cycle ago, that of its index."""
+    raw = saw.way(RAW)
+    for c in raw.cuts[9:12]:
+        index = PHASE + (c.end - CYCLE) / CYCLE * (1.0 + PPM)  # at the beginning of the cut's last step
+        age = index % 1.0 * CYCLE / (1.0 + PPM)
+        assert c.error == pytest.approx(1100.0 * age, abs=1e-6)
+    late = [c.error for c in raw.cuts if c.begin > saw.result.settled]
+    assert max(late) > 1.5
+    assert max(late) - min(late) > 1.5  # so no constant dead time would help
+
+
+def test_a_skipped_telegram_within_a_cut_is_a_jump_without_remote_sync(saw: Examined) -> None:
+    after = {f.name: f for f in saw.result.after}
+    jumps = {name: f.jump for name, f in after.items()}
+    assert jumps[RAW] == pytest.approx(2.0, abs=0.1)  # a cycle of 2 ms at 1 m/s
+    assert (jumps["RemoteSync, PHASE"] or math.inf) < 0.005
+
+
+def test_the_estimators_stand_beside_one_another(saw: Examined) -> None:
+    worst = {f.name: f.worst for f in saw.result.after}
+    assert list(worst) == ["RemoteSync, PHASE", RAW, "RemoteSync, BEAT", "RemoteSync, BEAT, uniform"]
+    phase, raw, beat, uniform = (w or math.nan for w in worst.values())
+    assert phase < uniform / 5.0 < beat / 20.0 < raw / 20.0
+
+
+def test_before_the_drift_is_known_the_cuts_are_worse(saw: Examined) -> None:
+    before, after = saw.result.before[0], saw.result.after[0]
+    assert 9.0 < saw.result.synced < saw.result.settled < 9.6
+    assert before.cuts == 5
+    assert 0.1 < (before.worst or 0.0) < 1.0
+    assert (after.worst or math.inf) < 0.05 * (before.worst or 0.0)
+
+
+def test_a_synchronizer_switches_at_its_places(synchronizer: Examined) -> None:
+    result, wired = synchronizer.result, synchronizer.result.wired
+    assert result.passed
+    assert [s.place for s in wired.switches] == [90.0, 101.25] * 7
+    for s in wired.switches:
+        turned = integrated(AXIS, s.time)  # at the first point of the ramp: it began less than a step ago
+        before = integrated(AXIS, s.time - CYCLE)
+        beyond = (turned - s.place + 180.0) % 360.0 - 180.0
+        assert -1e-9 <= beyond - s.error <= turned - before + 1e-9
+    late = [abs(s.error) for s in wired.switches if s.time > result.settled]
+    assert len(late) == 9
+    assert max(late) < 0.01
+    raw = [abs(s.error) for s in synchronizer.way(RAW).switches if s.time > result.settled]
+    assert max(raw) > 0.9
+    slave = {f.name: f.away for f in result.after}
+    assert (slave["RemoteSync, PHASE"] or math.inf) < 0.01
+    assert (slave[RAW] or 0.0) > 1.0
+
+
+# --- the command ---
+
+SHORT = (  # a clock that is 3000 ppm fast: a beat each 0.67 s
+    ("stop_time = 25.0", "stop_time = 5.1"),
+    ("sender_cycle = 0.00199940017994602 # 2 ms / 1.0003", "sender_cycle = 0.001994017946161515"),
+    ("to = 25.0", "to = 5.1"),
+    ("count = 14", "count = 2"),
+)
+
+
+def short(file: Path, *changes: tuple[str, str]) -> Path:
+    """The first two cuts of line.toml, with these changes."""
+    text = SAW.read_text()
+    head, *settings = text.split("[[set]]")
+    tail = settings[-1][settings[-1].index("[cuts]") :]
+    kept = [s for s in settings if float(re.findall(r"at = ([\d.]+)", s)[0]) < 5.1]
+    text = "[[set]]".join([head, *kept]) + tail
+    for old, new in (*SHORT, *changes):
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    file.write_text(text)
+    return file
+
+
+@dataclass(frozen=True)
+class Outcome:
+    status: Any
+    out: str
+    err: str
+
+
+Command = Callable[..., Outcome]
+
+
+@pytest.fixture
+def motionsync(
+    saw: Examined, fmus: Fmus, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Command:
+    """`motionsync line`, with FMUs that are up to date."""
+
+    def call(*arguments: str | Path) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["motionsync", "line", *map(str, arguments), "--output", str(fmus.folder)])
+        status: Any = 0
+        try:
+            cli.main()
+        except SystemExit as e:
+            status = e.code or 0
+        captured = capsys.readouterr()
+        return Outcome(status, captured.out, captured.err)
+
+    return call
+
+
+def test_the_command_tells_figures_and_writes_package_and_report(
+    motionsync: Command, fmus: Fmus, tmp_path: Path
+) -> None:
+    file = short(tmp_path / "line.toml")
+    done = motionsync(file)
+    assert (done.status, done.err) == (0, "")
+    for text in ("as expected", "RemoteSync, PHASE", RAW, "FMPy and libcosim agree", "worst", "line.ssp"):
+        assert text in done.out
+    page = (fmus.folder / "reports" / "line" / "line" / "report.html").read_text("utf-8")
+    for text in (
+        "Agreement of FMPy and libcosim",
+        "Errors before",
+        "RemoteSync, BEAT, uniform",
+        "FlyingSaw.slave.jerk",
+    ):
+        assert text in page
+    assert not re.search(r"<(script|link|img)[^>]+(src|href)=", page)
+    result = (fmus.folder / "reports" / "line" / "line" / "line_out.csv").read_text().splitlines()
+    assert len(result) == 1 + 2550
+    assert result[0].startswith('"time","RemoteSync.slave.position",')
+
+
+def test_without_libcosim_it_says_so_and_runs_the_package(
+    motionsync: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "libcosimpy.CosimEnums", None)
+    done = motionsync(short(tmp_path / "line.toml"), "--no-report")
+    assert done.status == 0
+    assert "not run in libcosim: libcosimpy is not installed: pip install 'motionsync[line]'" in done.out
+    assert "agree" not in done.out
+    assert "RemoteSync, PHASE" in done.out
+
+
+@pytest.mark.parametrize(
+    ("change", "broken"),
+    [
+        (("tolerance = 0.05", "tolerance = 1e-6"), "cuts within 1e-06"),
+        (("sender_cycle = 0.001994017946161515", "sender_cycle = 0.0020"), "RemoteSync in sync: found never"),
+    ],
+)
+def test_what_is_not_as_expected_is_told(
+    motionsync: Command, tmp_path: Path, change: tuple[str, str], broken: str
+) -> None:
+    done = motionsync(short(tmp_path / "line.toml", change), "--json", "--no-report")
+    assert done.status == 1
+    (result,) = json.loads(done.out)
+    texts = [f"{c['expected']}: found {c['found']}" for c in result["expectations"] if not c["passed"]]
+    assert any(broken in text for text in texts)
+    assert result["report"] is None
+
+
+def test_contradictory_start_values_are_told_with_the_fmu_s_words(motionsync: Command, tmp_path: Path) -> None:
+    done = motionsync(
+        short(tmp_path / "line.toml", ('estimator = "PHASE"', 'estimator = "PHASE"\ndata_cycle_time = 0.004'))
+    )
+    assert done.status == 2
+    assert "RemoteSync refused its start values" in done.err
+    assert done.err.count("\n") == 1
+
+
+WIRED = 'estimator = "PHASE"'
+MISTAKES = {  # what is written in place of what; what is told; what stands on the line that is told
+    "who follows": ('fmu = "FlyingSaw"', 'fmu = "RemoteSync"', "fmu: RemoteSync sees telegrams itself", "fmu ="),
+    "no such block": ('fmu = "FlyingSaw"', 'fmu = "Saw"', "fmu: no block is named 'Saw'", "fmu ="),
+    "the receiver's cycle": (WIRED, "task_cycle_time = 1.0", "task_cycle_time: is the line's step_size", "task_cycle"),
+    "enable": (WIRED, "enable = true", "enable: is set by the line itself", "enable ="),
+    "unknown parameter": (WIRED, "estimater = 1", "RemoteSync has no variable 'estimater'", "estimater"),
+    "no such estimator": (WIRED, 'estimator = "GUESS"', "estimator: 'GUESS' is no Enumeration", "GUESS"),
+    "out of its range": (WIRED, "threshold_for_sync = 0.0", "threshold_for_sync = 0 is not allowed", "threshold"),
+    "unknown start value": ("axis.max_jerk", "axis.max_jrk", "FlyingSaw has no variable 'axis.max_jrk'", "max_jrk"),
+    "the master is wired": ("axis.max_jerk", "master.velocity", "master.velocity: comes from RemoteSync", "master."),
+    "no sender's cycle": ("sender_cycle = 0.0", "#", "sender_cycle: is missing", "[remote]"),
+    "accuracy": ("seed = 1", "seed = 1\naccuracy = {}", "accuracy: a line is judged by", "accuracy ="),
+    "no ramps": ("[cuts]", "[switches]\n[cuts]", "switches: FlyingSaw is not switched on and off", "[switches]"),
+    "an enumeration": ('"slave.velocity" = {', "plcopen_state = {", "plcopen_state: is an enumeration", "plcopen"),
+    "a scenario's key": ("step_size =", "tolerance = 1.0\nstep_size =", "tolerance: unknown key", "tolerance ="),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> None:
+    old, new, told, stands = MISTAKES[name]
+    text = SAW.read_text()
+    assert text.count(old) == 1
+    file = tmp_path / "line.toml"
+    file.write_text(text.replace(old, new))
+    with pytest.raises(UserError) as e:
+        load_line(file)
+    found = re.fullmatch(rf"{re.escape(str(file))}:(\d+): (.*)", str(e.value))
+    assert found, str(e.value)
+    assert told in found[2]
+    assert stands in file.read_text().splitlines()[int(found[1]) - 1]
+
+
+def test_a_path_without_lines_is_told(motionsync: Command, tmp_path: Path) -> None:
+    for path, told in ((tmp_path, "no line*.toml below it"), (tmp_path / "nowhere", "no such file or folder")):
+        done = motionsync(path)
+        assert (done.status, done.err.count("\n")) == (2, 1)
+        assert told in done.err
+
+
+def test_they_are_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys, "argv", ["motionsync", "list", "--scenarios", str(LINES)])
+    with pytest.raises(SystemExit):
+        cli.main()
+    told = capsys.readouterr().out
+    for file in (SAW, SYNCHRONIZER):
+        assert str(file) in told
+        assert load_line(file).follower.title in told
+
+
+def test_two_lines_of_a_name_are_refused(motionsync: Command, tmp_path: Path) -> None:
+    for folder in ("one", "other"):
+        (tmp_path / folder).mkdir()
+        short(tmp_path / folder / "line.toml")
+    done = motionsync(tmp_path)
+    assert done.status == 2
+    assert "would write to the same package line.ssp" in done.err

@@ -1,0 +1,115 @@
+"""Random runs of the FlyingSaw, as hypothesis draws them: ordinary ones, and ones at the limits of the inputs."""
+
+import math
+from collections.abc import Iterator
+from random import Random
+from typing import Any
+
+from hypothesis import strategies as st
+
+from tests.support.runs import EXTREMES, Run
+
+GROUPS = (
+    *("reset", "stop", "halt", "gear_out", "gear_in_velo", "gear_in_pos"),
+    *("move_velocity", "move_absolute"),
+)
+LIMITS = {
+    "gear_in_velo": ("velocity", "acceleration", "deceleration", "jerk"),
+    "gear_in_pos": ("velocity", "acceleration", "deceleration", "jerk"),
+    "halt": ("deceleration", "jerk"),
+    "stop": ("deceleration", "jerk"),
+    "move_velocity": ("acceleration", "deceleration", "jerk"),
+    "move_absolute": ("velocity", "acceleration", "deceleration", "jerk"),
+}
+MODES = (
+    *("time_based", "check_min_position", "check_max_position", "check_max_velocity", "check_max_acceleration"),
+    *("check_max_deceleration", "check_max_jerk", "check_overshoot_position", "check_undershoot_position"),
+    *("check_overshoot_velocity", "check_undershoot_velocity", "check_overshoot_velocity_zero"),
+    *("check_undershoot_velocity_zero", "rollback_lock", "instant_stop_on_rollback", "prefer_constant_velocity"),
+    *("ignore_master_acceleration", "ignore_slave_acceleration", "detailed_error_codes"),
+)
+DYNAMICS = {"velocity": 3.0, "acceleration": 20.0, "deceleration": 30.0, "jerk": 500.0}  # of the length
+
+
+@st.composite
+def runs(draw: st.DrawFn, steps: int) -> Run:
+    length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-6, 1e6)))
+    periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: x * length), st.floats(1e-9, 1e4))
+    start = {
+        "master.input_mode": draw(st.sampled_from((1, 2, 3))),
+        "master.period": draw(periods),
+        "master.position": length * draw(st.floats(-3.0, 3.0)),
+        "master.velocity": length * draw(st.sampled_from((0.0, 1.0, -1.0, 2.0))),
+        "master.acceleration": length * draw(st.sampled_from((0.0, 0.0, 1.0))),
+        "axis.initial_position": length * draw(st.floats(-3.0, 3.0)),
+        "axis.initial_velocity": length * draw(st.sampled_from((0.0, 0.0, 0.5, -1.5))),
+        "diagonal_angle": draw(st.sampled_from((0.0, 0.0, 30.0, -89.0))),
+        **{f"axis.max_{name}": length * size for name, size in DYNAMICS.items()},
+        **{f"{group}.execute": draw(st.sampled_from((False, False, True))) for group in GROUPS},
+    }
+    extreme = draw(st.sampled_from((0.0, 0.0, 0.02)))
+    commands = draw(st.sampled_from((0.01, 0.1, 0.4)))
+    return Run(start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, length, steps, extreme, commands)))
+
+
+def _steps(
+    r: Random, start: dict[str, Any], length: float, steps: int, extreme: float, commands: float
+) -> Iterator[tuple[float, dict[str, Any]]]:
+    """A master that wanders, wrapped or not, and commands; `extreme` and `commands` are probabilities a step."""
+    position, velocity, period = start["master.position"], start["master.velocity"], start["master.period"]
+    held: set[str] = set()
+    for _ in range(steps):
+        h = 10.0 ** r.uniform(-3.0, 0.0) if r.random() < 0.9 else 10.0 ** r.uniform(-15.0, 5.0)
+        acceleration = r.choice((0.0, 0.0, r.gauss(0.0, length)))
+        values: dict[str, Any] = {
+            "master.position": position if r.random() < 0.7 else position % (period or 1e9),
+            "master.velocity": velocity,
+            "master.acceleration": acceleration,
+        }
+        for group in held:
+            if r.random() < 0.5:
+                values[f"{group}.execute"] = False
+        held -= {name.split(".")[0] for name in values}
+        if r.random() < commands:
+            group = r.choice(GROUPS)
+            held.add(group)
+            values |= {f"{group}.{name}": value for name, value in _order(r, group, length, position, velocity).items()}
+            values[f"{group}.execute"] = True
+            values |= {f"sync_mode.{name}": r.random() < 0.15 for name in MODES}
+        if r.random() < extreme:  # the command's values last; the master is set anew in every step
+            name = r.choice(
+                ("master.position", "master.velocity", "master.acceleration", "gear_in_velo.ratio_numerator")
+            )
+            values[name] = r.choice(EXTREMES)
+        if r.random() < extreme:
+            name = r.choice(("gear_in_pos.slave_sync_position", "move_absolute.position", "axis.max_jerk", "halt.jerk"))
+            values[name] = r.choice(EXTREMES)
+        if r.random() < extreme:
+            h = r.choice((0.0, -h, math.nan, math.inf, 1e6, 1.1e6, 5e-324))
+        yield h, values
+        position += (velocity + 0.5 * acceleration * h) * h
+        velocity = r.choice((velocity + acceleration * h, velocity, r.gauss(0.0, length), 0.0))
+        if abs(position) > 1e11 or abs(velocity) > 1e11:
+            position, velocity = 0.0, length
+
+
+def _order(r: Random, group: str, length: float, position: float, velocity: float) -> dict[str, Any]:
+    """The values of a command: mostly feasible ones, now and then a wrong one."""
+    values: dict[str, Any] = {}
+    for name in LIMITS.get(group, ()):
+        if r.random() < 0.5:
+            values[name] = length * DYNAMICS[name] * r.choice((0.0, 0.3, 1.0, 10.0, 1e-3))
+    wrong = r.random() < 0.05
+    if group in ("gear_in_velo", "gear_in_pos"):
+        values["ratio_numerator"] = 0.0 if wrong else r.choice((1.0, 0.5, -1.0, r.gauss(0.0, 1.0)))
+        values["ratio_denominator"] = r.choice((1, 1, 2, 7))
+    if group == "gear_in_pos":
+        ahead = math.copysign(length, velocity)
+        values["master_sync_position"] = position + ahead * r.choice((0.5, 1.0, 3.0, -0.1))
+        values["slave_sync_position"] = length * r.gauss(0.0, 5.0)
+        values["master_start_distance"] = length * r.choice((0.0, 0.0, 0.3, 1.0, -0.1 if wrong else 2.0))
+    if group == "move_velocity":
+        values["velocity"] = length * (r.choice((0.0, 1.0, -1.0, r.gauss(0.0, 1.0))) if not wrong else 10.0)
+    if group == "move_absolute":
+        values["position"] = length * r.gauss(0.0, 3.0) if not wrong else 2e9
+    return values

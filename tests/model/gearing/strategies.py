@@ -1,0 +1,104 @@
+"""Random runs of the Gearing, as hypothesis draws them: ordinary ones, and ones at the limits of the inputs."""
+
+import math
+from collections.abc import Iterator
+from random import Random
+from typing import Any
+
+from hypothesis import strategies as st
+
+from tests.support.runs import EXTREMES, Run
+
+LEVELS = ("start", "activate", "reset", "set_master.execute", "set_slave.execute")
+
+
+@st.composite
+def runs(draw: st.DrawFn, steps: int) -> Run:
+    length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-6, 1e6)))
+    periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: x * length), st.floats(1e-9, 1e4))
+    start = {
+        "master.input_mode": draw(st.sampled_from((1, 2, 3))),
+        "master.period": draw(periods),
+        "master.position": length * draw(st.floats(-3.0, 3.0)),
+        "master.velocity": length * draw(st.sampled_from((0.0, 1.0, -1.0, 2.0))),
+        "master.acceleration": length * draw(st.sampled_from((0.0, 0.0, 1.0))),
+        "slave.initial_position": length * draw(st.floats(-3.0, 3.0)),
+        "slave.period": draw(periods),
+        "gear_in.distance": length,
+        "gear_out.distance": length,
+        "activate": draw(st.sampled_from((True, True, False))),
+        "start": draw(st.booleans()),
+    }
+    extreme = draw(st.sampled_from((0.0, 0.0, 0.02)))
+    commands = draw(st.sampled_from((0.02, 0.1, 0.4)))
+    return Run(start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, length, steps, extreme, commands)))
+
+
+def _steps(
+    r: Random, start: dict[str, Any], length: float, steps: int, extreme: float, commands: float
+) -> Iterator[tuple[float, dict[str, Any]]]:
+    """A master that wanders, wrapped or not, and commands; `extreme` and `commands` are probabilities a step."""
+    position, velocity, period = start["master.position"], start["master.velocity"], start["master.period"]
+    started, active, upset = start["start"], start["activate"], False
+    for _ in range(steps):
+        h = 10.0 ** r.uniform(-3.0, 0.0) if r.random() < 0.9 else 10.0 ** r.uniform(-15.0, 5.0)
+        acceleration = r.choice((0.0, 0.0, r.gauss(0.0, length)))
+        values: dict[str, Any] = {
+            "master.position": position if r.random() < 0.7 else position % (period or 1e9),
+            "master.velocity": velocity,
+            "master.acceleration": acceleration,
+            "reset": r.random() < 0.05,
+        }
+        if r.random() < commands:
+            started = not started
+            group = "gear_in" if started else "gear_out"
+            values["start"] = started
+            orders = _order(r, started, length, position)
+            values |= {f"{group}.{name}": value for name, value in orders.items()}
+        if not active or r.random() < 0.05 * commands:
+            active = r.random() < 0.5
+            values["activate"] = active
+        for name in ("set_master", "set_slave"):
+            values[f"{name}.execute"] = r.random() < 0.3
+            values[f"{name}.value"] = length * r.gauss(0.0, 3.0)
+        if upset or r.random() < 0.2 * commands:  # a ratio of 0 lasts for one step
+            upset = r.random() < 0.2
+            values["gearing.numerator"] = r.choice((1, -1, 3, 2**31 - 1, 7)) * r.choice((1, 1, 0 if upset else 1))
+            values["gearing.denominator"] = r.choice((1, 2, -5, 1000)) * r.choice((1, 1, 0 if upset else 1))
+        if r.random() < extreme:  # the order's values last; the master is set anew in every step
+            name = r.choice(("master.position", "master.velocity", "master.acceleration", "set_slave.value"))
+            values[name] = r.choice(EXTREMES)
+        if r.random() < extreme:
+            name = r.choice(
+                ("gear_in.time", "gear_out.time", "gear_in.distance", "gear_out.distance", "gear_out.stop_position")
+            )
+            values[name] = r.choice(EXTREMES)
+        if r.random() < extreme:
+            h = r.choice((0.0, -h, math.nan, math.inf, 1e6, 1.1e6, 5e-324))
+        yield h, values
+        if not 0.0 < h <= 1e6:
+            continue
+        position += (velocity + 0.5 * acceleration * h) * h
+        velocity = r.choice((velocity + acceleration * h, velocity, r.gauss(0.0, length), 0.0))
+        if abs(position) > 1e11 or abs(velocity) > 1e11:
+            position, velocity = 0.0, length
+
+
+def _order(r: Random, engage: bool, length: float, position: float) -> dict[str, Any]:
+    """The values of an edge: mostly good ones, now and then a wrong one."""
+    wrong = r.random() < 0.05
+    values: dict[str, Any] = {
+        "transition": r.choice((1, 2, 3)),
+        "time": r.choice((0.01, 0.1, 1.0)) if not wrong else r.choice((0.0, -1.0)),
+        "distance": length * r.choice((0.0, 0.1, 1.0, 3.0)) if not wrong else r.choice((-length, length)),
+    }
+    if engage:
+        values["start_mode"] = r.randint(1, 7)
+        values["reference_position"] = position + length * r.gauss(0.0, 1.0)
+        values["offset"] = r.choice((0.0, length))
+    else:
+        values["stop_mode"] = r.randint(1, 6)
+        values["stop_position"] = length * r.gauss(0.0, 3.0)
+    if wrong and r.random() < 0.3:
+        values[r.choice(("transition", "start_mode" if engage else "stop_mode"))] = r.choice((0, 8))
+    return values

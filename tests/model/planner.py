@@ -1,0 +1,51 @@
+"""A block around the slave's own motion: for tests of its compiled code.
+
+It stands alone since a module of tests, whose functions are wrapped, cannot be compiled.
+"""
+
+from dataclasses import dataclass
+
+from motionsync import var
+from motionsync.flying_saw.faults import Refusal
+from motionsync.motion import Motion
+
+
+@dataclass(slots=True)
+class Planner:
+    """Plans what `kind` tells from `given`, if it is not 0, and goes on by a step."""
+
+    motion: Motion = var.part(Motion)  # noqa: RUF009
+    kind: int = 0
+    given: list[float] = var.ring(8)  # noqa: RUF009
+    steps: int = 1
+    reached: bool = False
+    end: float = 0.0
+    position: float = 0.0
+    velocity: float = 0.0
+    acceleration: float = 0.0
+    jerk: float = 0.0
+
+    def initialize(self) -> Refusal:
+        self.motion.run(self.given[0], self.given[1])
+        return Refusal.NONE
+
+    def step(self, h: float) -> Refusal:
+        x = self.given
+        match self.kind:
+            case 1:
+                self.motion.move(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7])
+            case 2:
+                self.reached = self.motion.change(x[0], x[1], x[2], x[3], x[4], -x[5], x[6], x[7])
+            case 3:
+                self.motion.halt(x[0], x[1], x[2], x[6], x[7])
+            case _:
+                pass
+        for _ in range(self.steps):
+            self.motion.advance(h)
+        p, v, a, j = self.motion.at(self.motion.clock.time)
+        self.position = p
+        self.velocity = v
+        self.acceleration = a
+        self.jerk = j
+        self.end = self.motion.end()
+        return Refusal.NONE

@@ -1,0 +1,268 @@
+"""The synchronizer's two laws: value and derivatives against mpmath, their ends, peaks and known numbers."""
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import mpmath  # type: ignore[import-untyped]
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from motionsync.grid import floor
+from motionsync.synchronizer.transition import Curve, Transition, half_law
+from tests.model.synchronizer.known_ramps import KNOWN_RAMPS
+
+settings.register_profile("transition", derandomize=True, deadline=None, max_examples=100)
+repeatable = settings.get_profile("transition")
+
+mp = mpmath.mp.clone()
+mp.dps = 50
+
+EPS = 2.0**-52
+PARABOLA, POLYNOMIAL = Curve.PARABOLA, Curve.POLYNOMIAL_3_4_5
+curves = st.sampled_from([PARABOLA, POLYNOMIAL])
+sides = st.sampled_from([True, False])
+signs = st.sampled_from([1.0, -1.0])
+
+
+def doubled(curve: Curve, z: Any) -> Any:
+    return 2 * z**2 if curve == PARABOLA else 10 * z**3 - 15 * z**4 + 6 * z**5
+
+
+def limits(curve: Curve, starting: bool, rest: Any, size: Any) -> tuple[Any, Any]:
+    """x_b and x_e in mirrored coordinates, from the table of the two laws."""
+    rest, size = mp.mpf(rest), mp.mpf(size)
+    gentle = size if curve == PARABOLA else size * 7 / 8
+    return (rest - gentle, rest + size) if starting else (rest - size, rest + gentle)
+
+
+def law(curve: Curve, starting: bool, rest: float, size: float, x: Any) -> Any:
+    """The mirrored slave position on the ramp."""
+    begin, end = limits(curve, starting, rest, size)
+    if starting:
+        return rest + 2 * mp.mpf(size) * doubled(curve, (x - begin) / (2 * (end - begin)))
+    return rest - 2 * mp.mpf(size) * doubled(curve, (end - x) / (2 * (end - begin)))
+
+
+def transition(curve: Curve, starting: bool, phasing: float, rest: float) -> Transition:
+    """A command aimed at without a period, for a master just at its beginning."""
+    made = Transition()
+    made.command(starting, curve, phasing, rest)
+    made.aim(-math.inf, 0.0)
+    return made
+
+
+@repeatable
+@given(curves, st.floats(0.0, 0.5))
+@example(PARABOLA, 0.0)
+@example(PARABOLA, 0.5)
+@example(POLYNOMIAL, 0.0)
+@example(POLYNOMIAL, 0.5)
+def test_the_law_and_its_derivatives(curve: Curve, z: float) -> None:
+    expected = [mp.diff(lambda at: doubled(curve, at), mp.mpf(z), order) for order in range(4)]
+    assert half_law(curve, z) == pytest.approx([float(value) for value in expected], rel=1e-14, abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("curve", "z", "expected"),
+    [
+        (PARABOLA, 0.0, (0.0, 0.0, 4.0, 0.0)),
+        (PARABOLA, 0.25, (0.125, 1.0, 4.0, 0.0)),
+        (PARABOLA, 0.5, (0.5, 2.0, 4.0, 0.0)),
+        (POLYNOMIAL, 0.0, (0.0, 0.0, 0.0, 60.0)),
+        (POLYNOMIAL, 0.25, (106.0 / 1024.0, 270.0 / 256.0, 5.625, -7.5)),
+        (POLYNOMIAL, 0.5, (0.5, 1.875, 0.0, -30.0)),
+    ],
+)
+def test_the_law_at_its_ends_and_in_the_middle(curve: Curve, z: float, expected: tuple[float, ...]) -> None:
+    assert half_law(curve, z) == expected
+
+
+@repeatable
+@given(curves, sides, signs, st.floats(1e-6, 1e6), st.floats(-100.0, 100.0), st.floats(0.0, 1.0))
+@example(PARABOLA, True, 1.0, 90.0, 2.0, 0.5)
+@example(POLYNOMIAL, False, -1.0, 90.0, 0.0, 1.0)
+def test_the_slave_follows_the_law_and_its_derivatives(
+    curve: Curve, starting: bool, sign: float, size: float, rest: float, part: float
+) -> None:
+    """Errors are those of the master position, whose rounding the law passes on through its slopes."""
+    rest *= size
+    it = transition(curve, starting, sign * size, sign * rest)
+    begin, end = limits(curve, starting, rest, size)
+    assert [it.rest, it.begin, it.end] == pytest.approx([rest, float(begin), float(end)], rel=4 * EPS)
+    assert it.distance == pytest.approx(float(end - begin), rel=2 * EPS)
+    x = min(max(it.begin + part * (it.end - it.begin), it.begin), it.end)
+    found = it.follow(sign * x)
+    rounding = 16 * EPS * (1.0 + abs(rest) / size)
+    for order in range(4):
+        expected = mp.diff(lambda at: law(curve, starting, rest, size, at), mp.mpf(x), order)
+        mirrored = sign ** (order + 1) * float(expected)  # d^n s / d m^n with s = d sigma, x = d m
+        assert found[order] == pytest.approx(mirrored, rel=1e-13, abs=4 * rounding / size ** (order - 1))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("curve", [PARABOLA, POLYNOMIAL])
+@pytest.mark.parametrize(("size", "rest"), [(90.0, 180.0), (8.0, 0.0), (0.5, -3.25)])
+def test_the_ends_join_rest_and_master(curve: Curve, sign: float, size: float, rest: float) -> None:
+    start = transition(curve, True, sign * size, sign * rest)
+    stop = transition(curve, False, sign * size, sign * rest)
+    for it, slow, fast in [(start, start.begin, start.end), (stop, stop.end, stop.begin)]:
+        position, slope, curvature, _ = it.follow(sign * slow)
+        assert (position, slope) == (sign * rest, 0.0)
+        assert abs(curvature) == (0.0 if curve == POLYNOMIAL else pytest.approx(0.5 / size, rel=1e-15))
+        position, slope, curvature, _ = it.follow(sign * fast)
+        assert position == pytest.approx(sign * fast, rel=4 * EPS)
+        assert slope == pytest.approx(1.0, rel=4 * EPS)
+        assert abs(curvature) == (0.0 if curve == POLYNOMIAL else pytest.approx(0.5 / size, rel=1e-15))
+
+
+@repeatable
+@given(curves, sides, signs, st.floats(0.0, 10.0))
+def test_outside_the_ramp_the_law_keeps_its_value_at_the_end(
+    curve: Curve, starting: bool, sign: float, beyond: float
+) -> None:
+    it = transition(curve, starting, sign * 8.0, sign * 16.0)
+    for end, away in [(it.begin, it.begin - beyond), (it.end, it.end + beyond)]:
+        assert it.follow(sign * away)[:2] == it.follow(sign * end)[:2]
+
+
+@repeatable
+@given(curves, signs, st.floats(1e-3, 1e3), st.floats(-1e3, 1e3), st.floats(0.0, 1.0))
+def test_a_stop_is_the_point_mirror_of_a_start(
+    curve: Curve, sign: float, size: float, rest: float, part: float
+) -> None:
+    start, stop = (transition(curve, side, sign * size, sign * rest) for side in (True, False))
+    rounding = 32 * EPS * (size + abs(rest))
+    assert start.begin + stop.end == pytest.approx(2 * rest, abs=rounding)
+    assert start.end + stop.begin == pytest.approx(2 * rest, abs=rounding)
+    m = sign * (start.begin + part * start.distance)
+    s, slope, curvature, twist = start.follow(m)
+    mirrored = stop.follow(2 * sign * rest - m)
+    near = 64 * EPS * (1.0 + abs(rest) / size)
+    assert s + mirrored[0] == pytest.approx(2 * sign * rest, abs=rounding)
+    assert slope == pytest.approx(mirrored[1], abs=near)
+    assert curvature == pytest.approx(-mirrored[2], abs=8 * near / size)
+    assert twist == pytest.approx(mirrored[3], abs=64 * near / size**2)
+
+
+# --- peaks ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("starting", [True, False])
+@pytest.mark.parametrize("phasing", [90.0, -90.0, 1e-9, 1e12, 0.37])
+def test_peak_values_are_the_greatest_of_the_law(starting: bool, phasing: float) -> None:
+    size = abs(phasing)
+    parabola = transition(PARABOLA, starting, phasing, 0.0)
+    assert parabola.peak_acceleration() == pytest.approx(1.0 / (2.0 * size), rel=1e-15)
+    assert parabola.peak_jerk() == 0.0
+    it = transition(POLYNOMIAL, starting, phasing, 0.0)
+    peak = (1 - 1 / mp.sqrt(3)) / 2  # the zero of f'''
+    assert abs(mp.diff(lambda z: doubled(POLYNOMIAL, z), peak, 3)) < mp.mpf("1e-10")
+    curvature = mp.diff(lambda z: doubled(POLYNOMIAL, z), peak, 2) * 2 / (mp.mpf(15) / 4) ** 2 / mp.mpf(size)
+    assert it.peak_acceleration() == pytest.approx(float(curvature), rel=1e-14)
+    assert it.peak_jerk() == pytest.approx(float(mp.mpf(512) / 225 / mp.mpf(size) ** 2), rel=1e-14)
+
+
+@pytest.mark.parametrize("starting", [True, False])
+def test_no_point_of_the_ramp_exceeds_the_peaks_and_one_attains_them(starting: bool) -> None:
+    it = transition(POLYNOMIAL, starting, 90.0, 180.0)
+    points = [it.begin + i / 1e4 * it.distance for i in range(10001)]
+    curvatures = [abs(it.follow(x)[2]) for x in points]
+    twists = [abs(it.follow(x)[3]) for x in points]
+    assert max(curvatures) == pytest.approx(it.peak_acceleration(), rel=1e-6)
+    assert max(curvatures) <= it.peak_acceleration() * (1 + 1e-12)
+    assert max(twists) == pytest.approx(it.peak_jerk(), rel=1e-12)
+    assert twists.index(max(twists)) == (0 if starting else 10000)
+
+
+def test_the_ratio_of_the_peak_accelerations() -> None:
+    ratio = (
+        transition(POLYNOMIAL, True, 90.0, 0.0).peak_acceleration()
+        / transition(PARABOLA, True, 90.0, 0.0).peak_acceleration()
+    )
+    assert ratio == pytest.approx(1.64224, abs=5e-6)
+    assert ratio == pytest.approx(float(mp.mpf(128) / 135 * mp.sqrt(3)), rel=1e-15)
+    assert transition(POLYNOMIAL, True, 1.0, 0.0).peak_jerk() == pytest.approx(512.0 / 225.0, rel=1e-15)
+
+
+# --- known results, in degrees ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("curve", "phasing", "starting", "begin", "end", "middle"), KNOWN_RAMPS)
+def test_known_ramps_with_rest_at_180(
+    curve: Curve, phasing: float, starting: bool, begin: float, end: float, middle: float
+) -> None:
+    it = transition(curve, starting, phasing, 180.0)
+    assert (it.direction * it.begin, it.direction * it.end) == (begin, end)
+    assert it.follow(180.0)[0] == pytest.approx(middle, abs=5e-8)
+    assert it.follow(begin)[0] == (180.0 if starting else begin)
+    assert it.follow(end)[0] == pytest.approx(end if starting else 180.0, rel=2 * EPS)
+
+
+# --- occurrences ------------------------------------------------------------------------------------------------------
+
+
+@repeatable
+@given(curves, sides, signs, st.floats(0.01, 100.0), st.floats(-100.0, 100.0), st.floats(-1e4, 1e4))
+@example(PARABOLA, True, 1.0, 180.0, 180.0, 0.0)
+@example(PARABOLA, True, 1.0, 180.0, 180.0, 360.0)
+def test_the_occurrence_aimed_at_is_the_first_not_passed(
+    curve: Curve, starting: bool, sign: float, size: float, rest: float, x: float
+) -> None:
+    for period in (360.0, 0.1, 7.7):
+        it = Transition()
+        it.command(starting, curve, sign * size, sign * rest)
+        it.aim(x, period)
+        begin, end = limits(curve, starting, rest, size)
+        turns = (mp.mpf(it.begin) - begin) / mp.mpf(period)
+        rounding = 1e-14 * (abs(x) + abs(rest) + size + period)
+        assert abs(turns - mp.nint(turns)) * period <= rounding
+        tolerance = 1e-9 * size + 1e-15 * abs(x)
+        assert it.begin + tolerance >= x - rounding
+        assert it.begin + tolerance - period < x + rounding
+        assert it.end - it.begin == pytest.approx(float(end - begin), abs=rounding)
+        assert it.rest - it.begin == pytest.approx(float(mp.mpf(rest) - begin), abs=rounding)
+
+
+@pytest.mark.parametrize(
+    ("x", "begin"),
+    [(-400.0, -270.0), (-270.0, -270.0), (-269.0, 90.0), (0.0, 90.0), (90.0, 90.0), (91.0, 450.0), (810.0, 810.0)],
+)
+def test_the_ramp_from_90_to_270_comes_again_every_turn(x: float, begin: float) -> None:
+    it = Transition()
+    it.command(True, PARABOLA, 90.0, 180.0)
+    it.aim(x, 360.0)
+    assert (it.begin, it.rest, it.end) == (begin, begin + 90.0, begin + 180.0)
+    assert it.armed
+
+
+@pytest.mark.parametrize(("x", "armed"), [(-1e12, True), (90.0, True), (90.0 + 8e-8, True), (90.0 + 1e-7, False)])
+def test_without_a_period_a_command_is_armed_up_to_its_begin(x: float, armed: bool) -> None:
+    """The tolerance is 1e-9 of the phasing of 90."""
+    it = Transition()
+    it.command(True, PARABOLA, 90.0, 180.0)
+    it.aim(x, 0.0)
+    assert (it.begin, it.armed) == (90.0, armed)
+
+
+@pytest.mark.parametrize(("beyond", "armed"), [(9e-10, True), (1.2e-9, False)])
+@pytest.mark.parametrize("period", [0.0, 5.0])
+def test_far_out_the_begin_may_be_passed_by_a_few_roundings_of_the_position(
+    beyond: float, armed: bool, period: float
+) -> None:
+    """At 1e6 by 1e-15 of it, where 1e-9 of the phasing would be 1e-12; the position itself is rounded to 1.2e-10."""
+    it = Transition()
+    it.command(True, PARABOLA, 0.001, 1e6 + 0.001)
+    it.aim(1e6 + beyond, period)
+    assert it.begin == pytest.approx(1e6 if armed or period == 0.0 else 1e6 + period, rel=4 * EPS)
+    assert it.armed == (armed or period > 0.0)
+
+
+@repeatable
+@given(st.floats(-1e300, 1e300) | st.floats(-10.0, 10.0))
+@example(-5e-324)
+@example(-1e-20)
+@example(2.0**53 + 2.0)
+def test_floor_is_exact_for_any_number(x: float) -> None:
+    assert Fraction(floor(x)) == math.floor(Fraction(x))

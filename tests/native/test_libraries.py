@@ -1,0 +1,248 @@
+"""The files of the native flavour: what the libraries need and export, sizes, paths, the hash, and failing builds."""
+
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_fmu
+
+from motionsync.blocks import BLOCKS
+from motionsync_fmu import archive, build, native
+from motionsync_fmu.archive import Files
+from motionsync_fmu.build import Flavour, Recipe, build_native, build_python, check_kernel, fmu_path, outdated
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.native.libraries import HEADERS, universal
+from motionsync_fmu.pages.block_page import PLATFORMS
+from motionsync_fmu.scenario.fmu_instance import Host
+from tests import ROOT
+
+RECIPE = Recipe("Synchronizer")
+LARGEST = 200_000  # bytes, of an FMU
+OLDEST_GLIBC = (2, 17)
+MACHO_OWN = {"_mh_dylib_header", "__dso_handle"}  # zig's linker gives them to every library: where it begins
+FUNCTIONS = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", (HEADERS / "fmi2Functions.h").read_text()))
+
+
+@pytest.fixture(scope="module")
+def folder(block_native: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The extracted FMU."""
+    return Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path_factory.mktemp("native"))))
+
+
+def tool(name: str, *arguments: object) -> str:
+    if shutil.which(name) is None:
+        pytest.skip(f"{name} is not installed (binutils)")
+    return subprocess.run([name, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+
+
+@pytest.mark.parametrize("platform", ["linux64", "aarch64-linux"])
+def test_a_linux_library_needs_only_an_old_c_library_and_exports_fmi(block: str, folder: Path, platform: str) -> None:
+    library = folder / "binaries" / platform / f"{block}.so"
+    assert set(re.findall(r"\(NEEDED\).*\[(.*)\]", tool("readelf", "-d", library))) <= {"libc.so.6", "libm.so.6"}
+    lines = tool("readelf", "-W", "--dyn-syms", library).splitlines()
+    symbols = [line.split()[4:] for line in lines if "GLOBAL" in line]
+    assert {name for _, _, section, name, *_ in symbols if section != "UND"} == FUNCTIONS
+    versions = {tuple(map(int, v.split("."))) for v in re.findall(r"@GLIBC_([\d.]+)", str(symbols))}
+    assert versions
+    assert max(versions) <= OLDEST_GLIBC
+
+
+def test_the_windows_library_needs_only_the_system_and_exports_fmi(block: str, folder: Path) -> None:
+    text = tool("objdump", "-p", folder / "binaries" / "win64" / f"{block}.dll")
+    needed = {name.lower() for name in re.findall(r"DLL Name: (\S+)", text)}
+    assert all(re.fullmatch(r"kernel32\.dll|ucrtbase\.dll|api-ms-win-crt-[a-z]+-l1-1-0\.dll", name) for name in needed)
+    names = text[text.index("[Ordinal/Name Pointer] Table") :].split("\n\n")[0]
+    assert set(re.findall(r"\d\] (\w+)$", names, re.M)) == FUNCTIONS
+
+
+def slices(library: bytes) -> Iterator[bytes]:
+    """The thin libraries in a universal one."""
+    magic, count = struct.unpack(">II", library[:8])
+    assert magic == 0xCAFEBABE
+    for i in range(count):
+        cpu, _, offset, size, align = struct.unpack(">5I", library[8 + 20 * i : 28 + 20 * i])
+        thin = library[offset : offset + size]
+        assert offset % (1 << align) == 0
+        assert struct.unpack("<2I", thin[:8]) == (0xFEEDFACF, cpu)
+        yield thin
+
+
+def commands(thin: bytes) -> Iterator[tuple[int, bytes]]:
+    """The load commands of a Mach-O library, by their numbers."""
+    at = 32
+    for _ in range(struct.unpack_from("<I", thin, 16)[0]):
+        kind, size = struct.unpack_from("<2I", thin, at)
+        yield kind, thin[at : at + size]
+        at += size
+
+
+def number(text: bytes, at: int) -> tuple[int, int]:
+    """A number of seven bits a byte, and where it ends."""
+    value = shift = 0
+    while True:
+        value |= (text[at] & 0x7F) << shift
+        shift, at = shift + 7, at + 1
+        if text[at - 1] < 0x80:
+            return value, at
+
+
+def exported(thin: bytes) -> set[str]:
+    """The names in the tree of exports (LC_DYLD_INFO_ONLY), each shared beginning once."""
+    where, size = struct.unpack_from("<2I", dict(commands(thin))[0x80000022], 40)
+    tree = thin[where : where + size]
+
+    def names(at: int, name: bytes) -> Iterator[str]:
+        own, at = number(tree, at)
+        if own:
+            yield name.decode().removeprefix("_")
+        at += own
+        count, at = tree[at], at + 1
+        for _ in range(count):
+            end = tree.index(b"\0", at)
+            child, following = number(tree, end + 1)
+            yield from names(child, name + tree[at:end])
+            at = following
+
+    return set(names(0, b""))
+
+
+def test_the_macos_library_is_for_both_processors_and_needs_only_the_system(block: str, folder: Path) -> None:
+    thin = list(slices((folder / "binaries" / "darwin64" / f"{block}.dylib").read_bytes()))
+    assert [struct.unpack_from("<I", t, 4)[0] for t in thin] == [0x01000007, 0x0100000C]  # x86-64, arm64
+    for library in thin:
+        needed = {text[24:].rstrip(b"\0") for kind, text in commands(library) if kind in (0xC, 0x80000018)}
+        assert needed == {b"/usr/lib/libSystem.B.dylib"}
+        assert exported(library) == FUNCTIONS | MACHO_OWN
+    assert any(kind == 0x1D for kind, _ in commands(thin[1]))  # signed, for arm64 loads nothing else
+
+
+def test_a_universal_file_holds_its_parts() -> None:
+    thin = [struct.pack("<4I", 0xFEEDFACF, cpu, 3, 0) + bytes(n) for cpu, n in ((0x01000007, 5), (0x0100000C, 1 << 15))]
+    assert list(slices(universal(*thin))) == thin
+
+
+def test_the_fmu_is_small_and_says_what_it_holds(block_native: Path, folder: Path) -> None:
+    assert block_native.stat().st_size < LARGEST
+    assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
+    page = (folder / "documentation" / "index.html").read_text()
+    assert all(text in page for platform in PLATFORMS.items() for text in platform)
+    assert {p.name for p in (folder / "documentation").iterdir()} == {"index.html", "transition.svg", "licenses"}
+    assert all(p.stat().st_size > 500 for p in (folder / "documentation" / "licenses").iterdir())
+    assert (folder / "model.png").stat().st_size < 20_000
+    assert not (folder / "resources").exists()
+
+
+def test_the_fmu_is_valid(block_native: Path) -> None:
+    assert validate_fmu(str(block_native)) == []
+    program = Path(sys.executable).with_name("fmutool")
+    done = subprocess.run([program, "-input", str(block_native), "-check"], capture_output=True, text=True, check=True)
+    said = done.stdout + done.stderr
+    assert "No semantic error" in said
+    assert not re.search("warning|error  ", said, re.IGNORECASE)
+
+
+def test_nothing_of_this_machine_is_in_the_libraries(folder: Path) -> None:
+    for file in (folder / "binaries").glob("*/*"):
+        for trace in (str(Path.home()), "/tmp/", str(ROOT), "site-packages", "NumbaEnv"):
+            assert trace.encode() not in file.read_bytes(), (file, trace)
+
+
+@pytest.mark.parametrize("name", ["a b", "#1", "100%", "a+b", "Vorschübe", "同步", "%20%s%n"])
+def test_it_loads_from_any_path(native: Path, tmp_path: Path, name: str) -> None:
+    place = tmp_path / name
+    with zipfile.ZipFile(native) as z:
+        z.extractall(place)
+    description = fmpy.read_model_description(str(place))
+    unit = FMU2Slave(
+        guid=description.guid, modelIdentifier="Synchronizer", instanceName=name, unzipDirectory=str(place)
+    )
+    unit.instantiate()
+    unit.setupExperiment()
+    unit.enterInitializationMode()
+    unit.exitInitializationMode()
+    unit.doStep(0.0, 0.1)
+    unit.freeInstance()
+
+
+def test_a_build_gives_the_same_bytes_every_time(block: str, block_native: Path, tmp_path: Path) -> None:
+    """Also in a process of its own, with another seed for hashes and from another folder."""
+    script = f"from motionsync_fmu.build import *; build_native(Recipe({block!r}), Path('a.fmu'))"
+    environment = os.environ | {"PYTHONHASHSEED": "42"}
+    subprocess.run([sys.executable, "-c", script], check=True, cwd=tmp_path, env=environment)
+    assert (tmp_path / "a.fmu").read_bytes() == block_native.read_bytes()
+
+
+def test_what_determines_the_code_changes_the_guid_of_both_flavours(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = RECIPE.guid()
+    target = build_python(RECIPE, tmp_path / "Synchronizer.fmu")
+    assert outdated(target, RECIPE) == ""
+    for name in ("fmi2.c", "lowering.py", "native.py", "record.py"):
+        with monkeypatch.context() as changed:
+            files = archive.compilers()
+            changed.setattr(build, "compilers", lambda files=files, name=name: files | {name: files[name] + b"\n"})
+            assert RECIPE.guid() != before
+            assert outdated(target, RECIPE) == "stale"
+
+
+def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
+    recipe = Recipe("Synchronizer", "deg", {"output_phasing": "30", "curve": "PARABOLA", "rest_value": "180"})
+    target = build_native(recipe, tmp_path / "Synchronizer.fmu")
+    with Host(target) as host:
+        host.initialize()
+        found = host.get(["output_phasing", "curve", "rest_value"])
+    assert found == {"output_phasing": 30.0, "curve": 1, "rest_value": 180.0}
+    assert fmu_path(recipe, tmp_path, Flavour.NATIVE) == tmp_path / "native" / "Synchronizer.fmu"
+
+
+# --- builds that fail ---
+
+
+@pytest.mark.parametrize("module", ["numba", "llvmlite", "ziglang"])
+def test_a_missing_compiler_is_told_with_the_remedy(module: str, tmp_path: Path) -> None:
+    script = (
+        f"import sys; sys.modules[{module!r}] = None; from motionsync_fmu.cli import main; "
+        f"sys.argv = ['motionsync', 'build', '--output', {str(tmp_path)!r}]; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert f"compiled with {module}" in done.stderr
+    assert "pip install 'motionsync[native]'" in done.stderr
+    assert "--flavour python" in done.stderr
+
+
+def test_a_failing_compiler_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(native, "FLAGS", "--no-such-flag")
+    with pytest.raises(UserError, match=r"(?s)zig could not compile for .*ZIG_GLOBAL_CACHE_DIR.*no-such-flag"):
+        build_native(RECIPE, tmp_path / "Synchronizer.fmu")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_slow_compilation_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(native, "PATIENCE", 0.0)
+    native.libraries(RECIPE.block(), RECIPE.guid(), told.append)
+    assert told == [native.FIRST_USE]
+
+
+def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(
+    block: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = BLOCKS[block].type.__module__
+    files: Files = archive.sources(module)
+    text = files["axis.py"].decode().replace("return max(low, min(x, high))", "return x ** 2.0")
+    line = text[: text.index("x ** 2.0")].count("\n") + 1
+    monkeypatch.setattr(build, "sources", lambda module: files | {"axis.py": text.encode()})
+    with pytest.raises(UserError, match=rf"^motionsync/axis\.py:{line}: no `\*\*`"):
+        check_kernel(module)

@@ -1,0 +1,196 @@
+"""What the compiler route must get right whatever the block."""
+
+import re
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+
+import pytest
+
+from motionsync import var
+from motionsync.blocks import BLOCKS
+from motionsync.synchronizer.block import Synchronizer
+from motionsync.var import Enumeration
+from motionsync_fmu.native.libraries import llvm_text, model_header, number, portable, quoted
+from motionsync_fmu.native.memory_layout import image
+from tests import ROOT
+from tests.support.compiled import Compiled, equal
+
+
+class Refusal(Enumeration):
+    """Why the sample refuses a call"""
+
+    NONE = 0, "done"
+    LONG = 1, "the step must be at most 1e6 s"
+
+
+class Way(Enumeration):
+    NONE = 0, "none"
+    UP = 1, "up"
+    DOWN = 2, "down"
+
+
+@dataclass(slots=True)
+class Adder:
+    """The same fields and methods as `Doubler`, but another law."""
+
+    x: float = 0.0
+
+    def put(self, x: float) -> float:
+        self.x += x
+        return self.x
+
+
+@dataclass(slots=True)
+class Doubler:
+    x: float = 0.0
+
+    def put(self, x: float) -> float:
+        self.x = 2.0 * x
+        return self.x
+
+
+@dataclass(slots=True)
+class Shown(Adder):
+    """A part that only adds what it shows."""
+
+    more: float = var.local(0.0, "more")
+
+
+@dataclass(slots=True)
+class Sample:
+    adder: Adder = var.part(Adder)
+    doubler: Doubler = var.part(Doubler)
+    second: Doubler = var.part(Doubler)
+    shown: Shown = var.part(Shown)
+    values: list[float] = var.ring(3)
+    way: Way = Way.NONE
+    code: int = 0
+    on: bool = False
+    sum: float = 0.0
+    rest: float = 0.0
+    turns: float = 0.0
+    least: float = 0.0
+    greatest: float = 0.0
+
+    def initialize(self) -> Refusal:
+        return Refusal.NONE
+
+    def step(self, h: float) -> Refusal:
+        self.sum = self.adder.put(h) + self.doubler.put(h) + 10.0 * self.second.put(h + 1.0) + self.shown.put(3.0 * h)
+        self.way = self.turned(self.way)
+        self.code = self.way
+        self.on = not self.on and h > 0.0
+        self.values[self.code] = self.sum / (h - 3.0)
+        self.rest = h % 0.75
+        self.turns = round(h / 0.75) * 0.75
+        self.least = min(h, 0.0)
+        self.greatest = max(0.0, h, -1.0)
+        return Refusal.LONG if h > 1e6 else Refusal.NONE
+
+    def turned(self, way: Way) -> Way:
+        match way:
+            case Way.UP:
+                return Way.DOWN
+            case _:
+                return Way.UP if way == Way.NONE or way in (Way.DOWN,) else way
+
+
+STEPS = (1.0, 2.0, 0.1, -0.0, 0.0, -0.75, -1e-300, 5e-324, 0.375, 1.125, -0.375, 7.5, 1e6, 1.1e6, -1e15, 1e12)
+
+
+def test_every_operation_gives_the_bits_that_python_gives() -> None:
+    """Remainders with their signs, halves rounded to even, the first of two equal zeros, whatever inherits."""
+    block, compiled = Sample(), Compiled(Sample())
+    assert compiled.initialize() == block.initialize() == 0
+    for h in STEPS:
+        assert compiled.step(h) == block.step(h)
+        assert equal(block, compiled), h
+
+
+def test_what_python_raises_the_compiled_code_reports() -> None:
+    compiled = Compiled(Sample())
+    with pytest.raises(ArithmeticError):
+        compiled.step(3.0)
+    block, compiled = Sample(), Compiled(Sample())
+    block.way = 7  # type: ignore[assignment]
+    compiled.memory["way"] = 7
+    with pytest.raises(IndexError):
+        block.step(1.0)
+    with pytest.raises(ArithmeticError):
+        compiled.step(1.0)
+
+
+def test_the_memory_holds_every_field_at_its_place() -> None:
+    memory = image(Sample(code=-3, on=True, sum=2.5))
+    assert (memory["code"], memory["on"], memory["sum"]) == (-3, True, 2.5)
+    assert memory["shown"].dtype.names == ("x", "more")
+    assert image(Sample()).tobytes() == image(Sample()).tobytes()
+
+
+def test_a_second_compilation_gives_the_same_text() -> None:
+    """The text must not depend on what this process has compiled before."""
+    first = llvm_text(Synchronizer())
+    llvm_text(Sample())
+    assert llvm_text(Synchronizer()) == first
+
+
+def test_nothing_of_this_machine_is_in_the_text(block: str) -> None:
+    block_type = BLOCKS[block].type
+    text = llvm_text(block_type()) + model_header(block_type(), "{0}")
+    for trace in (str(Path.home()), str(ROOT), "site-packages", "target-cpu"):
+        assert trace not in text
+    assert set(re.findall(r"^declare .*?@([\w.]+)\(", text, re.M)) <= {
+        "llvm.abs.i64",
+        "llvm.fabs.f64",
+        "llvm.sqrt.f64",
+        "llvm.rint.f64",
+        "llvm.memset.p0.i64",
+        "llvm.lifetime.start.p0",
+        "llvm.lifetime.end.p0",
+        "llvm.smin.i64",
+        "llvm.smax.i64",
+        "sqrt",
+    }
+
+
+@pytest.mark.parametrize(
+    ("exact", "inexact"),
+    [
+        ("fmul double", "fmul contract double"),
+        ("fadd double", "fadd fast double"),
+        ("fcmp ", "fcmp nnan "),
+        ("ret i32 0", "ret i32 0 ; call @llvm.fmuladd.f64"),
+    ],
+)
+def test_arithmetic_that_may_be_rounded_otherwise_is_refused(exact: str, inexact: str) -> None:
+    text = llvm_text(Synchronizer())
+    assert portable(text) == text
+    assert exact in text
+    with pytest.raises(RuntimeError, match="not the same bits"):
+        portable(text.replace(exact, inexact))
+
+
+@pytest.mark.parametrize("called", ["cos", "llvm.cos.f64", "llvm.minnum.f64", "NRT_Free", "llvm.exp2.f64", "pow"])
+def test_calls_outside_the_allow_list_are_refused(called: str) -> None:
+    with pytest.raises(RuntimeError, match=re.escape(called)):
+        portable(f"declare double @{called}(double)\n")
+
+
+@pytest.mark.parametrize("called", ["sqrt", "fmod", "llvm.floor.f64", "llvm.rint.f64", "llvm.memcpy.p0.p0.i64"])
+def test_exact_calls_are_allowed(called: str) -> None:
+    assert portable(f"target triple = x\ndeclare double @{called}(double)\n") == f"declare double @{called}(double)\n"
+
+
+def test_text_for_one_processor_is_refused() -> None:
+    with pytest.raises(RuntimeError, match="one processor"):
+        portable('attributes #0 = { "target-cpu"="znver3" }\n')
+
+
+def test_numbers_and_texts_in_c() -> None:
+    assert (number(-1.5), number(inf), number(-inf)) == (
+        "-0x1.8000000000000p+0",
+        "INFINITY",
+        "-INFINITY",
+    )
+    assert quoted('5 % of "u"\\') == '"5 percent of \\"u\\"\\\\"'

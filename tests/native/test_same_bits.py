@@ -1,0 +1,272 @@
+"""Python and native code give the same bits: in this process, through both FMUs, and on every platform at hand."""
+
+import os
+import shutil
+import struct
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimManipulator import CosimManipulator
+from libcosimpy.CosimObserver import CosimObserver
+from libcosimpy.CosimSlave import CosimLocalSlave
+
+from motionsync.blocks import BLOCKS
+from motionsync_fmu.interface.variables import cells, variables
+from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.python.slave import LONGEST_STEP
+from motionsync_fmu.scenario.fmu_instance import FmuError, Host
+from motionsync_fmu.scenario.run import simulate
+from motionsync_fmu.scenario.scenario import find, load
+from tests import ROOT
+from tests.conftest import Fmus
+from tests.support.compiled import Compiled, equal
+from tests.support.random_runs import DRIVES, drawn
+from tests.support.runs import Run
+
+WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
+SCENARIOS = find(ROOT / "scenarios")
+# Long runs: a failing one is reported as drawn, since to make it smaller would take minutes.
+LONG = settings(deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate], print_blob=True)
+
+
+class Pair:
+    """A block in Python and in compiled code, driven as the FMU's slave drives it."""
+
+    def __init__(self, name: str, start: dict[str, Any]) -> None:
+        self.block = BLOCKS[name].type()
+        self.cells = {c.name: c for c in cells(self.block)}
+        self.inputs = [v for v in variables(self.block) if v.causality == "input"]
+        self.compiled = Compiled(self.block)
+        self.set(start)
+        assert self.compiled.initialize() == self.block.initialize()
+        assert equal(self.block, self.compiled)
+
+    def set(self, values: dict[str, Any]) -> None:
+        for name, value in values.items():
+            self.cells[name].set(value)
+            self.compiled.set(name, value)
+
+    def step(self, h: float, values: dict[str, Any]) -> int | None:
+        """What the block answers; None if the step has a bad input or size and is not begun, as in the FMU."""
+        before = {name: self.cells[name].get() for name in values}
+        self.set(values)
+        if not 0.0 < h <= LONGEST_STEP or any(v.refusal(v.cell.get()) for v in self.inputs):
+            self.set(before)
+            return None
+        answer = self.block.step(h)
+        assert self.compiled.step(h) == answer
+        assert equal(self.block, self.compiled), (h, values)
+        return int(answer)
+
+
+@settings(LONG, max_examples=200, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(data=st.data())
+def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data: st.DataObject) -> None:
+    run = data.draw(DRIVES[block].runs(500))
+    pair = Pair(block, run.start)
+    for h, values in run.steps:
+        if pair.step(h, values):
+            pair = Pair(block, run.start)
+
+
+def test_every_block_is_driven() -> None:
+    assert DRIVES.keys() == BLOCKS.keys()
+
+
+def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
+    """What the runs above are worth: within a few of them everything happens."""
+    seen: set[Any] = set()
+    for run in drawn(block, 500, 60):
+        pair = Pair(block, run.start)
+        for h, values in run.steps:
+            answer = pair.step(h, values)
+            if answer != 0:
+                seen.add("refused")
+            if answer:
+                pair = Pair(block, run.start)
+            seen |= DRIVES[block].watch(pair.block)
+    assert not (DRIVES[block].meets | {"refused"}) - seen
+
+
+def bits(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: float(v).hex() if isinstance(v, float) else int(v) for name, v in values.items()}
+
+
+def tried(call: Any, *arguments: Any) -> str:
+    """What a call that fails says; empty if it succeeds."""
+    try:
+        call(*arguments)
+    except FmuError as e:
+        return str(e)
+    return ""
+
+
+@settings(LONG, max_examples=25, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_both_fmus_give_the_same_bits_and_log_the_same(
+    block: str, block_fmu: Path, block_native: Path, data: st.DataObject
+) -> None:
+    run = data.draw(DRIVES[block].runs(500))
+    with Host(block_fmu) as a, Host(block_native) as b:
+        refused = tried(a.initialize, run.start)
+        assert tried(b.initialize, run.start) == refused
+        for h, values in [] if refused else run.steps:
+            assert tried(b.step, h, values) == tried(a.step, h, values)
+            assert bits(b.get()) == bits(a.get())
+        assert b.messages == [text for text in a.messages if not text.startswith(WRAPPER)]
+
+
+@pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: "/".join(file.parts[-3:-1]))
+def test_both_fmus_give_the_same_bits_in_every_scenario(fmus: Fmus, file: Path) -> None:
+    scenario = load(file)
+    name = scenario.recipe.name
+    a, b = (simulate(scenario, fmu, scenario.step_size) for fmu in (fmus.python(name), fmus.native(name)))
+    assert a.messages == b.messages
+    for name in a.values:
+        assert a.values[name].tobytes() == b.values[name].tobytes(), name
+
+
+# --- a host in C, without any Python ---
+
+
+def wine() -> list[str]:
+    found = shutil.which("wine64") or shutil.which("wine64", path="/usr/lib/wine") or shutil.which("wine")
+    if not found:
+        pytest.skip("wine64 is not installed")
+    return [found]
+
+
+def qemu() -> list[str]:
+    root = Path(os.environ.get("QEMU_LD_PREFIX", "/usr/aarch64-linux-gnu"))
+    found = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+    if not found:
+        pytest.skip("qemu-user is not installed")
+    if not (root / "lib" / "ld-linux-aarch64.so.1").exists():
+        pytest.skip("libc6-arm64-cross is not installed")
+    return [found, "-L", str(root)]
+
+
+def directly() -> list[str]:
+    if sys.platform != "linux" or os.uname().machine != "x86_64":
+        pytest.skip("this is not Linux on x86-64")
+    return []
+
+
+PLATFORMS = {
+    "linux64": ("x86_64-linux-gnu.2.17", "so", directly),
+    "aarch64-linux": ("aarch64-linux-gnu.2.17", "so", qemu),
+    "win64": ("x86_64-windows-gnu", "dll", wine),
+}
+
+
+def double(x: float) -> str:
+    return struct.pack(">d", x).hex()
+
+
+def orders(host: Host, run: Run) -> Iterator[tuple[str, str]]:
+    """A run as lines for the host in C, and what the FMU in `host` answers to each."""
+
+    def setting(values: dict[str, Any]) -> Iterator[tuple[str, str]]:
+        for name, value in values.items():
+            reference, kind = host.kinds[name]
+            host.set({name: value})
+            yield f"{kind[0]} {reference} {double(value) if kind == 'Real' else int(value)}", "0"
+
+    def all_values() -> tuple[str, str]:
+        found = host.get()
+        return "g", " ".join(double(found[n]) if k == "Real" else str(found[n]) for n, (_, k) in host.kinds.items())
+
+    yield "n", "0"
+    host.unit.setupExperiment(startTime=0.0)
+    host.unit.enterInitializationMode()
+    yield "e", "0"
+    yield from setting(run.start)
+    yield all_values()
+    host.unit.exitInitializationMode()
+    yield "x", "0"
+    for h, values in run.steps:
+        yield from setting(values)
+        refused = tried(host.step, h)
+        yield f"s {double(host.time)} {double(h)}", "3" if refused else "0"
+        yield all_values()
+
+
+@pytest.fixture(scope="module")
+def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
+    """A few runs through the python flavour."""
+    found: list[tuple[str, str]] = []
+    for run in drawn(block, 300, 6):
+        with Host(block_fmu) as host:
+            found.extend(orders(host, run))
+    return found
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_a_host_in_c_without_python_gets_the_same_bits(
+    platform: str, block: str, block_native: Path, expected: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    target, suffix, runner = PLATFORMS[platform]
+    start = runner()
+    program = tmp_path / f"replay{'.exe' if suffix == 'dll' else ''}"
+    source = ROOT / "tests" / "fmu" / "replay.c"
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", "-I", str(HEADERS), str(source)]
+    subprocess.run([*compiler, "-o", str(program)], check=True)
+    folder = Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path / "fmu")))
+    library = folder / "binaries" / platform / f"{block}.{suffix}"
+    description = fmpy.read_model_description(str(block_native))
+    kinds = "".join({"Real": "R", "Boolean": "B"}.get(v.type, "I") for v in description.modelVariables)
+    asked, answered = tmp_path / "orders.txt", tmp_path / "answers.txt"
+    asked.write_text("".join(f"{order}\n" for order, _ in expected))
+    with asked.open() as stdin, answered.open("w") as stdout:  # no pipes: wine's server would hold them open
+        subprocess.run(
+            [*start, str(program), str(library), description.guid, kinds],
+            stdin=stdin,
+            stdout=stdout,
+            check=True,
+            env=os.environ | {"WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")},
+        )
+    answers = [line.strip() for line in answered.read_text().splitlines()]
+    for (order, answer), found in zip(expected, answers, strict=True):
+        assert found == answer, order
+
+
+def test_libcosim_gives_the_same_bits(native: Path) -> None:
+    """libcosim steps in nanoseconds: a step of 2^-7 s is one exactly. It cannot set enumerations."""
+    h, steps = 2.0**-7, 400
+    start = {"master.period": 360.0, "output_phasing": 45.0, "rest_value": 200.0, "master.velocity": 300.0}
+    execution = CosimExecution.from_step_size(int(h * 1e9))
+    index = execution.add_local_slave(CosimLocalSlave(str(native), "synchronizer"))
+    manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
+    execution.add_manipulator(manipulator)
+    execution.add_observer(observer)
+    with Host(native) as host:
+        host.initialize(start)
+        reference = {name: r for name, (r, _) in host.kinds.items()}
+        for name, value in start.items():
+            execution.real_initial_value(index, reference[name], value)
+        reals, integers, booleans = (
+            [v.valueReference for v in host.description.modelVariables if v.type == kind]
+            for kind in ("Real", "Integer", "Boolean")
+        )
+        seen = set()
+        for i in range(steps):
+            values = {"master.position": (300.0 * i * h) % 360.0, "stop": i > 40, "start": i > 200}
+            manipulator.slave_real_values(index, [reference["master.position"]], [values["master.position"]])
+            manipulator.slave_boolean_values(index, [reference["stop"], reference["start"]], [i > 40, i > 200])
+            execution.step()
+            host.step(h, values)
+            found = host.get()
+            seen.add(found["state_code"] + 10 * int(found["syn_ramp_on"]))
+            by_reference = {reference[n]: v for n, v in found.items()}
+            assert observer.last_real_values(index, reals) == [by_reference[r] for r in reals]
+            assert observer.last_integer_values(index, integers) == [by_reference[r] for r in integers]
+            assert observer.last_boolean_values(index, booleans) == [bool(by_reference[r]) for r in booleans]
+    assert seen == {0, 1, 11}

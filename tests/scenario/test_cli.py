@@ -1,0 +1,746 @@
+"""The command line as a user meets it: what it builds, shows and runs, and what it says to a mistake."""
+
+import csv
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from html.parser import HTMLParser
+from math import pi
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, fromstring
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+from typer.testing import CliRunner
+
+from motionsync.blocks import BLOCKS
+from motionsync_fmu import cli
+from tests import ROOT
+
+COMMANDS = ("build", "list", "describe", "run", "line")
+FLAVOURS = ("native", "python")
+PYTHON = ("--flavour", "python")  # the quicker one to build, where either shows it
+
+# A master at 100 mm/s. Along the parabola the slave leaves it at rest_value - phasing, and half way to the end, where
+# the master is at rest_value, it has done 3/4 of the phasing and has half the master's velocity.
+STOP = """\
+title = "A stop along a parabola"
+source = "By hand"
+fmu = "Synchronizer"
+stop_time = 0.5
+step_size = 0.01
+
+[start]
+curve = "PARABOLA"
+output_phasing = 10.0
+rest_value = 30.0
+
+[master]
+velocity = 100.0
+
+[[set]]
+at = 0.1
+stop = true
+
+[[expect]]
+at = 0.3
+"slave.position" = 27.5
+"slave.velocity" = 50.0
+tolerance = 1e-9
+
+[[expect]]
+when = "synchronized == false"
+time = 0.4
+
+[[expect]]
+from = 0.0
+to = 0.5
+"slave.velocity" = { min = 0.0, max = 100.0 }
+"""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command left behind: exit status and both streams."""
+
+    status: int
+    out: str
+    err: str
+
+
+Command = Callable[..., Outcome]
+
+
+@pytest.fixture
+def motionsync(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    """The console script's function, in an empty folder and in this process: a process of its own takes a second."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: str | Path) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["motionsync", *map(str, arguments)])
+        capsys.readouterr()
+        status: Any = 0
+        try:
+            cli.main()
+        except SystemExit as e:
+            status = e.code or 0
+        captured = capsys.readouterr()
+        return Outcome(status, captured.out, captured.err)
+
+    return call
+
+
+def process(folder: Path, *arguments: str, **environment: str) -> Outcome:
+    """The console script itself, in a process of its own."""
+    script = Path(sys.executable).with_name("motionsync")
+    done = subprocess.run(
+        [script, *arguments], cwd=folder, env=os.environ | environment, capture_output=True, check=False
+    )
+    return Outcome(done.returncode, done.stdout.decode(errors="replace"), done.stderr.decode(errors="replace"))
+
+
+def scenario(folder: str, text: str = STOP) -> Path:
+    file = Path(folder, "scenario.toml")
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, "utf-8")
+    return file
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder `build` in which the FMU for STOP is up to date."""
+    folder = tmp_path_factory.mktemp("built")
+    assert process(folder, "build", "Synchronizer").status == 0
+    return folder / "build"
+
+
+@pytest.fixture
+def workshop(motionsync: Command, built: Path) -> Command:
+    """`motionsync` in a folder with an up-to-date FMU and the scenario `stop`."""
+    shutil.copytree(built, "build")
+    scenario("stop")
+    return motionsync
+
+
+def description(fmu: Path) -> Element:
+    with zipfile.ZipFile(fmu) as z:
+        return fromstring(z.read("modelDescription.xml"))
+
+
+def start_value(fmu: Path, name: str) -> str | None:
+    (variable,) = description(fmu).iterfind(f"ModelVariables/ScalarVariable[@name='{name}']/*")
+    return variable.get("start")
+
+
+def the_fmu(folder: str) -> Path:
+    (file,) = Path(folder).rglob("*.fmu")
+    return file
+
+
+def assert_one_line(outcome: Outcome, *parts: str) -> None:
+    """A mistake of the user: exit status 2, one line that says all of this, nothing else."""
+    assert outcome.status == 2, outcome
+    assert outcome.err.count("\n") == 1, outcome.err
+    assert outcome.err.startswith("motionsync: ")
+    for part in parts:
+        assert part in outcome.err
+    assert outcome.out == ""
+
+
+# --- build ---
+
+
+def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
+    done = motionsync("build", "--output", "here")
+    assert (done.status, done.err) == (0, "")
+    for flavour in FLAVOURS:
+        assert sorted(f.name for f in Path(f"here/{flavour}").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
+    assert [line.split("  ")[0] for line in done.out.splitlines()] == [
+        str(Path(f"here/{flavour}/{name}.fmu")) for name in BLOCKS for flavour in FLAVOURS
+    ]
+
+
+def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
+    assert motionsync("build", "Synchronizer").status == 0
+    assert sorted(map(str, Path("build").rglob("*.fmu"))) == [
+        str(Path(f"build/{flavour}/Synchronizer.fmu")) for flavour in FLAVOURS
+    ]
+
+
+@pytest.mark.parametrize(
+    ("unit", "base", "factor"),
+    [("mm", {"m"}, 1e-3), ("m", {"m"}, 1.0), ("deg", {"rad"}, pi / 180.0), ("rad", {"rad"}, 1.0), ("1", set(), 1.0)],
+)
+def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str, base: set[str], factor: float) -> None:
+    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--output", "here").status == 0
+    xml = description(the_fmu("here"))
+    for quantity, symbol in (("Position", unit), ("Velocity", f"{unit}/s"), ("Acceleration", f"{unit}/s2")):
+        (real,) = xml.iterfind(f"TypeDefinitions/SimpleType[@name='{quantity}']/Real")
+        assert real.get("unit") == symbol
+    (velocity,) = xml.iterfind(f"UnitDefinitions/Unit[@name='{unit}/s']/BaseUnit")
+    assert float(velocity.get("factor", "1")) == factor
+    assert {name: power for name, power in velocity.attrib.items() if name != "factor"} == (
+        dict.fromkeys(base, "1") | {"s": "-1"}
+    )
+
+
+def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync: Command) -> None:
+    starts = {"curve": "PARABOLA", "output_phasing": "-7.5", "rest_value": "-20", "active": "TRUE", "stop": "0"}
+    options = [part for name, value in starts.items() for part in ("--start", f"{name}={value}")]
+    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--output", "here").status == 0
+    fmu = the_fmu("here")
+    found = {name: start_value(fmu, name) for name in starts}
+    assert found == {
+        "curve": "1",
+        "output_phasing": "-7.5",
+        "rest_value": "-20.0",
+        "active": "true",
+        "stop": "false",
+    }
+    # A falling master: the slave leaves it at -12.5 and rests at -20, where the master is at -27.5.
+    times = np.arange(0.0, 1.001, 0.01)
+    signal = np.array(
+        [(t, -100.0 * t, -100.0, t >= 0.05) for t in times],
+        [("time", float), ("master.position", float), ("master.velocity", float), ("stop", bool)],
+    )
+    outputs = ["slave.position", "slave.velocity", "local.transition_distance"]
+    course = simulate_fmu(str(fmu), stop_time=1.0, output_interval=0.01, input=signal, output=outputs)
+    half_way = course[np.searchsorted(course["time"], 0.2 - 1e-9)]
+    assert half_way["slave.position"] == pytest.approx(-12.5 - 0.75 * 7.5, abs=1e-9)
+    assert half_way["slave.velocity"] == pytest.approx(-50.0, abs=1e-9)
+    assert (course["slave.position"][-1], course["local.transition_distance"][-1]) == (-20.0, 15.0)
+
+
+def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:
+    assert motionsync("build", "Synchronizer", "--output", "here").status == 0
+    assert process(tmp_path, "build", "Synchronizer", "--output", "there").status == 0
+    for flavour in FLAVOURS:
+        assert the_fmu(f"here/{flavour}").read_bytes() == the_fmu(f"there/{flavour}").read_bytes()
+
+
+def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
+    options = [
+        (),
+        ("--unit", "deg"),
+        ("--start", "rest_value=5"),
+        ("--start", "rest_value=6"),
+        ("--start", "curve=PARABOLA"),
+    ]
+    guids = []
+    for i, option in enumerate(options):
+        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--output", str(i)).status == 0
+        guids.append(description(the_fmu(str(i))).get("guid"))
+    assert len(set(guids)) == len(options)
+
+
+def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Command) -> None:
+    for folder, value in (("name", "PARABOLA"), ("number", "1")):
+        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--output", folder).status == 0
+    assert the_fmu("name").read_bytes() == the_fmu("number").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (("Nope",), ("'Nope'", "Synchronizer")),
+        (("synchronizer",), ("'synchronizer'", "Synchronizer")),
+        (("Synchronizer", "Nope"), ("'Nope'",)),
+        (("Synchronizer", "--unit", "km"), ("km", "mm", "deg")),
+        (("Synchronizer", "--start", "rest_value"), ("rest_value", "NAME=VALUE")),
+        (("Synchronizer", "--start", "rest_valu=3"), ("'rest_valu'", "rest_value")),
+        (("Synchronizer", "--start", "=3"), ("''", "parameter or input")),
+        (("Synchronizer", "--start", "slave.position=3"), ("slave.position", "parameter or input")),
+        (("Synchronizer", "--start", "rest_value=abc"), ("rest_value = abc", "Real")),
+        (("Synchronizer", "--start", "rest_value="), ("rest_value", "Real")),
+        (("Synchronizer", "--start", "rest_value=nan"), ("rest_value = nan", "-1e+12 to 1e+12")),
+        (("Synchronizer", "--start", "rest_value=1e13"), ("rest_value = 1e+13", "-1e+12 to 1e+12")),
+        (("Synchronizer", "--start", "output_phasing=0"), ("output_phasing = 0", "1e-09 to 1e+12")),
+        (("Synchronizer", "--start", "master.period=-1"), ("master.period = -1", "0, or >= 1e-09")),
+        (("Synchronizer", "--start", "active=yes"), ("active = yes", "true or false")),
+        (("Synchronizer", "--start", "curve=CUBIC"), ("curve = CUBIC", "PARABOLA", "POLYNOMIAL_3_4_5")),
+        (("Synchronizer", "--start", "curve=3"), ("curve = 3", "PARABOLA", "POLYNOMIAL_3_4_5")),
+        (("Synchronizer", "--start", "curve=1.5"), ("curve = 1.5", "PARABOLA", "POLYNOMIAL_3_4_5")),
+    ],
+)
+def test_a_mistake_in_build_is_one_line_and_builds_nothing(
+    motionsync: Command, arguments: tuple[str, ...], parts: tuple[str, ...]
+) -> None:
+    assert_one_line(motionsync("build", *arguments), *parts)
+    assert not Path("build").exists()
+
+
+def test_start_values_need_one_block(motionsync: Command) -> None:
+    assert_one_line(
+        motionsync("build", "Synchronizer", "Synchronizer", "--start", "rest_value=3"), "--start", "one block"
+    )
+
+
+@pytest.mark.parametrize("epoch", ["yesterday", "1.5", "99999999999", "99999999999999999999"])
+def test_a_bad_source_date_epoch_is_one_line(motionsync: Command, monkeypatch: pytest.MonkeyPatch, epoch: str) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
+    assert_one_line(motionsync("build", "Synchronizer", *PYTHON), "SOURCE_DATE_EPOCH", epoch)
+
+
+def test_an_output_folder_that_cannot_be_made_is_one_line(workshop: Command) -> None:
+    Path("taken").write_text("a file")
+    assert_one_line(workshop("build", "Synchronizer", "--output", "taken"), "taken")
+    assert_one_line(workshop("run", "stop", "--no-report", "--output", "taken"), "taken")
+
+
+# --- list, describe, help ---
+
+
+def test_list_names_blocks_and_scenarios_in_full(motionsync: Command) -> None:
+    long = Path("scenarios/Synchronizer/a_scenario_whose_name_says_all_that_happens_in_it")
+    scenario(str(long))
+    done = motionsync("list")
+    assert (done.status, done.err) == (0, "")
+    for text in (*BLOCKS, str(long)):
+        assert text in done.out
+    assert "A stop along a parabola" in " ".join(done.out.split())
+
+
+def test_list_without_scenarios_says_so(motionsync: Command) -> None:
+    done = motionsync("list", "--scenarios", "elsewhere")
+    assert done.status == 0
+    assert "Synchronizer" in done.out
+    assert "elsewhere" in done.out
+
+
+def test_list_tells_of_a_broken_scenario_in_one_line(motionsync: Command) -> None:
+    file = scenario("scenarios/x", STOP.replace("stop_time", "stop_tme"))
+    done = motionsync("list")
+    assert done.status == 2
+    assert done.err.startswith(f"motionsync: {file}:4: stop_tme: ")
+    assert done.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(("unit", "velocity"), [("mm", "mm/s"), ("deg", "deg/s"), ("1", "1/s")])
+def test_describe_shows_every_variable_and_choice(motionsync: Command, unit: str, velocity: str) -> None:
+    done = motionsync("describe", "Synchronizer", "--unit", unit)
+    assert (done.status, done.err) == (0, "")
+    words = done.out.split()
+    for name in ("master.input_mode", "output_phasing", "rest_value", "slave.jerk", "local.peak_acceleration_per_v2"):
+        assert name in words
+    for text in ("input", "parameter", "output", "local", velocity):
+        assert text in words
+    for choice in ("1 START_OF_STEP:", "3 POSITION_ONLY:", "1 PARABOLA:", "0 READY:", "2 STACKED:"):
+        assert choice in done.out
+
+
+def test_describe_of_a_built_fmu_shows_its_own_unit_and_start_values(motionsync: Command) -> None:
+    options = ("--unit", "deg", "--start", "rest_value=12.25", "--output", "here")
+    assert motionsync("build", "Synchronizer", *PYTHON, *options).status == 0
+    done = motionsync("describe", the_fmu("here"))
+    assert (done.status, done.err) == (0, "")
+    assert {"deg/s2", "12.25"} <= set(done.out.split())
+    assert "mm/s2" not in done.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (("Nope",), ("'Nope'", "Synchronizer")),
+        (("Synchronizer", "--unit", "furlong"), ("furlong", "mm")),
+        (("nowhere.fmu",), ("nowhere.fmu",)),
+        (("text.fmu",), ("text.fmu", "not an FMU")),
+    ],
+)
+def test_a_mistake_in_describe_is_one_line(
+    motionsync: Command, arguments: tuple[str, ...], parts: tuple[str, ...]
+) -> None:
+    Path("text.fmu").write_text("no FMU")
+    assert_one_line(motionsync("describe", *arguments), *parts)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_each_command_has_an_example_that_works(command: str) -> None:
+    text = CliRunner().invoke(cli.app, [command, "--help"]).output
+    _, _, examples = text.partition("Example")
+    assert f"motionsync {command}" in examples
+    for path in re.findall(r"scenarios\S*", examples.partition("Options:")[0]):
+        assert (ROOT / path).exists()
+
+
+def test_help_lists_the_commands() -> None:
+    text = CliRunner().invoke(cli.app, ["--help"]).output
+    for command in COMMANDS:
+        assert re.search(rf"^ +{command} ", text, re.MULTILINE)
+
+
+# --- run ---
+
+
+def test_run_takes_a_file_a_folder_and_several(workshop: Command) -> None:
+    file = scenario("more/other", STOP.replace("A stop along", "Another stop along"))
+    for paths, titles in (
+        ([file], ["Another stop along a parabola"]),
+        (["stop"], ["A stop along a parabola"]),
+        (["more", "stop/scenario.toml"], ["Another stop along a parabola", "A stop along a parabola"]),
+        (["."], ["Another stop along a parabola", "A stop along a parabola"]),
+    ):
+        done = workshop("run", *paths, "--no-report")
+        assert (done.status, done.err) == (0, "")
+        assert re.findall(r"^(\w.*) \(.*\): as expected$", done.out, re.MULTILINE) == titles
+
+
+def test_run_writes_results_and_report(workshop: Command) -> None:
+    assert workshop("run", "stop", "--output", "results").status == 0
+    with Path("results/Synchronizer/stop/Synchronizer_out.csv").open(newline="") as f:
+        header, *rows = list(csv.reader(f))
+    assert header[0] == "time"
+    assert {"slave.position", "slave.jerk", "state_code", "local.progress"} <= set(header)
+    times = [float(row[0]) for row in rows]
+    assert times == pytest.approx([i * 0.01 for i in range(51)], abs=1e-12)
+    position = header.index("slave.position")
+    assert float(rows[10][position]) == pytest.approx(10.0, abs=1e-12)
+    assert float(rows[30][position]) == pytest.approx(27.5, abs=1e-9)
+    assert float(rows[50][position]) == 30.0
+    assert Path("results/Synchronizer/stop/report.html").is_file()
+
+
+def test_run_without_a_report_writes_none(workshop: Command) -> None:
+    assert workshop("run", "stop", "--no-report").status == 0
+    names = sorted(p.name for p in Path("build/reports").rglob("*") if p.is_file())
+    assert names == ["Synchronizer_in.csv", "Synchronizer_out.csv"]
+
+
+def test_the_printed_line_for_fmpy_runs_also_a_scenario_without_generated_files(workshop: Command) -> None:
+    (result,) = json.loads(workshop("run", "stop", "--no-report", "--json").out)
+    words = shlex.split(result["fmpy"])
+    fmpy = str(Path(sys.executable).with_name(words[0]))
+    subprocess.run([fmpy, *words[1:], "--output-variables", "slave.position"], check=True)
+    with Path("Synchronizer_out.csv").open(newline="") as f:
+        rows = {round(float(row["time"]), 6): float(row["slave.position"]) for row in csv.DictReader(f)}
+    assert rows[0.3] == pytest.approx(27.5, abs=1e-9)  # what the scenario expects
+
+
+class Loads(HTMLParser):
+    """Collects what a page would load from elsewhere, and its text."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[str] = []
+        self.words: list[str] = []
+        self.tag = ""
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tag = tag
+        self.found += [f"{tag} {k}={v}" for k, v in attrs if k in ("src", "href", "srcset", "data", "action", "poster")]
+        self.found += [f"{tag} {k}={v}" for k, v in attrs if k == "style" and "url(" in (v or "")]
+
+    def handle_endtag(self, tag: str) -> None:
+        self.tag = ""
+
+    def handle_data(self, data: str) -> None:
+        if self.tag == "style":
+            self.found += re.findall(r"@import.*|url\(.*", data)
+        elif self.tag != "script":
+            self.words += data.split()
+
+
+def test_the_report_is_one_self_contained_page(workshop: Command) -> None:
+    assert workshop("run", "stop").status == 0
+    folder = Path("build/reports/Synchronizer/stop")
+    assert sorted(p.name for p in folder.iterdir()) == ["Synchronizer_in.csv", "Synchronizer_out.csv", "report.html"]
+    page = Loads()
+    page.feed((folder / "report.html").read_text("utf-8"))
+    assert page.found == []
+    text = " ".join(page.words)
+    for part in ("A stop along a parabola", "By hand", "slave.position = 27.5", "synchronized == false", "rest_value"):
+        assert part in text
+
+
+def test_the_report_escapes_what_the_scenario_says(workshop: Command) -> None:
+    scenario("odd", STOP.replace("A stop along", "<img src='http://example.org'> & </script>"))
+    assert workshop("run", "odd").status == 0
+    page = Loads()
+    page.feed(Path("build/reports/Synchronizer/odd/report.html").read_text("utf-8"))
+    assert page.found == []
+    assert "<img src='http://example.org'> & </script> a parabola" in " ".join(page.words)
+
+
+def test_json_has_all_that_was_found_and_nothing_else_is_printed(workshop: Command) -> None:
+    Path("stop/Synchronizer_ref.csv").write_text('"time","slave.position"\n0.0,0.0\n0.1,10.0\n0.3,27.5\n0.5,30.0\n')
+    Path("stop/Synchronizer_ref.opt").write_text("StartTime, 0.0\nStopTime, 0.5\nStepSize, 0.01\nRelTol, 1e-9\n")
+    done = workshop("run", "stop", "--json", "--no-report")
+    assert (done.status, done.err) == (0, "")
+    (result,) = json.loads(done.out)
+    found = [e.pop("found") for e in result["expectations"]]
+    (deviation,) = result["reference"]
+    assert deviation.pop("max_difference") <= 3e-8
+    assert deviation.pop("at") in (0.0, 0.1, 0.3, 0.5)
+    assert result == {
+        "scenario": "stop",
+        "title": "A stop along a parabola",
+        "fmu": "Synchronizer",
+        "step_size": 0.01,
+        "passed": True,
+        "expectations": [
+            {"expected": "slave.position = 27.5 ± 1e-09 at 0.3 s", "passed": True},
+            {"expected": "slave.velocity = 50 ± 1e-09 at 0.3 s", "passed": True},
+            {"expected": "first synchronized == false at 0.4 s ± 0.01", "passed": True},
+            {"expected": "slave.velocity from 0 to 100 ± 1e-09 between 0 s and 0.5 s", "passed": True},
+        ],
+        "reference": [{"variable": "slave.position", "allowed": pytest.approx(3e-8), "passed": True}],
+        "cuts": [],
+        "messages": [],
+        "result": str(Path("build/reports/Synchronizer/stop/Synchronizer_out.csv")),
+        "report": None,
+        "fmpy": result["fmpy"],
+    }
+    assert found == ["27.5", "50", "0.4 s", "0 to 100"]
+
+
+def test_cuts_are_told_and_shown(workshop: Command) -> None:
+    """The slave is the master until 0.2 s: one cut, 0.5 mm before the mark."""
+    table = '\n[cuts]\nwhile = "syn_synchronized"\nlength = 20.0\noffset = 0.5\ntolerance = {}\n'
+    scenario("saw", STOP + table.format(0.6))
+    done = workshop("run", "saw")
+    assert (done.status, done.err) == (0, "")
+    assert "  cuts: 1, the worst 0.5 mm from its mark: cut 1, mark 0.5 mm\n" in done.out
+    assert "kept    cuts within 0.6 of a mark, one mark each 20: found at most 0.5 away\n" in done.out
+    page = Loads()
+    page.feed(Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8"))
+    assert page.found == []
+    text = " ".join(page.words)
+    assert "A cut each time syn_synchronized is true; a mark on the material each 20 mm, from 0.5 on" in text
+    assert re.search(r"cut from to mark error 1 0 s 0\.(19|2) s 0\.5 mm -0\.5 mm ", text)
+    scenario("saw", STOP + table.format(0.4))
+    done = workshop("run", "saw", "--json", "--no-report")
+    assert done.status == 1
+    (result,) = json.loads(done.out)
+    (cut,) = result["cuts"]
+    assert cut == pytest.approx({"begin": 0.0, "end": cut["end"], "mark": 0.5, "error": -0.5}, abs=1e-9)
+
+
+def test_a_run_without_a_cut_is_told(workshop: Command) -> None:
+    scenario("saw", STOP + '\n[cuts]\nwhile = "error"\nlength = 20.0\n')
+    done = workshop("run", "saw")
+    assert (done.status, done.err) == (0, "")
+    assert "  cuts: none\n" in done.out
+    assert "There was none." in Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8")
+
+
+def test_the_step_size_can_be_chosen(workshop: Command) -> None:
+    assert workshop("run", "stop", "--no-report", "--step-size", "0.007").status == 0
+    text = Path("build/reports/Synchronizer/stop/Synchronizer_out.csv").read_text()
+    times = [float(line.split(",")[0]) for line in text.splitlines()[1:]]
+    regular = {round(i * 0.007, 9) for i in range(72)}  # and where something is set, expected, or ends
+    assert {round(t, 9) for t in times} == regular | {0.1, 0.3, 0.5}
+
+
+def test_an_event_may_come_a_step_late_whatever_the_step_size(workshop: Command) -> None:
+    """An expectation without a tolerance allows one step, the run's."""
+    done = workshop("run", "stop", "--no-report", "--json", "--step-size", "0.16")
+    (result,) = json.loads(done.out)
+    assert result["step_size"] == 0.16
+    assert [e["found"] for e in result["expectations"] if e["expected"].startswith("first")] == ["0.48 s"]
+    assert (done.status, result["passed"]) == (0, True)
+
+
+def test_a_broken_expectation_is_exit_status_1(workshop: Command) -> None:
+    scenario("wrong", STOP.replace("= 27.5", "= 27.6").replace("time = 0.4\n", "time = 0.2\n"))
+    done = workshop("run", "wrong", "stop")
+    assert (done.status, done.err) == (1, "")
+    assert "(wrong): NOT as expected" in done.out
+    assert "(stop): as expected" in done.out
+    assert "broken  slave.position = 27.6 ± 1e-09 at 0.3 s: found 27.5\n" in done.out
+    assert "broken  first synchronized == false at 0.2 s ± 0.01: found 0.4 s\n" in done.out
+    assert "kept    slave.velocity = 50 ± 1e-09 at 0.3 s: found 50\n" in done.out
+    assert "broken" in Path("build/reports/Synchronizer/wrong/report.html").read_text("utf-8")
+
+
+def test_a_condition_that_never_holds_and_a_limit_that_is_passed_are_broken(workshop: Command) -> None:
+    changed = STOP.replace("synchronized == false", "slave.position > 31").replace("max = 100.0", "max = 99.0")
+    scenario("wrong", changed)
+    done = workshop("run", "wrong", "--json", "--no-report")
+    assert done.status == 1
+    (result,) = json.loads(done.out)
+    assert not result["passed"]
+    assert [(e["found"], e["passed"]) for e in result["expectations"][2:]] == [("never", False), ("0 to 100", False)]
+
+
+def test_a_deviation_from_the_reference_is_exit_status_1(workshop: Command) -> None:
+    Path("stop/Synchronizer_ref.csv").write_text('"time","slave.position"\n0.0,0.0\n0.1,9.0\n0.5,30.0\n')
+    Path("stop/Synchronizer_ref.opt").write_text("RelTol, 1e-9\n")
+    done = workshop("run", "stop", "--json", "--no-report")
+    assert done.status == 1
+    (result,) = json.loads(done.out)
+    assert result["passed"] is False
+    assert result["reference"] == [
+        {
+            "variable": "slave.position",
+            "max_difference": pytest.approx(1.0, abs=1e-9),
+            "at": 0.1,
+            "allowed": pytest.approx(3e-8),
+            "passed": False,
+        }
+    ]
+
+
+@pytest.mark.parametrize(
+    ("reference", "options", "part"),
+    [
+        ('"time","slave.place"\n0.0,0.0\n', "RelTol, 1e-9\n", "slave.place"),
+        ('"time","slave.position"\n0.0,zero\n', "RelTol, 1e-9\n", "Synchronizer_ref.csv"),
+        ('"time","slave.position"\n0.0\n', "RelTol, 1e-9\n", "Synchronizer_ref.csv"),
+        ("", "RelTol, 1e-9\n", "Synchronizer_ref.csv"),
+        ('"time","slave.position"\n', "RelTol, 1e-9\n", "Synchronizer_ref.csv"),
+        ('"time","slave.position"\n0.0,0.0\n', "StepSize, 1e-9\n", "RelTol"),
+        ('"time","slave.position"\n0.0,0.0\n', "RelTol 1e-9\n", "Synchronizer_ref"),
+    ],
+)
+def test_a_reference_that_cannot_be_used_is_one_line(
+    workshop: Command, reference: str, options: str, part: str
+) -> None:
+    Path("stop/Synchronizer_ref.csv").write_text(reference)
+    Path("stop/Synchronizer_ref.opt").write_text(options)
+    assert_one_line(workshop("run", "stop", "--no-report"), part)
+
+
+def test_a_missing_fmu_is_built_and_told(motionsync: Command) -> None:
+    scenario("stop")
+    fmu = Path("build/native/Synchronizer.fmu")
+    first = motionsync("run", "stop", "--no-report", "--json")
+    assert (first.status, first.err) == (0, f"{fmu} was missing: built\n")
+    assert json.loads(first.out)[0]["passed"]
+    second = motionsync("run", "stop", "--no-report")
+    assert (second.status, second.err) == (0, "")
+
+
+def test_a_stale_fmu_is_rebuilt_and_told(workshop: Command, built: Path) -> None:
+    fmu = Path("build/native/Synchronizer.fmu")
+    fresh = (built / "native/Synchronizer.fmu").read_bytes()
+    assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--output", "other").status == 0
+    for other in (the_fmu("other/native").read_bytes(), b"no FMU", fresh[:3000], b""):
+        fmu.write_bytes(other)
+        done = workshop("run", "stop", "--no-report")
+        assert (done.status, done.err) == (0, f"{fmu} was stale: built\n")
+        assert fmu.read_bytes() == fresh
+
+
+def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
+    scenario("stop")
+    Path("build/native/Synchronizer.fmu").mkdir(parents=True)
+    assert_one_line(motionsync("run", "stop"), str(Path("build/native/Synchronizer.fmu")))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (("nowhere",), ("nowhere", "no such file or folder")),
+        (("stop", "nowhere/scenario.toml"), (str(Path("nowhere/scenario.toml")), "no such file or folder")),
+        (("empty",), ("empty", "no scenario.toml")),
+        (("stop", "--step-size", "0"), ("--step-size 0", "> 0")),
+        (("stop", "--step-size", "-0.01"), ("--step-size -0.01", "> 0")),
+        (("stop", "--step-size", "0.6"), ("--step-size 0.6", "stop time")),
+        (("stop", "--step-size", "nan"), ("--step-size nan", "> 0")),
+        (("stop", "--step-size", "inf"), ("--step-size inf", "stop time")),
+        (("broken",), (str(Path("broken/scenario.toml:5")), "not TOML")),
+    ],
+)
+def test_a_mistake_in_run_is_one_line(workshop: Command, arguments: tuple[str, ...], parts: tuple[str, ...]) -> None:
+    Path("empty").mkdir()
+    scenario("broken", STOP.replace("step_size = 0.01", "step_size = "))
+    assert_one_line(workshop("run", *arguments), *parts)
+    assert not Path("build/reports").exists()
+
+
+def test_a_step_size_with_absurdly_many_steps_is_one_line(workshop: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli, "_run", lambda *_, **__: pytest.fail("it would take hours and all memory"))
+    assert_one_line(workshop("run", "stop", "--step-size", "1e-10"), "--step-size 1e-10", "steps")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [
+        ("at = 0.1\nstop = true", "at = 0.1\nrest_value = nan", ("at 0.1 s", "rest_value = nan")),
+        ("velocity = 100.0", "velocity = 1e13", ("at 0 s", "master.velocity = 1e+13")),
+    ],
+)
+def test_what_the_fmu_refuses_is_one_line(workshop: Command, old: str, new: str, parts: tuple[str, ...]) -> None:
+    file = scenario("refused", STOP.replace(old, new))
+    assert_one_line(workshop("run", "refused", "--no-report"), str(file), *parts)
+
+
+def test_titles_and_paths_are_shown_as_they_are(workshop: Command) -> None:
+    """What looks like markup is none."""
+    scenario("odd[b]", STOP.replace("A stop along", "[red] [/] [/x] \\\\[bold]"))
+    done = workshop("run", "odd[b]", "--no-report")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.startswith("[red] [/] [/x] \\[bold] a parabola (odd[b]): as expected\n")
+    listed = workshop("list", "--scenarios", "odd[b]")
+    assert listed.status == 0
+    assert "[red] [/] [/x]" in listed.out
+
+
+def test_a_scenario_run_from_its_own_folder_has_its_folders_name(
+    workshop: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.move("build", "stop/build")
+    monkeypatch.chdir("stop")
+    for path in (".", "scenario.toml"):
+        assert workshop("run", path, "--output", f"by {path}").status == 0
+        assert Path(f"by {path}/Synchronizer/stop/report.html").is_file()
+
+
+def test_scenarios_of_the_same_name_keep_their_own_results(workshop: Command) -> None:
+    for folder in ("a/stop", "b/stop"):
+        scenario(folder)
+    done = workshop("run", "a", "b", "--no-report", "--json")
+    if done.status == 2:  # to refuse it is as good
+        assert_one_line(done, "stop")
+    else:
+        assert len({result["result"] for result in json.loads(done.out)}) == 2
+
+
+# --- the console script itself ---
+
+
+def test_the_console_script_passes_exit_status_and_streams_on(built: Path, tmp_path: Path) -> None:
+    shutil.copytree(built, tmp_path / "build")
+    scenario(str(tmp_path / "stop"))
+    scenario(str(tmp_path / "wrong"), STOP.replace("= 27.5", "= 27.6"))
+    kept = process(tmp_path, "run", "stop", "--no-report", "--json")
+    assert (kept.status, kept.err) == (0, "")
+    assert json.loads(kept.out)[0]["passed"] is True
+    assert process(tmp_path, "run", "wrong", "--no-report").status == 1
+    assert_one_line(process(tmp_path, "run", "nowhere"), "nowhere")
+
+
+def test_a_terminal_that_cannot_show_a_sign_is_no_reason_to_fail(built: Path, tmp_path: Path) -> None:
+    shutil.copytree(built, tmp_path / "build")
+    scenario(str(tmp_path / "stop"), STOP.replace("A stop", "90° → a stop"))
+    done = process(tmp_path, "run", "stop", "--no-report", PYTHONIOENCODING="ascii")
+    assert (done.status, done.err) == (0, "")
+    assert "as expected" in done.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (["run"], "path"),
+        (["run", "x", "--step-size", "abc"], "--step-size"),
+        (["run", "x", "--flavour", "cobol"], "cobol"),
+        (["build", "--start"], "--start"),
+        (["bild"], "bild"),
+        (["build", "--colour"], "--colour"),
+    ],
+)
+def test_wrong_usage_is_one_line(arguments: list[str], part: str, tmp_path: Path) -> None:
+    assert_one_line(process(tmp_path, *arguments), part)
+
+
+def test_without_arguments_the_help_is_shown(tmp_path: Path) -> None:
+    done = process(tmp_path)
+    assert "Commands:" in done.out + done.err

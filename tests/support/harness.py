@@ -1,0 +1,123 @@
+"""A block along a scripted master that is exact at constant acceleration, for tests of the block alone."""
+
+from collections.abc import Iterable, Mapping
+from copy import copy, deepcopy
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any, ClassVar, Self
+
+from motionsync.master import MasterInput
+from motionsync_fmu.interface.variables import variables
+
+MOTION = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
+Row = dict[str, float]
+
+
+class Driven:
+    """A block and its master, which is at `place` with `speed` now; each `run` has one acceleration of the master.
+
+    Values are set between the runs: they act at the next one's beginning. A block's own class says which `TYPE` it
+    is, and what `rows` shows.
+    """
+
+    TYPE: ClassVar[type[Any]]
+    SHOWN: ClassVar[tuple[str, ...]] = MOTION
+
+    def __init__(
+        self,
+        values: Mapping[str, Any] | None = None,
+        *,
+        place: float = 0.0,
+        speed: float = 0.0,
+        mode: MasterInput = MasterInput.START_OF_STEP,
+    ) -> None:
+        self.block = self.TYPE()
+        self.cells = {v.name: v.cell for v in variables(self.block)}
+        self.place, self.speed, self.time = place, speed, 0.0
+        self.put({"master.input_mode": mode, **(values or {})})
+        self._show_master(place, speed, 0.0)
+        assert self.block.initialize() == 0
+        self.stepped()
+
+    def stepped(self) -> None:
+        """What a block's own class does after a step."""
+
+    def twin(self) -> Self:
+        """Another one in the same state."""
+        other = copy(self)
+        other.block = deepcopy(self.block)
+        other.cells = {name: replace(cell, owner=_owner(other.block, name)) for name, cell in self.cells.items()}
+        return other
+
+    def put(self, values: Mapping[str, Any]) -> Self:
+        for name, value in values.items():
+            self.cells[name].set(value)
+        return self
+
+    def run(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> Self:
+        """The master's acceleration for a time, cut into steps at these times since the run's beginning."""
+        self.rows(duration, acceleration=acceleration, cuts=cuts)
+        return self
+
+    def to(self, place: float, steps: int = 1) -> Self:
+        """On at the present speed until the master is there."""
+        duration = (place - self.place) / self.speed
+        self.run(duration, cuts=[i * duration / steps for i in range(1, steps)])
+        self.place = place
+        return self
+
+    def rows(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> dict[float, Row]:
+        """As `run`; what is shown at the steps' ends."""
+        place, speed, begin = self.place, self.speed, self.time
+        found = {}
+        for first, last in pairwise(sorted({0.0, duration, *(cut for cut in cuts if 0.0 < cut < duration)})):
+            seen = last if self.block.master.input_mode == MasterInput.END_OF_STEP else first
+            self._show_master(*moved(place, speed, acceleration, seen), acceleration)
+            assert self.block.step(last - first) == 0
+            self.stepped()
+            self.time = begin + last
+            self.place, self.speed = moved(place, speed, acceleration, last)
+            found[self.time] = self.read(self.SHOWN)
+        return found
+
+    def read(self, names: Iterable[str]) -> Row:
+        return {name: self.cells[name].get() for name in names}
+
+    def __getitem__(self, name: str) -> Any:
+        return self.cells[name].get()
+
+    @property
+    def slave(self) -> tuple[float, float, float]:
+        """Position, velocity and acceleration."""
+        slave = self.block.slave
+        return slave.position, slave.velocity, slave.acceleration
+
+    @property
+    def state(self) -> Any:
+        return self.block.state
+
+    def _show_master(self, place: float, speed: float, acceleration: float) -> None:
+        master = self.block.master
+        master.position = place % master.period if master.period > 0.0 else place
+        if master.input_mode != MasterInput.POSITION_ONLY:
+            master.velocity, master.acceleration = speed, acceleration
+
+
+def moved(place: float, speed: float, acceleration: float, time: float) -> tuple[float, float]:
+    """Place and speed after a time; a stop leaves no rounding error, which would be a motion."""
+    after = speed + acceleration * time
+    stopped = abs(after) < 1e-14 * abs(speed)
+    return place + (speed + 0.5 * acceleration * time) * time, 0.0 if stopped else after
+
+
+def grid(duration: float, h: float) -> list[float]:
+    """Cuts of a run into steps of h."""
+    return [i * h for i in range(1, int(duration / h) + 1)]
+
+
+def _owner(block: Any, name: str) -> Any:
+    """The part of the block in which the variable of that name lies."""
+    part: Any = block
+    for step in name.split(".")[:-1]:
+        part = getattr(part, step)
+    return part

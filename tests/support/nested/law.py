@@ -1,0 +1,14 @@
+"""How far the slave may go: a module that takes from its own package and from the one above."""
+
+from ..cosine import cosine
+from ..limits import clamp
+
+FARTHEST = 1e9
+
+
+def limited(position: float, limit: float) -> float:
+    return clamp(position, -FARTHEST, min(limit, FARTHEST))
+
+
+def slanted(degrees: float) -> float:
+    return 1.0 / cosine(degrees)
