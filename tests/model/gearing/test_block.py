@@ -6,11 +6,11 @@ from typing import Any
 import pytest
 
 from motionsync.gearing.block import Gearing
-from motionsync.gearing.choices import StartMode, State, StopMode, Transition
-from motionsync.gearing.curves import into, out
+from motionsync.gearing.curves import gear_in_curve, gear_out_curve
 from motionsync.gearing.faults import Fault, Refusal
-from motionsync.gearing.line import Line, ahead, direction_of
-from motionsync.grid import nearest
+from motionsync.gearing.interface import StartMode, State, StopMode, Transition
+from motionsync.gearing.line import Line, direction_of
+from motionsync.grid import first_ahead, nearest
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.variables import variables
 from tests.model.gearing.harness import Gear
@@ -47,14 +47,14 @@ def in_gear(*, place: float = 0.0, speed: float = 10.0, **values: Any) -> Gear:
 
 
 def test_the_curve_on_to_the_line_and_the_one_off_it() -> None:
-    assert into(0.0, 8.0) == (0.0, 0.0, 0.0, 6.0 / 64.0)
-    assert into(4.0, 8.0) == (0.75, 0.5, 1.5 / 8.0, 0.0)  # 8 (1/8 - 1/32), 3/4 - 1/4, 6 (1/2 - 1/4)
-    assert into(8.0, 8.0) == (4.0, 1.0, 0.0, -6.0 / 64.0)
-    assert out(0.0, 8.0) == (0.0, 1.0, 0.0, -6.0 / 64.0)
-    assert out(4.0, 8.0) == (3.25, 0.5, -1.5 / 8.0, 0.0)
-    assert out(8.0, 8.0) == (4.0, 0.0, 0.0, 6.0 / 64.0)
-    assert into(9.0, 8.0)[0] == out(9.0, 8.0)[0] == 4.0
-    assert into(-1.0, 8.0)[0] == out(-1.0, 8.0)[0] == 0.0
+    assert gear_in_curve(0.0, 8.0) == (0.0, 0.0, 0.0, 6.0 / 64.0)
+    assert gear_in_curve(4.0, 8.0) == (0.75, 0.5, 1.5 / 8.0, 0.0)  # 8 (1/8 - 1/32), 3/4 - 1/4, 6 (1/2 - 1/4)
+    assert gear_in_curve(8.0, 8.0) == (4.0, 1.0, 0.0, -6.0 / 64.0)
+    assert gear_out_curve(0.0, 8.0) == (0.0, 1.0, 0.0, -6.0 / 64.0)
+    assert gear_out_curve(4.0, 8.0) == (3.25, 0.5, -1.5 / 8.0, 0.0)
+    assert gear_out_curve(8.0, 8.0) == (4.0, 0.0, 0.0, 6.0 / 64.0)
+    assert gear_in_curve(9.0, 8.0)[0] == gear_out_curve(9.0, 8.0)[0] == 4.0
+    assert gear_in_curve(-1.0, 8.0)[0] == gear_out_curve(-1.0, 8.0)[0] == 0.0
 
 
 def test_the_line_reckons_numerator_first() -> None:
@@ -64,10 +64,10 @@ def test_the_line_reckons_numerator_first() -> None:
 
 
 def test_places_on_a_grid() -> None:
-    assert [ahead(1.0, 10.0, 1.0, x, True) for x in (1.0, 1.1, 11.0, -8.9)] == [1.0, 11.0, 11.0, 1.0]
-    assert [ahead(1.0, 10.0, -1.0, x, True) for x in (1.0, 0.9, 11.0, -8.9)] == [1.0, -9.0, 11.0, -9.0]
-    assert [ahead(1.0, 10.0, way, 1.0, False) for way in (1.0, -1.0)] == [11.0, -9.0]
-    assert ahead(1.0, 0.0, 1.0, 5.0, True) == 1.0
+    assert [first_ahead(1.0, 10.0, 1.0, x, True) for x in (1.0, 1.1, 11.0, -8.9)] == [1.0, 11.0, 11.0, 1.0]
+    assert [first_ahead(1.0, 10.0, -1.0, x, True) for x in (1.0, 0.9, 11.0, -8.9)] == [1.0, -9.0, 11.0, -9.0]
+    assert [first_ahead(1.0, 10.0, way, 1.0, False) for way in (1.0, -1.0)] == [11.0, -9.0]
+    assert first_ahead(1.0, 0.0, 1.0, 5.0, True) == 1.0
     assert [nearest(1.0, 10.0, x) for x in (5.9, 6.1, -4.1)] == [1.0, 11.0, -9.0]
     assert nearest(1.0, 0.0, 99.0) == 1.0
 

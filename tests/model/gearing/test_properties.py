@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from motionsync.gearing.block import Gearing
-from motionsync.gearing.choices import StartMode, State, StopMode, Transition
+from motionsync.gearing.interface import StartMode, State, StopMode, Transition
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.variables import cells, variables
 from tests.model.gearing.harness import Gear
