@@ -17,8 +17,8 @@ from motionsync.follower.course import Stage
 from motionsync.gearing import faults as gearing_faults
 from motionsync.gearing import interface as gearing
 from motionsync.gearing.block import Gearing
-from motionsync.gearing.block import Stage as GearingStage
 from motionsync.gearing.order import Aim
+from motionsync.gearing.stage import Stage as GearingStage
 from motionsync.master import MasterInput
 from motionsync.remote_sync import block as remote_sync
 from motionsync.remote_sync import faults as remote_sync_faults

@@ -11,31 +11,18 @@ from ..grid import ROUNDING, first_ahead, grid_tolerance, nearest, rounding, wra
 from ..laws import chain_rule
 from ..limits import clamp
 from ..slave import Edge
-from ..var import LARGEST_INPUT, Enumeration
-from .curves import SAME_TIME, TimeCurve, gear_in_curve, gear_out_curve
+from ..var import LARGEST_INPUT
+from .curves import SAME_TIME, MasterCurve, TimeCurve, gear_in_curve, gear_out_curve
 from .faults import Fault, Refusal
 from .interface import GearingInterface, Ratio, State, Transition
 from .line import Line, direction_of
 from .order import Aim, Order, gear_in_fault, gear_out_fault, ratio_fault, transition_fault
+from .stage import Stage, state_of
 
 STANDING = 1e-13  # of the speed in a step: what rounding leaves of a velocity that comes to 0
 ON_LINE = 1e-9  # of the master's position, at least of 1 u: so near to the line the slave is on it
 FARTHEST = 1e25  # u: the master never comes so far; a period beyond it is none
 EVENTS = 16  # in a monotone piece of the master's path there are eight at most
-
-
-class Stage(Enumeration):
-    """What drives the slave"""
-
-    STOPPED = 0, "nothing: the slave rests"
-    FROZEN = 1, "nothing: the slave rests where it was when the block was deactivated"
-    WAITING_FOR_START = 2, "nothing: the slave rests until the condition of the engagement is met"
-    GEAR_IN_MASTER_BASED = 3, "a curve over the master's position, from rest on to the line"
-    GEAR_IN_TIME_BASED = 4, "the line, and a curve in time that takes the slave's distance from the line to 0"
-    ACTIVE = 5, "the line"
-    WAITING_FOR_STOP = 6, "the line, until the condition of the disengagement is met"
-    GEAR_OUT_MASTER_BASED = 7, "a curve over the master's position, from the line to rest"
-    GEAR_OUT_TIME_BASED = 8, "a curve in time, from the slave's motion to rest"
 
 
 @dataclass(slots=True)
@@ -70,9 +57,8 @@ class Gearing(GearingInterface):
     synchronous_slave: float = 0.0
 
     # The transition under way. Positions of the slave are unwrapped.
+    master_curve: MasterCurve = var.part(MasterCurve)
     time_curve: TimeCurve = var.part(TimeCurve)
-    transition_direction: float = 0.0  # of the master; 0: the master has not moved yet
-    trigger: float = 0.0  # the master's position at which the transition begins, u
     trigger_kept: bool = False  # a direct transition that has fallen back waits for its own trigger
     begin_position: float = 0.0  # the slave's at the transition's beginning, u
     target_position: float = 0.0  # where the slave comes to rest after the transition, u
@@ -166,10 +152,10 @@ class Gearing(GearingInterface):
                 self.use_ratio()
                 self.lay_known_line()
             case Stage.GEAR_IN_MASTER_BASED:
-                travel, _, _, _ = gear_in_curve(self.transition_travel(self.place_now), self.order_in.distance)
-                before = self.line.scaled(self.transition_direction * travel)
+                travel, _, _, _ = gear_in_curve(self.master_curve.travel(self.place_now), self.master_curve.distance)
+                before = self.line.scaled(self.master_curve.direction * travel)
                 self.use_ratio()
-                self.begin_position += before - self.line.scaled(self.transition_direction * travel)
+                self.begin_position += before - self.line.scaled(self.master_curve.direction * travel)
                 self.line.slave = self.begin_position
                 self.set_line_offset()
             case _:
@@ -293,7 +279,7 @@ class Gearing(GearingInterface):
 
     def enter_frozen(self) -> None:
         """The slave rests at `rest_position`; the state that is shown stays."""
-        self.state_when_frozen = self.shown_state()
+        self.state_when_frozen = state_of(self.stage, self.state_when_frozen)
         self.stage = Stage.FROZEN
 
     def enter_waiting_for_start(self, trigger_kept: bool) -> None:
@@ -397,16 +383,15 @@ class Gearing(GearingInterface):
 
     def continue_synchronized(self) -> None:
         """In gear at once, without a transition, on the line of the synchronous point."""
-        self.trigger = self.nearest_reference()
-        self.line.lay_through(self.trigger, self.rest_position)
+        self.master_curve.trigger = self.nearest_reference()
+        self.line.lay_through(self.master_curve.trigger, self.rest_position)
         self.enter_active()
 
     def begin_gear_in_here(self, direction: float) -> None:
         """The condition of a direct or time-based engagement is met here; the slave is as it was set last."""
-        self.transition_direction = direction
-        self.trigger = self.place_now
+        self.master_curve.begin(self.place_now, direction, self.order_in.distance)
         self.begin_position = self.unwrapped_position
-        reference = self.place_now + direction * (0.5 * self.order_in.distance)
+        reference = self.place_now + self.master_curve.half()
         if self.order_in.aim != Aim.DIRECT:
             reference = first_ahead(
                 self.reference_position(self.unwrapped_position),
@@ -469,8 +454,7 @@ class Gearing(GearingInterface):
 
     def begin_gear_out_here(self, direction: float) -> None:
         """The condition of a direct or time-based disengagement is met here; the slave is as it was set last."""
-        self.transition_direction = direction
-        self.trigger = self.place_now
+        self.master_curve.begin(self.place_now, direction, self.order_out.distance)
         self.begin_position = self.unwrapped_position
         self.target_position = self.unwrapped_position
         if self.order_out.aim == Aim.POSITION:
@@ -575,23 +559,23 @@ class Gearing(GearingInterface):
         self.go_to_trigger(self.order_in, piece)
         self.set_slave_here()
         self.begin_position = self.rest_position
-        self.line.lay_through(self.trigger + direction * (0.5 * self.order_in.distance), self.rest_position)
+        self.line.lay_through(self.master_curve.trigger + self.master_curve.half(), self.rest_position)
         self.begin_gear_in()
         return True
 
     def try_event_gear_in_master_based(self, piece: int, end: float) -> bool:
         """On the curve to the line: its end is reached, or the master goes back before its beginning."""
-        distance = self.order_in.distance
+        curve = self.master_curve
         if self.is_first_motion(end):
-            self.transition_direction = direction_of(end - self.trigger, 0.0)
-            self.line.master = self.trigger + self.transition_direction * (0.5 * distance)
+            curve.direction = direction_of(end - curve.trigger, 0.0)
+            self.line.master = curve.trigger + curve.half()
             self.set_line_offset()
-        if self.is_beyond_curve(end, distance):
-            self.go_to(piece, self.curve_end(distance))
+        if curve.is_reached_at(end):
+            self.go_to(piece, curve.end())
             self.enter_active()
             return True
-        if self.is_before_curve(end, distance):
-            self.go_to(piece, self.trigger)
+        if curve.is_left_at(end):
+            self.go_to(piece, curve.trigger)
             self.fall_back_to_rest()
             return True
         return False
@@ -625,8 +609,8 @@ class Gearing(GearingInterface):
         if not self.crosses_trigger(self.order_out, piece, end):
             return False
         self.go_to_trigger(self.order_out, piece)
-        half = self.line.scaled(direction * (0.5 * self.order_out.distance))
-        self.begin_position = self.line.at(self.trigger)
+        half = self.line.scaled(self.master_curve.half())
+        self.begin_position = self.line.at(self.master_curve.trigger)
         self.target_position = self.begin_position + half
         if self.order_out.aim == Aim.POSITION:
             self.target_position = nearest(self.order_out.position, self.slave.period, self.target_position)
@@ -636,18 +620,17 @@ class Gearing(GearingInterface):
 
     def try_event_gear_out_master_based(self, piece: int, end: float) -> bool:
         """On the curve to rest: its end is reached, or the master goes back before its beginning."""
-        distance = self.order_out.distance
+        curve = self.master_curve
         if self.is_first_motion(end):
-            self.transition_direction = direction_of(end - self.trigger, 0.0)
-        if self.is_beyond_curve(end, distance):
-            self.go_to(piece, self.curve_end(distance))
+            curve.direction = direction_of(end - curve.trigger, 0.0)
+        if curve.is_reached_at(end):
+            self.go_to(piece, curve.end())
             if self.order_out.aim == Aim.DIRECT:
-                half = self.line.scaled(self.transition_direction * (0.5 * distance))
-                self.target_position = self.begin_position + half
+                self.target_position = self.begin_position + self.line.scaled(curve.half())
             self.come_to_rest()
             return True
-        if self.is_before_curve(end, distance):
-            self.go_to(piece, self.trigger)
+        if curve.is_left_at(end):
+            self.go_to(piece, curve.trigger)
             self.fall_back_to_line()
             return True
         return False
@@ -710,7 +693,7 @@ class Gearing(GearingInterface):
         there is but one."""
         half = direction * (0.5 * order.distance)
         if self.trigger_kept:
-            return self.trigger, self.occurrence_spacing()
+            return self.master_curve.trigger, self.occurrence_spacing()
         if self.stage == Stage.WAITING_FOR_START:
             return self.reference_position(self.rest_position) - half, self.occurrence_spacing()
         stop = self.line.master + self.line.unscaled(order.position - self.line.slave)
@@ -731,7 +714,7 @@ class Gearing(GearingInterface):
 
         The master may begin on the trigger, unless it has come there from beyond, and may end on it, if it goes on."""
         direction = self.direction_in(piece)
-        if not order.allows(direction) or (self.trigger_kept and direction != self.transition_direction):
+        if not order.allows(direction) or (self.trigger_kept and direction != self.master_curve.direction):
             return False
         base, spacing = self.triggers(order, direction)
         trigger = self.next_trigger(order, direction, self.place_now)
@@ -745,35 +728,16 @@ class Gearing(GearingInterface):
 
     def go_to_trigger(self, order: Order, piece: int) -> None:
         """To the next trigger, which lies on the piece: the transition begins there."""
-        self.transition_direction = self.direction_in(piece)
-        self.trigger = self.next_trigger(order, self.transition_direction, self.place_now)
-        self.go_to(piece, self.trigger)
+        direction = self.direction_in(piece)
+        self.master_curve.begin(self.next_trigger(order, direction, self.place_now), direction, order.distance)
+        self.go_to(piece, self.master_curve.trigger)
 
     # --- a transition under way ---
-
-    def transition_travel(self, place: float) -> float:
-        """What the master has travelled since the trigger, u, when it is at this place; negative: it is before it."""
-        return self.transition_direction * (place - self.trigger)
 
     def is_first_motion(self, end: float) -> bool:
         """Whether a master-based transition that began at rest gets its direction now, from the master's first motion,
         which leads to `end`."""
-        return self.transition_direction == 0.0 and not self.is_same_place(end, self.trigger)
-
-    def curve_end(self, distance: float) -> float:
-        """The master's position at the end of a master-based transition over this distance."""
-        return self.trigger + self.transition_direction * distance
-
-    def is_beyond_curve(self, end: float, distance: float) -> bool:
-        """Whether a piece that leads to `end` reaches the end of a master-based transition over this distance."""
-        finish = self.curve_end(distance)
-        margin = grid_tolerance(finish, distance, end)
-        return self.transition_direction * (end - finish) >= -margin and self.transition_direction != 0.0
-
-    def is_before_curve(self, end: float, distance: float) -> bool:
-        """Whether a piece that leads to `end` leads back before the trigger of a master-based transition."""
-        margin = grid_tolerance(self.curve_end(distance), distance, end)
-        return self.transition_travel(end) < -margin
+        return self.master_curve.direction == 0.0 and not self.is_same_place(end, self.master_curve.trigger)
 
     def is_time_over_in(self, piece: int) -> bool:
         """Whether the time of a time-based transition is over at the end of the piece; the input correction takes no
@@ -805,7 +769,7 @@ class Gearing(GearingInterface):
         before = self.master.end
         self.master.rebase()
         turned = before - self.master.end
-        self.trigger -= turned
+        self.master_curve.trigger -= turned
         if geared:
             self.line.slave += self.line.scaled(turned)
         if period > 0.0:
@@ -829,7 +793,7 @@ class Gearing(GearingInterface):
             case Stage.STOPPED | Stage.FROZEN | Stage.WAITING_FOR_START:
                 self.put_slave(self.rest_position, 0.0, 0.0, 0.0)
             case Stage.GEAR_IN_MASTER_BASED:
-                travel, d1, d2, d3 = gear_in_curve(self.transition_travel(place), self.order_in.distance)
+                travel, d1, d2, d3 = gear_in_curve(self.master_curve.travel(place), self.master_curve.distance)
                 self.put_slave_on_curve(travel, d1, d2, d3, velocity, acceleration)
             case Stage.GEAR_IN_TIME_BASED:
                 self.put_slave_joining_line(time, place, velocity, acceleration)
@@ -837,7 +801,7 @@ class Gearing(GearingInterface):
                 line = self.line
                 self.put_slave(line.at(place), line.scaled(velocity), line.scaled(acceleration), 0.0)
             case Stage.GEAR_OUT_MASTER_BASED:
-                travel, d1, d2, d3 = gear_out_curve(self.transition_travel(place), self.order_out.distance)
+                travel, d1, d2, d3 = gear_out_curve(self.master_curve.travel(place), self.master_curve.distance)
                 self.put_slave_on_curve(travel, d1, d2, d3, velocity, acceleration)
             case Stage.GEAR_OUT_TIME_BASED:
                 position, v, a, j = self.time_curve.at(time)
@@ -849,8 +813,8 @@ class Gearing(GearingInterface):
         """On a curve over the master's travel since the trigger, with the master moving so.
 
         travel, d1, d2, d3: what the curve makes of the master's travel, u, and its derivatives by it."""
-        v, a, j = chain_rule(d1, self.transition_direction * d2, d3, velocity, acceleration)
-        position = self.begin_position + self.line.scaled(self.transition_direction * travel)
+        v, a, j = chain_rule(d1, self.master_curve.direction * d2, d3, velocity, acceleration)
+        position = self.begin_position + self.line.scaled(self.master_curve.direction * travel)
         self.put_slave(position, self.line.scaled(v), self.line.scaled(a), self.line.scaled(j))
 
     def put_slave_joining_line(self, time: float, place: float, velocity: float, acceleration: float) -> None:
@@ -873,7 +837,7 @@ class Gearing(GearingInterface):
 
     def show(self) -> None:
         """Derive what else is put out at the step's end; while FROZEN, progress and trigger stay as they were."""
-        self.state = self.shown_state()
+        self.state = state_of(self.stage, self.state_when_frozen)
         self.state_code = self.state
         self.in_gear = self.state == State.ACTIVE
         self.error = self.error_id != Fault.NONE
@@ -881,33 +845,11 @@ class Gearing(GearingInterface):
             self.local.progress = self.transition_progress()
             self.local.trigger_position = wrap(self.shown_trigger(), self.master.period)
 
-    def shown_state(self) -> State:
-        """The state for the outside. A deactivated block goes on showing the one that it had."""
-        state = State.STOPPED
-        match self.stage:
-            case Stage.STOPPED:
-                pass
-            case Stage.FROZEN:
-                state = self.state_when_frozen
-            case Stage.WAITING_FOR_START:
-                state = State.WAITING_FOR_STARTPOSITION
-            case Stage.GEAR_IN_MASTER_BASED | Stage.GEAR_IN_TIME_BASED:
-                state = State.GEAR_IN
-            case Stage.ACTIVE:
-                state = State.ACTIVE
-            case Stage.WAITING_FOR_STOP:
-                state = State.WAITING_FOR_STOPPOSITION
-            case Stage.GEAR_OUT_MASTER_BASED | Stage.GEAR_OUT_TIME_BASED:
-                state = State.GEAR_OUT
-        return state
-
     def transition_progress(self) -> float:
         """The share of the transition that is done at the step's end: 1 in gear, 0 at rest and while waiting."""
         match self.stage:
-            case Stage.GEAR_IN_MASTER_BASED:
-                return clamp(self.transition_travel(self.master.end) / self.order_in.distance, 0.0, 1.0)
-            case Stage.GEAR_OUT_MASTER_BASED:
-                return clamp(self.transition_travel(self.master.end) / self.order_out.distance, 0.0, 1.0)
+            case Stage.GEAR_IN_MASTER_BASED | Stage.GEAR_OUT_MASTER_BASED:
+                return self.master_curve.progress(self.master.end)
             case Stage.GEAR_IN_TIME_BASED | Stage.GEAR_OUT_TIME_BASED:
                 return self.time_curve.progress()
             case Stage.ACTIVE:
@@ -923,19 +865,19 @@ class Gearing(GearingInterface):
             case Stage.WAITING_FOR_STOP:
                 return self.awaited_trigger(self.order_out)
             case _:
-                return self.trigger
+                return self.master_curve.trigger
 
     def awaited_trigger(self, order: Order) -> float:
         """The next trigger of a waiting order, seen from the step's end; the last trigger if it waits for a motion."""
         if self.begins_by_motion(order):
-            return self.trigger
+            return self.master_curve.trigger
         return self.next_trigger(order, self.expected_direction(order), self.master.end)
 
     def expected_direction(self, order: Order) -> float:
         """In which direction, 1 or -1, the master is expected to cross a waiting order's trigger: in that of
         its motion, if the order allows it."""
         if self.trigger_kept:
-            return self.transition_direction
+            return self.master_curve.direction
         direction = direction_of(self.master.end_velocity, self.master.end_acceleration)
         if direction == 0.0:
             direction = self.last_direction

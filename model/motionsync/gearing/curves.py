@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
+from ..grid import grid_tolerance
 from ..laws import Quintic, half_ramp, half_ramp_mirrored
 from ..limits import clamp
 
@@ -25,6 +26,51 @@ def gear_out_curve(travel: float, distance: float) -> tuple[float, float, float,
     """The mirror of `gear_in_curve`: from a line of slope 1 to rest, distance (x - x^3 + x^4 / 2)."""
     q, q1, q2, q3 = half_ramp_mirrored(clamp(travel / distance, 0.0, 1.0))
     return distance * q, q1, q2 / distance, q3 / distance / distance
+
+
+@dataclass(slots=True)
+class MasterCurve:
+    """Where a transition lies on the master's axis. The curve itself is `gear_in_curve` or `gear_out_curve`.
+
+    - trigger: the master's position at which the transition begins, u.
+    - direction: in which direction the master travels through it, 1 or -1; 0 while a master that was at rest at the
+      trigger has not moved yet.
+    - distance: how far the master travels through it, u, >= 0; a transition that is not master-based has none.
+    """
+
+    trigger: float = 0.0
+    direction: float = 0.0
+    distance: float = 0.0
+
+    def begin(self, trigger: float, direction: float, distance: float) -> None:
+        self.trigger = trigger
+        self.direction = direction
+        self.distance = distance
+
+    def travel(self, place: float) -> float:
+        """What the master has travelled since the trigger, u, when it is at `place`; negative: it is before it."""
+        return self.direction * (place - self.trigger)
+
+    def half(self) -> float:
+        """The master's signed travel over half of the distance, u: in all the slave travels what is geared to it."""
+        return self.direction * (0.5 * self.distance)
+
+    def end(self) -> float:
+        """The master's position at the end, u."""
+        return self.trigger + self.direction * self.distance
+
+    def is_reached_at(self, place: float) -> bool:
+        """Whether a master at `place`, u, has reached the end, but for rounding."""
+        margin = grid_tolerance(self.end(), self.distance, place)
+        return self.direction * (place - self.end()) >= -margin and self.direction != 0.0
+
+    def is_left_at(self, place: float) -> bool:
+        """Whether a master at `place`, u, has gone back before the trigger, by more than rounding."""
+        return self.travel(place) < -grid_tolerance(self.end(), self.distance, place)
+
+    def progress(self, place: float) -> float:
+        """The share of the distance, > 0, that a master at `place` has travelled, 0 to 1."""
+        return clamp(self.travel(place) / self.distance, 0.0, 1.0)
 
 
 @dataclass(slots=True)
