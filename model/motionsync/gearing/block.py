@@ -1,7 +1,6 @@
 """Gearing: a slave geared to a master by a whole-number ratio, engaged and disengaged by one level signal.
 
-Source: MOVIKIT gearing; its mechanism with a reference position. The README beside this file says what was decided
-where the source is silent.
+Source: MOVIKIT gearing; its mechanism with a reference position. README.md says what is decided where it is silent.
 """
 
 from dataclasses import dataclass
@@ -114,7 +113,7 @@ class Gearing(GearingInterface):
         for piece in range(1, self.master.path.pieces):
             self.travel(piece)
         self.time_curve.advance(h)
-        self.rebase()  # before the setpoint is computed, which then has its last bits
+        self.rebase()  # before the setpoint is computed: from smaller positions it has more of its last bits
         self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
         return Refusal.NONE
@@ -130,7 +129,8 @@ class Gearing(GearingInterface):
         self.obey_synchronous_point()
 
     def obey_ratio(self) -> None:
-        """A change of the ratio acts at once in gear, on the way there and while waiting; else at the engagement."""
+        """A changed ratio acts at once while the slave is on the line, is on its way there, or waits. Else it acts at
+        the next engagement."""
         before = self.ratio_before
         if before.numerator == self.gearing.numerator and before.denominator == self.gearing.denominator:
             return
@@ -229,7 +229,7 @@ class Gearing(GearingInterface):
                 pass
 
     def take_back_queued_edge(self) -> None:
-        """The contrary edge to one that waits for the end of a transition: neither of them acts."""
+        """If an edge waits for the end of the transition, the contrary edge takes it back: neither of them acts."""
         if self.edge_queued:
             self.edge_queued = False
             self.error_id = Fault.NONE
@@ -365,14 +365,14 @@ class Gearing(GearingInterface):
         return self.order_in.position
 
     def lay_known_line(self) -> None:
-        """At rest: the line, where a position or the synchronous point makes it known beforehand."""
+        """At rest: lay the line if the order tells it beforehand, by a position or by the synchronous point."""
         if self.order_in.aim != Aim.DIRECT:
             self.line.lay_through(self.reference_position(self.rest_position), self.rest_position)
             self.set_line_offset()
 
     def is_on_synchronous_line(self) -> bool:
-        """Whether the slave can continue at once: at rest, but on the line of the synchronous point already, and no
-        transition is ordered."""
+        """Whether the slave, at rest, is on the line of the synchronous point already, and no transition is ordered:
+        then it is in gear at once."""
         if self.order_in.aim != Aim.SYNCHRONOUS_POINT or self.order_in.transition != Transition.NONE:
             return False
         return abs(self.place_now - self.nearest_reference()) <= ON_LINE * max(1.0, abs(self.place_now))
@@ -382,7 +382,7 @@ class Gearing(GearingInterface):
         return nearest(self.reference_position(self.rest_position), self.occurrence_spacing(), self.place_now)
 
     def continue_synchronized(self) -> None:
-        """In gear at once, without a transition, on the line of the synchronous point."""
+        """The slave, at rest, is in gear on the line of the synchronous point."""
         self.master_curve.trigger = self.nearest_reference()
         self.line.lay_through(self.master_curve.trigger, self.rest_position)
         self.enter_active()
@@ -415,7 +415,8 @@ class Gearing(GearingInterface):
                 self.enter_active()
 
     def fall_back_to_rest(self) -> None:
-        """The master has gone back before the trigger: a disengagement that waits is carried out thereby."""
+        """The master has gone back before the trigger: the slave rests where the transition began. A falling edge that
+        waits has nothing left to do."""
         self.rest_position = self.begin_position
         if self.edge_queued:
             self.enter_stopped()
@@ -480,7 +481,7 @@ class Gearing(GearingInterface):
                 self.come_to_rest()
 
     def come_to_rest(self) -> None:
-        """The slave rests at the target. With a period the stop position is exact in whatever turn it is."""
+        """The slave rests at the target. With a period that is the stop position itself, without whole turns."""
         self.rest_position = self.target_position
         if self.order_out.aim == Aim.POSITION and self.slave.period > 0.0:
             self.rest_position = wrap(self.order_out.position, self.slave.period)
@@ -488,7 +489,8 @@ class Gearing(GearingInterface):
         self.enter_stopped()
 
     def fall_back_to_line(self) -> None:
-        """The master has gone back before the trigger: an engagement that waits is carried out thereby."""
+        """The master has gone back before the trigger: the slave is on the line. A rising edge that waits puts it in
+        gear."""
         if self.edge_queued:
             self.take_back_queued_edge()
             self.enter_active()
@@ -818,7 +820,7 @@ class Gearing(GearingInterface):
         self.put_slave(position, self.line.scaled(v), self.line.scaled(a), self.line.scaled(j))
 
     def put_slave_joining_line(self, time: float, place: float, velocity: float, acceleration: float) -> None:
-        """The line's motion, and what still lacks to it."""
+        """On the way to the line in time: the line's motion, and what the slave still lacks to it."""
         e, e1, e2, e3 = self.time_curve.at(time)
         line = self.line
         self.put_slave(line.at(place) + e, line.scaled(velocity) + e1, line.scaled(acceleration) + e2, e3)
@@ -831,7 +833,7 @@ class Gearing(GearingInterface):
     # --- what is put out ---
 
     def set_line_offset(self) -> None:
-        """Put out where the line lies; it stays until the line is laid anew."""
+        """Put out where the line lies; the output stays until the line is laid anew."""
         master = wrap(self.line.master, self.master.period)
         self.local.line_offset = wrap(self.line.slave, self.slave.period) - self.line.scaled(master)
 
