@@ -10,8 +10,8 @@ from typing import Any
 from motionsync.flying_saw.block import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.follower.block import State as FollowerState
-from motionsync.gearing.choices import StartMode, StopMode, Transition
-from motionsync.gearing.choices import State as GearingState
+from motionsync.gearing.interface import StartMode, StopMode, Transition
+from motionsync.gearing.interface import State as GearingState
 from motionsync.master import MasterInput
 from motionsync.remote_sync.blending import Mode
 from motionsync.remote_sync.block import Estimator, StartUpMode

@@ -14,9 +14,11 @@ from motionsync.follower import block as follower
 from motionsync.follower import faults as follower_faults
 from motionsync.follower.block import Follower
 from motionsync.follower.course import Stage
-from motionsync.gearing import choices as gearing
 from motionsync.gearing import faults as gearing_faults
+from motionsync.gearing import interface as gearing
 from motionsync.gearing.block import Gearing
+from motionsync.gearing.order import Aim
+from motionsync.gearing.stage import Stage as GearingStage
 from motionsync.master import MasterInput
 from motionsync.remote_sync import block as remote_sync
 from motionsync.remote_sync import faults as remote_sync_faults
@@ -73,8 +75,8 @@ def _gearing(block: Gearing) -> set[Any]:
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
         ("manoeuvre", block.state, order.aim, order.transition),
-        ("inactive", block.state if block.frozen else None),
-        ("pending", block.state if block.pending else None),
+        ("inactive", block.state if block.stage == GearingStage.FROZEN else None),
+        ("queued edge", block.state if block.edge_queued else None),
     }
 
 
@@ -102,15 +104,15 @@ def _remote_sync(block: RemoteSync) -> set[Any]:
 
 # What the gearing may be about in the states of a manoeuvre; without transition the latter two are over at once.
 MANOEUVRES = {
-    gearing.State.WAITING_FOR_STARTPOSITION: tuple(gearing.Aim),
-    gearing.State.WAITING_FOR_STOPPOSITION: (gearing.Aim.DIRECT, gearing.Aim.POSITION),
-    gearing.State.GEAR_IN: tuple(gearing.Aim),
-    gearing.State.GEAR_OUT: (gearing.Aim.DIRECT, gearing.Aim.POSITION),
+    gearing.State.WAITING_FOR_STARTPOSITION: tuple(Aim),
+    gearing.State.WAITING_FOR_STOPPOSITION: (Aim.DIRECT, Aim.POSITION),
+    gearing.State.GEAR_IN: tuple(Aim),
+    gearing.State.GEAR_OUT: (Aim.DIRECT, Aim.POSITION),
 }
 AT_ONCE = {
     ("manoeuvre", state, aim, gearing.Transition.NONE)
     for state in (gearing.State.GEAR_IN, gearing.State.GEAR_OUT)
-    for aim in gearing.Aim
+    for aim in Aim
 }
 # The follower's faults that are not rare.
 FOLLOWER_OFTEN = (
@@ -158,7 +160,7 @@ DRIVES: dict[str, Drive] = {
                 *(("mode", mode) for mode in MasterInput),
                 *(("fault", fault) for fault in gearing_faults.Fault),
                 *(("inactive", state) for state in gearing.State),
-                *(("pending", state) for state in (gearing.State.GEAR_IN, gearing.State.GEAR_OUT)),
+                *(("queued edge", state) for state in (gearing.State.GEAR_IN, gearing.State.GEAR_OUT)),
                 *(
                     ("manoeuvre", state, aim, transition)
                     for state, aims in MANOEUVRES.items()
