@@ -51,7 +51,7 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     junk = shutil.ignore_patterns("__pycache__")
     for folder in ("model", "fmu_src"):
         shutil.copytree(ROOT / folder, root / folder, ignore=junk)
-    shutil.copytree(ROOT / "tests" / "support" / "nested", root / "model" / "motionsync" / "nested", ignore=junk)
+    shutil.copytree(ROOT / "tests" / "support" / "fake_blocks" / "nested", root / "model" / "motionsync" / "nested", ignore=junk)
     with (root / "model" / "motionsync" / "blocks.py").open("a") as registry:
         registry.write(REGISTRATION)
     python(root, BUILDS.format(builds=[("native", "mm"), *(("python", unit) for unit in UNITS)]))

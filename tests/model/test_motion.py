@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from ruckig import ControlInterface, InputParameter, Result, Ruckig, RuckigError, Trajectory  # type: ignore[import-not-found]
 
 from motionsync.motion import Motion, acceleration_limit, stopping_distance
-from tests.model.planner import Planner
+from tests.support.fake_blocks.planner import Planner
 from tests.support.compiled import Compiled, equal
 
 settings.register_profile("motion", derandomize=True, deadline=None, max_examples=300)

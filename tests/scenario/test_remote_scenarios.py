@@ -16,7 +16,7 @@ from motionsync_fmu.scenario.crosscheck import inputs_csv
 from motionsync_fmu.scenario.run import check, schedule
 from motionsync_fmu.scenario.scenario import Scenario, load
 from motionsync_fmu.scenario.telegrams import Accuracy, errors
-from tests.support.listener import Stepped, registered, run_in_process
+from tests.support.fake_blocks.listener import Stepped, registered, run_in_process
 
 GOOD = """\
 title = "A faster sender"

@@ -3,10 +3,10 @@
 from typing import Any, Self
 
 from motionsync.gearing.block import Gearing
-from tests.support.harness import MOTION, Driven
+from tests.support.harness import MOTION, BlockHarness
 
 
-class Gear(Driven):
+class Gear(BlockHarness):
     """Its commands are the edges of `start`."""
 
     TYPE = Gearing
