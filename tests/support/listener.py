@@ -16,7 +16,7 @@ from motionsync.blocks import BLOCKS, Example, Registered
 from motionsync.slave import Slave
 from motionsync.var import Enumeration, Unit
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.scenario.recording import Course
+from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run import inputs, schedule
 from motionsync_fmu.scenario.scenario import Scenario
 
@@ -88,7 +88,7 @@ def registered() -> Iterator[None]:
         yield
 
 
-def run_in_process(scenario: Scenario, step_size: float) -> Course:
+def run_in_process(scenario: Scenario, step_size: float) -> Recording:
     """What the FMU of the scenario's block would put out."""
     block = scenario.recipe.block()
     cells = {v.name: v.cell for v in variables(block)}
@@ -106,7 +106,7 @@ def run_in_process(scenario: Scenario, step_size: float) -> Course:
         rows.append([float(cells[n].get()) for n in names])
         motions.append(scenario.master.until(end))
     table: Any = np.array(rows).T
-    return Course(
+    return Recording(
         np.array(times),
         dict(zip(names, table, strict=True)),
         np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions]),

@@ -104,7 +104,7 @@ class Line:
 
     @cached_property
     def commands(self) -> dict[str, NDArray[Any]]:
-        """The inputs of the follower that are set in the course of the line: their value in each step."""
+        """The inputs of the follower that are set during the line: their value in each step."""
         s = self.follower
         begins = {v.name: v.start for v in variables(s.recipe.block())} | dict(s.start)
         names = sorted({n for setting in s.settings for n in setting.values})

@@ -1,4 +1,4 @@
-"""One self-contained HTML page of a line: the errors on each way, and the course of the wired one."""
+"""One self-contained HTML page of a line: the errors on each way, and the outputs on the wired one."""
 
 from pathlib import Path
 from typing import Any
@@ -40,8 +40,8 @@ def write_line_report(file: Path, line: Line, result: Result) -> None:
         "unit": unit_name(Unit.POSITION, line.unit),
         "error_plots": html(_error_plots(line, result), plotly=True),
         "event_plots": html(_event_plots(line, result)) if wired.cuts or wired.switches else "",
-        "plots": html(plots(s, wired.course, by_name)),
-        "cut_plots": html(cut_plots(s.cuts, wired.cuts, s, wired.course)) if s.cuts and wired.cuts else "",
+        "plots": html(plots(s, wired.recording, by_name)),
+        "cut_plots": html(cut_plots(s.cuts, wired.cuts, s, wired.recording)) if s.cuts and wired.cuts else "",
         "starts": [(c, n, blocks[c][n].text(value)) for c, given in starts.items() for n, value in given.items()],
         "settings": [(x.at, n, by_name[n].text(value)) for x in s.settings for n, value in x.values.items()],
     }
