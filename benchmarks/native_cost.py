@@ -42,7 +42,8 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsync_fmu.archive import write
-from motionsync_fmu.build import Recipe, build_native, build_python
+from motionsync_fmu.build import build_native, build_python
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 

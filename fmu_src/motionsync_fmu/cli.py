@@ -4,7 +4,7 @@ import io
 import json
 import math
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,16 +18,17 @@ from rich.table import Table
 from motionsync.blocks import BLOCKS
 from motionsync.var import Unit
 
-from .build import Flavour, Recipe, check_slave_unit, fmu_path, outdated
+from .build import Flavour, fmu_path, outdated
 from .build import build as build_fmu
 from .errors import UserError, choose
-from .interface.fmi2_xml import BASES, summary, unit_name
-from .interface.variables import members, variables
+from .interface.recipe import Recipe, check_slave_unit
+from .interface.table import groups
+from .interface.units import BASES, unit_name
+from .interface.variables import members, summary, variables
 from .line.judge import Result, examine
 from .line.package import Package, write_package
 from .line.reader import PATTERN, Line, find_lines, load_line
 from .line.report import write_line_report
-from .pages.block_page import groups
 from .pages.report import write_report
 from .scenario.crosscheck import command_line, csv_text, inputs_csv, inputs_file
 from .scenario.cuts import find_cuts
@@ -174,16 +175,17 @@ def describe(
     registered = choose(BLOCKS, name, "block")
     choose(BASES, symbol, "unit")
     out.print(f"{name}: {summary(registered.type)}\n")
-    keys = ("name", "causality", "type", "unit", "start", "range", "description")
-    table = Table(*keys, box=None)
+    columns = ("name", "causality", "type", "unit", "start", "allowed_range", "description")
+    table = Table(*(column.removeprefix("allowed_") for column in columns), box=None)
     table.columns[0].no_wrap = True
     block = registered.type()
     check_slave_unit(block, of_slave)
     for i, group in enumerate(groups(block, symbol, of_slave)):
         if i:
             table.add_row()
-        for r in group.rows:
-            table.add_row(*((r | {"start": starts.get(r["name"], r["start"])})[key] for key in keys))
+        for row in group.rows:
+            shown = replace(row, start=starts.get(row.name, row.start))
+            table.add_row(*(getattr(shown, column) for column in columns))
     wide.print(table)
     for choice in dict.fromkeys(v.cell.type for v in variables(block) if v.choices):
         out.print(f"\n{choice.__name__}: {summary(choice)}")

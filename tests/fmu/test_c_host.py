@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build import Recipe, build_native
+from motionsync_fmu.build import build_native
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.scenario.fmu_instance import FmuInstance

@@ -24,7 +24,8 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
-from motionsync_fmu.build import Flavour, Recipe, build, build_python
+from motionsync_fmu.build import Flavour, build, build_python
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests import ROOT

@@ -26,7 +26,8 @@ BLOCKS = {"Nested": Registered(Nested, EXAMPLE, ("Wire it.",))}
 """
 BUILDS = """
 from pathlib import Path
-from motionsync_fmu.build import Flavour, Recipe, build
+from motionsync_fmu.build import Flavour, build
+from motionsync_fmu.interface.recipe import Recipe
 for flavour, unit in {builds}:
     print(Recipe("Nested", unit).guid())
     build(Flavour(flavour), Recipe("Nested", unit), Path(unit, flavour, "Nested.fmu"))

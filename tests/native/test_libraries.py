@@ -18,8 +18,9 @@ from fmpy.validation import validate_fmu
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import archive, build, native
 from motionsync_fmu.archive import Files
-from motionsync_fmu.build import Flavour, Recipe, build_native, build_python, check_kernel, fmu_path, outdated
+from motionsync_fmu.build import Flavour, build_native, build_python, check_kernel, fmu_path, outdated
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.libraries import HEADERS, universal
 from motionsync_fmu.pages.block_page import PLATFORMS
 from motionsync_fmu.scenario.fmu_instance import FmuInstance

@@ -6,16 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import regenerate
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.report import plots, write_report
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 from motionsync_fmu.scenario.crosscheck import inputs_csv
 from motionsync_fmu.scenario.run import check, schedule
 from motionsync_fmu.scenario.scenario import Scenario, load
 from motionsync_fmu.scenario.telegrams import Accuracy, errors
+from tests import regenerate
 from tests.support.listener import Stepped, registered, run_in_process
 
 GOOD = """\
@@ -316,7 +315,7 @@ def test_the_accuracy_is_an_expectation(accuracy: str, found: list[tuple[str, bo
 def test_the_report_shows_what_was_received_and_both_errors(tmp_path: Path) -> None:
     s = scenario(tmp_path)
     recording = run_in_process(s, 0.002)
-    figure = plots(s, recording, {v.name: v for v in variables(s.recipe.block())})
+    figure = plots(s, recording, s.recipe.variables)
     titles = [axis.title.text for axis in figure.select_yaxes()]
     derivatives = ["velocity<br>mm/s", "acceleration<br>mm/s2", "jerk<br>mm/s3"]
     assert titles[:6] == ["position<br>mm", *derivatives, "index error<br>cycles", "axis error<br>mm"]

@@ -11,20 +11,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import regenerate
 from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
-from motionsync_fmu.build import Recipe
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.crosscheck import command_line, inputs_file
 from motionsync_fmu.scenario.cuts import CutSpec, find_cuts
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run import check, compare, schedule, simulate
 from motionsync_fmu.scenario.scenario import AtTime, Scenario, When, Within, load
 from motionsync_fmu.scenario.script import Script, Segment
-from tests import ROOT
+from tests import ROOT, regenerate
 from tests.conftest import Fmus
 
 SCENARIOS = ROOT / "scenarios"

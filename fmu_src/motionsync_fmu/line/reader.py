@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from motionsync.blocks import BLOCKS
 
-from ..build import Recipe
 from ..errors import UserError
+from ..interface.recipe import Recipe
 from ..interface.variables import Variable, variables
 from ..scenario.recording import Reals
 from ..scenario.scenario import DELAY, SCALARS, AtTime, Reader, Scenario, When, Within

@@ -9,8 +9,7 @@ from plotly.subplots import make_subplots
 from motionsync.var import Unit
 
 from .. import __version__
-from ..interface.fmi2_xml import unit_name
-from ..interface.variables import variables
+from ..interface.units import unit_name
 from ..pages.block_page import SLAVE, TEMPLATES
 from ..pages.report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, plots
 from ..scenario.cuts import Cut
@@ -25,7 +24,7 @@ ROOM = 1.3  # of the wired way's own row, over its greatest error once in sync
 def write_line_report(file: Path, line: Line, result: Result) -> None:
     """The page; nothing in it is loaded from elsewhere."""
     s = line.follower
-    blocks = {name: {v.name: v for v in variables(recipe.block())} for name, recipe in line.recipes.items()}
+    blocks = {name: recipe.variables for name, recipe in line.recipes.items()}
     by_name = blocks[s.recipe.name]
     clocks, wired = line.remote.clocks, result.wired
     starts = {REMOTE: line.start, s.recipe.name: s.start}

@@ -1,6 +1,6 @@
 """One self-contained HTML page per run: interactive courses over time, cuts, and a table of what was expected."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,8 @@ from plotly.subplots import make_subplots
 from motionsync.var import Unit
 
 from .. import __version__
-from ..interface.fmi2_xml import axis_label, unit_name
-from ..interface.variables import Variable, variables
+from ..interface.units import axis_label, unit_name
+from ..interface.variables import Variable
 from ..scenario.cuts import Cut, CutSpec, find_cuts
 from ..scenario.recording import Reals, Recording
 from ..scenario.run import Check, Deviation, read_reference
@@ -51,7 +51,7 @@ def write_report(
     step_size: float,
 ) -> None:
     """The page; nothing in it is loaded from elsewhere."""
-    by_name = {v.name: v for v in variables(scenario.recipe.block())}
+    by_name = scenario.recipe.variables
     cuts = find_cuts(scenario.cuts, course) if scenario.cuts else []
     text = TEMPLATES.get_template("report.html.j2").render(
         scenario=scenario,
@@ -79,7 +79,7 @@ def html(figure: Any, *, plotly: bool = False) -> Markup:
 # --- courses over time ---
 
 
-def plots(scenario: Scenario, course: Recording, by_name: dict[str, Variable]) -> Any:
+def plots(scenario: Scenario, course: Recording, by_name: Mapping[str, Variable]) -> Any:
     """Master and slave over time, the reference over them, a remote axis' errors, lanes of what is discrete, marks of
     the commands."""
     lanes = list(_lanes(course, by_name))
@@ -193,7 +193,7 @@ Lane = tuple[Variable, list[tuple[float, float, int]]]
 """A variable and its values, one after the other: from when, until when, which."""
 
 
-def _lanes(course: Recording, by_name: dict[str, Variable]) -> Iterator[Lane]:
+def _lanes(course: Recording, by_name: Mapping[str, Variable]) -> Iterator[Lane]:
     """The state, then whatever else changes in the run: enumerations, then Booleans."""
     for kind in ("Enumeration", "Boolean"):
         for v in (by_name[name] for name in course.values if by_name[name].kind == kind):
@@ -260,7 +260,7 @@ def _shade(figure: Any, stretches: list[tuple[float, float, str]]) -> None:
         figure.add_shape(rectangle | {"fillcolor": colour, "opacity": 0.45, "line": {"width": 0}, "layer": "below"})
 
 
-def _commands(figure: Any, row: int, scenario: Scenario, by_name: dict[str, Variable]) -> None:
+def _commands(figure: Any, row: int, scenario: Scenario, by_name: Mapping[str, Variable]) -> None:
     """What was set, and when: a dashed line through all rows, and a mark in a lane that tells it under the pointer."""
     texts = [", ".join(f"{n} = {by_name[n].text(value)}" for n, value in s.values.items()) for s in scenario.settings]
     times = [s.at for s in scenario.settings]

@@ -17,9 +17,9 @@ from typing import Any, NoReturn
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import INDICES
 
-from ..build import Recipe, check_slave_unit
 from ..errors import UserError
-from ..interface.fmi2_xml import BASES
+from ..interface.recipe import Recipe, check_slave_unit
+from ..interface.units import BASES
 from ..interface.variables import Variable, variables
 from .clocks import Clocks, Rate
 from .cuts import CutSpec
@@ -446,7 +446,9 @@ class Reader:
         value = names.get(value, value) if isinstance(value, str) else value
         kinds: Any = {"Boolean": bool, "Real": (int, float)}.get(v.kind, int)
         if not isinstance(value, kinds) or (isinstance(value, bool) and v.kind != "Boolean"):
-            self.fail(table, i, key, f"{value!r} is no {v.kind}" + (f": it must be {v.range}" if v.choices else ""))
+            self.fail(
+                table, i, key, f"{value!r} is no {v.kind}" + (f": it must be {v.allowed_range}" if v.choices else "")
+            )
         value = _real(value) if v.kind == "Real" else value
         if (table not in ("set", "expect") or v.choices) and (refusal := v.refusal(value)):
             self.fail(table, i, key, refusal)

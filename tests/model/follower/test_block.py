@@ -19,9 +19,10 @@ from motionsync.follower.faults import Fault, Refusal
 from motionsync.follower.leg import Leg, Peaks
 from motionsync.master import MasterInput
 from motionsync.var import Unit
-from motionsync_fmu.build import Recipe, build_python
+from motionsync_fmu.build import build_python
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.interface.fmi2_xml import axis_label, unit_name
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.units import axis_label, unit_name
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.report import plots
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
