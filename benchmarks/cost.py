@@ -13,7 +13,7 @@ from cases import VELOCITY, Axis, H, Steady, counted
 from rich.table import Table
 
 from motionsync_fmu.native.libraries import HEADERS
-from motionsync_fmu.scenario.fmu_instance import Host
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 
 ROUNDS = 7
 OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
@@ -32,14 +32,14 @@ def timed(steps: Callable[[int], None]) -> Subject:
     return subject
 
 
-def begun(host: Host, case: Steady, axis: Axis) -> Host:
+def begun(host: FmuInstance, case: Steady, axis: Axis) -> FmuInstance:
     """Led to where the case begins."""
     host.initialize(case.start)
     host.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
     return host
 
 
-def through_fmpy(host: Host, case: Steady, axis: Axis) -> Callable[[int], None]:
+def through_fmpy(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int], None]:
     """Set three inputs, doStep, get four outputs: each a call into the FMU, as FMPy's own simulation does; one more
     call if the axis has a counter."""
     inputs, outputs = references(host, axis.motion), references(host, OUTPUTS)
@@ -58,7 +58,7 @@ def through_fmpy(host: Host, case: Steady, axis: Axis) -> Callable[[int], None]:
     return steps
 
 
-def through_ctypes(host: Host, case: Steady, axis: Axis) -> Callable[[int], None]:
+def through_ctypes(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int], None]:
     """The same calls with ctypes alone: arrays made once, nothing checked."""
     inputs = (ctypes.c_uint * 3)(*references(host, axis.motion))
     outputs = (ctypes.c_uint * len(OUTPUTS))(*references(host, OUTPUTS))
@@ -91,7 +91,7 @@ def through_ctypes(host: Host, case: Steady, axis: Axis) -> Callable[[int], None
     return steps
 
 
-def references(host: Host, names: Iterable[str]) -> list[int]:
+def references(host: FmuInstance, names: Iterable[str]) -> list[int]:
     return [host.kinds[name][0] for name in names]
 
 

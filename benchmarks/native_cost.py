@@ -42,9 +42,10 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsync_fmu.archive import write
-from motionsync_fmu.build import Recipe, build_native, build_python
+from motionsync_fmu.build import build_native, build_python
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.scenario.fmu_instance import Host
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 
 HERE = Path(__file__).parent
 LIBRARY = "binaries/linux64/{}.so"
@@ -278,8 +279,8 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
         def by_c(library: Path) -> CHost:
             return stack.enter_context(CHost(program, library, recipe, axis))
 
-        def host(fmu: Path) -> Host:
-            return begun(stack.enter_context(Host(fmu)), first, axis)
+        def host(fmu: Path) -> FmuInstance:
+            return begun(stack.enter_context(FmuInstance(fmu)), first, axis)
 
         in_c = {f"{IN_C_HOST}{NATIVE}, {case.name}": SteadySteps(by_c(native), case) for case in cases.steady}
         by_nothing = SteadySteps(by_c(nothing), first)

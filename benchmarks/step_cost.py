@@ -18,9 +18,10 @@ from rich.console import Console
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.archive import write
-from motionsync_fmu.build import Recipe, build_python
+from motionsync_fmu.build import build_python
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.scenario.fmu_instance import Host
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 
 LEAD = 2000  # steps, in which a remote axis gets in sync: before, nothing is checked
 NOTHING = "do-nothing slave through FMPy"
@@ -100,9 +101,9 @@ def bare(block_type: type[Any], case: Steady, axis: Axis) -> Callable[[int], Non
 def report(block: str, n: int, folder: Path) -> Any:
     cases, axis = CASES[block].steady, CASES[block].axis
     fmu = build_python(Recipe(block), folder / f"{block}.fmu")
-    with Host(fmu) as whole, Host(idle(fmu, block, folder / f"{block} idle.fmu")) as nothing:
+    with FmuInstance(fmu) as whole, FmuInstance(idle(fmu, block, folder / f"{block} idle.fmu")) as nothing:
 
-        def steps(host: Host) -> Callable[[int], None]:
+        def steps(host: FmuInstance) -> Callable[[int], None]:
             return through_fmpy(begun(host, cases[0], axis), cases[0], axis)
 
         subjects = {

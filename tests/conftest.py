@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build import Flavour, Recipe, build, fmu_path
+from motionsync_fmu.build import Flavour, build, fmu_path
+from motionsync_fmu.interface.recipe import Recipe
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

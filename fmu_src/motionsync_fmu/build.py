@@ -3,21 +3,18 @@
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping
-from contextlib import suppress
-from dataclasses import dataclass, field
 from enum import StrEnum
 from importlib import metadata
 from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import ParseError, fromstring, tostring
+from xml.etree.ElementTree import ParseError, fromstring
 
-from motionsync.blocks import BLOCKS
-
-from .archive import Files, compilers, digest, epoch, runtime, sources, write
-from .errors import UserError, choose
-from .interface.fmi2_xml import BASES, describe, finish
-from .interface.variables import Variable, variables
+from .archive import Files, epoch, runtime, sources, write
+from .errors import UserError
+from .interface.fmi2_xml import describe, finish
+from .interface.recipe import Recipe
+from .interface.variables import variables
 from .native.subset import check
 from .pages.block_page import pages, picture
 
@@ -39,75 +36,6 @@ class Flavour(StrEnum):
 
     NATIVE = "native"
     PYTHON = "python"
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """What an FMU is built from: a block, the unit of its positions, start values to bake in (name to text), and the
-    unit of the slave's positions where it is not the same (empty: it is)."""
-
-    name: str
-    unit: str = "mm"
-    starts: Mapping[str, str] = field(default_factory=dict)
-    slave_unit: str = ""
-
-    def block(self) -> Any:
-        """A new block with the baked start values.
-
-        Raises:
-            UserError: an unknown block, unit or variable, a value that the variable does not allow, or a slave unit
-                for a block whose slave is in the master's.
-        """
-        block = choose(BLOCKS, self.name, "block").type()
-        choose(BASES, self.unit, "unit")
-        check_slave_unit(block, self.slave_unit)
-        by_name = {v.name: v for v in variables(block) if v.settable}
-        for name, text in self.starts.items():
-            v = choose(by_name, name, f"parameter or input of {self.name}")
-            v.cell.set(parse(v, text))
-        return block
-
-    def guid(self) -> str:
-        """A hash of the variables and of the source: the same for both flavours, and for every build of it."""
-        block = self.block()
-        files = sources(type(block).__module__)
-        files |= {f"fmu/{name}": text for name, text in (runtime() | compilers()).items()}
-        h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit, self.slave_unit))})
-        return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
-
-
-def check_slave_unit(block: Any, unit: str) -> None:
-    """Refuse a slave unit that is none, or for a block that does not tell both axes' units apart.
-
-    Raises:
-        UserError: which of the two.
-    """
-    if unit:
-        choose(BASES, unit, "slave unit")
-        if not any(v.declaration.unit.slave for v in variables(block)):
-            raise UserError(f"slave unit {unit!r}: the slave of {type(block).__name__} is in its master's unit")
-
-
-def parse(v: Variable, text: str) -> Any:
-    """A start value given as text: a number, true or false, a member's name or number.
-
-    Raises:
-        UserError: it is none of these, or outside the variable's limits.
-    """
-    value: Any = None
-    if v.kind == "Boolean":
-        value = {"true": True, "false": False, "1": True, "0": False}.get(text.lower())
-    elif v.choices and text in (names := {member.name: member.value for member in v.choices}):
-        value = names[text]
-    else:
-        with suppress(ValueError):
-            value = float(text) if v.kind == "Real" else int(text)
-    if value is None:
-        allowed = "true or false" if v.kind == "Boolean" else v.range
-        raise UserError(f"{v.name} = {text} is no {v.kind}: it must be {allowed}")
-    if refusal := v.refusal(value):
-        raise UserError(refusal)
-    return value
 
 
 def build(flavour: Flavour, recipe: Recipe, target: Path, told: Callable[[str], None] = lambda text: None) -> Path:

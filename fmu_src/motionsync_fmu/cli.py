@@ -4,7 +4,7 @@ import io
 import json
 import math
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,19 +18,20 @@ from rich.table import Table
 from motionsync.blocks import BLOCKS
 from motionsync.var import Unit
 
-from .build import Flavour, Recipe, check_slave_unit, fmu_path, outdated
+from .build import Flavour, fmu_path, outdated
 from .build import build as build_fmu
 from .errors import UserError, choose
-from .interface.fmi2_xml import BASES, summary, unit_name
-from .interface.variables import members, variables
+from .interface.recipe import Recipe, check_slave_unit
+from .interface.table import groups
+from .interface.units import BASES, unit_name
+from .interface.variables import members, summary, variables
 from .line.judge import Result, examine
 from .line.package import Package, write_package
 from .line.reader import PATTERN, Line, find_lines, load_line
 from .line.report import write_line_report
-from .pages.block_page import groups
 from .pages.report import write_report
 from .scenario.crosscheck import command_line, csv_text, inputs_csv, inputs_file
-from .scenario.cuts import cut
+from .scenario.cuts import find_cuts
 from .scenario.run import check, compare, simulate
 from .scenario.scenario import FILE, MOST_STEPS, Scenario, find, load
 
@@ -174,16 +175,17 @@ def describe(
     registered = choose(BLOCKS, name, "block")
     choose(BASES, symbol, "unit")
     out.print(f"{name}: {summary(registered.type)}\n")
-    keys = ("name", "causality", "type", "unit", "start", "range", "description")
-    table = Table(*keys, box=None)
+    columns = ("name", "causality", "type", "unit", "start", "allowed_range", "description")
+    table = Table(*(column.removeprefix("allowed_") for column in columns), box=None)
     table.columns[0].no_wrap = True
     block = registered.type()
     check_slave_unit(block, of_slave)
     for i, group in enumerate(groups(block, symbol, of_slave)):
         if i:
             table.add_row()
-        for r in group.rows:
-            table.add_row(*((r | {"start": starts.get(r["name"], r["start"])})[key] for key in keys))
+        for row in group.rows:
+            shown = replace(row, start=starts.get(row.name, row.start))
+            table.add_row(*(getattr(shown, column) for column in columns))
     wide.print(table)
     for choice in dict.fromkeys(v.cell.type for v in variables(block) if v.choices):
         out.print(f"\n{choice.__name__}: {summary(choice)}")
@@ -268,19 +270,19 @@ def _loaded(paths: list[Path], step_size: float | None) -> list[Scenario]:
 def _run(s: Scenario, flavour: Flavour, step_size: float, output: Path, *, report: bool) -> dict[str, Any]:
     """One scenario: what was found, and where it was written."""
     fmu = fmu_path(s.recipe, Path("build"), flavour)
-    course = simulate(s, fmu, step_size)
-    checks, deviations = check(s, course), compare(s, course)
+    recording = simulate(s, fmu, step_size)
+    checks, deviations = check(s, recording), compare(s, recording)
     folder = output / s.recipe.name / s.name
     folder.mkdir(parents=True, exist_ok=True)
     results = folder / f"{s.recipe.name}_out.csv"
-    results.write_text(csv_text(["time", *course.values], course.rows()))
+    results.write_text(csv_text(["time", *recording.values], recording.rows()))
     inputs = inputs_file(s)
     if not inputs.exists():  # a scenario of the user's own
         inputs = folder / inputs.name
         inputs.write_text(inputs_csv(s))
     page = folder / "report.html"
     if report:
-        write_report(page, s, course, checks, deviations, step_size)
+        write_report(page, s, recording, checks, deviations, step_size)
     return {
         "scenario": str(s.file.parent),
         "title": s.title,
@@ -292,8 +294,8 @@ def _run(s: Scenario, flavour: Flavour, step_size: float, output: Path, *, repor
             {"variable": d.name, "max_difference": d.greatest, "at": d.at, "allowed": d.allowed, "passed": d.passed}
             for d in deviations
         ],
-        "cuts": [asdict(c) for c in cut(s.cuts, course)] if s.cuts else [],
-        "messages": course.messages,
+        "cuts": [asdict(c) for c in find_cuts(s.cuts, recording)] if s.cuts else [],
+        "messages": recording.messages,
         "result": str(results),
         "report": str(page) if report else None,
         "fmpy": command_line(s, fmu, inputs),
@@ -380,9 +382,9 @@ def _examined(line: Line, package: Package) -> Result:
 def _line_written(line: Line, package: Package, result: Result, folder: Path, no_report: bool) -> dict[str, Any]:
     """What was found, and where it was written."""
     folder.mkdir(parents=True, exist_ok=True)
-    courses = {"RemoteSync": result.remote, line.follower.recipe.name: result.wired.course.values}
+    recordings = {"RemoteSync": result.remote, line.follower.recipe.name: result.wired.recording.values}
     columns = {
-        f"{component}.{n}": values.tolist() for component, given in courses.items() for n, values in given.items()
+        f"{component}.{n}": values.tolist() for component, given in recordings.items() for n, values in given.items()
     }
     file = folder / f"{line.name}_out.csv"
     file.write_text(csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True)))

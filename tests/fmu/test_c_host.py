@@ -12,10 +12,11 @@ from typing import Any
 import pytest
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build import Recipe, build_native
+from motionsync_fmu.build import build_native
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.libraries import HEADERS
-from motionsync_fmu.scenario.fmu_instance import Host
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.random_runs import calm
 from tests.support.runs import Run
@@ -45,7 +46,7 @@ def expected(block_native: Path, run: Run) -> list[dict[str, Any]]:
 
 def through_fmpy(fmu: Path, run: Run) -> list[dict[str, Any]]:
     """All variables, initially and after each step."""
-    with Host(fmu) as host:
+    with FmuInstance(fmu) as host:
         host.initialize(run.start)
         rows = [bits(host.get())]
         for h, values in run.steps:
@@ -57,7 +58,7 @@ def through_fmpy(fmu: Path, run: Run) -> list[dict[str, Any]]:
 
 @pytest.fixture(scope="module")
 def kinds(block_native: Path) -> dict[str, tuple[int, str]]:
-    with Host(block_native) as host:
+    with FmuInstance(block_native) as host:
         return host.kinds
 
 

@@ -24,9 +24,10 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
-from motionsync_fmu.build import Flavour, Recipe, build, build_python
+from motionsync_fmu.build import Flavour, build, build_python
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
-from motionsync_fmu.scenario.fmu_instance import FmuError, Host
+from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
 from tests.conftest import Fmus
 from tests.support.random_runs import calm, drawn
@@ -35,8 +36,8 @@ DISCARD, FATAL = 2, 4
 
 
 @pytest.fixture
-def host(fmu: Path) -> Iterator[Host]:
-    with Host(fmu) as host:
+def host(fmu: Path) -> Iterator[FmuInstance]:
+    with FmuInstance(fmu) as host:
         yield host
 
 
@@ -62,7 +63,7 @@ def drive(seed: int, steps: int) -> list[tuple[float, dict[str, Any]]]:
 START = {"master.period": 10.0, "output_phasing": 2.0, "rest_value": 4.0}
 
 
-def bits(host: Host) -> dict[str, Any]:
+def bits(host: FmuInstance) -> dict[str, Any]:
     return {name: value.hex() if isinstance(value, float) else value for name, value in host.get().items()}
 
 
@@ -296,7 +297,7 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_two_versions_in_one_process_do_not_mix(fmu: Path, other: Path) -> None:
     with ExitStack() as stack:
-        hosts = [stack.enter_context(Host(f)).initialize({"active": False}) for f in (fmu, other, fmu)]
+        hosts = [stack.enter_context(FmuInstance(f)).initialize({"active": False}) for f in (fmu, other, fmu)]
         for host in hosts:
             host.step(0.1)
             host.step(0.1, {"stop": True, "rest_value": 5.0})
@@ -306,7 +307,7 @@ def test_two_versions_in_one_process_do_not_mix(fmu: Path, other: Path) -> None:
 # --- the FMU state ---
 
 
-def test_rollback_gives_the_same_bits(host: Host) -> None:
+def test_rollback_gives_the_same_bits(host: FmuInstance) -> None:
     host.initialize(START)
     plan = drive(3, 3000)
     for h, inputs in plan[:1000]:
@@ -336,14 +337,14 @@ def test_a_state_of_any_block_brings_back_the_same_bits(fmus: Fmus, block: str, 
     fmu = getattr(fmus, flavour)(block)
     run = calm(block, 2.0**-7, 300)
 
-    def stretch(host: Host) -> list[dict[str, Any]]:
+    def stretch(host: FmuInstance) -> list[dict[str, Any]]:
         rows = []
         for h, values in run.steps[100:]:
             host.step(h, values)
             rows.append(bits(host))
         return rows
 
-    with Host(fmu) as host, Host(fmu) as second:
+    with FmuInstance(fmu) as host, FmuInstance(fmu) as second:
         host.initialize(run.start)
         second.initialize()
         for h, values in run.steps[:100]:
@@ -358,9 +359,9 @@ def test_a_state_of_any_block_brings_back_the_same_bits(fmus: Fmus, block: str, 
         assert stretch(second) == first
 
 
-def test_a_state_moves_to_another_instance(fmu: Path, host: Host) -> None:
+def test_a_state_moves_to_another_instance(fmu: Path, host: FmuInstance) -> None:
     host.initialize(START)
-    with Host(fmu) as second:
+    with FmuInstance(fmu) as second:
         second.initialize()
         for h, inputs in drive(4, 200):
             host.step(h, inputs)
@@ -373,7 +374,7 @@ def test_a_state_moves_to_another_instance(fmu: Path, host: Host) -> None:
 
 
 @pytest.mark.parametrize("foreign", [b"", b"not a state", b"[1, 2]", b'{"build": "another"}'])
-def test_a_foreign_state_is_refused(host: Host, foreign: bytes) -> None:
+def test_a_foreign_state_is_refused(host: FmuInstance, foreign: bytes) -> None:
     host.initialize(START)
     with pytest.raises(FmuError, match="belongs to another FMU"):
         host.call(host.unit.setFMUstate, host.unit.deSerializeFMUstate(foreign))
@@ -399,12 +400,14 @@ def test_a_foreign_state_is_refused(host: Host, foreign: bytes) -> None:
         ("master.position", math.nan, "master.position = nan is not allowed: it must be -1e+12 to 1e+12"),
     ],
 )
-def test_a_bad_start_value_fails_the_initialization(fmu: Path, host: Host, name: str, value: Any, shown: str) -> None:
+def test_a_bad_start_value_fails_the_initialization(
+    fmu: Path, host: FmuInstance, name: str, value: Any, shown: str
+) -> None:
     with pytest.raises(FmuError) as e:
         host.initialize({name: value})
     assert e.value.__cause__.status == FATAL
     assert shown in str(e.value)
-    with Host(fmu) as new:  # the way on: a new instance
+    with FmuInstance(fmu) as new:  # the way on: a new instance
         new.initialize().step(0.1)
 
 
@@ -424,7 +427,7 @@ def test_an_integer_beyond_its_limits_fails_the_initialization(
     fmus: Fmus, flavour: str, name: str, value: int, shown: str
 ) -> None:
     fmu = getattr(fmus, flavour)("RemoteSync")
-    with Host(fmu) as host, pytest.raises(FmuError) as e:
+    with FmuInstance(fmu) as host, pytest.raises(FmuError) as e:
         host.initialize({name: value})
     assert shown in str(e.value)
     assert [text for text in host.messages if shown in text] == [host.messages[0]]
@@ -434,17 +437,17 @@ def test_an_integer_beyond_its_limits_fails_the_initialization(
 def test_an_integer_at_its_limits_is_taken(fmus: Fmus, flavour: str) -> None:
     limits = {"age_of_data_limit": 0, "max_cycle_index_difference": 0, "end_of_transition_limit": 2**31 - 1}
     for periods in (1, 64):
-        with Host(getattr(fmus, flavour)("RemoteSync")) as host:
+        with FmuInstance(getattr(fmus, flavour)("RemoteSync")) as host:
             host.initialize(limits | {"periods_for_mean_drift": periods}).step(0.1)
             assert not host.messages
 
 
-def test_contradictory_start_values_fail_the_initialization(host: Host) -> None:
+def test_contradictory_start_values_fail_the_initialization(host: FmuInstance) -> None:
     with pytest.raises(FmuError, match=r"at most 1e15 periods \(master.position = 1e\+12, .*master.period = 1e-09\)"):
         host.initialize({"master.position": 1e12, "master.period": 1e-9})
 
 
-def test_a_bad_value_at_run_time_refuses_the_command(host: Host) -> None:
+def test_a_bad_value_at_run_time_refuses_the_command(host: FmuInstance) -> None:
     host.initialize({"output_phasing": 10.0, "master.velocity": 1.0})
     for phasing in (0.0, math.nan, math.inf, 1e-10):
         host.step(0.5, {"output_phasing": phasing, "stop": False, "master.position": host.time})
@@ -461,8 +464,8 @@ def test_a_bad_value_at_run_time_refuses_the_command(host: Host) -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1.1e12])
 @pytest.mark.parametrize("name", ["master.position", "master.velocity", "master.acceleration", "rest_value"])
-def test_a_bad_input_fails_the_step_and_changes_nothing(fmu: Path, host: Host, name: str, value: float) -> None:
-    with Host(fmu) as clean:
+def test_a_bad_input_fails_the_step_and_changes_nothing(fmu: Path, host: FmuInstance, name: str, value: float) -> None:
+    with FmuInstance(fmu) as clean:
         for h in (host, clean):
             h.initialize(START)
         for h, inputs in drive(5, 60):
@@ -478,8 +481,8 @@ def test_a_bad_input_fails_the_step_and_changes_nothing(fmu: Path, host: Host, n
             assert bits(host) == bits(clean)
 
 
-def test_a_bad_step_size_fails_the_step_and_changes_nothing(fmu: Path, host: Host) -> None:
-    with Host(fmu) as clean:
+def test_a_bad_step_size_fails_the_step_and_changes_nothing(fmu: Path, host: FmuInstance) -> None:
+    with FmuInstance(fmu) as clean:
         for h in (host, clean):
             h.initialize(START)
         for h, inputs in drive(6, 100):
@@ -492,7 +495,7 @@ def test_a_bad_step_size_fails_the_step_and_changes_nothing(fmu: Path, host: Hos
             assert bits(host) == bits(clean)
 
 
-def test_a_position_of_too_many_turns_fails_the_step(host: Host) -> None:
+def test_a_position_of_too_many_turns_fails_the_step(host: FmuInstance) -> None:
     host.initialize({"master.period": 1e-9})
     before = host.unit.serializeFMUstate(host.unit.getFMUstate())
     with pytest.raises(FmuError, match=r"at most 1e15 periods \(.*master.velocity = 1e\+12"):
@@ -502,7 +505,7 @@ def test_a_position_of_too_many_turns_fails_the_step(host: Host) -> None:
 
 
 def test_an_exception_in_the_block_changes_nothing(other: Path) -> None:
-    with Host(other) as host:
+    with FmuInstance(other) as host:
         host.initialize({"active": False})
         host.step(0.1)
         host.set({"stop": True, "rest_value": 77.0})
@@ -515,14 +518,14 @@ def test_an_exception_in_the_block_changes_nothing(other: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["master.period", "slave.position", "local.progress", "curve"])
-def test_what_is_not_settable_now_is_refused(host: Host, name: str) -> None:
+def test_what_is_not_settable_now_is_refused(host: FmuInstance, name: str) -> None:
     host.initialize()
     host.step(0.1)
     with pytest.raises(FmuError, match=f"{name} .*cannot be set now"):
         host.set({name: 1})
 
 
-def test_a_log_text_has_no_percent_sign(host: Host) -> None:
+def test_a_log_text_has_no_percent_sign(host: FmuInstance) -> None:
     """PythonFMU would read a conversion from it, and memory that is not there."""
     with pytest.raises(FmuError):
         host.initialize({"output_phasing": 0.0})
@@ -532,7 +535,7 @@ def test_a_log_text_has_no_percent_sign(host: Host) -> None:
 def test_many_instances_come_and_go(fmu: Path) -> None:
     for _ in range(20):
         with ExitStack() as stack:
-            hosts = [stack.enter_context(Host(fmu)) for _ in range(3)]
+            hosts = [stack.enter_context(FmuInstance(fmu)) for _ in range(3)]
             hosts[0].initialize({"output_phasing": 5.0}).step(0.1)
             with pytest.raises(FmuError):
                 hosts[1].initialize({"output_phasing": 0.0})
@@ -591,7 +594,7 @@ def libcosim(fmu: Path, plan: list[dict[str, Any]], h: float) -> list[dict[str, 
 
 
 def assert_fmpy_gives(rows: list[dict[str, float]], fmu: Path, plan: list[dict[str, Any]], h: float) -> None:
-    with Host(fmu) as host:
+    with FmuInstance(fmu) as host:
         host.initialize(plan[0])
         for inputs, row in zip(plan, rows, strict=True):
             host.step(h, inputs)

@@ -14,7 +14,7 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync.remote_sync.block import MOST_CYCLES
-from motionsync_fmu.build import Recipe
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, refusals, variables
 from motionsync_fmu.native import libraries
 from motionsync_fmu.native.libraries import HEADERS, llvm_text, model_header

@@ -18,13 +18,13 @@ from hypothesis import strategies as st
 
 from motionsync_fmu.interface.fmi2_xml import CATEGORIES
 from motionsync_fmu.interface.variables import shown
-from motionsync_fmu.scenario.fmu_instance import FmuError, Host
+from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 
 OK, WARNING, DISCARD, ERROR = range(4)
 ROTARY = {"master.period": 360.0, "rest_value": 180.0, "output_phasing": 45.0, "master.velocity": 90.0}
 
 
-class Logged(Host):
+class Logged(FmuInstance):
     """Keeps status and category of each message too."""
 
     def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
@@ -40,7 +40,7 @@ def host(native: Path) -> Iterator[Logged]:
 
 
 @contextmanager
-def refused(host: Host, message: str = "") -> Iterator[None]:
+def refused(host: FmuInstance, message: str = "") -> Iterator[None]:
     """The call fails with fmi2Error and one log line, and changes nothing that a state holds."""
     before, told = saved(host), len(host.messages)
     with pytest.raises((FmuError, FMICallException)) as e:
@@ -53,7 +53,7 @@ def refused(host: Host, message: str = "") -> Iterator[None]:
     assert saved(host) == before
 
 
-def saved(host: Host) -> bytes:
+def saved(host: FmuInstance) -> bytes:
     """The unit's whole state, as bytes."""
     state = host.unit.getFMUstate()
     try:
@@ -62,7 +62,7 @@ def saved(host: Host) -> bytes:
         host.unit.freeFMUstate(state)
 
 
-def turn(host: Host, steps: int, h: float = 0.01, **values: Any) -> list[dict[str, Any]]:
+def turn(host: FmuInstance, steps: int, h: float = 0.01, **values: Any) -> list[dict[str, Any]]:
     """Steps with a master that turns at 90 a second from where it stands; the values after each."""
     found = []
     for _ in range(steps):
@@ -74,7 +74,7 @@ def turn(host: Host, steps: int, h: float = 0.01, **values: Any) -> list[dict[st
 # --- states of life ---
 
 
-def test_calls_in_the_wrong_state_are_refused(host: Host) -> None:
+def test_calls_in_the_wrong_state_are_refused(host: FmuInstance) -> None:
     unit, reference = host.unit, host.kinds["master.position"][0]
     with refused(host, "fmi2DoStep is not allowed now: the unit is instantiated"):
         unit.doStep(0.0, 0.1)
@@ -109,7 +109,7 @@ def test_calls_in_the_wrong_state_are_refused(host: Host) -> None:
     host.step(0.1)
 
 
-def test_a_reset_brings_back_the_start_values(host: Host) -> None:
+def test_a_reset_brings_back_the_start_values(host: FmuInstance) -> None:
     first = turn(host.initialize(ROTARY), 300, stop=True)
     host.unit.reset()
     assert saved(host) == saved(host)
@@ -120,7 +120,7 @@ def test_a_reset_brings_back_the_start_values(host: Host) -> None:
     assert host.get(["master.period", "output_phasing"]) == {"master.period": 0.0, "output_phasing": 90.0}
 
 
-def test_what_cannot_be_instantiated_is_told(native: Path, host: Host) -> None:
+def test_what_cannot_be_instantiated_is_told(native: Path, host: FmuInstance) -> None:
     def attempt(name: Any, kind: int, guid: Any) -> Any:
         instantiate = host.unit.dll.fmi2Instantiate
         return instantiate(name, kind, guid, b"file:///", byref(host.callbacks), 0, 1)
@@ -141,7 +141,7 @@ def test_what_cannot_be_instantiated_is_told(native: Path, host: Host) -> None:
 # --- values ---
 
 
-def test_only_inputs_and_parameters_of_the_right_type_can_be_set(host: Host) -> None:
+def test_only_inputs_and_parameters_of_the_right_type_can_be_set(host: FmuInstance) -> None:
     unit = host.unit
     reference = {name: r for name, (r, _) in host.kinds.items()}
     host.initialize()
@@ -165,7 +165,7 @@ def test_only_inputs_and_parameters_of_the_right_type_can_be_set(host: Host) -> 
     assert host.get(["output_phasing"]) == {"output_phasing": 30.0}
 
 
-def test_missing_pointers_are_refused(host: Host) -> None:
+def test_missing_pointers_are_refused(host: FmuInstance) -> None:
     dll, c = host.unit.dll, c_void_p(host.unit.component)
     r, x, n, size, state = (c_uint * 1)(0), (c_double * 1)(0.0), (c_int * 1)(0), c_size_t(), c_void_p()
     host.initialize()
@@ -202,7 +202,7 @@ def test_missing_pointers_are_refused(host: Host) -> None:
     plain.fmi2FreeInstance(None)
 
 
-def test_outputs_follow_inputs_while_initializing(host: Host) -> None:
+def test_outputs_follow_inputs_while_initializing(host: FmuInstance) -> None:
     host.unit.setupExperiment(startTime=0.0)
     host.unit.enterInitializationMode()
     host.set({"master.position": 400.0, "master.velocity": 3.0, "master.period": 360.0})
@@ -229,7 +229,7 @@ BAD_STARTS = [
 
 @pytest.mark.parametrize(("bad", "message"), BAD_STARTS)
 def test_a_refused_parameter_is_told_and_the_unit_can_be_used_again(
-    host: Host, bad: dict[str, Any], message: str
+    host: FmuInstance, bad: dict[str, Any], message: str
 ) -> None:
     host.unit.setupExperiment(startTime=0.0)
     host.unit.enterInitializationMode()
@@ -241,8 +241,8 @@ def test_a_refused_parameter_is_told_and_the_unit_can_be_used_again(
     host.step(0.1)
 
 
-def test_a_refused_step_changes_nothing_and_the_next_good_one_goes_on(native: Path, host: Host) -> None:
-    with Host(native) as clean:
+def test_a_refused_step_changes_nothing_and_the_next_good_one_goes_on(native: Path, host: FmuInstance) -> None:
+    with FmuInstance(native) as clean:
         host.initialize(ROTARY)
         clean.initialize(ROTARY)
         for i in range(300):
@@ -308,22 +308,22 @@ def test_extreme_numbers_read_back_from_the_log(x: float) -> None:
 @given(st.floats(allow_nan=False, allow_infinity=False))
 @example(2.0**-44)
 @example(5e-324)
-def test_numbers_are_shown_as_python_shows_them(shared: Host, x: float) -> None:
+def test_numbers_are_shown_as_python_shows_them(shared: FmuInstance, x: float) -> None:
     with pytest.raises(FMICallException):
         shared.unit.doStep(0.0, -abs(x))
     assert shared.messages.pop() == f"step size = {shown(-abs(x))} is not allowed: it must be > 0 and <= 1e+06"
 
 
 @pytest.fixture(scope="module")
-def shared(native: Path) -> Iterator[Host]:
-    with Host(native) as host:
+def shared(native: Path) -> Iterator[FmuInstance]:
+    with FmuInstance(native) as host:
         yield host.initialize()
 
 
 # --- FMU states ---
 
 
-def test_a_state_brings_back_the_same_bits_also_in_another_instance(native: Path, host: Host) -> None:
+def test_a_state_brings_back_the_same_bits_also_in_another_instance(native: Path, host: FmuInstance) -> None:
     turn(host.initialize(ROTARY), 120, stop=True)
     state, time = host.unit.getFMUstate(), host.time
     packed = host.unit.serializeFMUstate(state)
@@ -331,7 +331,7 @@ def test_a_state_brings_back_the_same_bits_also_in_another_instance(native: Path
     host.unit.setFMUstate(state)
     host.time = time
     assert turn(host, 400, start=True) == first
-    with Host(native) as other:
+    with FmuInstance(native) as other:
         other.unit.setFMUstate(other.unit.deSerializeFMUstate(packed))
         other.time = time
         assert turn(other, 400, start=True) == first
@@ -347,7 +347,7 @@ def test_a_state_brings_back_the_same_bits_also_in_another_instance(native: Path
     assert state.value is None
 
 
-def test_every_damaged_bit_is_found(host: Host) -> None:
+def test_every_damaged_bit_is_found(host: FmuInstance) -> None:
     turn(host.initialize(ROTARY), 50, stop=True)
     packed = saved(host)
     for position in range(len(packed)):
@@ -360,7 +360,7 @@ def test_every_damaged_bit_is_found(host: Host) -> None:
             host.unit.deSerializeFMUstate((packed + b"\0")[:size])
 
 
-def test_a_state_of_another_unit_is_refused(host: Host) -> None:
+def test_a_state_of_another_unit_is_refused(host: FmuInstance) -> None:
     host.initialize()
     packed = bytearray(saved(host))
     at = packed.index(host.description.guid.encode())
@@ -373,7 +373,7 @@ def test_a_state_of_another_unit_is_refused(host: Host) -> None:
             call(ctypes.cast(foreign, c_void_p))
 
 
-def test_a_state_needs_room(host: Host) -> None:
+def test_a_state_needs_room(host: FmuInstance) -> None:
     state = host.unit.getFMUstate()
     room = ctypes.create_string_buffer(100)
     with refused(host, "there must be room for"):
@@ -385,7 +385,7 @@ def test_a_state_needs_room(host: Host) -> None:
 # --- derivatives and status ---
 
 
-def derive(host: Host, orders: dict[int, float], name: str = "master.position") -> int:
+def derive(host: FmuInstance, orders: dict[int, float], name: str = "master.position") -> int:
     """The status of fmi2SetRealInputDerivatives."""
     n = len(orders)
     function = ctypes.CDLL(host.unit.dll._name).fmi2SetRealInputDerivatives
@@ -395,9 +395,11 @@ def derive(host: Host, orders: dict[int, float], name: str = "master.position") 
 
 
 @pytest.mark.parametrize("mode", [1, 3])
-def test_derivatives_stand_in_for_velocity_and_acceleration_of_one_step(native: Path, host: Host, mode: int) -> None:
+def test_derivatives_stand_in_for_velocity_and_acceleration_of_one_step(
+    native: Path, host: FmuInstance, mode: int
+) -> None:
     """Each step with them equals a step of mode 1 with these inputs; a missing order keeps its input."""
-    with Host(native) as other:
+    with FmuInstance(native) as other:
         host.initialize({"master.input_mode": mode})
         other.initialize()
         for orders in ({1: 5.0, 2: -3.0}, {1: 7.0}, {2: 2.0}):
@@ -417,7 +419,7 @@ def test_derivatives_stand_in_for_velocity_and_acceleration_of_one_step(native: 
         assert host.get() != before
 
 
-def test_estimates_go_on_after_a_step_with_derivatives(native: Path, host: Host) -> None:
+def test_estimates_go_on_after_a_step_with_derivatives(native: Path, host: FmuInstance) -> None:
     """In mode POSITION_ONLY the positions seen meanwhile count: a parabola is followed exactly after them."""
     host.initialize({"master.input_mode": 3})
     for i in range(8):
@@ -450,7 +452,7 @@ def test_derivatives_that_are_of_no_use_are_ignored_with_a_warning(host: Logged)
     assert host.get(["slave.velocity"]) == {"slave.velocity": 2.0}
 
 
-def test_wrong_derivatives_are_refused(host: Host) -> None:
+def test_wrong_derivatives_are_refused(host: FmuInstance) -> None:
     host.initialize()
     for orders, name, message in (
         ({1: 1.0, 0: 1.0}, "master.position", "order = 0 is not allowed"),
@@ -469,7 +471,7 @@ def test_wrong_derivatives_are_refused(host: Host) -> None:
     host.step(0.1)
 
 
-def test_output_derivatives_are_those_of_the_slave(host: Host) -> None:
+def test_output_derivatives_are_those_of_the_slave(host: FmuInstance) -> None:
     found = turn(host.initialize(ROTARY), 150, stop=True)[-1]
     position = host.kinds["slave.position"][0]
     derivatives = host.unit.getRealOutputDerivatives([position, position], [1, 2])
@@ -491,7 +493,7 @@ def test_the_description_offers_them(native: Path, fmu: Path) -> None:
     ]
 
 
-def test_status(host: Host) -> None:
+def test_status(host: FmuInstance) -> None:
     host.initialize()
     status = ctypes.CDLL(host.unit.dll._name)
     component = c_void_p(host.unit.component)

@@ -14,7 +14,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.scenario.fmu_instance import FmuError, Host
+from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
 
 UNITS = ("mm", "m", "deg", "rad", "1")
@@ -26,7 +26,8 @@ BLOCKS = {"Nested": Registered(Nested, EXAMPLE, ("Wire it.",))}
 """
 BUILDS = """
 from pathlib import Path
-from motionsync_fmu.build import Flavour, Recipe, build
+from motionsync_fmu.build import Flavour, build
+from motionsync_fmu.interface.recipe import Recipe
 for flavour, unit in {builds}:
     print(Recipe("Nested", unit).guid())
     build(Flavour(flavour), Recipe("Nested", unit), Path(unit, flavour, "Nested.fmu"))
@@ -85,7 +86,7 @@ def test_both_flavours_have_one_guid_and_give_the_same_bits(root: Path) -> None:
     rows, logs = [], []
     for fmu in fmus:
         assert validate_fmu(str(fmu)) == []
-        with Host(fmu) as host:
+        with FmuInstance(fmu) as host:
             host.initialize({"angle": 60.0, "master.velocity": 10.0, "master.acceleration": 1.0})
             row = []
             for i in range(20):
@@ -151,7 +152,7 @@ def test_angles_are_degrees_whatever_positions_are_in(root: Path, unit: str) -> 
 @pytest.mark.parametrize("flavour", ["native", "python"])
 @pytest.mark.parametrize("angle", [90.0, -90.0, 120.0])
 def test_a_limit_may_itself_be_refused(root: Path, flavour: str, angle: float) -> None:
-    with Host(root / "mm" / flavour / "Nested.fmu") as host:
+    with FmuInstance(root / "mm" / flavour / "Nested.fmu") as host:
         message = f"angle = {angle:g} is not allowed: it must be > -90 and < 90"
         with pytest.raises(FmuError, match=message):
             host.initialize({"angle": angle})

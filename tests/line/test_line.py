@@ -142,7 +142,7 @@ def test_an_fmu_alone_after_the_other_gives_the_wired_line(saw: Examined) -> Non
     for name, values in remote.items():
         assert np.array_equal(values[2:], saw.result.remote[name][2:]), name
     for name, values in follower.items():
-        wired = saw.result.wired.course.values[name]
+        wired = saw.result.wired.recording.values[name]
         assert values == pytest.approx(wired, rel=1e-9, abs=1e-9), name
 
 
@@ -168,7 +168,7 @@ def test_without_drift_and_jitter_nothing_lags(saw: Examined) -> None:
 
 def test_the_cuts_are_on_their_marks_with_remote_sync(saw: Examined) -> None:
     """Reckoned anew, from the script and the results alone."""
-    result, wired = saw.result, saw.result.wired.course
+    result, wired = saw.result, saw.result.wired.recording
     material = np.array([integrated(MATERIAL, t) for t in wired.time.tolist()])
     assert np.abs(material - wired.master[:, 0]).max() < 1e-8
     assert len(result.wired.cuts) == 14

@@ -18,11 +18,12 @@ from fmpy.validation import validate_fmu
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import archive, build, native
 from motionsync_fmu.archive import Files
-from motionsync_fmu.build import Flavour, Recipe, build_native, build_python, check_kernel, fmu_path, outdated
+from motionsync_fmu.build import Flavour, build_native, build_python, check_kernel, fmu_path, outdated
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.libraries import HEADERS, universal
 from motionsync_fmu.pages.block_page import PLATFORMS
-from motionsync_fmu.scenario.fmu_instance import Host
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 
 RECIPE = Recipe("Synchronizer")
@@ -198,7 +199,7 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
 def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
     recipe = Recipe("Synchronizer", "deg", {"output_phasing": "30", "curve": "PARABOLA", "rest_value": "180"})
     target = build_native(recipe, tmp_path / "Synchronizer.fmu")
-    with Host(target) as host:
+    with FmuInstance(target) as host:
         host.initialize()
         found = host.get(["output_phasing", "curve", "rest_value"])
     assert found == {"output_phasing": 30.0, "curve": 1, "rest_value": 180.0}

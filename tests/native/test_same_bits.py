@@ -22,7 +22,7 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.variables import cells, variables
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.python.slave import LONGEST_STEP
-from motionsync_fmu.scenario.fmu_instance import FmuError, Host
+from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from motionsync_fmu.scenario.run import simulate
 from motionsync_fmu.scenario.scenario import find, load
 from tests import ROOT
@@ -115,7 +115,7 @@ def test_both_fmus_give_the_same_bits_and_log_the_same(
     block: str, block_fmu: Path, block_native: Path, data: st.DataObject
 ) -> None:
     run = data.draw(strategy(block).runs(500))
-    with Host(block_fmu) as a, Host(block_native) as b:
+    with FmuInstance(block_fmu) as a, FmuInstance(block_native) as b:
         refused = tried(a.initialize, run.start)
         assert tried(b.initialize, run.start) == refused
         for h, values in [] if refused else run.steps:
@@ -171,7 +171,7 @@ def double(x: float) -> str:
     return struct.pack(">d", x).hex()
 
 
-def orders(host: Host, run: Run) -> Iterator[tuple[str, str]]:
+def orders(host: FmuInstance, run: Run) -> Iterator[tuple[str, str]]:
     """A run as lines for the host in C, and what the FMU in `host` answers to each."""
 
     def setting(values: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -204,7 +204,7 @@ def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
     """A few runs through the python flavour."""
     found: list[tuple[str, str]] = []
     for run in drawn(block, 300, 6):
-        with Host(block_fmu) as host:
+        with FmuInstance(block_fmu) as host:
             found.extend(orders(host, run))
     return found
 
@@ -247,7 +247,7 @@ def test_libcosim_gives_the_same_bits(native: Path) -> None:
     manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
     execution.add_manipulator(manipulator)
     execution.add_observer(observer)
-    with Host(native) as host:
+    with FmuInstance(native) as host:
         host.initialize(start)
         reference = {name: r for name, (r, _) in host.kinds.items()}
         for name, value in start.items():

@@ -213,11 +213,11 @@ def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync
         [("time", float), ("master.position", float), ("master.velocity", float), ("stop", bool)],
     )
     outputs = ["slave.position", "slave.velocity", "local.transition_distance"]
-    course = simulate_fmu(str(fmu), stop_time=1.0, output_interval=0.01, input=signal, output=outputs)
-    half_way = course[np.searchsorted(course["time"], 0.2 - 1e-9)]
+    recording = simulate_fmu(str(fmu), stop_time=1.0, output_interval=0.01, input=signal, output=outputs)
+    half_way = recording[np.searchsorted(recording["time"], 0.2 - 1e-9)]
     assert half_way["slave.position"] == pytest.approx(-12.5 - 0.75 * 7.5, abs=1e-9)
     assert half_way["slave.velocity"] == pytest.approx(-50.0, abs=1e-9)
-    assert (course["slave.position"][-1], course["local.transition_distance"][-1]) == (-20.0, 15.0)
+    assert (recording["slave.position"][-1], recording["local.transition_distance"][-1]) == (-20.0, 15.0)
 
 
 def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:

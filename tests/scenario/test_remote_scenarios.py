@@ -6,16 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import regenerate
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.report import plots, write_report
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 from motionsync_fmu.scenario.crosscheck import inputs_csv
 from motionsync_fmu.scenario.run import check, schedule
 from motionsync_fmu.scenario.scenario import Scenario, load
 from motionsync_fmu.scenario.telegrams import Accuracy, errors
+from tests import regenerate
 from tests.support.fake_blocks.listener import Stepped, registered, run_in_process
 
 GOOD = """\
@@ -234,15 +233,15 @@ def test_an_oracle_is_stepped_as_the_fmu_is(tmp_path: Path, monkeypatch: pytest.
     s = scenario(
         tmp_path, ("share = 0.5", "share = 0.25\nshifted = false"), ("at = 3.0", "at = 3.0015\nshifted = true")
     )
-    course = run_in_process(s, 0.002)
+    recording = run_in_process(s, 0.002)
     found = regenerate.files(s.file)
     header, *rows = list(csv.reader(found[tmp_path / "Listener_ref.csv"].splitlines()))
     assert header == ["time", "slave.position", "corrected_cycle_index", "shifted"]
     table = np.array(rows, float)
     np.testing.assert_array_equal(table[:, 0], [i * 0.002 for i in range(10, 2001, 10)])
-    at = np.searchsorted(course.time, table[:, 0] - 1e-9)
+    at = np.searchsorted(recording.time, table[:, 0] - 1e-9)
     for column, name in enumerate(header[1:3], 1):
-        np.testing.assert_array_equal(table[:, column], course.values[name][at])
+        np.testing.assert_array_equal(table[:, column], recording.values[name][at])
     np.testing.assert_array_equal(table[:, 3], table[:, 0] > 3.0015)
 
 
@@ -289,8 +288,8 @@ def test_the_slave_may_be_behind_by_design(tmp_path: Path) -> None:
     )
     assert s.remote
     assert behind.remote
-    course = run_in_process(s, 0.002)
-    ahead = errors(behind.remote, course).corrected_position - errors(s.remote, course).corrected_position
+    recording = run_in_process(s, 0.002)
+    ahead = errors(behind.remote, recording).corrected_position - errors(s.remote, recording).corrected_position
     np.testing.assert_allclose(ahead, 1.5 * 0.2, atol=1e-9)
 
 
@@ -315,8 +314,8 @@ def test_the_accuracy_is_an_expectation(accuracy: str, found: list[tuple[str, bo
 
 def test_the_report_shows_what_was_received_and_both_errors(tmp_path: Path) -> None:
     s = scenario(tmp_path)
-    course = run_in_process(s, 0.002)
-    figure = plots(s, course, {v.name: v for v in variables(s.recipe.block())})
+    recording = run_in_process(s, 0.002)
+    figure = plots(s, recording, s.recipe.variables)
     titles = [axis.title.text for axis in figure.select_yaxes()]
     derivatives = ["velocity<br>mm/s", "acceleration<br>mm/s2", "jerk<br>mm/s3"]
     assert titles[:6] == ["position<br>mm", *derivatives, "index error<br>cycles", "axis error<br>mm"]
@@ -326,7 +325,7 @@ def test_the_report_shows_what_was_received_and_both_errors(tmp_path: Path) -> N
         *((f"y{row}", "received") for row in ("", 2, 3, 5, 6)),
         *((f"y{row}", "slave") for row in (5, 6)),
     }
-    write_report(tmp_path / "report.html", s, course, check(s, course), [], 0.002)
+    write_report(tmp_path / "report.html", s, recording, check(s, recording), [], 0.002)
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "telegrams of 0.001998 s cycles" in page
     assert "corrected_cycle_index within 1.5 cycles" in page

@@ -11,20 +11,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import regenerate
 from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
-from motionsync_fmu.build import Recipe
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.crosscheck import command_line, inputs_file
-from motionsync_fmu.scenario.cuts import Cuts, cut
-from motionsync_fmu.scenario.recording import Course
+from motionsync_fmu.scenario.cuts import CutSpec, find_cuts
+from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run import check, compare, schedule, simulate
 from motionsync_fmu.scenario.scenario import AtTime, Scenario, When, Within, load
 from motionsync_fmu.scenario.script import Script, Segment
-from tests import ROOT
+from tests import ROOT, regenerate
 from tests.conftest import Fmus
 
 SCENARIOS = ROOT / "scenarios"
@@ -40,10 +39,10 @@ def named(folder: Path) -> str:
 # --- the scenarios that are there ---
 
 
-def judged(scenario: Scenario, course: Course) -> list[str]:
+def judged(scenario: Scenario, recording: Recording) -> list[str]:
     """What was not as expected, reference included."""
-    broken = [f"{c.expected}: found {c.found}" for c in check(scenario, course) if not c.passed]
-    deviations = compare(scenario, course)
+    broken = [f"{c.expected}: found {c.found}" for c in check(scenario, recording) if not c.passed]
+    deviations = compare(scenario, recording)
     assert deviations, "there is no reference"
     return broken + [f"{d.name}: {d.greatest} at {d.at}, {d.allowed} allowed" for d in deviations if not d.passed]
 
@@ -52,9 +51,9 @@ def judged(scenario: Scenario, course: Course) -> list[str]:
 def test_a_scenario_is_kept(folder: Path, fmus: Fmus) -> None:
     scenario = load(folder / "scenario.toml")
     assert scenario.expectations
-    course = simulate(scenario, fmus.python(scenario.recipe.name), scenario.step_size)
-    assert judged(scenario, course) == []
-    assert min(d.points for d in compare(scenario, course)) >= 100
+    recording = simulate(scenario, fmus.python(scenario.recipe.name), scenario.step_size)
+    assert judged(scenario, recording) == []
+    assert min(d.points for d in compare(scenario, recording)) >= 100
 
 
 def late(scenario: Scenario, step_size: float) -> Scenario:
@@ -70,9 +69,9 @@ def late(scenario: Scenario, step_size: float) -> Scenario:
 def test_a_scenario_is_kept_at_another_step_size(folder: Path, fmus: Fmus) -> None:
     scenario = load(folder / "scenario.toml")
     step_size = WITHIN if scenario.remote else UNEVEN
-    course = simulate(scenario, fmus.python(scenario.recipe.name), step_size)
-    assert judged(late(scenario, step_size), course) == []
-    assert min(d.points for d in compare(scenario, course)) >= 5
+    recording = simulate(scenario, fmus.python(scenario.recipe.name), step_size)
+    assert judged(late(scenario, step_size), recording) == []
+    assert min(d.points for d in compare(scenario, recording)) >= 5
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
@@ -105,8 +104,8 @@ def test_fmpy_alone_runs_a_scenario_from_its_files(name: str, first: int, native
         header, *rows = list(csv.reader(f))
     table = np.array([[float({"True": 1.0, "False": 0.0}.get(x, x)) for x in row] for row in rows[first:]])
     assert table[-1, 0] == pytest.approx(scenario.stop_time, abs=1e-9)
-    course = Course(table[:, 0], dict(zip(header[1:], table.T[1:], strict=True)), np.empty((0, 3)), [])
-    deviations = compare(scenario, course)
+    recording = Recording(table[:, 0], dict(zip(header[1:], table.T[1:], strict=True)), np.empty((0, 3)), [])
+    deviations = compare(scenario, recording)
     assert [d.name for d in deviations] == names
     assert [(d.name, d.greatest, d.at) for d in deviations if not d.passed] == []
     assert min(d.points for d in deviations) >= 100
@@ -385,14 +384,14 @@ def test_cuts_are_read(tmp_path: Path) -> None:
     file = tmp_path / "scenario.toml"
     linear = GOOD.replace('"master.period" = 360.0\n', "")
     file.write_text(linear + CUTS)
-    assert load(file).cuts == Cuts("syn_synchronized", 20.0, 3.0, 1.5, 0.25, 2)
+    assert load(file).cuts == CutSpec("syn_synchronized", 20.0, 3.0, 1.5, 0.25, 2)
     file.write_text(linear + '[cuts]\nwhile = "ready"\nlength = 5\n')
-    assert load(file).cuts == Cuts("ready", 5.0, 0.0, 1.0, None, None)
+    assert load(file).cuts == CutSpec("ready", 5.0, 0.0, 1.0, None, None)
     file.write_text(linear)
     assert load(file).cuts is None
 
 
-def course_of(places: list[float | None], ratio: float) -> Course:
+def recording_of(places: list[float | None], ratio: float) -> Recording:
     """A saw that lags behind the material by these numbers, at 0, 0.1, 0.2 ... s; None: it does not cut."""
     n = len(places)
     master = np.zeros((n, 4))
@@ -400,20 +399,20 @@ def course_of(places: list[float | None], ratio: float) -> Course:
     slave = [ratio * (m - (p or 0.0)) for m, p in zip(master[:, 0].tolist(), places, strict=True)]
     on = [float(p is not None) for p in places]
     values = {"slave.position": np.array(slave), "in_sync": np.array(on)}
-    return Course(0.1 * np.arange(n), values, master, [])
+    return Recording(0.1 * np.arange(n), values, master, [])
 
 
 @pytest.mark.parametrize("ratio", [1.0, -2.0, 0.5])
 def test_each_interval_is_a_cut_and_its_error_the_greatest_distance_from_its_mark(ratio: float) -> None:
     places = [3.0, 3.0, None, 22.75, 23.5, 23.25, None, None, 62.5, None, -37.0, -37.5]
-    cuts = cut(Cuts("in_sync", 20.0, 3.0, ratio, None, None), course_of(places, ratio))
+    cuts = find_cuts(CutSpec("in_sync", 20.0, 3.0, ratio, None, None), recording_of(places, ratio))
     assert [(round(c.begin, 9), round(c.end, 9)) for c in cuts] == [(0.0, 0.1), (0.3, 0.5), (0.8, 0.8), (1.0, 1.1)]
     assert [c.mark for c in cuts] == [3.0, 23.0, 63.0, -37.0]
     assert [c.error for c in cuts] == pytest.approx([0.0, 0.5, -0.5, -0.5], abs=1e-12)
 
 
 def test_without_a_cut_there_is_none() -> None:
-    assert cut(Cuts("in_sync", 20.0, 0.0, 1.0, None, None), course_of([None] * 5, 1.0)) == []
+    assert find_cuts(CutSpec("in_sync", 20.0, 0.0, 1.0, None, None), recording_of([None] * 5, 1.0)) == []
 
 
 @pytest.mark.parametrize(
@@ -438,9 +437,9 @@ def test_cuts_are_expectations(cuts: str, expected: list[tuple[str, bool]], fmu:
 
 
 def test_no_cut_at_all_breaks_a_tolerance() -> None:
-    course = course_of([None] * 5, 1.0)
+    recording = recording_of([None] * 5, 1.0)
     scenario = replace(load(FOLDERS[0] / "scenario.toml"), expectations=(), settings=())
-    (judged,) = check(replace(scenario, cuts=Cuts("in_sync", 20.0, 0.0, 1.0, 1.0, None)), course)
+    (judged,) = check(replace(scenario, cuts=CutSpec("in_sync", 20.0, 0.0, 1.0, 1.0, None)), recording)
     assert (judged.found, judged.passed) == ("no cut", False)
 
 
@@ -508,8 +507,8 @@ def test_limits_hold_at_points_of_their_own_interval(fmu: Path, tmp_path: Path) 
         GOOD.replace("from = 0.0\nto = 1.0", "from = 0.301\nto = 0.302").replace("max = 90.0", "max = 90.3015")
     )
     scenario = load(file)
-    course = simulate(scenario, fmu, scenario.step_size)
-    *_, limits = check(scenario, course)
+    recording = simulate(scenario, fmu, scenario.step_size)
+    *_, limits = check(scenario, recording)
     assert limits.found == "90.301 to 90.302"
     assert not limits.passed
 

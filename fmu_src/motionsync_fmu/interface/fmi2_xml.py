@@ -1,4 +1,4 @@
-"""modelDescription.xml, the same for both flavours."""
+"""modelDescription.xml of FMI 2.0, the same for both flavours."""
 
 import math
 import time
@@ -10,16 +10,9 @@ from motionsync.var import Unit
 
 from .. import __version__
 from ..archive import epoch
-from .variables import Variable, members, variables
+from .units import base_unit, unit_name
+from .variables import Variable, members, summary, variables
 
-BASES = {  # a build's position unit in SI base units: exponents' unit and factor
-    "mm": ("m", 1e-3),
-    "m": ("m", 1.0),
-    "deg": ("rad", math.pi / 180.0),
-    "rad": ("rad", 1.0),
-    "1": ("", 1.0),
-}
-DEGREE = "deg"
 CATEGORIES = {
     "logStatusWarning": "refused commands",
     "logStatusError": "refused values and failed calls",
@@ -28,9 +21,9 @@ CATEGORIES = {
 
 
 def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
-    """Everything that both flavours and every build of this source share; `finish` adds GUID and date.
+    """All that both flavours and every build of this source share; `finish` adds GUID and date.
 
-    `unit`: of positions, a key of BASES; `slave_unit`: of the slave's where a block tells them apart, empty: the same.
+    `unit`: of positions, a key of `units.BASES`; `slave_unit`: of the slave's positions (empty: the same).
     """
     vs = variables(block)
     name = type(block).__name__
@@ -71,41 +64,13 @@ def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
 
 
 def finish(root: Element, guid: str, abilities: Mapping[str, str] | None = None) -> bytes:
-    """The file; `abilities`: attributes of the CoSimulation element that only one flavour has."""
+    """The file's content; `abilities`: attributes of the CoSimulation element that only one flavour has."""
     root.set("guid", guid)
     for unit in root.iter("CoSimulation"):
         unit.attrib.update(abilities or {})
     root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(epoch())))
     indent(root)
     return bytes(tostring(root, "UTF-8", xml_declaration=True)) + b"\n"
-
-
-def summary(thing: Any) -> str:
-    """The first line of a docstring, without its full stop."""
-    return (thing.__doc__ or "").strip().split("\n")[0].rstrip(".")
-
-
-def unit_name(kind: Unit, unit: str, slave_unit: str = "") -> str:
-    """The name of a unit where positions are in `unit`, and the slave's in `slave_unit` if it is given: mm/s2, 1/deg2,
-    deg/mm; of a pure number, the empty string."""
-    powers: dict[str, int] = {}
-    factors = ((unit, kind.position), (slave_unit or unit, kind.slave), (DEGREE, kind.degree), ("s", kind.second))
-    for symbol, exponent in factors:
-        powers[symbol] = powers.get(symbol, 0) + exponent
-    powers.pop("1", None)
-    above = "".join(_power(symbol, exponent) for symbol, exponent in powers.items())
-    below = "".join(f"/{p}" for symbol, exponent in powers.items() if (p := _power(symbol, -exponent)))
-    return (above or "1") + below if above or below or kind is not Unit.NONE else ""
-
-
-def axis_label(kind: Unit, unit: str, slave_unit: str = "") -> str:
-    """The units of a plot's axis that shows master and slave: `mm`, or `mm, slave deg` where they differ."""
-    of_master, of_slave = unit_name(kind, unit), unit_name(kind, slave_unit or unit)
-    return of_master if of_master == of_slave else f"{of_master}, slave {of_slave}"
-
-
-def _power(symbol: str, exponent: int) -> str:
-    return "" if not symbol or exponent <= 0 else symbol + (str(exponent) if exponent > 1 else "")
 
 
 def _used_units(vs: list[Variable]) -> list[Unit]:
@@ -115,20 +80,10 @@ def _used_units(vs: list[Variable]) -> list[Unit]:
 def _units(parent: Element, vs: list[Variable], unit: str, slave_unit: str) -> None:
     definitions = {unit_name(u, unit, slave_unit): u for u in reversed(_used_units(vs))}
     for name, u in sorted(definitions.items()):
-        powers: dict[str, int] = {}
-        factor = 1.0
-        for symbol, exponent in ((unit, u.position), (slave_unit, u.slave), (DEGREE, u.degree)):
-            base, size = BASES[symbol]
-            powers[base] = powers.get(base, 0) + exponent
-            factor *= _scaled(size, exponent)
-        powers["s"] = u.second
-        exponents = {symbol: str(power) for symbol, power in powers.items() if symbol and power}
+        powers, factor = base_unit(u, unit, slave_unit)
+        exponents = {symbol: str(power) for symbol, power in powers.items()}
         scale = {"factor": repr(factor)} if factor != 1.0 and name != "1" else {}
         SubElement(SubElement(parent, "Unit", name=name), "BaseUnit", exponents | scale)
-
-
-def _scaled(factor: float, exponent: int) -> float:
-    return factor**exponent if exponent >= 0 else 1.0 / factor**-exponent
 
 
 def _types(parent: Element, vs: list[Variable], unit: str, slave_unit: str) -> None:
@@ -160,21 +115,15 @@ def _variable(v: Variable, reference: int) -> Element:
     if v.kind in ("Real", "Integer"):
         for limit, number in (("min", max(d.min, d.above)), ("max", min(d.max, d.below))):
             if math.isfinite(number):
-                value.set(limit, literal(v, number))
+                value.set(limit, v.literal(number))
     if v.settable:
-        value.set("start", literal(v, v.start))
+        value.set("start", v.literal(v.start))
     return scalar
 
 
-def literal(v: Variable, value: Any) -> str:
-    """A value as modelDescription.xml and command lines write it."""
-    if v.kind == "Boolean":
-        return str(bool(value)).lower()
-    return repr(float(value)) if v.kind == "Real" else str(int(value))
-
-
 def _structure(parent: Element, vs: list[Variable]) -> None:
-    """At a communication point no output follows an input (only doStep moves it); after initialization, as declared."""
+    """What the outputs depend on: at a communication point on nothing, since doStep alone changes them; after the
+    initialization, on what the block declares."""
     index = {v.name: str(i) for i, v in enumerate(vs, 1)}
     outputs, initial = SubElement(parent, "Outputs"), SubElement(parent, "InitialUnknowns")
     for v in vs:

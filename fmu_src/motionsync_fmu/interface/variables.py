@@ -91,25 +91,45 @@ class Variable:
             return "true" if value else "false"
         return next((str(member.name) for member in self.choices if member == value), f"{value:.10g}")
 
+    def literal(self, value: Any) -> str:
+        """A value as modelDescription.xml and command lines write it."""
+        if self.kind == "Boolean":
+            return str(bool(value)).lower()
+        return repr(float(value)) if self.kind == "Real" else str(int(value))
+
     @property
-    def range(self) -> str:
+    def allowed_range(self) -> str:
         """The allowed values in words."""
         if self.choices:
             return ", ".join(f"{member.value} {member.name}" for member in self.choices)
         d = self.declaration
-        zero = "0, or " if d.smallest and d.zero else ""
-        if d.smallest and d.min < 0.0:
-            return f"{zero}a magnitude of {d.smallest:g} to {d.max:g}"
         low = max(d.min, d.smallest) if d.smallest else d.min
-        if d.max < inf and low > -inf:
-            return f"{zero}{low:g} to {d.max:g}"
-        above = f"> {d.above:g}" if d.above > -inf else f">= {low:g}" if low > -inf else ""
-        below = f"< {d.below:g}" if d.below < inf else f"<= {d.max:g}" if d.max < inf else ""
-        return zero + (" and ".join(filter(None, (above, below))) or "finite")
+        limits = (
+            (d.above > -inf, f"> {d.above:g}"),
+            (d.above == -inf < low, f">= {low:g}"),
+            (d.below < inf, f"< {d.below:g}"),
+            (d.max < inf == d.below, f"<= {d.max:g}"),
+        )
+        forms = (
+            (d.min < 0.0 < d.smallest, f"a magnitude of {d.smallest:g} to {d.max:g}"),
+            (low > -inf and d.max < inf, f"{low:g} to {d.max:g}"),
+            (True, " and ".join(text for applies, text in limits if applies) or "finite"),
+        )
+        zero = "0, or " if d.smallest and d.zero else ""
+        return zero + next(text for applies, text in forms if applies)
 
     def refusal(self, value: Any) -> str:
         """Why a value is not allowed, naming variable, value and range; empty if it is."""
-        return "" if self.allows(value) else f"{self.name} = {shown(value)} is not allowed: it must be {self.range}"
+        return (
+            ""
+            if self.allows(value)
+            else f"{self.name} = {shown(value)} is not allowed: it must be {self.allowed_range}"
+        )
+
+
+def summary(thing: Any) -> str:
+    """The first line of a docstring, without its full stop."""
+    return (thing.__doc__ or "").strip().split("\n")[0].rstrip(".")
 
 
 def members(kind: Any) -> list[Any]:

@@ -13,8 +13,8 @@ import numpy as np
 
 from motionsync.remote_sync.block import Estimator
 
-from ..scenario.cuts import Cut, cut
-from ..scenario.recording import Course, Reals
+from ..scenario.cuts import Cut, find_cuts
+from ..scenario.recording import Reals, Recording
 from ..scenario.run import Check, check
 from ..scenario.telegrams import MOTION, errors
 from .package import Package
@@ -52,14 +52,14 @@ class Way:
 
     Attributes:
         name: of the way.
-        course: the follower's outputs.
+        recording: the follower's outputs.
         away: slave.position less where it is if the follower sees the true axis, in u; shape (steps,).
         index: how far the cycle index is ahead of the sender's, in cycles; shape (steps,).
         cuts, switches: those of the follower; the errors are those on the true axis.
     """
 
     name: str
-    course: Course
+    recording: Recording
     away: Reals
     index: Reals
     cuts: list[Cut]
@@ -216,15 +216,15 @@ def _way(line: Line, name: str, values: Values, truth: Values, remote: Values | 
     s = line.follower
     motions = [s.master.until(t) for t in line.times.tolist()]
     master = np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions])
-    course = Course(line.times, _shown(values), master, [])
+    recording = Recording(line.times, _shown(values), master, [])
     away = _nearest(values["slave.position"] - truth["slave.position"], s.period)
     return Way(
         name,
-        course,
+        recording,
         away,
         _index(line, remote, master),
-        cut(s.cuts, course) if s.cuts else [],
-        list(_switches(line, course)) if line.places is not None else [],
+        find_cuts(s.cuts, recording) if s.cuts else [],
+        list(_switches(line, recording)) if line.places is not None else [],
     )
 
 
@@ -242,18 +242,18 @@ def _index(line: Line, remote: Values | None, master: Reals) -> Reals:
     of it, and has the error of the second."""
     corrected = np.zeros(line.steps) if remote is None else remote["corrected_cycle_index"]
     values = {"corrected_cycle_index": corrected, "slave.position": np.zeros(line.steps)}
-    found = errors(line.remote, Course(line.times, values, master, []))
+    found = errors(line.remote, Recording(line.times, values, master, []))
     index = found.index if remote is None else found.corrected_index
     return np.concatenate([index[:1], index])
 
 
-def _switches(line: Line, course: Course) -> Iterator[Switch]:
+def _switches(line: Line, recording: Recording) -> Iterator[Switch]:
     """Where transitions began on the true axis: in the first step that shows one, its progress tells how long ago."""
-    ramp, begin, progress, distance = (course.values[name] for name in RAMP)
+    ramp, begin, progress, distance = (recording.values[name] for name in RAMP)
     for i in np.flatnonzero(np.diff(ramp, prepend=0.0) > 0.0).tolist():
-        travel = math.copysign(distance[i] * progress[i], course.master[i, 1])
-        beyond = _nearest(course.master[i, 0] - travel - begin[i], line.follower.period)
-        yield Switch(float(course.time[i]), float(begin[i]), float(beyond))
+        travel = math.copysign(distance[i] * progress[i], recording.master[i, 1])
+        beyond = _nearest(recording.master[i, 0] - travel - begin[i], line.follower.period)
+        yield Switch(float(recording.time[i]), float(begin[i]), float(beyond))
 
 
 # --- figures ---
@@ -271,7 +271,7 @@ def _settled(line: Line, remote: Values) -> tuple[float, float]:
 
 
 def _figures(way: Way, chosen: Any) -> Figures:
-    times = way.course.time[chosen]
+    times = way.recording.time[chosen]
     begin, end = (times[0], times[-1]) if len(times) else (math.inf, math.inf)
     cuts = np.array([c.error for c in way.cuts if begin <= c.begin <= end])
     switches = np.array([s.error for s in way.switches if begin <= s.time <= end])
@@ -316,7 +316,7 @@ def _checks(line: Line, wired: Way, synced: float, settled: float, agreements: l
         worst = max(agreements, key=lambda a: a.later / a.allowed)
         expected = f"FMPy and libcosim agree from step {FIRST + 1} on, to {AGREEMENT:g} of each output's magnitude"
         yield Check(expected, f"{worst.later:.2g} apart in {worst.name}", worst.later <= worst.allowed)
-    yield from check(replace(s, cuts=None), wired.course)
+    yield from check(replace(s, cuts=None), wired.recording)
     if s.cuts and s.cuts.count is not None:
         yield Check(f"number of cuts = {s.cuts.count}", f"{len(wired.cuts)}", len(wired.cuts) == s.cuts.count)
     if s.cuts and s.cuts.tolerance is not None:

@@ -13,9 +13,10 @@ from typing import Any
 
 from .. import __version__
 from ..archive import write
-from ..build import Flavour, Recipe, build_native, fmu_path, outdated
-from ..interface.fmi2_xml import describe, literal, unit_name
-from ..interface.variables import variables
+from ..build import Flavour, build_native, fmu_path, outdated
+from ..interface.fmi2_xml import describe
+from ..interface.recipe import Recipe
+from ..interface.units import unit_name
 from ..pages.block_page import TEMPLATES
 from ..scenario.telegrams import MOTION
 from .reader import REMOTE, Line
@@ -93,7 +94,7 @@ def connections(line: Line) -> list[Connection]:
 
 
 def _texts(line: Line) -> dict[str, bytes]:
-    blocks = {name: {v.name: v for v in variables(recipe.block())} for name, recipe in line.recipes.items()}
+    blocks = {name: recipe.variables for name, recipe in line.recipes.items()}
     wires = connections(line)
 
     def connector(component: str, name: str, kind: str) -> Connector:
@@ -121,7 +122,7 @@ def _texts(line: Line) -> dict[str, bytes]:
         "connections": wires,
         "units": _units(line),
         "values": [
-            {"component": name, "name": n, "kind": blocks[name][n].kind, "value": literal(blocks[name][n], value)}
+            {"component": name, "name": n, "kind": blocks[name][n].kind, "value": blocks[name][n].literal(value)}
             for name, given in line.parameters.items()
             for n, value in given.items()
         ],

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from motionsync.blocks import BLOCKS
 
-from ..build import Recipe
 from ..errors import UserError
+from ..interface.recipe import Recipe
 from ..interface.variables import Variable, variables
 from ..scenario.recording import Reals
 from ..scenario.scenario import DELAY, SCALARS, AtTime, Reader, Scenario, When, Within
@@ -104,7 +104,7 @@ class Line:
 
     @cached_property
     def commands(self) -> dict[str, NDArray[Any]]:
-        """The inputs of the follower that are set in the course of the line: their value in each step."""
+        """The inputs of the follower that are set during the line: their value in each step."""
         s = self.follower
         begins = {v.name: v.start for v in variables(s.recipe.block())} | dict(s.start)
         names = sorted({n for setting in s.settings for n in setting.values})

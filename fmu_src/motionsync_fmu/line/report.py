@@ -1,4 +1,4 @@
-"""One self-contained HTML page of a line: the errors on each way, and the course of the wired one."""
+"""One self-contained HTML page of a line: the errors on each way, and the outputs on the wired one."""
 
 from pathlib import Path
 from typing import Any
@@ -9,8 +9,7 @@ from plotly.subplots import make_subplots
 from motionsync.var import Unit
 
 from .. import __version__
-from ..interface.fmi2_xml import unit_name
-from ..interface.variables import variables
+from ..interface.units import unit_name
 from ..pages.block_page import SLAVE, TEMPLATES
 from ..pages.report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, plots
 from ..scenario.cuts import Cut
@@ -25,7 +24,7 @@ ROOM = 1.3  # of the wired way's own row, over its greatest error once in sync
 def write_line_report(file: Path, line: Line, result: Result) -> None:
     """The page; nothing in it is loaded from elsewhere."""
     s = line.follower
-    blocks = {name: {v.name: v for v in variables(recipe.block())} for name, recipe in line.recipes.items()}
+    blocks = {name: recipe.variables for name, recipe in line.recipes.items()}
     by_name = blocks[s.recipe.name]
     clocks, wired = line.remote.clocks, result.wired
     starts = {REMOTE: line.start, s.recipe.name: s.start}
@@ -40,8 +39,8 @@ def write_line_report(file: Path, line: Line, result: Result) -> None:
         "unit": unit_name(Unit.POSITION, line.unit),
         "error_plots": html(_error_plots(line, result), plotly=True),
         "event_plots": html(_event_plots(line, result)) if wired.cuts or wired.switches else "",
-        "plots": html(plots(s, wired.course, by_name)),
-        "cut_plots": html(cut_plots(s.cuts, wired.cuts, s, wired.course)) if s.cuts and wired.cuts else "",
+        "plots": html(plots(s, wired.recording, by_name)),
+        "cut_plots": html(cut_plots(s.cuts, wired.cuts, s, wired.recording)) if s.cuts and wired.cuts else "",
         "starts": [(c, n, blocks[c][n].text(value)) for c, given in starts.items() for n, value in given.items()],
         "settings": [(x.at, n, by_name[n].text(value)) for x in s.settings for n, value in x.values.items()],
     }

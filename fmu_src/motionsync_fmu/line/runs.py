@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..interface.variables import variables
-from ..scenario.fmu_instance import FmuError, Host
+from ..scenario.fmu_instance import FmuError, FmuInstance
 from ..scenario.recording import Reals
 from .package import Package
 from .reader import REMOTE, Line
@@ -47,7 +47,7 @@ def run_ssp(line: Line, package: Package) -> dict[str, Values]:
         UserError: an FMU refused a value or a step.
     """
     for name in line.recipes:  # FMPy tells nothing of what an FMU logs
-        with Host(package.fmus[name]) as host:
+        with FmuInstance(package.fmus[name]) as host:
             _initialized(line, host, name)
     h, last = line.step_size, line.steps - 1
 
@@ -170,7 +170,7 @@ def run_alone(
     """
     outputs = {kind: [v.name for v in line.outputs[name] if v.kind == kind] for kind in KINDS}
     found = {kind: np.empty((line.steps, len(names))) for kind, names in outputs.items()}
-    with Host(package.fmus[name]) as host:
+    with FmuInstance(package.fmus[name]) as host:
 
         def references(names: Iterable[str]) -> list[int]:
             return [host.kinds[n][0] for n in names]
@@ -196,7 +196,7 @@ def run_alone(
     return {n: column for kind, names in outputs.items() for n, column in zip(names, found[kind].T, strict=True)}
 
 
-def _initialized(line: Line, host: Host, name: str, start: Mapping[str, Any] | None = None) -> None:
+def _initialized(line: Line, host: FmuInstance, name: str, start: Mapping[str, Any] | None = None) -> None:
     try:
         host.initialize({**line.parameters[name], **(start or {})})
     except FmuError as e:

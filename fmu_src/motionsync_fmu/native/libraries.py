@@ -257,7 +257,7 @@ def _row(v: Variable, layout: Any, pool: Pool) -> str:
         *(number(x) for x in (d.min, d.max, d.above, d.below, d.smallest)),
         str(d.zero).lower(),
         pool.numbers(len(v.choices), *(int(m) for m in v.choices)),
-        pool.text(v.range),
+        pool.text(v.allowed_range),
     )
     return _list(columns)
 

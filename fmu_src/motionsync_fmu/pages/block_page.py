@@ -22,8 +22,9 @@ from motionsync.var import Unit
 from .. import __version__
 from ..archive import Files
 from ..errors import UserError
-from ..interface.fmi2_xml import axis_label, literal, summary, unit_name
-from ..interface.variables import Cell, Variable, cells, members, variables
+from ..interface.table import groups
+from ..interface.units import axis_label, unit_name
+from ..interface.variables import Cell, cells, members, summary, variables
 from ..scenario.clocks import Clocks, Rate
 from ..scenario.script import Script
 
@@ -84,40 +85,6 @@ def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str], 
 def paragraphs(thing: Any) -> list[str]:
     """A docstring's paragraphs after its first line."""
     return [" ".join(p.split()) for p in (thing.__doc__ or "").split("\n\n")[1:] if p.strip()]
-
-
-@dataclass
-class Group:
-    """Variables that share the first part of their names, in the order of declaration; the block's own have none."""
-
-    name: str
-    summary: str
-    rows: list[dict[str, str]]
-
-
-def groups(block: Any, unit: str, slave_unit: str = "") -> list[Group]:
-    """All variables; a group's summary is that of its part of the block."""
-    found: dict[str, Group] = {}
-    for v in variables(block):
-        name = v.name.partition(".")[0] if "." in v.name else ""
-        if name not in found:
-            found[name] = Group(name, summary(type(getattr(block, name))) if name else "The block's own", [])
-        found[name].rows.append(row(v, unit, slave_unit))
-    return list(found.values())
-
-
-def row(v: Variable, unit: str, slave_unit: str = "") -> dict[str, str]:
-    """One line of a table of variables; the values as they are written."""
-    return {
-        "name": v.name,
-        "causality": v.causality,
-        "variability": v.variability,
-        "type": v.cell.type.__name__ if v.choices else v.kind,
-        "unit": unit_name(v.declaration.unit, unit, slave_unit),
-        "start": literal(v, v.start) if v.settable else "",
-        "range": v.range if v.settable and v.kind in ("Real", "Integer") else "",
-        "description": v.declaration.description,
-    }
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """One self-contained HTML page per run: interactive courses over time, cuts, and a table of what was expected."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,10 +14,10 @@ from plotly.subplots import make_subplots
 from motionsync.var import Unit
 
 from .. import __version__
-from ..interface.fmi2_xml import axis_label, unit_name
-from ..interface.variables import Variable, variables
-from ..scenario.cuts import Cut, Cuts, cut
-from ..scenario.recording import Course, Reals
+from ..interface.units import axis_label, unit_name
+from ..interface.variables import Variable
+from ..scenario.cuts import Cut, CutSpec, find_cuts
+from ..scenario.recording import Reals, Recording
 from ..scenario.run import Check, Deviation, read_reference
 from ..scenario.scenario import Scenario
 from ..scenario.telegrams import Errors, errors
@@ -43,11 +43,16 @@ MOST_SHADES = 500  # stretches that are shaded behind the positions
 
 
 def write_report(
-    file: Path, scenario: Scenario, course: Course, checks: list[Check], deviations: list[Deviation], step_size: float
+    file: Path,
+    scenario: Scenario,
+    course: Recording,
+    checks: list[Check],
+    deviations: list[Deviation],
+    step_size: float,
 ) -> None:
     """The page; nothing in it is loaded from elsewhere."""
-    by_name = {v.name: v for v in variables(scenario.recipe.block())}
-    cuts = cut(scenario.cuts, course) if scenario.cuts else []
+    by_name = scenario.recipe.variables
+    cuts = find_cuts(scenario.cuts, course) if scenario.cuts else []
     text = TEMPLATES.get_template("report.html.j2").render(
         scenario=scenario,
         version=__version__,
@@ -74,7 +79,7 @@ def html(figure: Any, *, plotly: bool = False) -> Markup:
 # --- courses over time ---
 
 
-def plots(scenario: Scenario, course: Course, by_name: dict[str, Variable]) -> Any:
+def plots(scenario: Scenario, course: Recording, by_name: Mapping[str, Variable]) -> Any:
     """Master and slave over time, the reference over them, a remote axis' errors, lanes of what is discrete, marks of
     the commands."""
     lanes = list(_lanes(course, by_name))
@@ -105,7 +110,7 @@ def plots(scenario: Scenario, course: Course, by_name: dict[str, Variable]) -> A
     return figure
 
 
-def _motion(figure: Any, scenario: Scenario, course: Course, followed: str) -> None:
+def _motion(figure: Any, scenario: Scenario, course: Recording, followed: str) -> None:
     """The slave, what it follows, and the reference: a row each for position and its derivatives."""
     master = dict(zip((name for name, *_ in ROWS), course.master.T, strict=True))
     reference = read_reference(scenario)
@@ -188,7 +193,7 @@ Lane = tuple[Variable, list[tuple[float, float, int]]]
 """A variable and its values, one after the other: from when, until when, which."""
 
 
-def _lanes(course: Course, by_name: dict[str, Variable]) -> Iterator[Lane]:
+def _lanes(course: Recording, by_name: Mapping[str, Variable]) -> Iterator[Lane]:
     """The state, then whatever else changes in the run: enumerations, then Booleans."""
     for kind in ("Enumeration", "Boolean"):
         for v in (by_name[name] for name in course.values if by_name[name].kind == kind):
@@ -197,7 +202,7 @@ def _lanes(course: Course, by_name: dict[str, Variable]) -> Iterator[Lane]:
                 yield v, stretches
 
 
-def _stretches(course: Course, name: str) -> Iterator[tuple[float, float, int]]:
+def _stretches(course: Recording, name: str) -> Iterator[tuple[float, float, int]]:
     values = course.values[name].astype(int)
     borders = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values) - 1]
     for first, last in pairwise(borders):
@@ -255,7 +260,7 @@ def _shade(figure: Any, stretches: list[tuple[float, float, str]]) -> None:
         figure.add_shape(rectangle | {"fillcolor": colour, "opacity": 0.45, "line": {"width": 0}, "layer": "below"})
 
 
-def _commands(figure: Any, row: int, scenario: Scenario, by_name: dict[str, Variable]) -> None:
+def _commands(figure: Any, row: int, scenario: Scenario, by_name: Mapping[str, Variable]) -> None:
     """What was set, and when: a dashed line through all rows, and a mark in a lane that tells it under the pointer."""
     texts = [", ".join(f"{n} = {by_name[n].text(value)}" for n, value in s.values.items()) for s in scenario.settings]
     times = [s.at for s in scenario.settings]
@@ -286,7 +291,7 @@ def _commands(figure: Any, row: int, scenario: Scenario, by_name: dict[str, Vari
 # --- cuts ---
 
 
-def cut_plots(spec: Cuts, cuts: list[Cut], scenario: Scenario, course: Course) -> Any:
+def cut_plots(spec: CutSpec, cuts: list[Cut], scenario: Scenario, course: Recording) -> Any:
     """The saw among the marks that pass it, and the error of each cut over its place on the material."""
     unit = unit_name(Unit.POSITION, scenario.unit)
     figure = make_subplots(rows=2, cols=1, vertical_spacing=0.16, row_heights=[0.62, 0.38])
@@ -318,7 +323,7 @@ def cut_plots(spec: Cuts, cuts: list[Cut], scenario: Scenario, course: Course) -
     return figure
 
 
-def _passing(spec: Cuts, course: Course, saw: Reals) -> tuple[Reals, Reals]:
+def _passing(spec: CutSpec, course: Recording, saw: Reals) -> tuple[Reals, Reals]:
     """The ways of all marks through the saw's range, as one line with gaps: times and positions."""
     room = 0.05 * float(np.ptp(saw)) + 1e-3 * spec.length
     low, high = float(saw.min()) - room, float(saw.max()) + room

@@ -7,15 +7,14 @@ from pathlib import Path
 from shlex import quote
 from typing import Any
 
-from ..interface.fmi2_xml import literal
-from ..interface.variables import Variable, variables
+from ..interface.variables import Variable
 from .run import schedule
 from .scenario import Scenario
 
 
 def inputs_csv(scenario: Scenario) -> str:
     """Time, the master, and whatever the scenario sets, at every communication point; Booleans as 0 and 1."""
-    by_name = _by_name(scenario)
+    by_name = scenario.recipe.variables
     names = list(dict.fromkeys(name for s in scenario.settings for name in s.values))
     values: dict[str, Any] = {name: scenario.start.get(name, by_name[name].start) for name in names}
     rows = []
@@ -52,18 +51,14 @@ def inputs_file(scenario: Scenario) -> Path:
 
 def command_line(scenario: Scenario, fmu: Path, inputs: Path) -> str:
     """The call of FMPy that runs the scenario from its input file, without motionsync."""
-    by_name = _by_name(scenario)
-    starts = " ".join(f"{name} {literal(by_name[name], value)}" for name, value in scenario.start.items())
+    by_name = scenario.recipe.variables
+    starts = " ".join(f"{name} {by_name[name].literal(value)}" for name, value in scenario.start.items())
     parts = [
         f"fmpy simulate {quote(str(fmu))} --stop-time {scenario.stop_time!r} --output-interval {scenario.step_size!r}",
         f"--start-values {starts}" if starts else "",
         f"--input-file {quote(str(inputs))} --output-file {scenario.recipe.name}_out.csv",
     ]
     return " ".join(filter(None, parts))
-
-
-def _by_name(scenario: Scenario) -> dict[str, Variable]:
-    return {v.name: v for v in variables(scenario.recipe.block())}
 
 
 def _number(v: Variable, value: Any) -> float | int:

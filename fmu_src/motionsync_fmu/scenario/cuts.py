@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .recording import Course
+from .recording import Recording
 
 
 @dataclass(frozen=True)
-class Cuts:
+class CutSpec:
     """The slave is a saw that cuts the master's material while a Boolean is true.
 
     Attributes:
@@ -51,15 +51,15 @@ class Cut:
     error: float
 
 
-def cut(spec: Cuts, course: Course) -> list[Cut]:
+def find_cuts(spec: CutSpec, recording: Recording) -> list[Cut]:
     """The cuts of a run, in the order of time."""
-    on = course.values[spec.name] != 0.0
+    on = recording.values[spec.name] != 0.0
     borders = np.flatnonzero(np.diff(on, prepend=False, append=False))
-    places = course.master[:, 0] - course.values["slave.position"] / spec.ratio
+    places = recording.master[:, 0] - recording.values["slave.position"] / spec.ratio
     found = []
     for first, after in zip(borders[::2].tolist(), borders[1::2].tolist(), strict=True):
         mark = spec.nearest(float(places[first:after].mean()))
         errors = places[first:after] - mark
         worst = float(errors[np.argmax(np.abs(errors))])
-        found.append(Cut(float(course.time[first]), float(course.time[after - 1]), mark, worst))
+        found.append(Cut(float(recording.time[first]), float(recording.time[after - 1]), mark, worst))
     return found

@@ -17,7 +17,7 @@ class FmuError(Exception):
     """An FMI call failed. The text is what the FMU logged, or the call's own name and status."""
 
 
-class Host:
+class FmuInstance:
     """Loads an FMU and steps it. A context manager: at its end the instance is freed and the extracted files go.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""What a run has put out, over time."""
+"""Recorded outputs of one run."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ Reals = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)
-class Course:
+class Recording:
     """What the FMU put out: `values[name]`, shape (points,), at the communication points `time`, shape (points,), s.
 
     `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3.

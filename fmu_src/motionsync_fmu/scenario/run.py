@@ -14,9 +14,9 @@ from motionsync.master import MasterInput
 
 from ..errors import UserError
 from ..interface.variables import variables
-from .cuts import Cuts, cut
-from .fmu_instance import FmuError, Host
-from .recording import Course
+from .cuts import CutSpec, find_cuts
+from .fmu_instance import FmuError, FmuInstance
+from .recording import Recording
 from .scenario import COMPARISONS, AtTime, Scenario, When, Within
 from .script import Motion
 from .telegrams import Accuracy, Errors, errors
@@ -93,7 +93,7 @@ def schedule(scenario: Scenario, step_size: float) -> Iterator[tuple[float, floa
         yield t, end, values
 
 
-def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Course:
+def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Recording:
     """Step the FMU along the scenario.
 
     Raises:
@@ -102,7 +102,7 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Course:
     rows: list[list[float]] = []
     motions: list[Motion] = []
     times = [0.0]
-    with Host(fmu) as host:
+    with FmuInstance(fmu) as host:
         names = [v.name for v in host.description.modelVariables if v.causality in ("output", "local")]
         try:
             host.initialize({**scenario.start, **inputs(scenario, 0.0, 0.0)})
@@ -118,7 +118,7 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Course:
         except FmuError as e:
             raise UserError(f"{scenario.file}: at {times[-1]:g} s the FMU refused: {e}") from None
     columns = np.array(rows).T
-    return Course(
+    return Recording(
         np.array(times),
         dict(zip(names, columns, strict=True)),
         np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions]),
@@ -126,58 +126,58 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Course:
     )
 
 
-def check(scenario: Scenario, course: Course) -> list[Check]:
+def check(scenario: Scenario, recording: Recording) -> list[Check]:
     """Every expectation of the scenario, judged; those of its cuts and of its remote axis come last."""
     found: list[Check] = []
     texts = {v.name: v.text for v in variables(scenario.recipe.block())}
     for e in scenario.expectations:
         match e:
             case AtTime():
-                found += _at_time(e, course, texts)
+                found += _at_time(e, recording, texts)
             case When():
-                found.append(_when(e, course, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
+                found.append(_when(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
             case Within():
-                found += _within(e, course)
+                found += _within(e, recording)
     if scenario.cuts:
-        found += _cuts(scenario.cuts, course)
+        found += _cuts(scenario.cuts, recording)
     if scenario.remote and scenario.remote.accuracy:
-        found += _accuracy(scenario.remote.accuracy, errors(scenario.remote, course))
+        found += _accuracy(scenario.remote.accuracy, errors(scenario.remote, recording))
     return found
 
 
-def _at_time(e: AtTime, course: Course, texts: Mapping[str, Callable[[float], str]]) -> Iterator[Check]:
-    i = int(np.argmin(np.abs(course.time - e.at)))
+def _at_time(e: AtTime, recording: Recording, texts: Mapping[str, Callable[[float], str]]) -> Iterator[Check]:
+    i = int(np.argmin(np.abs(recording.time - e.at)))
     for name, wanted in e.values.items():
-        value = float(course.values[name][i])
+        value = float(recording.values[name][i])
         text = texts[name]
         allowed = f" ± {e.tolerance:g}" if text(wanted) == f"{wanted:.10g}" else ""
         expected = f"{name} = {text(wanted)}{allowed} at {e.at:g} s"
         yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)
 
 
-def _when(e: When, course: Course, cycle: float) -> Check:
+def _when(e: When, recording: Recording, cycle: float) -> Check:
     """Without a tolerance an event is known to a step, that of a cyclic block to a cycle."""
-    tolerance = max(float(np.diff(course.time).max()), cycle) if e.tolerance is None else e.tolerance
-    holds = np.asarray(COMPARISONS[e.comparison](course.values[e.name], e.value))
+    tolerance = max(float(np.diff(recording.time).max()), cycle) if e.tolerance is None else e.tolerance
+    holds = np.asarray(COMPARISONS[e.comparison](recording.values[e.name], e.value))
     expected = f"first {e.text} at {e.time:g} s ± {tolerance:g}"
     if not holds.any():
         return Check(expected, "never", False)
-    time = float(course.time[int(np.argmax(holds))])
+    time = float(recording.time[int(np.argmax(holds))])
     return Check(expected, f"{time:.10g} s", abs(time - e.time) <= tolerance * (1.0 + 1e-9))
 
 
-def _within(e: Within, course: Course) -> Iterator[Check]:
-    chosen = (course.time >= e.begin - 1e-9) & (course.time <= e.end + 1e-9)
+def _within(e: Within, recording: Recording) -> Iterator[Check]:
+    chosen = (recording.time >= e.begin - 1e-9) & (recording.time <= e.end + 1e-9)
     for name, (low, high) in e.limits.items():
-        values = course.values[name][chosen]
+        values = recording.values[name][chosen]
         least, greatest = float(values.min()), float(values.max())
         passed = low - e.tolerance <= least and greatest <= high + e.tolerance
         expected = f"{name} from {low:g} to {high:g} ± {e.tolerance:g} between {e.begin:g} s and {e.end:g} s"
         yield Check(expected, f"{least:.10g} to {greatest:.10g}", passed)
 
 
-def _cuts(spec: Cuts, course: Course) -> Iterator[Check]:
-    found = cut(spec, course)
+def _cuts(spec: CutSpec, recording: Recording) -> Iterator[Check]:
+    found = find_cuts(spec, recording)
     if spec.count is not None:
         yield Check(f"number of cuts = {spec.count}", f"{len(found)}", len(found) == spec.count)
     if spec.tolerance is not None:
@@ -223,8 +223,8 @@ def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dt
     return header[1:], table, tolerance
 
 
-def compare(scenario: Scenario, course: Course) -> list[Deviation]:
-    """The course against the reference at their common times.
+def compare(scenario: Scenario, recording: Recording) -> list[Deviation]:
+    """The recording against the reference at their common times.
 
     Two reference rows of one time are the values before and after a jump: anything between them agrees. The tolerance
     is relative to the greatest magnitude of the variable in the reference, at least 1.
@@ -233,17 +233,19 @@ def compare(scenario: Scenario, course: Course) -> list[Deviation]:
     if reference is None:
         return []
     names, table, tolerance = reference
-    if unknown := [n for n in names if n not in course.values]:
+    if unknown := [n for n in names if n not in recording.values]:
         raise UserError(f"{scenario.file.parent}: the reference has {unknown[0]!r}, the FMU has not")
     times = np.unique(table[:, 0])
-    at = np.searchsorted(course.time, times - 1e-9)
-    common = (at < len(course.time)) & (np.abs(course.time[np.minimum(at, len(course.time) - 1)] - times) <= 1e-9)
+    at = np.searchsorted(recording.time, times - 1e-9)
+    common = (at < len(recording.time)) & (
+        np.abs(recording.time[np.minimum(at, len(recording.time) - 1)] - times) <= 1e-9
+    )
     first = np.searchsorted(table[:, 0], times[common], "left")
     last = np.searchsorted(table[:, 0], times[common], "right") - 1
     found = []
     for column, name in enumerate(names, 1):
         before, after = table[first, column], table[last, column]
-        values = course.values[name][at[common]]
+        values = recording.values[name][at[common]]
         beyond = np.maximum(np.minimum(before, after) - values, values - np.maximum(before, after))
         away = np.maximum(beyond, 0.0)
         worst = int(np.argmax(away)) if len(away) else 0

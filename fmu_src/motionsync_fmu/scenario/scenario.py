@@ -17,12 +17,12 @@ from typing import Any, NoReturn
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import INDICES
 
-from ..build import Recipe, check_slave_unit
 from ..errors import UserError
-from ..interface.fmi2_xml import BASES
+from ..interface.recipe import Recipe, check_slave_unit
+from ..interface.units import BASES
 from ..interface.variables import Variable, variables
 from .clocks import Clocks, Rate
-from .cuts import Cuts
+from .cuts import CutSpec
 from .script import Script, Segment
 from .telegrams import Accuracy, Remote
 
@@ -114,7 +114,7 @@ class Scenario:
     remote: Remote | None
     settings: tuple[Setting, ...]
     expectations: tuple[Expectation, ...]
-    cuts: Cuts | None
+    cuts: CutSpec | None
 
     @property
     def name(self) -> str:
@@ -397,7 +397,7 @@ class Reader:
             self.fail("expect", i, "from", "expects nothing")
         return Within(begin, end, limits, self.number(table, "tolerance", "expect", i, default=1e-9, least=0.0))
 
-    def cuts(self) -> Cuts:
+    def cuts(self) -> CutSpec:
         table = self.table("cuts")
         self.keys(table, ("while", "length", "offset", "ratio", "tolerance", "count"), "cuts")
         name = self.string("while", within="cuts")
@@ -407,7 +407,7 @@ class Reader:
         count = self.whole(table, "count", "cuts") if "count" in table else None
         if (ratio := self.number(table, "ratio", "cuts", default=1.0)) == 0.0:
             self.fail("cuts", 0, "ratio", "0 is not allowed: the saw goes along with the material")
-        return Cuts(
+        return CutSpec(
             name,
             self.number(table, "length", "cuts", above=0.0),
             self.number(table, "offset", "cuts", default=0.0),
@@ -446,7 +446,9 @@ class Reader:
         value = names.get(value, value) if isinstance(value, str) else value
         kinds: Any = {"Boolean": bool, "Real": (int, float)}.get(v.kind, int)
         if not isinstance(value, kinds) or (isinstance(value, bool) and v.kind != "Boolean"):
-            self.fail(table, i, key, f"{value!r} is no {v.kind}" + (f": it must be {v.range}" if v.choices else ""))
+            self.fail(
+                table, i, key, f"{value!r} is no {v.kind}" + (f": it must be {v.allowed_range}" if v.choices else "")
+            )
         value = _real(value) if v.kind == "Real" else value
         if (table not in ("set", "expect") or v.choices) and (refusal := v.refusal(value)):
             self.fail(table, i, key, refusal)

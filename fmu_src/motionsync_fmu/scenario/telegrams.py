@@ -14,7 +14,7 @@ import numpy as np
 from motionsync.remote_sync.block import INDICES
 
 from .clocks import Clocks, Telegrams
-from .recording import Course, Reals
+from .recording import Reals, Recording
 from .script import Script
 
 MOTION = ("position", "velocity", "acceleration")
@@ -86,24 +86,24 @@ class Errors:
     corrected_position: Reals
 
 
-def errors(remote: Remote, course: Course) -> Errors:
+def errors(remote: Remote, recording: Recording) -> Errors:
     """The errors of a run."""
     clocks, telegrams = remote.clocks, remote.telegrams
-    shown = np.array([clocks.shown(begin, end) for begin, end in pairwise(course.time.tolist())])
-    acted = np.array([clocks.acted(t) - 1 for t in course.time.tolist()[1:]])
+    shown = np.array([clocks.shown(begin, end) for begin, end in pairwise(recording.time.tolist())])
+    acted = np.array([clocks.acted(t) - 1 for t in recording.time.tolist()[1:]])
     instant = acted * clocks.task_cycle
     at, delays = np.array(remote.delays).T
     delay = delays[np.searchsorted(at, instant + 1e-9, "right") - 1]
     behind = remote.accuracy.behind * remote.data_cycle if remote.accuracy else 0.0
     true_index, received = telegrams.true_index[acted], telegrams.motion[shown]
-    corrected = course.values["corrected_cycle_index"][1:]
+    corrected = recording.values["corrected_cycle_index"][1:]
     return Errors(
-        course.time[1:],
+        recording.time[1:],
         received,
         _wrapped(telegrams.cycle_index[shown] - true_index),
         _wrapped(corrected - true_index),
         received[:, 0] - _positions(remote.axis, instant),
-        course.values["slave.position"][1:] - _positions(remote.axis, instant + delay - behind),
+        recording.values["slave.position"][1:] - _positions(remote.axis, instant + delay - behind),
     )
 
 

@@ -19,13 +19,14 @@ from motionsync.follower.faults import Fault, Refusal
 from motionsync.follower.leg import Leg, Peaks
 from motionsync.master import MasterInput
 from motionsync.var import Unit
-from motionsync_fmu.build import Recipe, build_python
+from motionsync_fmu.build import build_python
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.interface.fmi2_xml import axis_label, unit_name
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.units import axis_label, unit_name
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.report import plots
-from motionsync_fmu.scenario.fmu_instance import FmuError, Host
-from motionsync_fmu.scenario.recording import Course
+from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import load
 from tests import ROOT
 from tests.model.follower.harness import Pusher
@@ -934,11 +935,14 @@ def test_the_seam_may_hold_a_start() -> None:
 
 def test_the_log_names_variables_and_values(tmp_path: Path) -> None:
     fmu = build_python(Recipe("Follower"), tmp_path / "Follower.fmu")
-    with Host(fmu) as host, pytest.raises(FmuError, match=r"master_cycle must be greater .*master_cycle = 500, .*"):
+    with (
+        FmuInstance(fmu) as host,
+        pytest.raises(FmuError, match=r"master_cycle must be greater .*master_cycle = 500, .*"),
+    ):
         host.initialize({"master_cycle": 500.0})
-    with Host(fmu) as host, pytest.raises(FmuError, match="k_slave_master = 0 is not allowed"):
+    with FmuInstance(fmu) as host, pytest.raises(FmuError, match="k_slave_master = 0 is not allowed"):
         host.initialize({"k_slave_master": 0.0})
-    with Host(fmu) as host:
+    with FmuInstance(fmu) as host:
         host.initialize({"slave.initial_position": 10.0})
         host.step(0.1, {"position_to_park": True, "positioning.jerk": 0.0})
         assert any("positioning refused" in text and "positioning.jerk = 0" in text for text in host.messages)
@@ -1015,6 +1019,6 @@ def test_the_report_tells_the_units_of_both_axes() -> None:
     times = np.array([0.0, 1.0])
     by_name = {v.name: v for v in variables(Follower())}
     outputs = [v.name for v in by_name.values() if v.causality in ("output", "local")]
-    course = Course(times, {name: np.zeros(2) for name in outputs}, np.zeros((2, 4)), [])
+    course = Recording(times, {name: np.zeros(2) for name in outputs}, np.zeros((2, 4)), [])
     titles = [axis.title.text for axis in plots(scenario, course, by_name).select_yaxes()]
     assert titles[:2] == ["position<br>mm, slave deg", "velocity<br>mm/s, slave deg/s"]

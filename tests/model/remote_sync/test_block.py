@@ -17,7 +17,7 @@ from motionsync.remote_sync.block import Estimator, FallBackMode, RemoteSync, St
 from motionsync.remote_sync.faults import Fault, Refusal
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.batch import simulate_many
-from motionsync_fmu.scenario.fmu_instance import FmuError, Host
+from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests.conftest import Fmus
 from tests.model.remote_sync.harness import Course, Receiver, T, beating
 
@@ -1270,7 +1270,7 @@ def test_values_at_the_edge_of_their_range_are_taken(name: str, values: tuple[An
     ],
 )
 def test_a_refused_initialization_is_logged(fmus: Fmus, values: dict[str, Any], text: str) -> None:
-    with Host(fmus.python("RemoteSync")) as host, pytest.raises(FmuError) as told:
+    with FmuInstance(fmus.python("RemoteSync")) as host, pytest.raises(FmuError) as told:
         host.initialize(values)
     assert text in str(told.value)
 
@@ -1318,7 +1318,7 @@ def test_a_refused_initialization_is_logged(fmus: Fmus, values: dict[str, Any], 
 def test_a_fault_is_logged_when_it_comes_and_not_again(
     fmus: Fmus, indices: list[int], values: dict[str, Any], fault: Fault, text: str
 ) -> None:
-    with Host(fmus.python("RemoteSync")) as host:
+    with FmuInstance(fmus.python("RemoteSync")) as host:
         host.initialize()
         for index in indices[:-1]:
             host.step(T, {"remote.cycle_index": index})
@@ -1334,7 +1334,7 @@ def test_a_fault_is_logged_when_it_comes_and_not_again(
 
 
 def test_each_fault_of_a_block_that_starts_anew_is_logged(fmus: Fmus) -> None:
-    with Host(fmus.python("RemoteSync")) as host:
+    with FmuInstance(fmus.python("RemoteSync")) as host:
         host.initialize({"automatic_reinit": True})
         for index in (0, 1, 900, 901, 902, 300):
             host.step(T, {"remote.cycle_index": index})
@@ -1354,7 +1354,7 @@ def test_each_fault_of_a_block_that_starts_anew_is_logged(fmus: Fmus) -> None:
 def test_a_refused_step_is_logged_and_the_next_one_goes_on(
     fmus: Fmus, h: float, values: dict[str, float], text: str
 ) -> None:
-    with Host(fmus.python("RemoteSync")) as host:
+    with FmuInstance(fmus.python("RemoteSync")) as host:
         host.initialize()
         host.step(T, {"remote.cycle_index": 3})
         names = [v.name for v in variables(RemoteSync()) if not v.settable]

@@ -1,0 +1,102 @@
+"""What an FMU is built from, and what follows from that alone: its block, its variables and its GUID."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+from xml.etree.ElementTree import tostring
+
+from motionsync.blocks import BLOCKS
+
+from ..archive import compilers, digest, runtime, sources
+from ..errors import UserError, choose
+from .fmi2_xml import describe
+from .units import BASES
+from .variables import Variable, variables
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What an FMU is built from.
+
+    Attributes:
+        name: the block's.
+        unit: of positions, a key of BASES.
+        starts: start values to bake in, as texts by the variables' names.
+        slave_unit: of the slave's positions where the block tells both axes' units apart; empty: `unit`.
+    """
+
+    name: str
+    unit: str = "mm"
+    starts: Mapping[str, str] = field(default_factory=dict)
+    slave_unit: str = ""
+
+    def block(self) -> Any:
+        """A new block with the baked start values.
+
+        Raises:
+            UserError: an unknown block, unit or variable, a value that the variable does not allow, or a slave unit
+                for a block whose slave is in the master's unit.
+        """
+        block = choose(BLOCKS, self.name, "block").type()
+        choose(BASES, self.unit, "unit")
+        check_slave_unit(block, self.slave_unit)
+        if self.starts:
+            settable = {v.name: v for v in variables(block) if v.settable}
+            for name, text in self.starts.items():
+                v = choose(settable, name, f"parameter or input of {self.name}")
+                v.cell.set(parse(v, text))
+        return block
+
+    @cached_property
+    def variables(self) -> Mapping[str, Variable]:
+        """The declared variables by name, in the order of their value references, with the baked start values.
+
+        They serve for what is declared and for start values. Their cells lie in a block of their own that nobody
+        steps: who runs a block takes the cells from `variables(block)`.
+        """
+        return MappingProxyType({v.name: v for v in variables(self.block())})
+
+    def guid(self) -> str:
+        """A hash of the variables and of the source: the same for both flavours, and for every build of them."""
+        block = self.block()
+        files = sources(type(block).__module__)
+        files |= {f"fmu/{name}": text for name, text in (runtime() | compilers()).items()}
+        h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit, self.slave_unit))})
+        return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def check_slave_unit(block: Any, unit: str) -> None:
+    """Refuse a slave unit that is none, or for a block that does not tell both axes' units apart.
+
+    Raises:
+        UserError: which of the two.
+    """
+    if unit:
+        choose(BASES, unit, "slave unit")
+        if not any(v.declaration.unit.slave for v in variables(block)):
+            raise UserError(f"slave unit {unit!r}: the slave of {type(block).__name__} is in its master's unit")
+
+
+def parse(v: Variable, text: str) -> Any:
+    """A start value that is given as a text: a number, true or false, the name or the number of a member.
+
+    Raises:
+        UserError: it is none of these, or outside the variable's limits.
+    """
+    value: Any = None
+    if v.kind == "Boolean":
+        value = {"true": True, "false": False, "1": True, "0": False}.get(text.lower())
+    elif v.choices and text in (names := {member.name: member.value for member in v.choices}):
+        value = names[text]
+    else:
+        with suppress(ValueError):
+            value = float(text) if v.kind == "Real" else int(text)
+    if value is None:
+        allowed = "true or false" if v.kind == "Boolean" else v.allowed_range
+        raise UserError(f"{v.name} = {text} is no {v.kind}: it must be {allowed}")
+    if refusal := v.refusal(value):
+        raise UserError(refusal)
+    return value

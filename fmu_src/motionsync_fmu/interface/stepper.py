@@ -1,0 +1,93 @@
+"""A block in this process, driven by the names of its variables as a host drives an FMU."""
+
+from collections.abc import Iterable, Mapping
+from copy import copy, deepcopy
+from dataclasses import replace
+from typing import Any, Self
+
+from ..errors import choose
+from .variables import cells, explained, shown, spoken_of
+
+
+class RefusedError(Exception):
+    """A block refused its initialization or a step. The text names the call, the reason and the values that matter.
+
+    Attributes:
+        refusal: the block's answer, a member of its `Refusal`.
+    """
+
+    def __init__(self, refusal: Any, text: str) -> None:
+        super().__init__(text)
+        self.refusal = refusal
+
+
+class Stepper:
+    """One instance of a block.
+
+    Unlike an FMU, a stepper does not judge whether a value lies in the range of its variable.
+
+    Attributes:
+        block: the instance; what a stepper does not offer is done there.
+        cells: all cells of the block by name, those that are no variables too.
+    """
+
+    def __init__(self, block: Any) -> None:
+        self.block = block
+        self.cells = {cell.name: cell for cell in cells(block)}
+
+    def set(self, values: Mapping[str, Any]) -> Self:
+        """Set cells.
+
+        Raises:
+            UserError: the block has no cell of a name.
+        """
+        for name, value in values.items():
+            choose(self.cells, name, f"variable of {type(self.block).__name__}").set(value)
+        return self
+
+    def get(self, names: Iterable[str]) -> dict[str, Any]:
+        """The present values of these cells."""
+        return {name: self[name] for name in names}
+
+    def __getitem__(self, name: str) -> Any:
+        return choose(self.cells, name, f"variable of {type(self.block).__name__}").get()
+
+    def initialize(self, values: Mapping[str, Any] | None = None) -> Self:
+        """Set start values of parameters and inputs, then initialize.
+
+        Raises:
+            RefusedError: the block refuses.
+        """
+        self.set(values or {})
+        self._judge("initialize()", self.block.initialize())
+        return self
+
+    def step(self, h: float, values: Mapping[str, Any] | None = None) -> Self:
+        """Set the inputs that belong to the present time, then step on by h seconds.
+
+        Raises:
+            RefusedError: the block refuses; its state has not changed, but for the inputs.
+        """
+        self.set(values or {})
+        self._judge(f"step({shown(h)})", self.block.step(h))
+        return self
+
+    def twin(self) -> Self:
+        """Another stepper whose block is in the same state."""
+        other = copy(self)
+        other.block = deepcopy(self.block)
+        other.cells = {name: replace(cell, owner=_owner(other.block, name)) for name, cell in self.cells.items()}
+        return other
+
+    def _judge(self, call: str, refusal: Any) -> None:
+        if refusal:
+            text = explained(refusal, spoken_of(refusal, self.cells), self.__getitem__)
+            raise RefusedError(refusal, f"{type(self.block).__name__} refuses {call}: {text}")
+
+
+def _owner(block: Any, name: str) -> Any:
+    """The part of the block in which the cell of that name lies."""
+    part: Any = block
+    for step in name.split(".")[:-1]:
+        part = getattr(part, step)
+    return part

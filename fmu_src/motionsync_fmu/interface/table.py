@@ -1,0 +1,57 @@
+"""The reference table of a block's variables, for `motionsync describe` and the page inside the FMU."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from .units import unit_name
+from .variables import Variable, summary, variables
+
+
+@dataclass(frozen=True)
+class Row:
+    """One variable; every column as a text, empty where the column does not apply."""
+
+    name: str
+    causality: str
+    variability: str
+    type: str
+    unit: str
+    start: str
+    allowed_range: str
+    description: str
+
+
+@dataclass
+class Group:
+    """Variables that share the first part of their names, in the order of declaration; the block's own have none."""
+
+    name: str
+    summary: str
+    rows: list[Row]
+
+
+def groups(block: Any, unit: str, slave_unit: str = "") -> list[Group]:
+    """All variables of a block; the summary of a group is that of the part of the block with its name.
+
+    `unit`: of positions; `slave_unit`: of the slave's positions (empty: the same).
+    """
+    found: dict[str, Group] = {}
+    for v in variables(block):
+        name = v.name.partition(".")[0] if "." in v.name else ""
+        if name not in found:
+            found[name] = Group(name, summary(type(getattr(block, name))) if name else "The block's own", [])
+        found[name].rows.append(_row(v, unit, slave_unit))
+    return list(found.values())
+
+
+def _row(v: Variable, unit: str, slave_unit: str) -> Row:
+    return Row(
+        v.name,
+        v.causality,
+        v.variability,
+        v.cell.type.__name__ if v.choices else v.kind,
+        unit_name(v.declaration.unit, unit, slave_unit),
+        v.literal(v.start) if v.settable else "",
+        v.allowed_range if v.settable and v.kind in ("Real", "Integer") else "",
+        v.declaration.description,
+    )
