@@ -26,8 +26,8 @@ from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from motionsync_fmu.scenario.run import simulate
 from motionsync_fmu.scenario.scenario import find, load
 from tests import ROOT
-from tests.conftest import Fmus
 from tests.support.compiled import Compiled, equal
+from tests.support.fmus import Fmus
 from tests.support.random_runs import drawn, strategy
 from tests.support.runs import Run
 
