@@ -11,11 +11,11 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report import plots, write_report
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 from motionsync_fmu.scenario.crosscheck import inputs_csv
-from motionsync_fmu.scenario.run import check, schedule
+from motionsync_fmu.scenario.run import check, run_in_process, schedule
 from motionsync_fmu.scenario.scenario import Scenario, load
 from motionsync_fmu.scenario.telegrams import Accuracy, errors
 from tests import regenerate
-from tests.support.fake_blocks.listener import Stepped, registered, run_in_process
+from tests.support.fake_blocks.listener import Stepped, registered
 
 GOOD = """\
 title = "A faster sender"

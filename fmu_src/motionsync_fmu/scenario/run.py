@@ -13,7 +13,7 @@ import numpy as np
 from motionsync.master import MasterInput
 
 from ..errors import UserError
-from ..interface.variables import variables
+from ..interface.stepper import RefusedError, Stepper
 from .cuts import CutSpec, find_cuts
 from .fmu_instance import FmuError, FmuInstance
 from .recording import Recording
@@ -93,43 +93,80 @@ def schedule(scenario: Scenario, step_size: float) -> Iterator[tuple[float, floa
         yield t, end, values
 
 
+class _Recorder:
+    """Collects what a run puts out, point by point.
+
+    Attributes:
+        names: the outputs and locals that are recorded.
+        times: the points so far, in s.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.names = [v.name for v in scenario.recipe.variables.values() if not v.settable]
+        self.times: list[float] = []
+        self._master = scenario.master
+        self._rows: list[list[float]] = []
+        self._motions: list[Motion] = []
+
+    def add(self, time: float, values: Mapping[str, Any]) -> None:
+        self._rows.append([float(values[n]) for n in self.names])
+        self._motions.append(self._master.until(time) if self.times else self._master.at(time))
+        self.times.append(time)
+
+    def recording(self, messages: list[str]) -> Recording:
+        return Recording(
+            np.array(self.times),
+            dict(zip(self.names, np.array(self._rows).T, strict=True)),
+            np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in self._motions]),
+            messages,
+        )
+
+
 def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Recording:
     """Step the FMU along the scenario.
 
     Raises:
         UserError: the FMU refused a start value or a step; the message has the time and what it logged.
     """
-    rows: list[list[float]] = []
-    motions: list[Motion] = []
-    times = [0.0]
-    with FmuInstance(fmu) as host:
-        names = [v.name for v in host.description.modelVariables if v.causality in ("output", "local")]
+    recorder = _Recorder(scenario)
+    time = 0.0
+    with FmuInstance(fmu) as instance:
         try:
-            host.initialize({**scenario.start, **inputs(scenario, 0.0, 0.0)})
-            rows.append([float(host.get(names)[n]) for n in names])
-            motions.append(scenario.master.at(0.0))
-            for t, end, values in schedule(scenario, step_size):
-                host.time = t
-                host.step(end - t, values)
-                found = host.get(names)
-                rows.append([float(found[n]) for n in names])
-                motions.append(scenario.master.until(end))
-                times.append(end)
+            instance.initialize({**scenario.start, **inputs(scenario, 0.0, 0.0)})
+            recorder.add(time, instance.get(recorder.names))
+            for time, end, values in schedule(scenario, step_size):
+                instance.time = time
+                instance.step(end - time, values)
+                recorder.add(end, instance.get(recorder.names))
         except FmuError as e:
-            raise UserError(f"{scenario.file}: at {times[-1]:g} s the FMU refused: {e}") from None
-    columns = np.array(rows).T
-    return Recording(
-        np.array(times),
-        dict(zip(names, columns, strict=True)),
-        np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions]),
-        host.messages,
-    )
+            raise UserError(f"{scenario.file}: at {time:g} s the FMU refused: {e}") from None
+    return recorder.recording(instance.messages)
+
+
+def run_in_process(scenario: Scenario, step_size: float) -> Recording:
+    """Step the scenario's block in this process: what its FMU would put out, without one.
+
+    Raises:
+        UserError: the block refused its initialization or a step; the message has the time and the reason.
+    """
+    recorder = _Recorder(scenario)
+    stepper = Stepper(scenario.recipe.block())
+    time = 0.0
+    try:
+        stepper.initialize({**scenario.start, **inputs(scenario, 0.0, 0.0)})
+        recorder.add(time, stepper.get(recorder.names))
+        for time, end, values in schedule(scenario, step_size):
+            stepper.step(end - time, values)
+            recorder.add(end, stepper.get(recorder.names))
+    except RefusedError as e:
+        raise UserError(f"{scenario.file}: at {time:g} s {e}") from None
+    return recorder.recording([])
 
 
 def check(scenario: Scenario, recording: Recording) -> list[Check]:
     """Every expectation of the scenario, judged; those of its cuts and of its remote axis come last."""
     found: list[Check] = []
-    texts = {v.name: v.text for v in variables(scenario.recipe.block())}
+    texts = {name: v.text for name, v in scenario.recipe.variables.items()}
     for e in scenario.expectations:
         match e:
             case AtTime():

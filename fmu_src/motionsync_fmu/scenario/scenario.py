@@ -41,6 +41,7 @@ USES: Mapping[str, tuple[Callable[[Variable], bool], str]] = {  # which variable
     "set": (lambda v: v.causality == "input" or v.variability == "tunable", "an input or tunable parameter"),
     "expect": (lambda v: v.causality in ("output", "local"), "an output or local variable"),
     "cuts": (lambda v: v.kind == "Boolean" and not v.settable, "a Boolean output or local variable"),
+    "picture": (lambda v: v.kind == "Boolean" and not v.settable, "a Boolean output or local variable"),
 }
 
 
@@ -90,6 +91,22 @@ Expectation = AtTime | When | Within
 
 
 @dataclass(frozen=True)
+class Picture:
+    """How the run of a scenario is drawn where it is a block's example.
+
+    Attributes:
+        caption: what the picture shows.
+        shaded: a Boolean output; the picture is shaded where it is true. Empty: nothing is shaded.
+        variants: runs that are shown beside one another: what each is called, and its further start values. Without any
+            the scenario itself is shown.
+    """
+
+    caption: str
+    shaded: str
+    variants: Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
 class Scenario:
     """A checked scenario: all names exist, all values fit their variables.
 
@@ -115,6 +132,7 @@ class Scenario:
     settings: tuple[Setting, ...]
     expectations: tuple[Expectation, ...]
     cuts: CutSpec | None
+    picture: Picture | None = None
 
     @property
     def name(self) -> str:
@@ -178,7 +196,7 @@ class Reader:
         self.origin = ""
 
     def scenario(self) -> Scenario:
-        self.keys(self.root, (*SCALARS, "start", "master", "remote", "set", "expect", "cuts"), "")
+        self.keys(self.root, (*SCALARS, "start", "master", "remote", "set", "expect", "cuts", "picture"), "")
         unit, slave_unit = self.block()
         other = "master" if self.group == "remote" else "remote"
         if other in self.root:
@@ -201,6 +219,7 @@ class Reader:
             settings,
             tuple(self.expectations(stop_time)),
             self.cuts() if "cuts" in self.root else None,
+            self.picture() if "picture" in self.root else None,
         )
 
     def block(self) -> tuple[str, str]:
@@ -416,6 +435,21 @@ class Reader:
             count,
         )
 
+    def picture(self) -> Picture:
+        table = self.table("picture")
+        self.keys(table, ("caption", "shaded", "variants"), "picture")
+        shaded = self.string("shaded", "", within="picture")
+        if shaded:
+            self.variable(shaded, "picture", 0, "shaded")
+        variants = table.get("variants", {})
+        if not isinstance(variants, dict) or not all(isinstance(start, dict) for start in variants.values()):
+            self.fail("picture", 0, "variants", "must be tables: [picture.variants.NAME]")
+        starts = {
+            name: {n: self.value(n, value, f"picture.variants.{name}", 0) for n, value in start.items()}
+            for name, start in variants.items()
+        }
+        return Picture(" ".join(self.string("caption", within="picture").split()), shaded, starts)
+
     # --- single values ---
 
     def variable(self, name: str, table: str, i: int, key: str) -> Variable:
@@ -424,8 +458,8 @@ class Reader:
             near = get_close_matches(name, self.variables, 1)
             hint = f"; do you mean {near[0]!r}?" if near else ""
             self.fail(table, i, key, f"{self.name} has no variable {name!r}{hint}")
-        if table in ("expect", "cuts") and not USES[table][0](v):
-            kind = f" {v.kind}" if table == "cuts" else ""
+        if table in ("expect", "cuts", "picture") and not USES[table][0](v):
+            kind = f" {v.kind}" if table != "expect" else ""
             self.fail(table, i, key, f"{name} is a {v.variability}{kind} {v.causality}, not {USES[table][1]}")
         return v
 

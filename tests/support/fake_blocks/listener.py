@@ -1,14 +1,10 @@
-"""A small block with a remote axis, for tests of scenarios with two clocks: it shifts each telegram by one correction.
-
-`run_in_process` steps any block along a scenario without an FMU.
-"""
+"""A small block with a remote axis, for scenarios with two clocks: it shifts each telegram by one correction."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import pytest
 
 from motionsync import var
@@ -16,9 +12,6 @@ from motionsync.blocks import BLOCKS, Example, Registered
 from motionsync.slave import Slave
 from motionsync.var import Enumeration, Role, Unit
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import inputs, schedule
-from motionsync_fmu.scenario.scenario import Scenario
 
 
 class Listening(Enumeration):
@@ -90,32 +83,6 @@ def registered() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(BLOCKS, "Listener", REGISTERED)  # type: ignore[arg-type]
         yield
-
-
-def run_in_process(scenario: Scenario, step_size: float) -> Recording:
-    """What the FMU of the scenario's block would put out."""
-    block = scenario.recipe.block()
-    cells = {v.name: v.cell for v in variables(block)}
-    names = [v.name for v in variables(block) if v.causality in ("output", "local")]
-    for name, value in (dict(scenario.start) | inputs(scenario, 0.0, 0.0)).items():
-        cells[name].set(value)
-    assert block.initialize() == 0
-    times, rows = [0.0], [[float(cells[n].get()) for n in names]]
-    motions = [scenario.master.at(0.0)]
-    for begin, end, values in schedule(scenario, step_size):
-        for name, value in values.items():
-            cells[name].set(value)
-        assert block.step(end - begin) == 0
-        times.append(end)
-        rows.append([float(cells[n].get()) for n in names])
-        motions.append(scenario.master.until(end))
-    table: Any = np.array(rows).T
-    return Recording(
-        np.array(times),
-        dict(zip(names, table, strict=True)),
-        np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions]),
-        [],
-    )
 
 
 class Stepped:
