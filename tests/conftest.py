@@ -1,12 +1,12 @@
-"""What all tests share: the built FMUs, and the rule that CI accepts no skipped test."""
+"""What all tests have in common: the built FMUs, and the rule that CI accepts no skipped test."""
 
+import os
 from pathlib import Path
 
 import pytest
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build import Flavour, build, fmu_path
-from motionsync_fmu.interface.recipe import Recipe
+from tests.support.fmus import Fmus, Shared
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -24,26 +24,16 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
-class Fmus:
-    """The FMUs of all blocks, positions in mm; each is built when it is first asked for."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    def python(self, name: str) -> Path:
-        return self._built(Flavour.PYTHON, name)
-
-    def native(self, name: str) -> Path:
-        return self._built(Flavour.NATIVE, name)
-
-    def _built(self, flavour: Flavour, name: str) -> Path:
-        target = fmu_path(Recipe(name), self.folder, flavour)
-        return target if target.exists() else build(flavour, Recipe(name), target)
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Shared:
+    """What the processes of pytest-xdist share: each of them has its temporary folder in that of the whole run."""
+    own = tmp_path_factory.getbasetemp()
+    return Shared((own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared")
 
 
 @pytest.fixture(scope="session")
-def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
-    return Fmus(tmp_path_factory.mktemp("fmus"))
+def fmus(shared: Shared) -> Fmus:
+    return Fmus(shared)
 
 
 @pytest.fixture(scope="session", params=BLOCKS)

@@ -29,7 +29,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
-from tests.conftest import Fmus
+from tests.support.fmus import Fmus
 from tests.support.random_runs import calm, drawn
 
 DISCARD, FATAL = 2, 4
@@ -287,7 +287,7 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("other")
     for folder in ("model", "fmu_src"):
         shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    source = root / "model" / "motionsync" / "synchronizer.py"
+    source = root / "model" / "motionsync" / "synchronizer" / "block.py"
     old = "self.slave.put(self.rest, 0.0, 0.0, 0.0)"
     assert old in source.read_text()
     new = "self.slave.put(self.rest + 1.0, 0.0 / (self.rest - 77.0), 0.0, 0.0)"

@@ -16,6 +16,7 @@ from fmpy.validation import validate_fmu
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
+from tests.support.fmus import Shared
 
 UNITS = ("mm", "m", "deg", "rad", "1")
 REGISTRATION = """
@@ -46,17 +47,20 @@ def python(root: Path, code: str) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def root(shared: Shared) -> Path:
     """A copy of the sources whose only block is `Nested`, and its FMUs: <unit>/<flavour>/Nested.fmu."""
-    root = tmp_path_factory.mktemp("nested")
+    return shared.once("nested", workshop)
+
+
+def workshop(root: Path) -> None:
     junk = shutil.ignore_patterns("__pycache__")
     for folder in ("model", "fmu_src"):
         shutil.copytree(ROOT / folder, root / folder, ignore=junk)
-    shutil.copytree(ROOT / "tests" / "support" / "nested", root / "model" / "motionsync" / "nested", ignore=junk)
+    nested = ROOT / "tests" / "support" / "fake_blocks" / "nested"
+    shutil.copytree(nested, root / "model" / "motionsync" / "nested", ignore=junk)
     with (root / "model" / "motionsync" / "blocks.py").open("a") as registry:
         registry.write(REGISTRATION)
     python(root, BUILDS.format(builds=[("native", "mm"), *(("python", unit) for unit in UNITS)]))
-    return root
 
 
 def description(fmu: Path) -> Any:

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import shutil
 import sys
 import zipfile
 from collections.abc import Callable
@@ -17,6 +18,7 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 
 from motionsync.remote_sync.block import Estimator
 from motionsync_fmu import cli
+from motionsync_fmu.build import Flavour
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.line.judge import RAW, Result, Way, examine, through
 from motionsync_fmu.line.line import Line
@@ -24,7 +26,7 @@ from motionsync_fmu.line.package import PARAMETERS, Package, write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.scenario.clocks import Rate
 from tests import ROOT
-from tests.conftest import Fmus
+from tests.support.fmus import Fmus, Shared
 
 LINES = ROOT / "scenarios" / "line"
 SAW, SYNCHRONIZER = LINES / "line.toml", LINES / "line_synchronizer.toml"
@@ -41,20 +43,34 @@ class Examined:
         return next(way for way in self.result.ways if way.name == name)
 
 
-def examined(file: Path, fmus: Fmus) -> Examined:
+@pytest.fixture(scope="session")
+def output(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of this process with both lines' packages, whose FMUs are built once for all processes."""
+
+    def fill(folder: Path) -> None:
+        for name in ("FlyingSaw", "Synchronizer"):
+            fmus.copied(Flavour.NATIVE, name, folder)
+        for file in (SAW, SYNCHRONIZER):
+            write_package(load_line(file), folder, lambda text: None)
+
+    own = tmp_path_factory.mktemp("lines")
+    return Path(shutil.copytree(shared.once("lines", fill), own, dirs_exist_ok=True))
+
+
+def examined(file: Path, output: Path) -> Examined:
     line = load_line(file)
-    package = write_package(line, fmus.folder, lambda text: None)
+    package = write_package(line, output, pytest.fail)
     return Examined(line, package, examine(line, package))
 
 
 @pytest.fixture(scope="session")
-def saw(fmus: Fmus) -> Examined:
-    return examined(SAW, fmus)
+def saw(output: Path) -> Examined:
+    return examined(SAW, output)
 
 
 @pytest.fixture(scope="session")
-def synchronizer(fmus: Fmus) -> Examined:
-    return examined(SYNCHRONIZER, fmus)
+def synchronizer(output: Path) -> Examined:
+    return examined(SYNCHRONIZER, output)
 
 
 def integrated(pieces: list[tuple[float, float]], t: float) -> float:
@@ -112,9 +128,9 @@ def test_its_parameters_are_inside(saw: Examined) -> None:
     assert start.get("start") == str(int(Estimator.PHASE))
 
 
-def test_a_package_is_the_same_every_time(saw: Examined, fmus: Fmus) -> None:
+def test_a_package_is_the_same_every_time(saw: Examined, output: Path) -> None:
     before = saw.package.ssp.read_bytes()
-    write_package(saw.line, fmus.folder, pytest.fail)
+    write_package(saw.line, output, pytest.fail)
     assert saw.package.ssp.read_bytes() == before
 
 
@@ -273,12 +289,12 @@ Command = Callable[..., Outcome]
 
 @pytest.fixture
 def motionsync(
-    saw: Examined, fmus: Fmus, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    saw: Examined, output: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Command:
     """`motionsync line`, with FMUs that are up to date."""
 
     def call(*arguments: str | Path) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["motionsync", "line", *map(str, arguments), "--output", str(fmus.folder)])
+        monkeypatch.setattr(sys, "argv", ["motionsync", "line", *map(str, arguments), "--output", str(output)])
         status: Any = 0
         try:
             cli.main()
@@ -291,14 +307,14 @@ def motionsync(
 
 
 def test_the_command_tells_figures_and_writes_package_and_report(
-    motionsync: Command, fmus: Fmus, tmp_path: Path
+    motionsync: Command, output: Path, tmp_path: Path
 ) -> None:
     file = short(tmp_path / "line.toml")
     done = motionsync(file)
     assert (done.status, done.err) == (0, "")
     for text in ("as expected", "RemoteSync, PHASE", RAW, "FMPy and libcosim agree", "worst", "line.ssp"):
         assert text in done.out
-    page = (fmus.folder / "reports" / "line" / "line" / "report.html").read_text("utf-8")
+    page = (output / "reports" / "line" / "line" / "report.html").read_text("utf-8")
     for text in (
         "Agreement of FMPy and libcosim",
         "Errors before",
@@ -307,7 +323,7 @@ def test_the_command_tells_figures_and_writes_package_and_report(
     ):
         assert text in page
     assert not re.search(r"<(script|link|img)[^>]+(src|href)=", page)
-    result = (fmus.folder / "reports" / "line" / "line" / "line_out.csv").read_text().splitlines()
+    result = (output / "reports" / "line" / "line" / "line_out.csv").read_text().splitlines()
     assert len(result) == 1 + 2550
     assert result[0].startswith('"time","RemoteSync.slave.position",')
 

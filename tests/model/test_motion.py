@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from ruckig import ControlInterface, InputParameter, Result, Ruckig, RuckigError, Trajectory  # type: ignore[import-not-found]
 
 from motionsync.motion import Motion, acceleration_limit, stopping_distance
-from tests.model.planner import Planner
 from tests.support.compiled import Compiled, equal
+from tests.support.fake_blocks.planner import Planner
 
 settings.register_profile("motion", derandomize=True, deadline=None, max_examples=300)
 repeatable = settings.get_profile("motion")

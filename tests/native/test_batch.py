@@ -19,7 +19,7 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.batch import BatchResult, Failure, simulate_many
 from motionsync_fmu.python.slave import BlockSlave
-from tests.support.divider import Divider
+from tests.support.fake_blocks.divider import Divider
 from tests.support.random_runs import drawn as drawn_runs
 
 ALL = [v.name for v in variables(Synchronizer())]

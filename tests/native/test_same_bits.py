@@ -26,9 +26,9 @@ from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from motionsync_fmu.scenario.reader import find, load
 from motionsync_fmu.scenario.run import simulate
 from tests import ROOT
-from tests.conftest import Fmus
 from tests.support.compiled import Compiled, equal
-from tests.support.random_runs import DRIVES, drawn
+from tests.support.fmus import Fmus
+from tests.support.random_runs import drawn, strategy
 from tests.support.runs import Run
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
@@ -70,15 +70,15 @@ class Pair:
 @settings(LONG, max_examples=200, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(data=st.data())
 def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data: st.DataObject) -> None:
-    run = data.draw(DRIVES[block].runs(500))
+    run = data.draw(strategy(block).runs(500))
     pair = Pair(block, run.start)
     for h, values in run.steps:
         if pair.step(h, values):
             pair = Pair(block, run.start)
 
 
-def test_every_block_is_driven() -> None:
-    assert DRIVES.keys() == BLOCKS.keys()
+def test_every_block_has_random_runs() -> None:
+    assert all(strategy(name).meets for name in BLOCKS)
 
 
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
@@ -92,8 +92,8 @@ def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
                 seen.add("refused")
             if answer:
                 pair = Pair(block, run.start)
-            seen |= DRIVES[block].watch(pair.block)
-    assert not (DRIVES[block].meets | {"refused"}) - seen
+            seen |= strategy(block).watch(pair.block)
+    assert not (strategy(block).meets | {"refused"}) - seen
 
 
 def bits(values: dict[str, Any]) -> dict[str, Any]:
@@ -114,7 +114,7 @@ def tried(call: Any, *arguments: Any) -> str:
 def test_both_fmus_give_the_same_bits_and_log_the_same(
     block: str, block_fmu: Path, block_native: Path, data: st.DataObject
 ) -> None:
-    run = data.draw(DRIVES[block].runs(500))
+    run = data.draw(strategy(block).runs(500))
     with FmuInstance(block_fmu) as a, FmuInstance(block_native) as b:
         refused = tried(a.initialize, run.start)
         assert tried(b.initialize, run.start) == refused

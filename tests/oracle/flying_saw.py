@@ -54,6 +54,29 @@ from tests.oracle.flying_saw_plan import (
 )
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 
+COLUMNS = (
+    "slave.position",
+    "slave.velocity",
+    "slave.acceleration",
+    "slave.jerk",
+    "state_code",
+    "plcopen_state",
+    "in_sync",
+    "coupled",
+    "error_id",
+    "characteristics.profile",
+    "characteristics.master_position_end",
+    "characteristics.slave_position_end",
+    "characteristics.slave_velocity_min",
+    "characteristics.slave_velocity_max",
+    "characteristics.slave_acceleration_min",
+    "characteristics.slave_acceleration_max",
+    "characteristics.slave_jerk_max",
+    "characteristics.slave_velocity_mean",
+    "characteristics.slave_acceleration_effective",
+)
+"""What a scenario's reference holds beside the time."""
+
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a jump makes two rows."""
 

@@ -89,6 +89,20 @@ from tests.oracle.follower_cycle import (
 )
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 
+COLUMNS = (
+    "slave.position",
+    "slave.velocity",
+    "slave.acceleration",
+    "slave.jerk",
+    "state_code",
+    "master_to_start",
+    "master_to_sync",
+    "master_to_out",
+    "cycle",
+    "error_id",
+)
+"""What a scenario's reference holds beside the time."""
+
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a jump makes two rows."""
 

@@ -62,6 +62,18 @@ from tests.oracle.gearing_laws import (
 )
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 
+COLUMNS = (
+    "slave.position",
+    "slave.velocity",
+    "slave.acceleration",
+    "slave.jerk",
+    "state_code",
+    "in_gear",
+    "error_id",
+    "local.progress",
+)
+"""What a scenario's reference holds beside the time."""
+
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a change makes two rows."""
 

@@ -31,6 +31,25 @@ from typing import Any
 from tests.oracle.master import Number, mp
 from tests.oracle.remote_sync_estimators import Beat, Phase, whole_ratio
 
+COLUMNS = (
+    "slave.position",
+    "slave.velocity",
+    "slave.acceleration",
+    "corrected_cycle_index",
+    "correction_time",
+    "drift",
+    "state_code",
+    "synced",
+    "start_up",
+    "warning",
+    "beats",
+    "cycle_index_difference",
+    "equal_data_total",
+    "equal_data_consecutive",
+    "error_id",
+)
+"""What a scenario's reference holds beside the time."""
+
 BEAT, PHASE = 1, 2
 BYPASS, PT1, SYNC, TIME = 1, 2, 3, 4
 

@@ -13,6 +13,21 @@ from typing import Any
 
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 
+COLUMNS = (
+    "slave.position",
+    "slave.velocity",
+    "slave.acceleration",
+    "slave.jerk",
+    "state_code",
+    "synchronized",
+    "syn_ramp_on",
+    "error_id",
+    "local.progress",
+    "local.distance_to_begin",
+    "local.distance_to_end",
+)
+"""What a scenario's reference holds beside the time."""
+
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which an event makes two rows."""
 

@@ -11,7 +11,7 @@ import pytest
 
 from motionsync.blocks import BLOCKS
 from tests import ROOT
-from tests.conftest import Fmus
+from tests.support.fmus import Fmus
 
 README = (ROOT / "README.md").read_text("utf-8")
 

@@ -25,6 +25,7 @@ from typer.testing import CliRunner
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import cli
 from tests import ROOT
+from tests.support.fmus import Shared
 
 COMMANDS = ("build", "list", "describe", "run", "line")
 FLAVOURS = ("native", "python")
@@ -116,11 +117,13 @@ def scenario(folder: str, text: str = STOP) -> Path:
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built(shared: Shared) -> Path:
     """A folder `build` in which the FMU for STOP is up to date."""
-    folder = tmp_path_factory.mktemp("built")
-    assert process(folder, "build", "Synchronizer").status == 0
-    return folder / "build"
+
+    def fill(folder: Path) -> None:
+        assert process(folder, "build", "Synchronizer").status == 0
+
+    return shared.once("cli", fill) / "build"
 
 
 @pytest.fixture

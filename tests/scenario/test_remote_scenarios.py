@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from motionsync_fmu.scenario.run import run_in_process, schedule
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.telegrams import Accuracy, errors
 from tests import regenerate
-from tests.support.listener import Stepped, registered
+from tests.support.fake_blocks.listener import ListenerOracle, registered
 
 GOOD = """\
 title = "A faster sender"
@@ -230,8 +231,9 @@ def test_the_input_file_has_the_telegrams_as_numbers(tmp_path: Path) -> None:
 
 
 def test_an_oracle_is_stepped_as_the_fmu_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(regenerate.STEPPED, "Listener", Stepped)
-    monkeypatch.setitem(regenerate.COLUMNS, "Listener", ("slave.position", "corrected_cycle_index", "shifted"))
+    columns = ("slave.position", "corrected_cycle_index", "shifted")
+    oracle = SimpleNamespace(COLUMNS=columns, ListenerOracle=ListenerOracle)
+    monkeypatch.setattr(regenerate, "oracle", lambda name: oracle)
     s = scenario(
         tmp_path, ("share = 0.5", "share = 0.25\nshifted = false"), ("at = 3.0", "at = 3.0015\nshifted = true")
     )

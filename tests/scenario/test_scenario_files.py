@@ -26,7 +26,7 @@ from motionsync_fmu.scenario.run import schedule, simulate
 from motionsync_fmu.scenario.scenario import AtTime, Scenario, When, Within
 from motionsync_fmu.scenario.script import Script, Segment
 from tests import ROOT, regenerate
-from tests.conftest import Fmus
+from tests.support.fmus import Fmus
 
 SCENARIOS = ROOT / "scenarios"
 FOLDERS = sorted(file.parent for file in SCENARIOS.rglob("scenario.toml"))

@@ -13,7 +13,7 @@ MOTION = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk"
 Row = dict[str, float]
 
 
-class Driven:
+class BlockHarness:
     """A block and its master, which is at `place` with `speed` now; each `run` has one acceleration of the master.
 
     Values are set between the runs: they act at the next one's beginning. A block's own class says which `TYPE` it

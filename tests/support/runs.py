@@ -1,4 +1,4 @@
-"""Random runs of a block, as hypothesis draws them: what all blocks have in common. The registry is in `drives`."""
+"""What the random runs of all blocks have in common."""
 
 import math
 from collections.abc import Callable
@@ -19,14 +19,14 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Drive:
-    """How a block is driven at random.
+class Strategy:
+    """How a block is run at random.
 
     Attributes:
-        runs: runs of so many steps: ordinary ones, and ones at the limits of the inputs and beyond. Start values are
-            within their limits.
-        watch: what is worth to be met of a block's present state; `meets` is what a few runs have to meet, and
-            "refused", a refused step, beside it.
+        runs: draws runs of so many steps: ordinary ones, and ones at the limits of the inputs and beyond. Start values
+            are within their limits.
+        watch: tells what is worth meeting of a block's present state.
+        meets: what a few runs have to meet of this; they have to meet a refused step as well.
     """
 
     runs: Callable[[int], st.SearchStrategy[Run]]

@@ -5,7 +5,7 @@ from typing import Any, Self
 
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync_fmu.interface.variables import variables
-from tests.support.harness import Driven, Row
+from tests.support.harness import BlockHarness, Row
 
 OUTPUTS = tuple(v.name for v in variables(FlyingSaw()) if v.causality in ("output", "local"))
 RESULTS = (
@@ -18,7 +18,7 @@ GROUPS = (
 )
 
 
-class Saw(Driven):
+class Saw(BlockHarness):
     """Its commands are function blocks; `execute` has to fall before it can rise again."""
 
     TYPE = FlyingSaw

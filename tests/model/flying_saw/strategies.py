@@ -7,7 +7,11 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from tests.support.runs import EXTREMES, Run
+from motionsync.flying_saw.block import FlyingSaw, PlcopenState, State
+from motionsync.flying_saw.faults import Fault
+from motionsync.flying_saw.profile import ProfileKind
+from motionsync.master import MasterInput
+from tests.support.runs import EXTREMES, Run, Strategy
 
 GROUPS = (
     *("reset", "stop", "halt", "gear_out", "gear_in_velo", "gear_in_pos"),
@@ -113,3 +117,41 @@ def _order(r: Random, group: str, length: float, position: float, velocity: floa
     if group == "move_absolute":
         values["position"] = length * r.gauss(0.0, 3.0) if not wrong else 2e9
     return values
+
+
+def watch(block: FlyingSaw) -> set[Any]:
+    """What is worth meeting of the block's present state."""
+    return {
+        ("state", block.state),
+        ("PLCopen", block.plcopen_state),
+        ("mode", block.master.input_mode),
+        ("fault", block.error_id),
+        ("profile", block.characteristics.profile),
+    }
+
+
+# The faults that are not rare: the shapes that break the other checks have tests of their own.
+OFTEN = (
+    Fault.NONE,
+    Fault.SLAVE_MOVING,
+    Fault.FACTOR,
+    Fault.MASTER_STANDING,
+    Fault.TIME_BASED,
+    Fault.LIMIT,
+    Fault.NOT_AHEAD,
+    Fault.CHECK,
+    Fault.LOCKED,
+)
+STRATEGY = Strategy(
+    runs,
+    watch,
+    frozenset(
+        {
+            *(("state", state) for state in State),
+            *(("PLCopen", state) for state in PlcopenState),
+            *(("mode", mode) for mode in MasterInput),
+            *(("fault", fault) for fault in OFTEN),
+            *(("profile", kind) for kind in (ProfileKind.NONE, ProfileKind.P5, ProfileKind.JERK_LIMITED)),
+        }
+    ),
+)

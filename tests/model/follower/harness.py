@@ -4,12 +4,12 @@ from typing import Self
 
 from motionsync.follower.block import Follower
 from motionsync.follower.faults import Fault
-from tests.support.harness import Driven
+from tests.support.harness import BlockHarness
 
 COMMANDS = ("position_to_park", "position_to_cycle", "end_synchronism", "reset")
 
 
-class Pusher(Driven):
+class Pusher(BlockHarness):
     """Its commands fall again after the step for which they were given."""
 
     TYPE = Follower

@@ -7,7 +7,11 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from tests.support.runs import EXTREMES, Run
+from motionsync.follower.block import Follower, State
+from motionsync.follower.course import Stage
+from motionsync.follower.faults import Fault
+from motionsync.master import MasterInput
+from tests.support.runs import EXTREMES, Run, Strategy
 
 EDGES = ("position_to_park", "position_to_cycle", "end_synchronism", "reset")
 MOTION = ("master.position", "master.velocity", "master.acceleration")
@@ -131,3 +135,41 @@ def _way(last: dict[str, Any], values: dict[str, Any], h: float) -> float:
     before, now = (last[name] for name in MOTION[:2]), (values[name] for name in MOTION)
     (p0, v0), (p, v, a) = before, now
     return float(abs(p - p0) + (abs(v0) + abs(v) + abs(a) * abs(h)) * abs(h))
+
+
+def watch(block: Follower) -> set[Any]:
+    """What is worth meeting of the block's present state."""
+    return {
+        ("stage", block.course.stage),
+        ("mode", block.master.input_mode),
+        ("fault", block.error_id),
+        ("cyclic", block.slave_cycle > 0.0, block.state),
+        ("variable", block.variable_cycle, block.state),
+        ("tight", block.course.tight),
+    }
+
+
+# The faults that are not rare.
+OFTEN = (
+    Fault.NONE,
+    Fault.POSITIONING,
+    Fault.MASTER_MOVED,
+    Fault.NO_ROOM,
+    Fault.SPEED_FOLLOWING,
+    Fault.MASTER_BACKWARDS,
+)
+STRATEGY = Strategy(
+    runs,
+    watch,
+    frozenset(
+        {
+            *(("stage", stage) for stage in Stage),
+            *(("mode", mode) for mode in MasterInput),
+            *(("fault", fault) for fault in OFTEN),
+            *(("cyclic", False, state) for state in State),
+            *(("cyclic", True, state) for state in State if state != State.M_DECEL),
+            *(("variable", variable, state) for variable in (False, True) for state in State),
+            *(("tight", tight) for tight in (False, True)),
+        }
+    ),
+)

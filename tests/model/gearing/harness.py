@@ -6,7 +6,7 @@ import pytest
 
 from motionsync.gearing.block import Gearing
 from motionsync.gearing.interface import StartMode, State, Transition
-from tests.support.harness import MOTION, Driven
+from tests.support.harness import MOTION, BlockHarness
 
 NONE, MASTER, TIME = Transition.NONE, Transition.MASTER_BASED, Transition.TIME_BASED
 STOPPED, WAITING_FOR_START, GEAR_IN = State.STOPPED, State.WAITING_FOR_STARTPOSITION, State.GEAR_IN
@@ -19,7 +19,7 @@ CW, CCW, BOTH = (
 )
 
 
-class GearingHarness(Driven):
+class GearingHarness(BlockHarness):
     """A Gearing whose commands are the edges of `start`."""
 
     TYPE = Gearing

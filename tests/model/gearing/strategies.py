@@ -7,7 +7,13 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from tests.support.runs import EXTREMES, Run
+from motionsync.gearing.block import Gearing
+from motionsync.gearing.faults import Fault
+from motionsync.gearing.interface import State, Transition
+from motionsync.gearing.order import Aim
+from motionsync.gearing.stage import Stage
+from motionsync.master import MasterInput
+from tests.support.runs import EXTREMES, Run, Strategy
 
 LEVELS = ("start", "activate", "reset", "set_master.execute", "set_slave.execute")
 
@@ -102,3 +108,46 @@ def _order(r: Random, engage: bool, length: float, position: float) -> dict[str,
     if wrong and r.random() < 0.3:
         values[r.choice(("transition", "start_mode" if engage else "stop_mode"))] = r.choice((0, 8))
     return values
+
+
+def watch(block: Gearing) -> set[Any]:
+    """What is worth meeting of the block's present state."""
+    order = block.order_in if block.state < State.WAITING_FOR_STOPPOSITION else block.order_out
+    return {
+        ("state", block.state),
+        ("mode", block.master.input_mode),
+        ("fault", block.error_id),
+        ("manoeuvre", block.state, order.aim, order.transition),
+        ("inactive", block.state if block.stage == Stage.FROZEN else None),
+        ("queued edge", block.state if block.edge_queued else None),
+    }
+
+
+# The aims an order may have in the states that carry it out; without transition GEAR_IN and GEAR_OUT end at once.
+MANOEUVRES = {
+    State.WAITING_FOR_STARTPOSITION: tuple(Aim),
+    State.WAITING_FOR_STOPPOSITION: (Aim.DIRECT, Aim.POSITION),
+    State.GEAR_IN: tuple(Aim),
+    State.GEAR_OUT: (Aim.DIRECT, Aim.POSITION),
+}
+AT_ONCE = {("manoeuvre", state, aim, Transition.NONE) for state in (State.GEAR_IN, State.GEAR_OUT) for aim in Aim}
+STRATEGY = Strategy(
+    runs,
+    watch,
+    frozenset(
+        {
+            *(("state", state) for state in State),
+            *(("mode", mode) for mode in MasterInput),
+            *(("fault", fault) for fault in Fault),
+            *(("inactive", state) for state in State),
+            *(("queued edge", state) for state in (State.GEAR_IN, State.GEAR_OUT)),
+            *(
+                ("manoeuvre", state, aim, transition)
+                for state, aims in MANOEUVRES.items()
+                for aim in aims
+                for transition in Transition
+            ),
+        }
+    )
+    - AT_ONCE,
+)

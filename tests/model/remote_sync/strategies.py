@@ -7,7 +7,10 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from tests.support.runs import EXTREMES, Run
+from motionsync.remote_sync.blending import Mode
+from motionsync.remote_sync.block import Estimator, RemoteSync
+from motionsync.remote_sync.faults import Fault
+from tests.support.runs import EXTREMES, Run, Strategy
 
 INDICES = (0, 1, -1, 32768, 65535, 65536, 2**31 - 1, -(2**31))
 TUNABLE = ("delay_time_offset", "max_position_difference")
@@ -112,3 +115,31 @@ def _commands(
         yield "remote.cycle_index", r.choice(INDICES)
     if r.random() < extreme:
         yield f"remote.{r.choice(('position', 'velocity', 'acceleration'))}", r.choice(EXTREMES)
+
+
+def watch(block: RemoteSync) -> set[Any]:
+    """What is worth meeting of the block's present state."""
+    return {
+        ("state", block.state),
+        ("fault", block.error_id),
+        ("estimator", block.estimator, block.synced),
+        ("warning", block.warning),
+        ("transition", block.estimator, block.local.transition),
+        ("blending", block.blending.mode, block.blending.cycles > 0),
+    }
+
+
+STRATEGY = Strategy(
+    runs,
+    watch,
+    frozenset(
+        {
+            *(("state", mode) for mode in Mode),
+            *(("fault", fault) for fault in Fault),
+            *(("estimator", kind, synced) for kind in Estimator for synced in (False, True)),
+            *(("warning", warning) for warning in (False, True)),
+            *(("transition", kind, zone) for kind in Estimator for zone in (False, True)),
+            *(("blending", mode, True) for mode in Mode),
+        }
+    ),
+)

@@ -18,8 +18,8 @@ from motionsync.remote_sync.faults import Fault, Refusal
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.batch import simulate_many
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
-from tests.conftest import Fmus
 from tests.model.remote_sync.harness import Course, Receiver, T, beating
+from tests.support.fmus import Fmus
 
 UNIFORM: dict[str, Any] = {"slope1_numerator": 0.5, "slope1_denominator": 0.5}
 PHASE: dict[str, Any] = {"estimator": Estimator.PHASE}

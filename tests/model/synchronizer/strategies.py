@@ -1,4 +1,4 @@
-"""Random runs of the Synchronizer."""
+"""Random runs of the Synchronizer, as hypothesis draws them: ordinary ones, and ones at the limits of the inputs."""
 
 import math
 from collections.abc import Iterator
@@ -7,7 +7,11 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from tests.support.runs import EXTREMES, Run
+from motionsync.master import MasterInput
+from motionsync.synchronizer.block import State, Synchronizer
+from motionsync.synchronizer.faults import Fault
+from motionsync.synchronizer.transition import Curve
+from tests.support.runs import EXTREMES, Run, Strategy
 
 
 @st.composite
@@ -64,3 +68,27 @@ def _steps(
         if r.random() < extreme:
             h = r.choice((0.0, -h, math.nan, math.inf, 1e6, 1.1e6, 5e-324))
         yield h, values
+
+
+def watch(block: Synchronizer) -> set[Any]:
+    """What is worth meeting of the block's present state."""
+    return {
+        ("state", block.state),
+        ("ramping", block.master.input_mode, block.syn_ramp_on),
+        ("fault", block.error_id),
+        ("curve", block.running.curve),
+    }
+
+
+STRATEGY = Strategy(
+    runs,
+    watch,
+    frozenset(
+        {
+            *(("state", state) for state in State),
+            *(("ramping", mode, on) for mode in MasterInput for on in (False, True)),
+            *(("fault", fault) for fault in Fault),
+            *(("curve", curve) for curve in Curve),
+        }
+    ),
+)

@@ -11,7 +11,7 @@ from motionsync import var
 from motionsync.blocks import BLOCKS, Example, Registered
 from motionsync.slave import Slave
 from motionsync.var import Enumeration, Role, Unit
-from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.interface.stepper import Stepper
 
 
 class Listening(Enumeration):
@@ -85,19 +85,11 @@ def registered() -> Iterator[None]:
         yield
 
 
-class Stepped:
-    """A Listener in the form of an oracle; beside its outputs it tells what it was shown."""
+class ListenerOracle:
+    """A Listener in the form of an oracle; beside its outputs it answers what it was shown."""
 
     def __init__(self, parameters: dict[str, Any], shown: dict[str, Any]) -> None:
-        self.block = Listener()
-        self.cells = {v.name: v.cell for v in variables(self.block)}
-        self._set(parameters | shown)
+        self.stepper = Stepper(Listener()).set(parameters | shown)
 
     def step(self, shown: dict[str, Any], h: float) -> dict[str, Any]:
-        self._set(shown)
-        assert self.block.step(h) == 0
-        return {name: cell.get() for name, cell in self.cells.items()}
-
-    def _set(self, values: dict[str, Any]) -> None:
-        for name, value in values.items():
-            self.cells[name].set(value)
+        return self.stepper.step(h, shown).get(self.stepper.cells)

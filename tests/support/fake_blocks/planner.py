@@ -14,9 +14,9 @@ from motionsync.motion import Motion
 class Planner:
     """Plans what `kind` tells from `given`, if it is not 0, and goes on by a step."""
 
-    motion: Motion = var.part(Motion)  # noqa: RUF009
+    motion: Motion = var.part(Motion)
     kind: int = 0
-    given: list[float] = var.ring(8)  # noqa: RUF009
+    given: list[float] = var.ring(8)
     steps: int = 1
     reached: bool = False
     end: float = 0.0

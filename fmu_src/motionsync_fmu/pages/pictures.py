@@ -1,0 +1,213 @@
+"""Pictures of a block's example: the page's, the README's and the FMU's icon.
+
+An example is the scenario in the block's folder, `example.toml`; a picture draws what a run of it in this process puts
+out. `python -m motionsync_fmu.pages.pictures FOLDER` writes FOLDER/<block>.svg for every block.
+"""
+
+import io
+import re
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+from motionsync.blocks import BLOCKS
+from motionsync.var import Unit
+
+from ..interface.units import axis_label, unit_name
+from ..scenario.example import example_of
+from ..scenario.recording import Reals, Recording
+from ..scenario.run import run_in_process
+from ..scenario.scenario import Scenario
+from ..scenario.telegrams import Remote, errors
+from .style import MASTER, SLAVE
+
+STYLE: Any = {  # the same picture at every build
+    "svg.hashsalt": "motionsync",
+    "svg.fonttype": "none",
+    "font.family": "sans-serif",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+}
+VARIANTS = (SLAVE, "#1f6fb2")  # the slave's colour in each of an example's runs
+ICON_COLOURS = 32  # an icon needs few shades
+SHADE: Any = {"color": "#d5ead8", "linewidth": 0.0, "zorder": 0}
+MOST_POINTS = 270  # of a line; of a longer recording only every n-th point is drawn
+
+
+@dataclass(frozen=True)
+class Line:
+    """Values over a panel's time."""
+
+    label: str
+    colour: str
+    width: float
+    values: Reals
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One of the plots that stand above one another in a picture.
+
+    Attributes:
+        label: what is shown, in which unit.
+        time: in s, shape (points,).
+        shaded: where the plot is shaded, shape (points,); None: nowhere.
+    """
+
+    label: str
+    time: Reals
+    lines: list[Line]
+    shaded: Reals | None = None
+
+
+def panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Panel]:
+    """An example's plots: the main one, then two lower ones.
+
+    `unit` and `slave_unit`, empty for the same, are what the plots call the units of positions.
+
+    Raises:
+        UserError: the block refuses its example.
+    """
+    runs = {name: run_in_process(variant, example.step_size) for name, variant in _variants(example).items()}
+    if example.remote:
+        return _remote_panels(example.remote, runs, unit)
+    return _motion_panels(example, runs, unit, slave_unit)
+
+
+def _variants(example: Scenario) -> dict[str, Scenario]:
+    """The runs that the picture shows beside one another, by the names of their lines."""
+    variants = example.picture.variants if example.picture else {}
+    return {name: replace(example, start={**example.start, **start}) for name, start in variants.items()} or {
+        "slave": example
+    }
+
+
+def _motion_panels(example: Scenario, runs: dict[str, Recording], unit: str, slave_unit: str) -> list[Panel]:
+    """Position and velocity of master and slave, and the slave's acceleration."""
+    first = next(iter(runs.values()))
+    drawn = _thinned(first.time)
+    shaded = example.picture.shaded if example.picture else ""
+    position, velocity = first.master[:, 0], first.master[:, 1]
+    master = {Unit.POSITION: position % example.period if example.period else position, Unit.VELOCITY: velocity}
+
+    def panel(kind: Unit, name: str) -> Panel:
+        followed = [Line("master", MASTER, 1.5, _broken(master[kind][drawn]))] if kind in master else []
+        label = axis_label(kind, unit, slave_unit) if followed else unit_name(kind, slave_unit or unit)
+        lines = [
+            Line(run, colour, 2.2, _broken(recording.values[f"slave.{name}"][drawn]))
+            for (run, recording), colour in zip(runs.items(), VARIANTS, strict=False)
+        ]
+        return Panel(
+            _labelled(name, label), first.time[drawn], followed + lines, first.values[shaded][drawn] if shaded else None
+        )
+
+    return [
+        panel(Unit.POSITION, "position"),
+        panel(Unit.VELOCITY, "velocity"),
+        panel(Unit.ACCELERATION, "acceleration"),
+    ]
+
+
+def _remote_panels(remote: Remote, runs: dict[str, Recording], unit: str) -> list[Panel]:
+    """How far the position is from the true one, how far the index is ahead of the receiver's, and the drift.
+
+    Each value belongs to the instant of the receiver's cycle that has put it out.
+    """
+    clocks = remote.clocks
+    found = {name: errors(remote, recording) for name, recording in runs.items()}
+    first = next(iter(found.values()))
+    cycles = np.array([clocks.acted(t) - 1 for t in first.time.tolist()])
+    ahead = remote.telegrams.true_index[cycles] - cycles
+    drawn = _thinned(first.time)
+    colours = dict(zip(runs, VARIANTS, strict=False))
+
+    def panel(label: str, received: Reals | None, corrected: dict[str, Reals]) -> Panel:
+        lines = [] if received is None else [Line("as received", MASTER, 1.2, received[drawn])]
+        lines += [Line(name, colour, 2.0, corrected[name][drawn]) for name, colour in colours.items()]
+        return Panel(label, cycles[drawn] * clocks.task_cycle, lines)
+
+    positions = {name: error.corrected_position for name, error in found.items()}
+    indices = {name: error.corrected_index + ahead for name, error in found.items()}
+    drifts = {name: recording.values["drift"][1:] for name, recording in runs.items()}
+    return [
+        panel(_labelled("position - true one", unit_name(Unit.POSITION, unit)), first.position, positions),
+        panel("index - receiver's", first.index + ahead, indices),
+        panel("drift\nppm", None, drifts),
+    ]
+
+
+def _labelled(name: str, unit: str) -> str:
+    return name + (f"\n{unit}" if unit else "")
+
+
+def _thinned(time: Reals) -> slice:
+    """Which points are drawn."""
+    return slice(None, None, 1 + len(time) // MOST_POINTS)
+
+
+def _broken(values: Reals) -> Reals:
+    """With a gap where a period wraps."""
+    jumps = np.abs(np.diff(values, prepend=values[0])) > 0.5 * float(np.ptp(values))
+    return np.where(jumps, np.nan, values)
+
+
+def svg(example: Scenario, unit: str, slave_unit: str = "") -> bytes:
+    """The example with axes, as on the block's page."""
+    shown = panels(example, unit, slave_unit)
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(7.6, 5.8), layout="constrained")
+        parts = figure.subplots(len(shown), 1, sharex=True, height_ratios=(2, *(1 for _ in shown[1:])))
+        for axes, panel in zip(parts, shown, strict=True):
+            _plot(axes, panel)
+            if panel.shaded is not None:
+                shade = {"transform": axes.get_xaxis_transform(), **SHADE}
+                axes.fill_between(panel.time, 0.0, 1.0, panel.shaded.astype(bool), **shade)
+            axes.set_ylabel(panel.label)
+        parts[0].legend(loc="upper left", ncols=3, frameon=False)
+        figure.align_ylabels()
+        parts[-1].set_xlabel("time in s")
+        out = io.BytesIO()
+        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    return re.sub(rb"-?\d+\.\d{3,}", lambda x: b"%g" % round(float(x[0]), 2), out.getvalue())  # half as long
+
+
+def icon(example: Scenario) -> bytes:
+    """The example's main plot without axes, as a PNG."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(1.6, 1.6), dpi=100, layout="constrained")
+        axes = figure.subplots()
+        _plot(axes, panels(example, example.unit)[0])
+        axes.grid(visible=False)
+        axes.set(xticks=[], yticks=[])
+        axes.set_title(example.recipe.name, fontsize=9)
+        out, small = io.BytesIO(), io.BytesIO()
+        figure.savefig(out, format="png", metadata={"Software": None})
+    Image.open(out).convert("RGB").quantize(ICON_COLOURS).save(small, "PNG", optimize=True)
+    return small.getvalue()
+
+
+def _plot(axes: Axes, panel: Panel) -> None:
+    for line in panel.lines:
+        axes.plot(panel.time, line.values, color=line.colour, linewidth=line.width, label=line.label)
+
+
+def main() -> None:
+    """Write the picture of every block's example."""
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in BLOCKS:
+        example = example_of(name)
+        (folder / f"{name}.svg").write_bytes(svg(example, example.unit))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,74 @@
+"""A block's README.md as part of the page in its FMU."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
+from markupsafe import Markup
+
+from ..archive import folder
+from ..errors import UserError
+from .state_diagram import drawn
+
+FILE = "README.md"
+ELSEWHERE = ("http://", "https://")  # what a link that works inside an FMU begins with
+
+
+def readme(block_type: type[Any]) -> str:
+    """The README.md in the folder of a block.
+
+    Raises:
+        UserError: there is none.
+    """
+    file = folder(block_type) / FILE
+    try:
+        return file.read_text("utf-8")
+    except OSError as e:
+        raise UserError(f"{file}: cannot be read: {e}: a block's README.md is part of its page") from None
+
+
+def rendered(text: str, picture: Markup) -> Markup:
+    """A README as HTML below a page's own title.
+
+    The title of the README is left out; `picture` stands in place of its picture; the state diagram is drawn; links
+    that lead to files outside the FMU are only texts.
+    """
+    markdown = MarkdownIt("commonmark").enable("table")
+    tokens = list(_fitted(markdown.parse(text), picture))
+    return Markup(markdown.renderer.render(tokens, markdown.options, {}))
+
+
+def _fitted(tokens: list[Token], picture: Markup) -> Iterator[Token]:
+    """The README's tokens as the page needs them."""
+    for before, token, after in zip([None, *tokens], tokens, [*tokens[1:], None], strict=False):
+        if token.tag == "h1" or (before and before.tag == "h1" and before.nesting == 1):
+            continue  # the title
+        if any(_is_picture(t) for t in (before, after)):
+            continue  # the ends of the paragraph that holds nothing but the picture
+        if _is_picture(token):
+            yield _html(picture)
+        elif token.type == "fence" and token.info.strip() == "mermaid":
+            yield _html(drawn(token.content))
+        else:
+            if token.children:
+                token.children = list(_without_links(token.children))
+            yield token
+
+
+def _is_picture(token: Token | None) -> bool:
+    return bool(token and token.children and [child.type for child in token.children] == ["image"])
+
+
+def _without_links(tokens: list[Token]) -> Iterator[Token]:
+    """Links elsewhere on the network are kept."""
+    kept = True
+    for token in tokens:
+        if token.type == "link_open":
+            kept = str(token.attrGet("href")).startswith(ELSEWHERE)
+        if kept or token.type not in ("link_open", "link_close"):
+            yield token
+
+
+def _html(text: Markup) -> Token:
+    return Token("html_block", "", 0, content=str(text))

@@ -1,0 +1,58 @@
+"""What takes long to build is built once in a test run, whichever of its processes asks first."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from filelock import FileLock
+
+from motionsync_fmu.build import Flavour, build, fmu_path
+from motionsync_fmu.interface.recipe import Recipe
+
+
+class Shared:
+    """Folders that all processes of a test run share; nobody changes what is in them."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def once(self, name: str, fill: Callable[[Path], object]) -> Path:
+        """The folder of that name, filled by the first process that asks for it.
+
+        The others wait. What a process leaves behind that died or failed meanwhile is thrown away: the next one begins
+        anew.
+        """
+        done, part = self.folder / name, self.folder / f"{name}.part"
+        done.parent.mkdir(parents=True, exist_ok=True)
+        with FileLock(self.folder / f"{name}.lock"):  # the operating system opens it when its process ends
+            if not done.exists():
+                shutil.rmtree(part, ignore_errors=True)
+                part.mkdir()
+                fill(part)
+                part.rename(done)
+        return done
+
+
+class Fmus:
+    """The FMUs of all blocks, positions in mm; each is built when a test first asks for it."""
+
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+
+    def python(self, name: str) -> Path:
+        return self.built(Flavour.PYTHON, name)
+
+    def native(self, name: str) -> Path:
+        return self.built(Flavour.NATIVE, name)
+
+    def built(self, flavour: Flavour, name: str) -> Path:
+        def fill(folder: Path) -> None:
+            build(flavour, Recipe(name), folder / f"{name}.fmu")
+
+        return self.shared.once(f"{flavour.value}/{name}", fill) / f"{name}.fmu"
+
+    def copied(self, flavour: Flavour, name: str, output: Path) -> None:
+        """Put the FMU where the command line would build it with --output, in a folder that a test may change."""
+        target = fmu_path(Recipe(name), output, flavour)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(self.built(flavour, name), target)
