@@ -50,12 +50,16 @@ def runtime() -> Files:
 
 
 def compilers() -> Files:
-    """The part of this package that determines the native code."""
-    return _own("native/fmi2.c", "native/libraries.py", "native/memory_layout.py", "native/numba_target.py")
+    """The part of this package that determines the native code: the compiler with its modules, the C files and the
+    template of the tables."""
+    native = HERE / "native"
+    modules = {name for name in sources(f"{__package__}.native.libraries") if name.startswith("native/")}
+    others = (file.relative_to(HERE).as_posix() for file in native.iterdir() if file.suffix in (".c", ".h", ".j2"))
+    return _own(*modules, *others)
 
 
 def _own(*names: str) -> Files:
-    return {name: (HERE / name).read_bytes().replace(b"\r\n", b"\n") for name in names}
+    return {name: (HERE / name).read_bytes().replace(b"\r\n", b"\n") for name in sorted(names)}
 
 
 def digest(files: Files) -> str:

@@ -11,8 +11,9 @@ from motionsync import var
 from motionsync.blocks import BLOCKS
 from motionsync.synchronizer.block import Synchronizer
 from motionsync.var import Enumeration
-from motionsync_fmu.native.libraries import llvm_text, model_header, number, portable, quoted
+from motionsync_fmu.native.llvm_text import llvm_text, portable
 from motionsync_fmu.native.memory_layout import image
+from motionsync_fmu.native.tables import model_header, number, quoted
 from tests import ROOT
 from tests.support.compiled import Compiled, equal
 

@@ -23,8 +23,10 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from motionsync import var
+
 from ..archive import compilers, digest, sources
-from .libraries import llvm_text
+from .llvm_text import llvm_text
 
 Whole = NDArray[np.int64]
 STEP_SIZE, INPUT, REFUSED, RAISED, JUDGED = range(1, 6)  # why an instance stopped; 0: it did not
@@ -92,7 +94,7 @@ def _text(block_type: type[Any]) -> str:
 
     One file a block; its first line tells what it was made from and by."""
     module = block_type.__module__
-    if module.partition(".")[0] != __package__.removesuffix("_fmu"):
+    if module.partition(".")[0] != var.__package__:
         return llvm_text(block_type())
     made_by = f"{platform.python_version()} numba {numba.__version__} llvmlite {llvmlite.__version__}"
     mark = f"; {digest(sources(module) | compilers())} Python {made_by} {platform.machine()}\n"
