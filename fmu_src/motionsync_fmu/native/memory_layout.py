@@ -109,7 +109,7 @@ def _overload(method: FunctionType) -> Callable[..., Any]:
     return pick
 
 
-@overload(var.copy, jit_options=OPTIONS)  # type: ignore[untyped-decorator]
+@overload(var.copy, jit_options=OPTIONS)
 def _copy(into, source):  # type: ignore[no-untyped-def] # Numba compares this signature with the implementation's
     """`var.copy` of two records: their fields one by one."""
     if not isinstance(into, types.Record) or type(into) is not type(source):
