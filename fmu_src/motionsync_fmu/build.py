@@ -18,7 +18,7 @@ from .archive import Files, compilers, digest, epoch, runtime, sources, write
 from .errors import UserError, choose
 from .interface.fmi2_xml import BASES, describe, finish
 from .interface.variables import Variable, variables
-from .native.subset import check
+from .native.subset.modules import check
 from .pages.block_page import pages, picture
 
 SCRIPT = """from {package}_{tag}.{module} import {name}

@@ -201,6 +201,22 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
             assert outdated(target, RECIPE) == "stale"
 
 
+def test_the_compiler_and_batches_need_neither_pythonfmu_nor_the_pages() -> None:
+    script = "import sys, motionsync_fmu.native.libraries, motionsync_fmu.native.batch; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    assert "motionsync_fmu.native.batch" in loaded
+    assert [
+        name for name in loaded if name.startswith(("pythonfmu", "motionsync_fmu.pages", "motionsync_fmu.python"))
+    ] == []
+
+
+def test_the_table_of_platforms_is_read_without_a_compiler() -> None:
+    script = "import sys, motionsync_fmu.native.platforms; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    assert "motionsync_fmu.native.platforms" in loaded
+    assert not {"numba", "llvmlite", "numpy", "ziglang"} & {*loaded}
+
+
 def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
     recipe = Recipe("Synchronizer", "deg", {"output_phasing": "30", "curve": "PARABOLA", "rest_value": "180"})
     target = build_native(recipe, tmp_path / "Synchronizer.fmu")
