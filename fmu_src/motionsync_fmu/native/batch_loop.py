@@ -32,7 +32,7 @@ from .llvm_text import llvm_text
 
 T = TypeVar("T")
 Whole = NDArray[np.int64]
-UNKEPT = (OSError, ValueError, RuntimeError)  # the cache cannot be read or written, holds no text, is not to be found
+UNKEPT = (OSError, ValueError, RuntimeError)  # the cache cannot be read or written, holds no text, or is not found
 
 
 class Cause(IntEnum):
@@ -106,7 +106,7 @@ _compiling = Lock()
 
 
 def code(block_type: type[Any]) -> Code:
-    """The code of a block, from the same LLVM text as the native FMU; compiled at the first call."""
+    """The code of a block, from the same LLVM text as the native FMU. The first call for a block compiles it."""
     with _compiling:
         if block_type not in _codes:
             llvm.initialize_native_target()

@@ -24,7 +24,7 @@ FLAGS = (
     "-O2 -ffp-contract=off -fno-strict-aliasing -fno-slp-vectorize "
     "-fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
 )
-PATIENCE = 15.0  # s; a compilation that takes longer is the first of this zig on the machine
+PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
 FIRST_USE = "compiling zig's own libraries for all platforms: this takes minutes, once; later builds take seconds"
 
 

@@ -184,8 +184,8 @@ static bool judge(Unit *u, const Variable *v) {
     return false;
 }
 
-/* No step is done while a Real input is unfit. Unfit inputs are counted where they are set, so that a step need not look
- * at each. An input has no limits but min and max; NaN fails both. */
+/* No step is done while a Real input is unfit. Unfit inputs are counted where they are set, so that a step need not
+ * look at each. An input has no limits but min and max; NaN fails both. */
 static bool unfit(const Variable *v, double x) { return v->access == INPUT && !(x >= v->min && x <= v->max); }
 
 static void count_unfit(Unit *u) {
@@ -294,8 +294,8 @@ static void put_back(Unit *u, const Replaced *inputs) {
     *integer(u, INPUT_MODE) = inputs->mode;
 }
 
-/* A refused step has changed nothing: the block guarantees that, so no copy is made. After an arithmetic error the state
- * is undefined, and the unit must be reset; no block should have one. */
+/* A refused step has changed nothing: the block guarantees that, so no copy is made. After an arithmetic error, which
+ * no block should have, the state is undefined: the unit must be reset. */
 static Status run(Unit *u, double h) {
     int64_t refusal = 0;
     void *exception = NULL;

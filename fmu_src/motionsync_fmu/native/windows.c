@@ -1,5 +1,5 @@
-/* What a Windows library needs beside its own functions, in place of the C start-up and of zig's library: these would be
- * linked as a whole, and would be half of the file. Empty on other platforms. */
+/* What a Windows library needs beside its own functions, in place of the C start-up and of zig's library: these would
+ * be linked as a whole, and would be half of the file. Empty on other platforms. */
 #ifdef _WIN32
 #include <stdint.h>
 
@@ -14,7 +14,7 @@ double fmod(double x, double y) {
     return (double)rest;
 }
 
-/* Called before a frame is reserved, with its size in rax: touches each page of the frame in turn, as Windows demands. */
+/* Called with a frame's size in rax before it is reserved: touches each of its pages in turn, as Windows demands. */
 __asm__(".globl ___chkstk_ms\n"
         "___chkstk_ms:\n"
         "    pushq %rcx\n"
