@@ -89,7 +89,7 @@ class Master:
             case _:
                 return self.try_extrapolate(h)
 
-    def longest_way(self, h: float) -> float:
+    def longest_travel(self, h: float) -> float:
         """No less than what the master travels, back and forth, on the path of the coming step.
 
         Told before `try_advance`, for blocks that refuse a step too long; 0 if `try_advance` refuses it anyway."""
@@ -121,8 +121,8 @@ class Master:
             return clamp((self.end_velocity - self.begin_velocity) / self.step, -LARGEST_INPUT, LARGEST_INPUT)
         return self.begin_acceleration
 
-    def literal(self, position: float) -> float:
-        """The place of a position that is meant in the turn of the present input, not in just any."""
+    def unwrap_in_current_turn(self, position: float) -> float:
+        """`position`, unwrapped into the same turn as the present input."""
         anchor = self.end if self.input_mode == MasterInput.END_OF_STEP else self.begin
         return position + (anchor - self.position)
 

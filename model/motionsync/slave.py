@@ -28,6 +28,10 @@ class Edge:
 
     before: bool = False
 
+    def hold(self, level: bool) -> None:
+        """The command has this level at the end of initialization: only a change from it on is an edge."""
+        self.before = level
+
     def rising(self, now: bool) -> bool:
         rising = now and not self.before
         self.before = now

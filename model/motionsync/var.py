@@ -52,6 +52,21 @@ class Unit(Enum):
         return next((unit for unit in Unit if unit.quantity == f"Slave{self.quantity}"), self)
 
 
+class Role(Enum):
+    """What a variable is to a block that works in cycles of its own, on telegrams from a controller with another clock.
+
+    A tool finds the variables by these roles, whatever their names are. It makes the telegrams from the motion of an
+    axis, and it judges what the block puts out. A block gives each role at most once. The part in which the
+    CYCLE_INDEX lies is the remote axis: it also has `position`, `velocity` and `acceleration`.
+    """
+
+    TASK_CYCLE = "the length of the block's own cycles, s"
+    DATA_CYCLE = "the nominal length of the sender's cycles, s; 0: the same as the block's own"
+    DELAY = "a time by which the outputs are later than the cycle's instant, s"
+    CYCLE_INDEX = "the sender's cycle counter, as the telegram tells it"
+    CORRECTED_INDEX = "the sender's cycle index at the cycle's instant, as the block estimates it"
+
+
 class Enumeration(IntEnum):
     """An enumeration whose members describe themselves: `NAME = value, "description"`.
 
@@ -85,6 +100,8 @@ class Declaration:
         zero: whether 0 itself is allowed.
         depends: the inputs and parameters on which the value after initialization depends (outputs only).
         codes: what the values of a plain Integer mean; a log line tells it when the value changes to one other than 0.
+        role: what the variable is to a block that works in cycles; None: nothing.
+        wraps_at: a counter that begins again at 0 where it would reach this number; 0: it does not wrap.
     """
 
     causality: str
@@ -100,12 +117,23 @@ class Declaration:
     zero: bool = True
     depends: tuple[str, ...] = ()
     codes: type[Enumeration] | None = None
+    role: Role | None = None
+    wraps_at: int = 0
 
 
-def input(start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False) -> T:
+def input(
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    discrete: bool = False,
+    role: Role | None = None,
+    wraps_at: int = 0,
+) -> T:
     """A Real input lies within ±1e12; integers and Booleans have no limits but their type's."""
     limit = LARGEST_INPUT if isinstance(start, float) else inf
-    return _declared(start, Declaration("input", description, unit, discrete, min=-limit, max=limit))
+    declaration = Declaration("input", description, unit, discrete, min=-limit, max=limit, role=role, wraps_at=wraps_at)
+    return _declared(start, declaration)
 
 
 def parameter(
@@ -120,9 +148,10 @@ def parameter(
     below: float = inf,
     smallest: float = 0.0,
     zero: bool = True,
+    role: Role | None = None,
 ) -> T:
     declaration = Declaration(
-        "parameter", description, unit, False, tunable, min, max, above, below, smallest=smallest, zero=zero
+        "parameter", description, unit, False, tunable, min, max, above, below, smallest=smallest, zero=zero, role=role
     )
     return _declared(start, declaration)
 
@@ -135,8 +164,10 @@ def output(
     discrete: bool = False,
     depends: tuple[str, ...] = (),
     codes: type[Enumeration] | None = None,
+    role: Role | None = None,
 ) -> T:
-    return _declared(start, Declaration("output", description, unit, discrete, depends=depends, codes=codes))
+    declaration = Declaration("output", description, unit, discrete, depends=depends, codes=codes, role=role)
+    return _declared(start, declaration)
 
 
 def local(

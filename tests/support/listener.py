@@ -14,7 +14,7 @@ import pytest
 from motionsync import var
 from motionsync.blocks import BLOCKS, Example, Registered
 from motionsync.slave import Slave
-from motionsync.var import Enumeration, Unit
+from motionsync.var import Enumeration, Role, Unit
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.scenario.recording import Course
 from motionsync_fmu.scenario.run import inputs, schedule
@@ -32,7 +32,7 @@ class Listening(Enumeration):
 class Telegram:
     """A remote axis as it was received."""
 
-    cycle_index: int = var.input(0, "index of the sender's cycle")
+    cycle_index: int = var.input(0, "index of the sender's cycle", role=Role.CYCLE_INDEX, wraps_at=65536)
     position: float = var.input(0.0, "the axis' position", Unit.POSITION, discrete=True)
     velocity: float = var.input(0.0, "its velocity", Unit.VELOCITY, discrete=True)
     acceleration: float = var.input(0.0, "its acceleration", Unit.ACCELERATION, discrete=True)
@@ -43,15 +43,19 @@ class Listener:
     """Shifts each telegram by the same number of cycles and by delay_time_offset, at the telegram's velocity."""
 
     remote: Telegram = var.part(Telegram)
-    task_cycle_time: float = var.parameter(0.002, "the receiver's cycle", Unit.TIME, above=0.0)
-    data_cycle_time: float = var.parameter(0.0, "the sender's cycle, about; 0: the same", Unit.TIME, min=0.0)
-    delay_time_offset: float = var.parameter(0.0, "added to the correction", Unit.TIME, tunable=True)
+    task_cycle_time: float = var.parameter(0.002, "the receiver's cycle", Unit.TIME, above=0.0, role=Role.TASK_CYCLE)
+    data_cycle_time: float = var.parameter(
+        0.0, "the sender's cycle, about; 0: the same", Unit.TIME, min=0.0, role=Role.DATA_CYCLE
+    )
+    delay_time_offset: float = var.parameter(0.0, "added to the correction", Unit.TIME, tunable=True, role=Role.DELAY)
     share: float = var.parameter(0.5, "the correction in cycles")
     shifted: bool = var.input(True, "whether telegrams are shifted")
     slave: Slave = var.part(Slave)
     state: Listening = var.output(Listening.DEAF, "what the listener does")
     state_code: int = var.output(1, "the same as a plain integer")
-    corrected_cycle_index: float = var.output(0.0, "index of the sender's cycle, shifted", discrete=True)
+    corrected_cycle_index: float = var.output(
+        0.0, "index of the sender's cycle, shifted", discrete=True, role=Role.CORRECTED_INDEX
+    )
     seen: int = var.output(0, "index of the last telegram")
     elapsed: float = 0.0
     cycle: int = 0

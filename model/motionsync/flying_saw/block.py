@@ -432,7 +432,7 @@ class FlyingSaw:
         if period == 0.0:
             return position
         if not 0.0 <= position < period:
-            return self.master.literal(position)
+            return self.master.unwrap_in_current_turn(position)
         missing = position - wrap(self.master.begin, period)
         if self.master.begin_velocity >= 0.0 and missing <= ARRIVED * period:
             missing += period

@@ -318,7 +318,7 @@ class Follower:
 
     def step(self, h: float) -> Refusal:
         """From t to t+h: the seam to the present input, the commands, then the path of the step."""
-        if 0.0 < MOST_CYCLES * self.master_cycle < self.master.longest_way(h):
+        if 0.0 < MOST_CYCLES * self.master_cycle < self.master.longest_travel(h):
             return Refusal.CYCLES
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS

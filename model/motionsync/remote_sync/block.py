@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..slave import Slave
-from ..var import LARGEST_INPUT, Enumeration, Unit
+from ..var import LARGEST_INPUT, Enumeration, Role, Unit
 from .beat import Beats
 from .blending import Blending, Mode
 from .faults import Fault, Refusal
@@ -68,7 +68,9 @@ class FallBackMode(Enumeration):
 class Remote:
     """The axis on the other controller, as received with its cycle index."""
 
-    cycle_index: int = var.input(0, "the sender's cycle counter, taken modulo 65536 (iCycleIndex)")
+    cycle_index: int = var.input(
+        0, "the sender's cycle counter, taken modulo 65536 (iCycleIndex)", role=Role.CYCLE_INDEX, wraps_at=INDICES
+    )
     position: float = var.input(0.0, "the remote axis's position", Unit.POSITION, discrete=True)
     velocity: float = var.input(0.0, "its velocity", Unit.VELOCITY, discrete=True)
     acceleration: float = var.input(0.0, "its acceleration", Unit.ACCELERATION, discrete=True)
@@ -112,6 +114,7 @@ class RemoteSync:
         max=LONGEST,
         smallest=LEAST_CYCLE,
         zero=False,
+        role=Role.TASK_CYCLE,
     )
     data_cycle_time: float = var.parameter(
         0.0,
@@ -120,6 +123,7 @@ class RemoteSync:
         min=0.0,
         max=LONGEST,
         smallest=LEAST_CYCLE,
+        role=Role.DATA_CYCLE,
     )
     estimator: Estimator = var.parameter(Estimator.BEAT, "how the sender's phase is estimated")
     threshold_for_sync: float = var.parameter(
@@ -137,7 +141,13 @@ class RemoteSync:
         max=MOST_PERIODS,
     )
     delay_time_offset: float = var.parameter(
-        0.0, "added to the correction time (fDelayTimeOffset)", Unit.TIME, tunable=True, min=-LONGEST, max=LONGEST
+        0.0,
+        "added to the correction time (fDelayTimeOffset)",
+        Unit.TIME,
+        tunable=True,
+        min=-LONGEST,
+        max=LONGEST,
+        role=Role.DELAY,
     )
     slope1_numerator: float = var.parameter(
         0.95, "share of a beat's correction that is done in its first part, more than 0", above=0.0, max=1.0
@@ -190,7 +200,11 @@ class RemoteSync:
         0.0, "by which the received values are shifted (fCorrectionTime)", Unit.TIME, discrete=True
     )
     corrected_cycle_index: float = var.output(
-        0.0, "the even cycle index, never wrapped", discrete=True, depends=("remote.cycle_index",)
+        0.0,
+        "the even cycle index, never wrapped",
+        discrete=True,
+        depends=("remote.cycle_index",),
+        role=Role.CORRECTED_INDEX,
     )
     drift: float = var.output(
         0.0, "of the sender's clock in ppm; negative: its cycle is the longer one; 0: not known", discrete=True

@@ -125,8 +125,8 @@ class Synchronizer:
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.was_active = self.active
-        self.start_edge.before = self.start
-        self.stop_edge.before = self.stop
+        self.start_edge.hold(self.start)
+        self.stop_edge.hold(self.stop)
         self.show()
         return Refusal.NONE
 
