@@ -17,7 +17,7 @@ from motionsync.remote_sync.blending import Mode
 from motionsync.remote_sync.block import Estimator, StartUpMode
 from motionsync.remote_sync.faults import Fault as RemoteFault
 from motionsync.remote_sync.history import MOST_PERIODS
-from motionsync.synchronizer.transition import Curve
+from motionsync.synchronizer.interface import Curve
 
 VELOCITY = 90.0  # of the axis that moves, u/s
 H = 1e-3  # s a step

@@ -24,7 +24,7 @@ from motionsync.remote_sync.blending import Mode
 from motionsync.remote_sync.block import RemoteSync
 from motionsync.synchronizer import block as synchronizer
 from motionsync.synchronizer.block import Synchronizer
-from motionsync.synchronizer.transition import Curve
+from motionsync.synchronizer.interface import Curve
 from motionsync_fmu.interface.variables import cells, variables
 from tests.model.flying_saw import strategies as drive_flying_saw
 from tests.model.follower import strategies as drive_follower
@@ -52,7 +52,7 @@ def _synchronizer(block: Synchronizer) -> set[Any]:
         ("state", block.state),
         ("ramping", block.master.input_mode, block.syn_ramp_on),
         ("fault", block.error_id),
-        ("curve", block.running.curve),
+        ("curve", block.transition.curve),
     }
 
 

@@ -14,9 +14,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
-from motionsync.synchronizer.block import State, Synchronizer
+from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.faults import Refusal
-from motionsync.synchronizer.transition import Curve
+from motionsync.synchronizer.interface import Curve, State
 from tests.model.synchronizer.known_ramps import KNOWN_RAMPS
 from tests.oracle.master import Stretch, mp, stretches
 from tests.oracle.synchronizer import events, reference
