@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
-from motionsync.remote_sync.block import Estimator
+from motionsync.remote_sync.interface import Estimator
 from motionsync_fmu import cli
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.line.judge import RAW, Result, Way, examine, through

@@ -18,10 +18,10 @@ from motionsync.gearing import choices as gearing
 from motionsync.gearing import faults as gearing_faults
 from motionsync.gearing.block import Gearing
 from motionsync.master import MasterInput
-from motionsync.remote_sync import block as remote_sync
 from motionsync.remote_sync import faults as remote_sync_faults
-from motionsync.remote_sync.blending import Mode
+from motionsync.remote_sync import interface as remote_sync
 from motionsync.remote_sync.block import RemoteSync
+from motionsync.remote_sync.interface import Mode
 from motionsync.synchronizer import block as synchronizer
 from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.interface import Curve

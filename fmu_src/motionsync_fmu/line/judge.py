@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from motionsync.remote_sync.block import Estimator
+from motionsync.remote_sync.interface import Estimator
 
 from ..scenario.cuts import Cut, cut
 from ..scenario.recording import Course, Reals

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from motionsync.remote_sync.block import INDICES
+from motionsync.remote_sync.interface import INDICES
 
 from .recording import Reals
 from .script import Script

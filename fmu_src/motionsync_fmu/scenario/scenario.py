@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from motionsync.blocks import BLOCKS
-from motionsync.remote_sync.block import INDICES
+from motionsync.remote_sync.interface import INDICES
 
 from ..build import Recipe, check_slave_unit
 from ..errors import UserError

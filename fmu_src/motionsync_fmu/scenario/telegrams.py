@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from motionsync.remote_sync.block import INDICES
+from motionsync.remote_sync.interface import INDICES
 
 from .clocks import Clocks, Telegrams
 from .recording import Course, Reals

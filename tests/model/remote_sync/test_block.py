@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 
-from motionsync.remote_sync.blending import Mode
-from motionsync.remote_sync.block import Estimator, FallBackMode, RemoteSync, StartUpMode
+from motionsync.remote_sync.block import RemoteSync
 from motionsync.remote_sync.faults import Fault, Refusal
+from motionsync.remote_sync.interface import Estimator, FallBackMode, Mode, StartUpMode
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.batch import simulate_many
 from motionsync_fmu.scenario.fmu_instance import FmuError, Host

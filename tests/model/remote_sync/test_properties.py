@@ -11,9 +11,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from motionsync.remote_sync.blending import Mode
-from motionsync.remote_sync.block import Estimator
 from motionsync.remote_sync.faults import Fault, Refusal
+from motionsync.remote_sync.interface import Estimator, Mode
 from motionsync_fmu.python.slave import LONGEST_STEP
 from tests.model.remote_sync import strategies as drive_remote_sync
 from tests.model.remote_sync.harness import Receiver
