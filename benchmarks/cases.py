@@ -13,11 +13,9 @@ from motionsync.follower.block import State as FollowerState
 from motionsync.gearing.interface import StartMode, StopMode, Transition
 from motionsync.gearing.interface import State as GearingState
 from motionsync.master import MasterInput
-from motionsync.remote_sync.blending import Mode
-from motionsync.remote_sync.block import Estimator, StartUpMode
 from motionsync.remote_sync.faults import Fault as RemoteFault
-from motionsync.remote_sync.history import MOST_PERIODS
-from motionsync.synchronizer.transition import Curve
+from motionsync.remote_sync.interface import MOST_PERIODS, Estimator, Mode, StartUpMode
+from motionsync.synchronizer.interface import Curve
 
 VELOCITY = 90.0  # of the axis that moves, u/s
 H = 1e-3  # s a step

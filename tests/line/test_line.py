@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
-from motionsync.remote_sync.block import Estimator
+from motionsync.remote_sync.interface import Estimator
 from motionsync_fmu import cli
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.errors import UserError

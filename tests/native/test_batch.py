@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
 from motionsync.synchronizer.block import Synchronizer
-from motionsync.synchronizer.transition import Curve
+from motionsync.synchronizer.interface import Curve
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native import batch, batch_loop

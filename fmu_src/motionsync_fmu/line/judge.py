@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from motionsync.remote_sync.block import Estimator
+from motionsync.remote_sync.interface import Estimator
 
 from ..interface.roles import MOTION
 from ..scenario.cuts import Cut, find_cuts
