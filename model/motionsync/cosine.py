@@ -1,7 +1,7 @@
 """The cosine of an angle in degrees, from + - * / alone: the platforms' C libraries do not agree on its last bits.
 
-Beyond 45 degrees it is the sine of what is missing to 90. Both are Taylor polynomials in u, the angle over 30 degrees:
-at most 1.5 here, where the first term left out is below 3e-18.
+Beyond 45 degrees it is computed as the sine of the difference to 90 degrees. Sine and cosine are Taylor polynomials in
+u, the angle over 30 degrees. There u is at most 1.5, and the first term left out is below 3e-18.
 """
 
 S1 = 0.5235987755982989  # sin(pi/6 u) = S1 u + S1_REST u + S3 u^3 + ...; S1 + S1_REST is pi/6 to 33 digits
@@ -34,7 +34,7 @@ def cosine(degrees: float) -> float:
 
 
 def near_sine(u: float) -> float:
-    """sin(pi/6 u) for |u| <= 1.5. The greatest term is added last, what its factor lacks before: u = 1 gives 0.5."""
+    """sin(pi/6 u) for |u| <= 1.5; u = 1 gives 0.5 exactly, since the greatest term is added last."""
     w = u * u
     rest = S3 + w * (S5 + w * (S7 + w * (S9 + w * (S11 + w * (S13 + w * (S15 + w * S17))))))
     return u * S1 + u * (S1_REST + w * rest)

@@ -6,7 +6,7 @@ from typing import Any
 from hypothesis import Phase, given, settings
 
 from motionsync.blocks import BLOCKS
-from motionsync.flying_saw import block as flying_saw
+from motionsync.flying_saw import interface as flying_saw
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.profile import ProfileKind

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from numpy.polynomial import Polynomial
 
-from motionsync.flying_saw.block import PlcopenState, State
+from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
 from tests.model.flying_saw.harness import GROUPS, OUTPUTS, Saw

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from motionsync.flying_saw.block import PlcopenState, State
+from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
 from tests.model.flying_saw.harness import GROUPS, OUTPUTS, Saw
