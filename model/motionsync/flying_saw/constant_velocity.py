@@ -1,7 +1,7 @@
 """The constant velocity of P5+P1+P5 where it is preferred: both ramps are as short as the limits allow.
 
-The README of this folder has the picture of T_a + T_b over c from which the cuts of the search follow. Source: TS5055,
-section 7 (PREFERCONSTVELO).
+The README of this folder derives the search, with a picture of T_a + T_b over c. Source: TS5055, section 7
+(PREFERCONSTVELO).
 """
 
 from dataclasses import dataclass
@@ -21,18 +21,8 @@ class ConstantVelocity:
     """Finds the velocity c with which the slave travels `distance` in `duration`, from `velocity` v to `end` v_e.
 
     The ramps to and from c take T_a(c) and T_b(c), so the distance is f(c) = c T - (c - v) T_a / 2 - (c - v_e) T_b / 2.
-    There is a profile only where T_a + T_b <= T, and f rises there, since (c - v) T_a' <= T_a and (c - v_e) T_b' <= T_b
-    make f' >= T - T_a - T_b. So the velocities are cut into intervals in which T_a + T_b is monotone: what fits into T
-    is one interval inside each of them, in which c is bisected. The side of zero that holds v_e comes first.
-
-    The cuts lie
-
-    - at 0, v and v_e, since other limits hold beyond them;
-    - where the ramp between v or v_e and c passes from its jerk limit, T = sqrt(6 |dv| / J), to its acceleration limit,
-      T = 1.5 |dv| / A: at |dv| = 8 A^2 / (3 J);
-    - where T_a + T_b turns between v and v_e, one ramp growing as fast with c as the other one shrinks. Both ramps in
-      their jerk limits: in the middle. One ramp in its jerk limit and the other in its acceleration limit A': where
-      sqrt(6 / (J |dv|)) / 2 = 1.5 / A', at |dv| = 2 A'^2 / (3 J) of the first one.
+    There is a profile only where T_a + T_b <= T, and there f rises. So the velocities are cut into intervals in which
+    T_a + T_b is monotone: what fits into T is one interval inside each of them, in which c is bisected.
 
     Attributes:
         duration, distance, velocity, end: T (s), the distance (u), v and v_e (u/s), which are set before.
@@ -89,8 +79,9 @@ class ConstantVelocity:
         return found
 
     def add_cuts_of_ramp(self, start: float, limit: float, other: float, side: float, near: float, far: float) -> None:
-        """Cut where the ramp between `start` and c passes from its jerk limit to its acceleration limit, and where its
-        duration, limited by jerk, changes with c as fast as the other ramp's, limited by acceleration."""
+        """Cut where the ramp between `start` and c passes from its jerk limit to its acceleration limit A,
+        |dv| = 8 A^2 / (3 J), and where its duration, limited by jerk, changes with c as fast as the other ramp's,
+        limited by acceleration A', |dv| = 2 A'^2 / (3 J)."""
         if self.jerk > 0.0:
             for sign in range(2):
                 direction = 1.0 if sign == 1 else -1.0
