@@ -24,7 +24,7 @@ def test_the_factor_is_numerator_by_denominator_by_the_cosine_of_the_angle() -> 
 @pytest.mark.parametrize("ratio", [0.8, -0.8])
 @pytest.mark.parametrize("vm", [100.0, -100.0])
 def test_in_sync_the_slave_lies_on_its_line(ratio: float, vm: float) -> None:
-    """Through (2 v_m, ratio * 2 v_m + 3), however the master moves then."""
+    """The line passes through (2 v_m, ratio v_m + 3), however the master moves afterwards."""
     saw = FlyingSawHarness({"axis.initial_position": 3.0}, speed=vm)
     point = 2.0 * vm, ratio * 2.0 * vm * 0.5 + 3.0
     saw.order("gear_in_pos", ratio_numerator=ratio, master_sync_position=point[0], slave_sync_position=point[1])
@@ -46,7 +46,7 @@ def test_in_sync_the_slave_lies_on_its_line(ratio: float, vm: float) -> None:
 def test_with_a_period_a_sync_position_in_it_is_the_next_one_ahead_and_others_are_literal(
     speed: float, position: float, ahead: float
 ) -> None:
-    """The master at 30 of 100; the slave from 0 meets it a quarter of `ahead` further, at its velocity."""
+    """The master is at 30 of a period of 100; the slave starts at 0 and is to be in sync `ahead` further."""
     saw = FlyingSawHarness({"master.period": 100.0}, place=30.0, speed=speed)
     aims = {"master_sync_position": position, "slave_sync_position": 0.25 * math.copysign(ahead, speed)}
     saw.order("gear_in_pos", **aims).run(ahead / 10.0 - 1e-3)
@@ -68,7 +68,7 @@ def test_with_a_period_a_literal_position_behind_is_refused(speed: float, positi
 
 
 def test_with_a_period_the_start_distance_may_be_longer_than_it() -> None:
-    """Sync at 90 of the turn the master is in: a start 250 before it is passed already."""
+    """The sync position is 90 in the master's present turn, so the start, 250 before it, is passed already."""
     saw = FlyingSawHarness({"master.period": 100.0}, place=30.0, speed=10.0)
     saw.order("gear_in_pos", master_sync_position=90.0, slave_sync_position=15.0, master_start_distance=250.0)
     assert saw.run(INSTANT).state == State.SYNCHRONIZING
@@ -80,7 +80,7 @@ def test_with_a_period_the_start_distance_may_be_longer_than_it() -> None:
 
 
 def test_with_a_period_the_coupling_position_is_a_place_not_one_of_every_turn() -> None:
-    """From 30 two turns and a half back, wrapped, and forwards again: only at 30 of the same turn."""
+    """The master goes two turns and a half back from 30 and forwards again: only 30 in the same turn counts."""
     saw = FlyingSawHarness({"master.period": 100.0}, place=30.0, speed=50.0).modes(
         "rollback_lock", "instant_stop_on_rollback"
     )
@@ -100,7 +100,7 @@ def test_with_a_period_the_coupling_position_is_a_place_not_one_of_every_turn() 
 
 
 def test_the_input_correction_belongs_to_the_path() -> None:
-    """Predicted up to 999.5, then at 1000.5: the sync position is passed in between."""
+    """The master was predicted at 999.5 and is at 1000.5: the input correction passes the sync position."""
     saw = first_example().order("gear_in_pos", **FIRST).run(2.999)
     assert saw.state == State.SYNCHRONIZING
     saw.place = 1000.5

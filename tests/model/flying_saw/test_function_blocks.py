@@ -17,7 +17,7 @@ from tests.model.flying_saw.harness import (
 
 
 def test_simultaneous_edges_act_in_the_documented_order() -> None:
-    """The last one, move_absolute, moves the axis; those before it are aborted, gear_out is done."""
+    """The last command, move_absolute, moves the axis; the ones before it are aborted, and gear_out is done."""
     saw = FlyingSawHarness({"axis.initial_velocity": 50.0}, speed=100.0)
     saw.order("halt").order("gear_out").order("gear_in_velo").order("gear_in_pos", **AIMS)
     saw.order("move_velocity", velocity=3.0).order("move_absolute", position=9.0).run(INSTANT)

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from numpy.polynomial import Polynomial
 
+from motionsync.flying_saw.characteristics import Characteristics
 from motionsync.flying_saw.interface import State
 from motionsync.flying_saw.profile import ProfileKind
 from tests.model.flying_saw.harness import (
@@ -56,6 +57,15 @@ def test_a_quintic_and_all_its_characteristic_values(
     assert (found.slave_acceleration_min, found.slave_acceleration_max) == pytest.approx(acceleration, abs=5e-4)
     assert (found.slave_jerk_min, found.slave_jerk_max) == pytest.approx(jerk, abs=5e-4)
     assert found.slave_position_min == pytest.approx(lowest, abs=5e-4)
+    assert_extremes(found, t, s, v, a, j)
+    assert_integrals(found, t, s, v, a)
+    assert_ends(found, s, v, j)
+
+
+def assert_extremes(
+    found: Characteristics, t: float, s: Polynomial, v: Polynomial, a: Polynomial, j: Polynomial
+) -> None:
+    """Extreme values and where they are, of polynomials of u in [0, 1]."""
     for name, of in [("position", s), ("velocity", v), ("acceleration", a), ("jerk", j)]:
         low, high = values_of(of, t)
         assert getattr(found, f"slave_{name}_min") == near(low, tolerance=1e-8)
@@ -66,13 +76,21 @@ def test_a_quintic_and_all_its_characteristic_values(
             assert of(at) == near(getattr(found, f"slave_{name}_{side}"), tolerance=1e-6)
             if name == "acceleration":
                 assert getattr(found, f"slave_velocity_at_slave_acceleration_{side}") == near(v(at), tolerance=1e-6)
+
+
+def assert_integrals(found: Characteristics, t: float, s: Polynomial, v: Polynomial, a: Polynomial) -> None:
+    """Momentum, mean speed and effective acceleration."""
     power = values_of(v * a, t)
     assert (found.slave_dynamic_momentum_min, found.slave_dynamic_momentum_max) == near(*power)
     zeros = sorted({0.0, 1.0, *(r.real for r in v.roots() if abs(r.imag) < 1e-9 and 0.0 < r.real < 1.0)})
-    ways = [abs(s(last) - s(first)) for first, last in pairwise(zeros)]
-    assert found.slave_velocity_mean == near(sum(ways) / t)
+    distances = [abs(s(last) - s(first)) for first, last in pairwise(zeros)]
+    assert found.slave_velocity_mean == near(sum(distances) / t)
     square = (a * a).integ()
     assert found.slave_acceleration_effective == near(math.sqrt(square(1.0) - square(0.0)))
+
+
+def assert_ends(found: Characteristics, s: Polynomial, v: Polynomial, j: Polynomial) -> None:
+    """Both axes at the profile's beginning and end."""
     assert (found.master_velocity_nominal, found.master_position_start, found.master_position_end) == near(
         500.0, -500.0, 1000.0
     )
@@ -113,7 +131,7 @@ def test_with_velocity_checks_a_ramp_and_then_the_synchronous_velocity(
 def test_to_the_master_s_velocity_as_fast_as_acceleration_and_jerk_allow(
     modes: tuple[str, ...], duration: float
 ) -> None:
-    """Section 3, example 1: from -250 to 500 with 2500/2500/5000."""
+    """Section 3, example 1: the velocity goes from -250 to 500 with the limits 2500/2500/5000."""
     saw = FlyingSawHarness({"axis.initial_velocity": -250.0}, speed=500.0).modes(*modes)
     saw.order("gear_in_velo", acceleration=2500.0, deceleration=2500.0, jerk=5000.0).run(duration - 1e-6)
     assert saw.state == State.SYNCHRONIZING
@@ -127,7 +145,7 @@ def test_to_the_master_s_velocity_as_fast_as_acceleration_and_jerk_allow(
 
 
 def test_cuts_of_the_same_length_again_and_again() -> None:
-    """Pieces of 1000; the saw meets each mark at 100, saws 0.3 s, returns, and is ordered anew on the way back."""
+    """Pieces of 1000: the saw meets each mark at 100, cuts for 0.3 s, and gets its next order while it returns."""
     length, x = 1000.0, 100.0
     saw = FlyingSawHarness(speed=500.0)
     saw.order("gear_in_pos", master_sync_position=x, slave_sync_position=x).run(0.2 + INSTANT)

@@ -12,7 +12,7 @@ from tests.model.flying_saw.harness import FIRST, INSTANT, FlyingSawHarness, fir
 def turned_back(
     *modes: str, sync: bool = False, v0: float = 250.0, back: float = -300.0, **values: Any
 ) -> FlyingSawHarness:
-    """Example 1, in sync or not, then backwards with a constant velocity just up to the coupling position -500."""
+    """Example 1, in sync or not; then the master has come back to the coupling position -500 at constant velocity."""
     saw = first_example(**{"axis.initial_velocity": v0, **values}).modes(*modes)
     saw.order("gear_in_pos", **FIRST).run(3.5 if sync else 1.0)
     saw.speed = back
@@ -31,7 +31,7 @@ HALT = 1.5 * 150.0 / 2500.0  # from -150 to 0
 
 @pytest.mark.parametrize("modes", [(), ("rollback_lock",)])
 def test_not_in_sync_the_slave_halts_along_a_ramp_in_time(modes: tuple[str, ...]) -> None:
-    """At -250 with -150, half the master's velocity; T = 1.5 * 150 / 2500, half of 150 T further on it stands."""
+    """The halt begins at -250 with -150, half the master's velocity, and takes T = 1.5 * 150 / 2500 and 75 T."""
     saw = turned_back(*modes)
     assert saw.slave == near(-250.0, -150.0, 0.0)
     assert saw.state == State.SYNCHRONIZING
@@ -46,7 +46,7 @@ def test_not_in_sync_the_slave_halts_along_a_ramp_in_time(modes: tuple[str, ...]
 
 
 def test_the_halt_keeps_the_jerk_limit_if_it_is_checked() -> None:
-    """T = sqrt(6 * 150 / 5000) = 0.424 s."""
+    """With the jerk limit the halt takes sqrt(6 * 150 / 5000) = 0.424 s."""
     halt = math.sqrt(0.18)
     saw = turned_back("check_max_jerk").run(0.5 * halt)
     assert saw.slave[1:] == near(-75.0, 225.0 / halt)
@@ -61,7 +61,7 @@ def test_not_in_sync_with_the_instant_stop_the_slave_stands_at_once(modes: tuple
 
 
 def test_in_sync_the_backstop_halts_along_a_ramp_in_time() -> None:
-    """The line lies at -500 where the synchronisation started; T = 1.5 * 300 / 2500."""
+    """On the line the slave is at -500 where the synchronisation started; the halt takes 1.5 * 300 / 2500 s."""
     saw = turned_back("rollback_lock", sync=True)
     assert (saw.state, saw.slave) == (State.SYNCHRON, near(-500.0, -300.0, 0.0))
     saw.run(0.09)
@@ -80,7 +80,7 @@ def test_in_sync_the_backstop_with_the_instant_stop() -> None:
 
 @pytest.mark.parametrize("modes", [(), ("rollback_lock",), ("instant_stop_on_rollback",)])
 def test_forwards_again_the_synchronisation_is_planned_anew(modes: tuple[str, ...]) -> None:
-    """Parked it meets the master at 1000/1000 again; and the coupling position stays where it was."""
+    """The parked slave meets the master at 1000/1000 again, and the coupling position stays where it was."""
     saw = turned_back(*modes).run(1.0)
     rest = saw.slave[0]
     saw.speed = 600.0
@@ -101,7 +101,7 @@ def test_forwards_again_the_synchronisation_is_planned_anew(modes: tuple[str, ..
 
 
 def test_forwards_again_even_in_the_halt() -> None:
-    """Half through the halt the master jumps to +300, is back at once, and the plan starts with -75 and 2500."""
+    """Half through the halt the master moves with +300; the new plan starts with -75 and 2500."""
     saw = turned_back().run(0.5 * HALT)
     position = saw.slave[0]
     saw.place, saw.speed = -499.0, 300.0  # the input correction passes the coupling position
@@ -116,7 +116,7 @@ def test_forwards_again_even_in_the_halt() -> None:
 
 @pytest.mark.parametrize("in_halt", [False, True])
 def test_a_refused_new_plan_leaves_the_axis_uncoupled_and_standing(in_halt: bool) -> None:
-    """At 600 the limit of 550 is broken already by the synchronous velocity. What is left of a halt is no faster."""
+    """At 600 the synchronous velocity alone exceeds the limit of 550."""
     saw = turned_back("check_max_velocity", **{"axis.max_velocity": 550.0}).run(0.5 * HALT if in_halt else 1.0)
     saw.place, saw.speed = -500.0, 600.0
     fastest = abs(saw.slave[1])
@@ -131,7 +131,7 @@ def test_a_refused_new_plan_leaves_the_axis_uncoupled_and_standing(in_halt: bool
 
 
 def test_gear_in_velo_is_planned_anew_too() -> None:
-    """From -100 to 100 with 400: 0.75 s; after 0.15 s back past 0 with v = v0 v_m' / v_m = 50 -> halted with 400."""
+    """From -100 to 100 with 400 takes 0.75 s; turned round, v = v0 v_m' / v_m = 50 there."""
     saw = FlyingSawHarness({"axis.initial_velocity": -100.0}, speed=100.0)
     saw.order("gear_in_velo", acceleration=400.0, deceleration=400.0).run(0.15)
     saw.speed = -50.0

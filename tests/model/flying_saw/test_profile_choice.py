@@ -25,7 +25,7 @@ def profile(saw: FlyingSawHarness) -> ProfileKind:
 
 
 def test_the_start_velocity_is_kept_first_if_the_mean_is_nearer_to_it() -> None:
-    """Mean 150 of 100 and 300: T5 = 2 (150 - 100) / 200 = 0.5 s."""
+    """The mean velocity is 150, between 100 and 300: T5 = 2 (150 - 100) / 200 = 0.5 s."""
     saw = meeting(100.0, 300.0, 150.0, "check_overshoot_velocity").run(0.5 - INSTANT)
     assert profile(saw) == ProfileKind.P1_P5
     assert saw.slave == near(50.0, 100.0, 0.0)
@@ -49,7 +49,7 @@ def test_no_ramp_leads_to_a_mean_velocity_at_or_beyond_those_of_the_ends(mean: f
 
 @pytest.mark.parametrize(("check", "limit"), [("acceleration", 187.4), ("jerk", 374.9)])
 def test_a_ramp_that_breaks_a_steepness_limit_gives_way_to_the_quintic(check: str, limit: float) -> None:
-    """Example 1: the ramp has 187.5 and 375, the quintic 175.04 and 444.4; this overshoots, but does not undershoot."""
+    """In example 1 the ramp has the peaks 187.5 and 375, the quintic 175.04 and 444.4; the quintic overshoots only."""
     for active, code in [(VELOCITY_CHECKS, 0x437C), (VELOCITY_CHECKS[1:], 0x438A if check == "jerk" else 0)]:
         saw = first_example().modes(f"check_max_{check}", *active, "detailed_error_codes")
         saw.order("gear_in_pos", **FIRST, **{check: limit}).run(INSTANT)
@@ -67,7 +67,8 @@ def test_a_ramp_that_breaks_another_check_is_refused() -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_at_the_velocity_limit_where_the_quintic_exceeds_it(sign: float) -> None:
-    """T = 2, D = 900, from 0 to 500: up to 601; at 510 peaks of 0.75 (510^2 + 10^2) / (1020 - 900) = 1626.25."""
+    """T = 2, D = 900, from 0 to 500: the quintic reaches 601; at 510 both ramps have the peak
+    0.75 (510^2 + 10^2) / (1020 - 900) = 1626.25."""
     c, peak = 510.0, 0.75 * (510.0**2 + 10.0**2) / 120.0
     rise, fall = 1.5 * c / peak, 1.5 * 10.0 / peak
     saw = meeting(0.0, sign * 500.0, sign * 900.0, "check_max_velocity", vm=sign * 100.0, t=2.0, max_velocity=c)
@@ -93,7 +94,8 @@ def test_a_profile_at_the_velocity_limit_that_breaks_a_steepness_limit_gives_way
 
 
 def test_a_preferred_constant_velocity_with_ramps_at_the_acceleration_limit() -> None:
-    """500 at both ends, distance 1200 in 3 s, a 500: x = 500 - c, 3 x - 0.003 x^2 = 300."""
+    """The velocity is 500 at both ends, the distance 1200 in 3 s, the limit 500: with x = 500 - c,
+    3 x - 0.003 x^2 = 300."""
     x = (3.0 - math.sqrt(5.4)) / 0.006
     ramp = 1.5 * x / 500.0
     machine = {"max_acceleration": 500.0, "max_deceleration": 500.0, "max_jerk": 1000.0, "t": 3.0}
@@ -108,7 +110,7 @@ def test_a_preferred_constant_velocity_with_ramps_at_the_acceleration_limit() ->
 
 
 def test_a_preferred_constant_velocity_with_ramps_at_the_jerk_limit() -> None:
-    """With T_a = T_b = sqrt(6 x / 1000): 3 x - x sqrt(6 x / 1000) = 300; bracketed here."""
+    """With T_a = T_b = sqrt(6 x / 1000) the equation 3 x - x sqrt(6 x / 1000) = 300 is solved by bisection here."""
     low, high = 0.0, 200.0
     for _ in range(200):
         x = 0.5 * (low + high)
@@ -133,7 +135,7 @@ def test_a_preferred_constant_velocity_that_is_none_or_breaks_a_check_gives_way(
 
 @pytest.mark.parametrize("acceleration", [1.0, -1.0])
 def test_an_accelerated_master_leaves_only_the_quintic(acceleration: float) -> None:
-    """Given at the beginning of the second step, at -500 again: from a0 = 0 and thus ~a0 = -v0 a_m / v_m."""
+    """The command acts at the second step's beginning, at -500: a0 = 0, so the profile starts with -v0 a_m / v_m."""
     for modes, kind, code in [
         (VELOCITY_CHECKS, ProfileKind.NONE, 0x42DF),
         (("prefer_constant_velocity",), ProfileKind.P5, 0),
@@ -160,7 +162,7 @@ def test_an_accelerated_slave_leaves_only_the_quintic_unless_ignored() -> None:
 
 
 def test_an_acceleration_that_changes_the_velocity_by_less_than_1e_9_is_none() -> None:
-    """T = 3 s, v_m = 500: |a_m| up to 500e-9 / 3."""
+    """With T = 3 s and v_m = 500 that is |a_m| up to 500e-9 / 3."""
     for acceleration, kind in [(1.6e-7, ProfileKind.P5_P1), (1.7e-7, ProfileKind.NONE)]:
         saw = first_example().modes(*VELOCITY_CHECKS).order("gear_in_pos", **FIRST)
         assert saw.run(0.1, acceleration=acceleration)["characteristics.profile"] == kind

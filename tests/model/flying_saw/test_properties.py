@@ -11,6 +11,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from motionsync.flying_saw.characteristics import Characteristics
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
@@ -96,7 +97,7 @@ profiles = st.sampled_from(PROFILES)
 def test_whatever_the_master_does_on_the_way_the_sync_point_is_met_exactly(
     meeting: Meeting, modes: tuple[str, ...], rng: Random, mode: MasterInput, moved: bool
 ) -> None:
-    """It gets faster, slower, stops and goes on; then it comes to its sync position at the end of a step."""
+    """The master gets faster, slower, stops and goes on; then it comes to its sync position at the end of a step."""
     saw = meeting.saw(*modes, mode=mode)
     if moved:  # the master has an acceleration at the edge
         saw.run(TICK, acceleration=0.3 * meeting.speed / meeting.duration)
@@ -200,12 +201,33 @@ CHECKS = (
 )
 
 
+def assert_within_characteristics(found: Characteristics, rows: list[Row], sizes: Mapping[str, float]) -> None:
+    """No row exceeds the extremes of a quantity, but for 1e-9 of its size."""
+    for name, size in sizes.items():
+        values = [row[f"slave.{name}"] for row in rows]
+        least, most = getattr(found, f"slave_{name}_min"), getattr(found, f"slave_{name}_max")
+        assert min(values) >= least - 1e-9 * size
+        assert max(values) <= most + 1e-9 * size
+
+
+def assert_dynamics_kept(rows: list[Row], modes: Iterable[str], limits: Mapping[str, float]) -> None:
+    """Every row keeps the limits of acceleration, deceleration and jerk that these modes check."""
+    for row in rows:
+        v, a, j = row["slave.velocity"], row["slave.acceleration"], row["slave.jerk"]
+        if "check_max_acceleration" in modes and v * a > 0.0:
+            assert abs(a) <= limits["acceleration"] * (1 + 1e-8)
+        if "check_max_deceleration" in modes and v * a < 0.0:
+            assert abs(a) <= limits["deceleration"] * (1 + 1e-8)
+        if "check_max_jerk" in modes:
+            assert abs(j) <= limits["jerk"] * (1 + 1e-8)
+
+
 @settings(repeatable, max_examples=400)
 @given(meetings(), rngs, st.booleans())
 def test_no_check_that_has_passed_is_broken_at_constant_master_velocity(
     meeting: Meeting, rng: Random, to_velocity: bool
 ) -> None:
-    """And no characteristic value is exceeded."""
+    """No characteristic value is exceeded either."""
     group = "gear_in_velo" if to_velocity else "gear_in_pos"
     t, vs = meeting.duration, meeting.ratio * meeting.speed
     modes = [name for name in CHECKS if rng.random() < 0.2]
@@ -232,24 +254,13 @@ def test_no_check_that_has_passed_is_broken_at_constant_master_velocity(
     assert saw.state == State.SYNCHRONIZING
     sizes = {name: max(abs(row[f"slave.{name}"]) for row in rows) for name in ("velocity", "acceleration", "jerk")}
     sizes["position"] = found.slave_position_max - found.slave_position_min + 1e-3 * abs(meeting.position)
-    for name, size in sizes.items():
-        values = [row[f"slave.{name}"] for row in rows]
-        least, most = getattr(found, f"slave_{name}_min"), getattr(found, f"slave_{name}_max")
-        assert min(values) >= least - 1e-9 * size
-        assert max(values) <= most + 1e-9 * size
+    assert_within_characteristics(found, rows, sizes)
+    assert_dynamics_kept(rows, modes, limits)
     positions, velocities = ([row[f"slave.{name}"] for row in rows] for name in ("position", "velocity"))
     place, speed = 1e-8 * sizes["position"], 1e-8 * sizes["velocity"]
     start, end = sorted((meeting.position, found.slave_position_end))
     mirrored = [sign(vs) * v for v in velocities]
     first, last = sign(vs) * meeting.velocity, abs(vs)
-    for row in rows:
-        v, a, j = row["slave.velocity"], row["slave.acceleration"], row["slave.jerk"]
-        if "check_max_acceleration" in modes and v * a > 0.0:
-            assert abs(a) <= limits["acceleration"] * (1 + 1e-8)
-        if "check_max_deceleration" in modes and v * a < 0.0:
-            assert abs(a) <= limits["deceleration"] * (1 + 1e-8)
-        if "check_max_jerk" in modes:
-            assert abs(j) <= limits["jerk"] * (1 + 1e-8)
     kept = {
         "check_min_position": min(positions) >= low - place,
         "check_max_position": max(positions) <= high + place,
@@ -267,7 +278,7 @@ def test_no_check_that_has_passed_is_broken_at_constant_master_velocity(
 @repeatable
 @given(meetings(), rngs)
 def test_a_constant_velocity_is_found_wherever_there_is_one(meeting: Meeting, rng: Random) -> None:
-    """The distance that a chosen one makes is asked for."""
+    """A constant velocity is chosen first; the distance that belongs to it is then asked for."""
     t, v0, vs = meeting.duration, meeting.velocity, meeting.ratio * meeting.speed
     limit = (abs(v0) + abs(vs)) / t * 10.0 ** rng.uniform(0.0, 1.5)
     c = vs * rng.uniform(0.0, 2.0)
@@ -708,17 +719,17 @@ MACHINE = {"axis.max_acceleration": 2000.0, "axis.max_deceleration": 1500.0, "ax
 @given(rngs, st.sampled_from([START, END, MasterInput.POSITION_ONLY]), st.sampled_from([0.0, 0.0, 70.0]))
 def test_plcopen_s_rules_hold_and_nothing_is_ever_nan(rng: Random, mode: MasterInput, period: float) -> None:
     saw = FlyingSawHarness({**MACHINE, "master.period": period}, speed=rng.choice([100.0, -40.0, 0.0]), mode=mode)
-    told: set[str] = set()  # groups that have had an edge since `execute` was false
+    ordered: set[str] = set()  # groups that have had an edge since `execute` was false
     shown: dict[str, set[str]] = {group: set() for group in GROUPS}
     for _ in range(40):
         held = set(saw.held)
         random_step(saw, rng)
-        told = (told | (saw.held - held)) & saw.held
+        ordered = (ordered | (saw.held - held)) & saw.held
         for group in GROUPS:
             now = saw.results(group)
             results = now & {RESULT.get(group, "done"), "command_aborted", "error"}
             assert ("busy" in now) == ("active" in now) or group in ("gear_out", "reset")
-            assert len(results) + ("busy" in now) == 1 or group not in told
+            assert len(results) + ("busy" in now) == 1 or group not in ordered
             assert len(results) + ("busy" in now) <= 1
             assert saw[f"{group}.error"] == (saw[f"{group}.error_id"] != 0)
             if group not in saw.held:

@@ -86,7 +86,7 @@ def test_wrong_machine_data_are_judged_by_the_commands_that_read_them(name: str,
 
 
 def test_a_limit_of_0_is_the_axis_s_and_one_above_it_is_used_as_given() -> None:
-    """Ramp times 1.5 dv / a with dv = 100: of the axis's 500 0.3 s, of 2000 0.075 s."""
+    """The ramp takes 1.5 dv / a with dv = 100: 0.3 s with the axis's 500, 0.075 s with 2000."""
     for limit, duration in [(0.0, 0.3), (250.0, 0.6), (2000.0, 0.075)]:
         saw = FlyingSawHarness({"axis.max_acceleration": 500.0}, speed=100.0).order("gear_in_velo", acceleration=limit)
         assert saw.run(duration - 1e-6).state == State.SYNCHRONIZING
@@ -187,7 +187,7 @@ def test_stop_locks_the_axis(begin: Any, group: str, values: dict[str, Any]) -> 
         ("move_absolute", {"position": 2e9, "jerk": -1.0}, (), 100.0, 0x42DD),
     ],
 )
-def test_of_two_faults_the_first_in_the_list_is_told(
+def test_of_two_faults_the_first_in_the_list_is_shown(
     group: str, values: dict[str, Any], modes: tuple[str, ...], speed: float, code: int
 ) -> None:
     saw = FlyingSawHarness({"axis.initial_velocity": 20.0}, speed=speed).modes(*modes, "detailed_error_codes")
@@ -267,8 +267,8 @@ def test_checks_that_are_kept(
     assert meeting(v0, vs, distance, check, vm=vm, **machine).state == State.SYNCHRONIZING
 
 
-def test_of_several_broken_checks_the_lowest_code_is_told() -> None:
-    """From -100 with 300 at its end: below its start, below zero, up to 1500 u/s2 and more."""
+def test_of_several_broken_checks_the_lowest_code_is_shown() -> None:
+    """The velocity goes from -100 to 300: below the start, below zero, with 1500 u/s2 and more."""
     modes = ["check_max_jerk", "check_max_acceleration", "check_undershoot_position", "check_min_position"]
     for code, machine in [(0x438A, 3), (0x4388, 2), (0x4377, 1), (0x4372, 0)]:
         active = modes[: 4 - machine]
@@ -278,7 +278,7 @@ def test_of_several_broken_checks_the_lowest_code_is_told() -> None:
 
 @pytest.mark.parametrize("modes", [(), ("check_max_jerk",)])
 def test_a_velocity_so_low_that_no_time_can_be_told_is_refused(modes: tuple[str, ...]) -> None:
-    """The ramp to it would take 8e-322 u/s / 1e4 u/s2: 0 s, as a number."""
+    """The ramp to it would take 8e-322 u/s / 1e4 u/s2, which is 0 s as a number."""
     saw = FlyingSawHarness(speed=-5e-324).modes(*modes)
     saw.order("gear_in_velo", ratio_numerator=-161.0, jerk=100.0).run(0.05)
     assert saw.results("gear_in_velo") == {"error"}
@@ -286,7 +286,7 @@ def test_a_velocity_so_low_that_no_time_can_be_told_is_refused(modes: tuple[str,
 
 
 def test_checks_of_gear_in_velo_are_those_of_its_ramp() -> None:
-    """From -100 to 100 with 300: T = 1 s, v = -100 + 200 (3 u^2 - 2 u^3), down to -31.25 and back to 0."""
+    """From -100 to 100 with 300: T = 1 s, v = -100 + 200 (3 u^2 - 2 u^3); the slave goes to -31.25 and back to 0."""
     for check, code, machine in [
         ("check_min_position", 0x4372, {"axis.min_position": -31.2}),
         ("check_undershoot_position", 0x4377, {}),

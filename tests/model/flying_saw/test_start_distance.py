@@ -10,7 +10,7 @@ from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, coupled, n
 
 
 def waiting(sign: float = 1.0, **values: Any) -> FlyingSawHarness:
-    """The master from 0 with 100 to 1000; the slave is to start 300 before, at 700, and meets it at 150."""
+    """The master goes from 0 with 100 to 1000; the slave is to start at 700, 300 before that, and to meet at 150."""
     saw = FlyingSawHarness({"axis.initial_position": 0.0, **values}, speed=sign * 100.0)
     aims = {"master_sync_position": sign * 1000.0, "slave_sync_position": sign * 150.0, "ratio_numerator": 0.5}
     return saw.order("gear_in_pos", **aims, master_start_distance=300.0)
@@ -18,7 +18,7 @@ def waiting(sign: float = 1.0, **values: Any) -> FlyingSawHarness:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_slave_waits_for_the_start_distance(sign: float) -> None:
-    """From 0 to 150 in 3 s with 50 at its end: the quintic with A = B = 150."""
+    """The slave goes from 0 to 150 in 3 s and has 50 then: the quintic with A = B = 150."""
     saw = waiting(sign).run(7.0 - INSTANT)
     assert saw.state == State.PREPHASE
     assert saw.results("gear_in_pos") == {"busy", "active"}
@@ -44,7 +44,7 @@ def test_a_start_already_passed_is_now() -> None:
 
 
 def test_only_forwards_the_start_is_passed() -> None:
-    """Up to 650 at 0 + 6.5 s, back, and up again."""
+    """The master comes to 650 in 6.5 s, goes back, and comes again."""
     saw = waiting().run(6.5)
     saw.speed = -100.0
     saw.run(8.0)
@@ -81,7 +81,7 @@ def test_the_waiting_is_cancelled(group: str) -> None:
 
 
 def test_a_start_that_is_refused_when_it_comes() -> None:
-    """At 30 u/s the slave has passed 150 by then."""
+    """With 30 u/s the slave has passed 150 when the master passes the start."""
     saw = waiting(**{"axis.initial_velocity": 30.0}).run(6.9)
     assert saw.results("gear_in_pos") == {"busy", "active"}
     saw.run(0.2)
@@ -99,7 +99,7 @@ def test_the_values_are_those_of_the_edge_when_the_start_comes() -> None:
 
 @pytest.mark.parametrize(("position", "code"), [(400.0, 0), (20.0, 0x42DE)])
 def test_a_coupled_slave_waits_for_the_start_distance_too(position: float, code: int) -> None:
-    """In sync with 100 from 0.3 s on; the start comes 2 s later, where the slave has passed 20 already."""
+    """The slave is in sync from 0.3 s on; 2 s later the start comes, and the slave has passed 20 already."""
     saw = coupled()
     aims = {"master_sync_position": saw.place + 500.0, "slave_sync_position": position}
     saw.order("gear_in_pos", **aims, master_start_distance=300.0).run(1.9)

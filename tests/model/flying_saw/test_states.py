@@ -8,7 +8,7 @@ from tests.model.flying_saw.harness import FIRST, INSTANT, OUTPUTS, FlyingSawHar
 
 
 def test_states_through_a_cycle() -> None:
-    """Waits up to 100, meets at 200; then a halt of 0.2 s, and a return with 0.2 s ramps and 0.4 s between."""
+    """The slave waits until the master passes 100 and is in sync at 200; a halt takes 0.2 s, the return 0.8 s."""
     saw = FlyingSawHarness(speed=100.0)
     limits = {"velocity": 100.0, "acceleration": 1000.0, "deceleration": 1000.0, "jerk": 10000.0}
     start = {"master_sync_position": 200.0, "slave_sync_position": 50.0, "master_start_distance": 100.0}
@@ -45,7 +45,7 @@ def test_an_axis_may_start_in_motion() -> None:
 
 
 def test_at_the_master_s_velocity_already_it_is_in_sync_at_once() -> None:
-    """Nothing to do: start and end are the same."""
+    """There is nothing to synchronise: start and end of the profile are the same."""
     saw = FlyingSawHarness({"axis.initial_position": 9.0, "axis.initial_velocity": 50.0}, place=4.0, speed=100.0)
     saw.order("gear_in_velo", ratio_denominator=2).run(0.1)
     assert (saw.results("gear_in_velo"), saw.state) == ({"start_sync", "in_sync"}, State.SYNCHRON)

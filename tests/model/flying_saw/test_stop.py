@@ -9,7 +9,7 @@ from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, assert_ref
 
 
 def stopping(**values: Any) -> FlyingSawHarness:
-    """From 100 with 1000 and 10000: the triangle of 0.2 s and 10 u."""
+    """A stop from 100 with 1000 and 10000 takes 0.2 s and 10 u: a triangle."""
     saw = FlyingSawHarness({"axis.initial_velocity": 100.0, **values}, speed=100.0)
     return saw.order("stop", deceleration=1000.0, jerk=10000.0)
 
@@ -58,7 +58,7 @@ def test_reset_does_not_release_the_lock_but_clears_the_error() -> None:
 
 
 def test_a_second_stop_edge_is_accepted() -> None:
-    """A gentler stop: 0.1 s with jerk 10000, then from 50 with -1000 down with 200."""
+    """The second stop is gentler: after 0.1 s with the jerk 10000 the slave has 50 and -1000, and goes on with 200."""
     saw = stopping().run(0.1).release("stop").run(INSTANT).order("stop", deceleration=2000.0, jerk=1e6).run(INSTANT)
     assert saw.results("stop") == {"busy", "active"}
     saw.run(0.06)

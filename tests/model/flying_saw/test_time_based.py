@@ -8,7 +8,7 @@ from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, assert_ref
 
 
 def test_time_based_to_a_constant_master() -> None:
-    """From 0 to 100 with 1000 and 10000: 0.2 s, 10 u; the master has gone 20."""
+    """From 0 to 100 with 1000 and 10000 it takes 0.2 s and 10 u; the master travels 20 meanwhile."""
     saw = (
         FlyingSawHarness(speed=100.0)
         .modes("time_based")
@@ -33,8 +33,8 @@ def test_time_based_to_a_constant_master() -> None:
 
 
 def test_time_based_to_an_accelerated_master() -> None:
-    """What lacks is 100, and grows with a_m = 100: w' goes from -100 to 900 in 0.1 s, stays, and is 0 after 0.09 s;
-    the jerk's triangles make (2 * 900^2 - 100^2) / 20000 = 80.5, the plateau the other 19.5."""
+    """The velocity lacks 100, and a_m = 100 adds to that: w' goes from -100 to 900 in 0.1 s, stays there, and goes to 0
+    in 0.09 s. The jerk's triangles make (2 * 900^2 - 100^2) / 20000 = 80.5, the plateau makes the other 19.5."""
     saw = FlyingSawHarness(speed=100.0).modes("time_based").order("gear_in_velo", acceleration=1000.0, jerk=10000.0)
     duration = 0.1 + 19.5 / 900.0 + 0.09
     saw.run(0.1 + 0.5 * 19.5 / 900.0, acceleration=100.0)
@@ -47,7 +47,7 @@ def test_time_based_to_an_accelerated_master() -> None:
 
 
 def test_time_based_beyond_the_velocity_limit() -> None:
-    """Refused at the edge; later held at the limit, in sync once the master is back below it."""
+    """Refused at the edge; a master that becomes too fast later is followed at the limit until it is slower again."""
     saw = FlyingSawHarness(speed=100.0).modes("time_based")
     assert_refused(saw, "gear_in_velo", 0x42DD, velocity=99.0)
     saw = FlyingSawHarness(speed=100.0).modes("time_based")

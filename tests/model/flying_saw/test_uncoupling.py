@@ -52,7 +52,7 @@ def test_gear_out_of_an_uncoupled_axis_is_done_and_does_nothing() -> None:
 
 
 def test_a_gear_in_on_a_coupled_axis_plans_anew_from_the_present_motion() -> None:
-    """In sync with 100; then from 1 to 2 times the master's velocity with 1.5 * 100 / 1000 = 0.15 s."""
+    """The slave is in sync with 100; then it goes to twice the master's velocity in 1.5 * 100 / 1000 = 0.15 s."""
     saw = coupled()
     saw.order("gear_in_velo", ratio_numerator=2.0, acceleration=1000.0).run(0.075)
     assert saw.results("gear_in_velo") == {"start_sync", "busy", "active"}
