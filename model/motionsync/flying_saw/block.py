@@ -28,8 +28,8 @@ SAME_PLACE = 1e-15  # of the master's position: a smaller distance is rounding
 JUST_PASSED = 1e-12  # of a period: a sync position that is less ahead is the one just passed
 PROFILE_END = 1e-9  # of a profile's master travel: closer to its end it is over, which differs by rounding only
 NO_HALT = 1e-12  # of the velocity limit: a slave that is slower than that rests at once
-SMALLEST_DIVISOR = 1e-300  # u or u/s: a greater divisor has a finite reciprocal
-LARGEST_RATIO = 1e60  # of velocities: products of the profile's derivatives with its powers stay finite
+SMALLEST_DIVISOR = 1e-300  # u or u/s: the reciprocal of a divisor that is not smaller is finite
+LARGEST_RATIO = 1e60  # to the nominal master velocity: products of the profile's derivatives with its powers are finite
 MOST_EVENTS = 8  # in a monotone piece of the master's path there are three at most
 
 
@@ -75,7 +75,7 @@ class FlyingSaw(FlyingSawInterface):
     beginning.
     """
 
-    # Not shown. Places are unwrapped positions of the master, u; times count from the step's beginning, s.
+    # Not shown. Places are unwrapped positions of the master, u; times are in s.
     cosine: float = 1.0  # of diagonal_angle
     stage: Stage = Stage.CONTINUOUS_MOTION
     owner: Owner = Owner.NOBODY
@@ -93,13 +93,13 @@ class FlyingSaw(FlyingSawInterface):
     motion: Motion = var.part(Motion)  # the slave's own, and the one of TIME_BASED
     time_based: TimeBasedSync = var.part(TimeBasedSync)
     candidate: TimeBasedSync = var.part(TimeBasedSync)  # the target as the master moves now
-    compared_at: float = 0.0  # when candidate and time_based were compared last
+    compared_at: float = 0.0  # when candidate and time_based were compared last, since the step's beginning
     profile: Profile = var.part(Profile)  # of PROFILE; in PARKED and UNCOUPLED_HALT the halt, over time
     per_nominal_velocity: float = 1.0  # reciprocal of the profile's nominal master velocity
     per_travel: float = 0.0  # reciprocal of the profile's master travel
-    halt_time: float = 0.0  # since the halt began; no halt lasts so long that this sum would need a Clock
+    halt_time: float = 0.0  # from the halt's beginning to the step's; a halt is too short for this sum to need a Clock
     here: float = 0.0  # the place up to which all events of this step are carried out
-    until: float = 0.0  # the time at which the present part of a piece ends
+    until: float = 0.0  # when the present part of a piece ends, since the step's beginning
     plan: Plan = var.part(Plan)  # the last one made
 
     def initialize(self) -> Refusal:

@@ -25,7 +25,7 @@ from .segments import (
 
 NO_ACCELERATION = 1e-9  # of the velocity: an acceleration that changes it by less until the end does not count
 SAME_VELOCITY = 1e-12  # of the greater: velocities that differ by less are in sync at once
-LARGEST_RATE = 1e100  # u/s3 and less: greater ones come from a distance or time that is lost to rounding
+LARGEST = 1e100  # s, u/s2 and u/s3: beyond it a number comes from a distance or a velocity lost to rounding
 
 
 @dataclass(slots=True)
@@ -272,11 +272,11 @@ class Plan:
 
     def is_computable(self, duration: float) -> bool:
         """Whether the duration and the rates that it requires are well above rounding error."""
-        if not 0.0 < duration < LARGEST_RATE:
+        if not 0.0 < duration < LARGEST:
             return False
         speed = abs(self.slave.velocity) + abs(self.synchronous)
         steepest = speed / duration + abs(self.acceleration)
-        return isfinite(steepest) and steepest / duration < LARGEST_RATE
+        return isfinite(steepest) and steepest / duration < LARGEST
 
     def try_checks(self, order: Order) -> Fault:
         """Check the measured profile; the fault in the detail that the order asks for."""
