@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from motionsync.flying_saw.block import PlcopenState, State
+from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.follower.block import State as FollowerState
 from motionsync.gearing.interface import StartMode, StopMode, Transition
