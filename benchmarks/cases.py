@@ -9,7 +9,7 @@ from typing import Any
 
 from motionsync.flying_saw.block import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
-from motionsync.follower.block import State as FollowerState
+from motionsync.follower.interface import State as FollowerState
 from motionsync.gearing.choices import StartMode, StopMode, Transition
 from motionsync.gearing.choices import State as GearingState
 from motionsync.master import MasterInput

@@ -103,6 +103,12 @@ class Motion:
             self.positions[i] += position
         self.positions[self.pieces - 1] = target
 
+    def brake(self, position: float, velocity: float, deceleration: float) -> None:
+        """The stop with constant deceleration, without a limit of jerk; the velocity is not 0."""
+        self.begin(position, velocity, -deceleration if velocity > 0.0 else deceleration)
+        self.extend(abs(velocity) / deceleration, 0.0, 0.0)
+        self.velocities[self.pieces - 1] = 0.0
+
     def end(self) -> float:
         """The time at which the last piece begins."""
         return self.begins[self.pieces - 1]

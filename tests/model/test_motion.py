@@ -453,4 +453,6 @@ def test_ten_million_steps_of_a_millisecond_do_not_drift(compiled: Compiled) -> 
     compiled.memory[...] = Compiled(Planner()).memory
     compiled.set("steps", 10**7)
     compiled.step(1e-3)
-    assert Fraction(float(compiled.memory["motion"]["clock"]["time"])) == pytest.approx(Fraction(1e-3) * 10**7, abs=4e-12)
+    assert Fraction(float(compiled.memory["motion"]["clock"]["time"])) == pytest.approx(
+        Fraction(1e-3) * 10**7, abs=4e-12
+    )

@@ -10,10 +10,10 @@ from motionsync.flying_saw import block as flying_saw
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.profile import ProfileKind
-from motionsync.follower import block as follower
 from motionsync.follower import faults as follower_faults
+from motionsync.follower import interface as follower
 from motionsync.follower.block import Follower
-from motionsync.follower.course import Stage
+from motionsync.follower.stages import Stage
 from motionsync.gearing import choices as gearing
 from motionsync.gearing import faults as gearing_faults
 from motionsync.gearing.block import Gearing
@@ -80,12 +80,12 @@ def _gearing(block: Gearing) -> set[Any]:
 
 def _follower(block: Follower) -> set[Any]:
     return {
-        ("stage", block.course.stage),
+        ("stage", block.current.stage),
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
         ("cyclic", block.slave_cycle > 0.0, block.state),
         ("variable", block.variable_cycle, block.state),
-        ("tight", block.course.tight),
+        ("tight", block.current.tight),
     }
 
 

@@ -9,7 +9,7 @@ from tests.support.harness import Driven
 COMMANDS = ("position_to_park", "position_to_cycle", "end_synchronism", "reset")
 
 
-class Pusher(Driven):
+class FollowerHarness(Driven):
     """Its commands fall again after the step for which they were given."""
 
     TYPE = Follower
