@@ -209,7 +209,7 @@ def jumps(machine: Machine, rows: list[tuple[float, dict[str, float]]]) -> tuple
 
 @repeatable
 @given(machines(), rngs, st.booleans())
-def test_position_and_slope_are_continuous_at_every_change_of_phase(
+def test_position_and_velocity_are_continuous_at_every_change_of_phase(
     machine: Machine, rng: Random, shortened: bool
 ) -> None:
     """Over two cycles in which commands come; steps are much finer where the state changes."""
