@@ -52,7 +52,7 @@ class Motion:
         high: float,
         jerk: float,
     ) -> bool:
-        """The time-optimal change, with low <= a <= high, to the velocity target + drift t (u/s, u/s2), which is then kept.
+        """The time-optimal change to the velocity target + drift t (u/s, u/s2), which is then kept; low <= a <= high.
 
         An acceleration outside the limits is first brought to the nearer limit. False: the target runs away, because
         its drift lies outside the limits, or on the limit that would be needed to catch up. Then the acceleration goes
