@@ -27,12 +27,12 @@ from .parameters import (
 )
 from .stages import Stage, acceleration_fault, shown_state, speed_fault
 
-MOST_CYCLES = 1e6  # of the master in one step
-MOST_EVENTS = 10000000  # in one piece of the master's path: no more than 8 a cycle
-ARRIVED = 1e-12  # of a period: a value that is less ahead is the one just passed
-SAME_POSITION = 1e-12  # u, and of the positions: the slave already stands there
-STANDING = 1e-9  # u/s, u/s2: less is rounding of a master that stands
-EXCEEDED = 1.0 + 1e-9  # of a limit
+MOST_CYCLES = 1e6  # of the master: a step over more of them is refused
+MOST_EVENTS = 10000000  # in one piece of the master's path; a cycle has no more than 8
+ARRIVED = 1e-12  # of a period: a value of sync_master that lies less ahead than this has just been passed
+SAME_POSITION = 1e-12  # u, and of the positions: a slave that is no further away already stands there
+STANDING = 1e-9  # u/s, u/s2: the slave of a master that stands has no more, by rounding
+EXCEEDED = 1.0 + 1e-9  # of a limit: a value up to here keeps the limit, but for rounding
 
 
 @dataclass(slots=True)
@@ -58,20 +58,20 @@ class Follower(FollowerInterface):
     cycle_edge: Edge = var.part(Edge)
     end_edge: Edge = var.part(Edge)
     reset_edge: Edge = var.part(Edge)
-    stay_at_park: bool = False  # skip_next_cycle or sync_assumed, and
-    stay_forward: bool = False  # stop_after_forward, as they were at the commands of the last step
-    last_value: float = 0.0  # of sync_master, at the commands of the last step
-    new_value: bool = False  # of a variable cycle, one that no cycle has used yet
-    new_value_at: float = 0.0  # where it lies, as an unwrapped position of the master
-    value_in_use: bool = False  # one that belongs to the cycle under way
-    value_in_use_at: float = 0.0
-    turn_origin: float = 0.0  # where the grid of a fixed cycle counts from
-    current: CycleState = var.part(CycleState)
-    candidate: CycleState = var.part(CycleState)  # a cycle that the slave may join or be positioned to
+    stay_at_park: bool = False  # skip_next_cycle or sync_assumed, as read at the commands of the last step
+    stay_forward: bool = False  # stop_after_forward, as read there
+    last_value: float = 0.0  # sync_master, as read there
+    new_value: bool = False  # sync_master has a value that no variable cycle has used yet
+    new_value_at: float = 0.0  # the master position, unwrapped, that the new value means
+    value_in_use: bool = False  # the variable cycle under way has its meeting from a value of sync_master
+    value_in_use_at: float = 0.0  # the master position, unwrapped, that this value means
+    turn_origin: float = 0.0  # the master position from which the meetings of a fixed cycle count
+    current: CycleState = var.part(CycleState)  # the stage of the slave, and the cycle that it carries out
+    candidate: CycleState = var.part(CycleState)  # a cycle that the slave may join, or is being positioned to
     peaks: Peaks = var.part(Peaks)
     motion: Motion = var.part(Motion)
-    reached: float = 0.0  # by the master, in the piece of its path whose events are carried out
-    unwrapped: float = 0.0  # the slave's position, which slave.position shows within slave_cycle
+    reached: float = 0.0  # how far the master has come in the piece whose events are being carried out
+    unwrapped: float = 0.0  # the slave's position before it is wrapped into slave_cycle
 
     def initialize(self) -> Refusal:
         """M_IDLE at slave.initial_position; may be called again while parameters and inputs still change."""
@@ -219,8 +219,8 @@ class Follower(FollowerInterface):
 
     def positionable(self) -> bool:
         """Whether a positioning may begin: the slave stands, and there is no alarm."""
-        fastest = max(abs(self.slave.velocity), abs(self.slave.acceleration))
-        return self.current.stage != Stage.BRAKING and fastest <= STANDING
+        moving = max(abs(self.slave.velocity), abs(self.slave.acceleration))
+        return self.current.stage != Stage.BRAKING and moving <= STANDING
 
     def try_move_to(self, target: float) -> bool:
         """Begin the move to a position, or refuse it. A slave that already stands there needs no limits."""
@@ -263,7 +263,7 @@ class Follower(FollowerInterface):
                 break
 
     def try_event(self, piece: int, end: float) -> bool:
-        """Carry out the next event of the stage on the way to `end`, where the piece ends; False: there is none."""
+        """Carry out the stage's next event before the piece ends at `end`; False: nothing more happens in the piece."""
         happened = False
         match self.current.stage:
             case Stage.TO_PARK:
@@ -378,7 +378,7 @@ class Follower(FollowerInterface):
         return True
 
     def try_event_holding(self, piece: int, end: float) -> bool:
-        """Nothing: a command alone ends it. But the master must not go back."""
+        """No event: a command ends the hold. A master that goes back is an alarm here too."""
         return self.try_end_section(piece, end)
 
     def try_event_homing(self, piece: int, end: float) -> bool:

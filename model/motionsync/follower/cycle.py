@@ -117,7 +117,7 @@ class CycleState:
         self.section.ramp_down(begin, self.sync_out, stroke, self.ratio)
 
     def enter_pausing(self) -> None:
-        """Half of the way is done: rest until the ramp up."""
+        """Half of the slave's travel is done: rest until the ramp up begins."""
         self.stage = Stage.PAUSING
         position = self.section.position + self.section.stroke
         self.section.rest(self.section.end, self.meeting - 2.0 * self.section.stroke / self.ratio, position)
@@ -182,7 +182,7 @@ class CycleState:
         self.watch_from(master)
 
     def speed_up(self, slave_cycle: float) -> None:
-        """From the intermediate stop to the meeting: the second half of the way."""
+        """From the intermediate stop to the meeting: the second half of the slave's travel."""
         self.enter_following()
         stop = self.section.position
         self.section.ramp_up(self.meeting, stop, self.sync_slave + slave_cycle - stop, self.ratio)
@@ -281,8 +281,8 @@ class CycleState:
     def release(self, master: float, variable_cycle: bool) -> None:
         """A slave that was held at the end of its stroke goes home.
 
-        It is there, the wait before, for the first start that leaves the undisturbed travel. In a variable cycle, whose
-        starts are not known, it takes just that travel."""
+        It arrives for the first start (earlier by the wait) that leaves at least the undisturbed travel. In a variable
+        cycle, whose starts are not known, it takes exactly that travel."""
         travel = self.return_travel
         if not variable_cycle:
             travel = self.start() - self.wait - master

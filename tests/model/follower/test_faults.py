@@ -49,7 +49,7 @@ def test_parameters_that_are_out_of_order_or_leave_no_room_are_refused(values: A
         ({"master_cycle": 0.0}, Fault.NO_ROOM),
     ],
 )
-def test_at_the_park_they_are_judged_as_soon_as_no_start_can_be_told(changed: dict[str, Any], fault: Fault) -> None:
+def test_at_the_park_they_are_judged_as_soon_as_no_start_can_be_computed(changed: dict[str, Any], fault: Fault) -> None:
     follower = parked().to(100.0).put(changed).run(0.01)
     assert (follower.state, follower.fault, follower.slave) == (State.M_IN_ALARM, fault, (0.0, 0.0, 0.0))
 

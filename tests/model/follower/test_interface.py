@@ -41,7 +41,7 @@ def test_the_states_have_the_numbers_of_the_source() -> None:
     assert [int(state) for state in State] == [-1, 1, 2, 3, 4, 5, 8, 9, 10]
 
 
-def test_the_report_tells_the_units_of_both_axes() -> None:
+def test_the_report_shows_the_units_of_both_axes() -> None:
     assert axis_label(Unit.VELOCITY, "mm", "deg") == "mm/s, slave deg/s"
     assert axis_label(Unit.VELOCITY, "mm") == axis_label(Unit.VELOCITY, "mm", "mm") == "mm/s"
     scenario = load(ROOT / "scenarios" / "Follower" / "cyclic_through" / "scenario.toml")

@@ -103,7 +103,7 @@ def test_where_the_current_meeting_and_after_it_the_next_one_is() -> None:
     assert follower.to(1750.0).missing == near(50.0, 250.0, 450.0)
 
 
-def test_the_locals_tell_where_the_meeting_is_and_how_far_the_phase_has_come() -> None:
+def test_the_locals_show_where_the_meeting_is_and_how_far_the_phase_has_come() -> None:
     follower = parked(master__period=300.0).to(850.0)
     names = ("meeting_known", "meeting_position", "start_position", "following_travel", "progress")
     assert [follower[f"local.{name}"] for name in names] == near(1.0, 100.0, 200.0, 200.0, 0.25)

@@ -32,7 +32,7 @@ rngs = st.integers(0, 2**32 - 1).map(Random)
 
 @dataclass(frozen=True)
 class Machine:
-    """`cyclic`: "" for a linear slave, "stops" or "passes" at its park for a cyclic one; ways of the slave in S."""
+    """`cyclic`: "" for a linear slave, "stops" or "passes" at its park for a cyclic one; lengths of the slave in S."""
 
     cyclic: str
     ratio: float
@@ -87,7 +87,7 @@ class Machine:
         """Positioned to its park, the master standing."""
         values = self.values | {name.replace("__", "."): value for name, value in more.items()}
         follower = FollowerHarness(values, place=place, mode=mode).give("position_to_park").run(TICK)
-        assert follower.state in (State.M_WAITING, State.M_FOLLOWING)  # this if its way begins just here
+        assert follower.state in (State.M_WAITING, State.M_FOLLOWING)  # M_FOLLOWING if the approach begins just here
         return follower
 
     def wrapped(self, position: float) -> float:
@@ -95,7 +95,7 @@ class Machine:
         return position % turn if turn else position
 
     def apart(self, a: float, b: float) -> float:
-        """How far two positions are from each other, of a cyclic slave the shorter way round."""
+        """How far two positions are from each other, of a cyclic slave around the shorter side."""
         turn = self.values["slave_cycle"]
         return abs(math.remainder(a - b, turn)) if turn else abs(a - b)
 
@@ -103,15 +103,15 @@ class Machine:
 @st.composite
 def machines(draw: st.DrawFn, kinds: tuple[str, ...] = ("", "stops", "passes")) -> Machine:
     length = draw(st.sampled_from((1.0, 100.0, 1e-3, 1e5)))
-    way = st.floats(0.1, 3.0)
+    part = st.floats(0.1, 3.0)
     cyclic = draw(st.sampled_from(kinds))
     return Machine(
         cyclic=cyclic,
         ratio=draw(st.sampled_from((1.0, 0.25)) | st.floats(0.05, 20.0)),
         park=length * draw(st.sampled_from((0.0, -2.0)) | st.floats(-3.0, 3.0)),
-        to_sync=length * draw(way),
-        to_out=length * draw(way),
-        stop=length * draw(way),
+        to_sync=length * draw(part),
+        to_out=length * draw(part),
+        stop=length * draw(part),
         spare=draw(st.floats(0.1, 3.0)) * (3.0 if cyclic else 1.0),
         wait=draw(st.sampled_from((0.0, 0.2, 0.5))),
         sync_master=draw(st.floats(0.0, 1.0)),
@@ -146,7 +146,7 @@ def follow(
 def test_whatever_the_master_does_the_slave_is_on_its_line_or_at_its_park(
     machine: Machine, rng: Random, mode: MasterInput, turns: float
 ) -> None:
-    """Between sync_slave and sync_out on the line, to 1e-9; outside its ways at the park, exactly."""
+    """Between sync_slave and sync_out on the line, to 1e-9; while it waits, exactly at the park."""
     follower = machine.follower(mode=mode, master__period=turns * machine.cycle)
     cycle = machine.cycle
     first = follower.block.current.meeting
@@ -154,12 +154,12 @@ def test_whatever_the_master_does_the_slave_is_on_its_line_or_at_its_park(
     for duration, acceleration in drive(follower, cycle, rng, 40):
         follow(follower, duration, acceleration, cycle, [rng.random() * duration])
         number = math.floor((follower.place - first) / cycle)
-        way = follower.place - first - number * cycle
-        near_border = min(abs(way), abs(way - synchronized), abs(cycle - way)) < 1e-9 * cycle
-        if number >= 0 and way <= synchronized and not near_border:
+        travel = follower.place - first - number * cycle
+        near_border = min(abs(travel), abs(travel - synchronized), abs(cycle - travel)) < 1e-9 * cycle
+        if number >= 0 and travel <= synchronized and not near_border:
             assert follower.state == State.M_SYNCHRONIZED
             assert follower["cycle"] == number
-            assert machine.apart(follower.position, machine.sync + machine.ratio * way) <= 1e-9 * machine.length
+            assert machine.apart(follower.position, machine.sync + machine.ratio * travel) <= 1e-9 * machine.length
             assert follower.slave[1] == pytest.approx(
                 machine.ratio * follower.speed, rel=1e-9, abs=1e-9 * machine.length
             )
@@ -342,9 +342,9 @@ def test_limits_are_kept_or_the_slave_is_in_alarm(machine: Machine, rng: Random,
 
 @repeatable
 @given(machines(), rngs, st.floats(-5.0, 5.0))
-def test_a_positioning_keeps_its_limits_and_ends_exactly(machine: Machine, rng: Random, way: float) -> None:
+def test_a_positioning_keeps_its_limits_and_ends_exactly(machine: Machine, rng: Random, distance: float) -> None:
     limits = {"velocity": machine.length * 2.0, "acceleration": machine.length * 20.0, "jerk": machine.length * 500.0}
-    initial = {"slave.initial_position": machine.park + way * machine.to_sync}
+    initial = {"slave.initial_position": machine.park + distance * machine.to_sync}
     place = machine.cycle * rng.uniform(-3.0, 3.0)
     follower = FollowerHarness(
         {**machine.values, **initial, **{f"positioning.{n}": x for n, x in limits.items()}}, place=place
