@@ -9,7 +9,7 @@ from typing import Any
 
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
-from motionsync.follower.block import State as FollowerState
+from motionsync.follower.interface import State as FollowerState
 from motionsync.gearing.interface import StartMode, StopMode, Transition
 from motionsync.gearing.interface import State as GearingState
 from motionsync.master import MasterInput

@@ -132,14 +132,14 @@ class FlyingSaw(FlyingSawInterface):
 
     def hold_edges(self) -> None:
         """Take the present levels of `execute` as they are: the first value seen is no edge."""
-        self.reset.edge.before = self.reset.execute
-        self.stop.edge.before = self.stop.execute
-        self.halt.edge.before = self.halt.execute
-        self.gear_out.edge.before = self.gear_out.execute
-        self.gear_in_velo.edge.before = self.gear_in_velo.execute
-        self.gear_in_pos.edge.before = self.gear_in_pos.execute
-        self.move_velocity.edge.before = self.move_velocity.execute
-        self.move_absolute.edge.before = self.move_absolute.execute
+        self.reset.edge.hold(self.reset.execute)
+        self.stop.edge.hold(self.stop.execute)
+        self.halt.edge.hold(self.halt.execute)
+        self.gear_out.edge.hold(self.gear_out.execute)
+        self.gear_in_velo.edge.hold(self.gear_in_velo.execute)
+        self.gear_in_pos.edge.hold(self.gear_in_pos.execute)
+        self.move_velocity.edge.hold(self.move_velocity.execute)
+        self.move_absolute.edge.hold(self.move_absolute.execute)
 
     def obey(self) -> None:
         """Carry out the commands that have an edge in this step, in the order of urgency."""
