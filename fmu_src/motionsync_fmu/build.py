@@ -16,7 +16,7 @@ from .interface.fmi2_xml import describe, finish
 from .interface.recipe import Recipe
 from .interface.variables import variables
 from .native.subset import check
-from .pages.block_page import pages, picture
+from .scenario.example import example_of
 
 SCRIPT = """from {package}_{tag}.{module} import {name}
 from motionsync_fmu_{tag}.python.slave import BlockSlave, keep
@@ -102,13 +102,16 @@ def _write(
     target: Path, recipe: Recipe, flavour: Flavour, files: Files, abilities: Mapping[str, str] | None = None
 ) -> Path:
     """The FMU with what both flavours hold: documentation, picture and modelDescription."""
+    from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: loaded only where an FMU is built)
+    from .pages.pictures import icon  # noqa: PLC0415
+
     epoch()  # Matplotlib reads it too, and says nothing useful to a bad one
-    block = recipe.block()
+    block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
-    texts = pages(recipe.name, block, recipe.unit, flavour, platforms, recipe.slave_unit)
+    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit)
     files = files | {f"documentation/{n}": text for n, text in texts.items()}
     files |= {
-        "model.png": picture(recipe.name),
+        "model.png": icon(example),
         "modelDescription.xml": finish(describe(block, recipe.unit, recipe.slave_unit), recipe.guid(), abilities),
     }
     write(target, files)

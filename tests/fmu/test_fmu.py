@@ -214,7 +214,7 @@ def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
         names = set(z.namelist())
         page = z.read("documentation/index.html").decode()
         assert z.read("model.png").startswith(b"\x89PNG")
-        assert b"<svg" in z.read("documentation/transition.svg")
+        assert b"<svg" in z.read("documentation/example.svg")
         assert all(i.compress_type == zipfile.ZIP_DEFLATED and "\\" not in i.filename for i in z.infolist())
     assert {"documentation/externalDependencies.html", "documentation/licenses/motionsync.txt"} <= names
     assert {"documentation/licenses/pythonfmu.txt", f"binaries/linux64/{block}.so"} <= names

@@ -17,7 +17,7 @@ from ..build import Flavour, build_native, fmu_path, outdated
 from ..interface.fmi2_xml import describe
 from ..interface.recipe import Recipe
 from ..interface.units import unit_name
-from ..pages.block_page import TEMPLATES
+from ..pages.style import TEMPLATES
 from ..scenario.telegrams import MOTION
 from .reader import REMOTE, Line
 

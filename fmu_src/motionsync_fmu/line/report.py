@@ -10,8 +10,8 @@ from motionsync.var import Unit
 
 from .. import __version__
 from ..interface.units import unit_name
-from ..pages.block_page import SLAVE, TEMPLATES
 from ..pages.report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, plots
+from ..pages.style import SLAVE, TEMPLATES
 from ..scenario.cuts import Cut
 from .judge import Result, Switch, Way
 from .reader import REMOTE, Line

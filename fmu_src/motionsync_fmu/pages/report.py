@@ -21,7 +21,7 @@ from ..scenario.recording import Reals, Recording
 from ..scenario.run import Check, Deviation, read_reference
 from ..scenario.scenario import Scenario
 from ..scenario.telegrams import Errors, errors
-from .block_page import MASTER, SLAVE, TEMPLATES
+from .style import MASTER, SLAVE, TEMPLATES
 
 REFERENCE = "#1f6fb2"
 GREY = "#53616e"
