@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from markupsafe import Markup
-
 from motionsync.master import MasterInput
 
 from .. import __version__
@@ -22,12 +20,9 @@ PLATFORMS = {  # the names that FMI gives them
     "darwin64": "macOS on x86-64 and on 64-bit ARM",
 }
 PICTURE = "example.svg"
-FIGURE = Markup('<figure>\n<img src="{file}" alt="{title}">\n<figcaption>{caption}</figcaption>\n</figure>\n')
 
 
-def pages(
-    block: Any, example: Scenario, unit: str, flavour: str, platforms: list[str], slave_unit: str = ""
-) -> Files:
+def pages(block: Any, example: Scenario, unit: str, flavour: str, platforms: list[str], slave_unit: str = "") -> Files:
     """index.html, its picture, and for the python flavour externalDependencies.html.
 
     `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: of positions; `slave_unit`:
@@ -36,13 +31,11 @@ def pages(
     Raises:
         UserError: the block has no README.md, or refuses its example.
     """
-    caption = example.picture.caption if example.picture else ""
-    picture = FIGURE.format(file=PICTURE, title=example.title, caption=caption)
     values = {
         "name": type(block).__name__,
         "version": __version__,
         "summary": summary(type(block)),
-        "readme": rendered(readme(type(block)), picture),
+        "readme": rendered(readme(type(block)), PICTURE, example.title),
         "inputs": list(MasterInput),
         "remote": example.remote is not None,
         "groups": groups(block, unit, slave_unit),
