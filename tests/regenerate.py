@@ -11,8 +11,9 @@ from typing import Any
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.scenario.crosscheck import csv_text, inputs_csv, options_text
+from motionsync_fmu.scenario.reader import find, load
 from motionsync_fmu.scenario.run import inputs, schedule
-from motionsync_fmu.scenario.scenario import Scenario, find, load
+from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.oracle import flying_saw, follower, gearing, synchronizer
 from tests.oracle.remote_sync import RemoteSyncOracle

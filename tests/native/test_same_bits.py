@@ -23,8 +23,8 @@ from motionsync_fmu.interface.variables import cells, variables
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.python.slave import LONGEST_STEP
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.reader import find, load
 from motionsync_fmu.scenario.run import simulate
-from motionsync_fmu.scenario.scenario import find, load
 from tests import ROOT
 from tests.conftest import Fmus
 from tests.support.compiled import Compiled, equal

@@ -11,7 +11,8 @@ from motionsync_fmu.pages.pictures import icon, panels, svg
 from motionsync_fmu.pages.readme import rendered
 from motionsync_fmu.pages.state_diagram import drawn, read
 from motionsync_fmu.scenario.example import example_of
-from motionsync_fmu.scenario.run import check, run_in_process
+from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.run import run_in_process
 from tests import ROOT
 
 README = """# Block

@@ -14,7 +14,7 @@ from ..pages.report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, pl
 from ..pages.style import SLAVE, TEMPLATES
 from ..scenario.cuts import Cut
 from .judge import Result, Switch, Way
-from .reader import REMOTE, Line
+from .line import REMOTE, Line
 
 HUES = (SLAVE, RECEIVED, REFERENCE, "#17713a")  # of the ways
 ROWS = (("all ways", 260), ("as wired", 185), ("index error", 185))

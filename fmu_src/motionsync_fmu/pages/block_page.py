@@ -37,7 +37,7 @@ def pages(block: Any, example: Scenario, unit: str, flavour: str, platforms: lis
         "summary": summary(type(block)),
         "readme": rendered(readme(type(block)), PICTURE, example.title),
         "inputs": list(MasterInput),
-        "remote": example.remote is not None,
+        "remote": example.remote.names if example.remote else None,
         "groups": groups(block, unit, slave_unit),
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
