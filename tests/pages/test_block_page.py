@@ -2,9 +2,12 @@
 
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
+import pytest
 
+from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.block_page import pages
 from motionsync_fmu.pages.pictures import icon, panels, svg
@@ -12,6 +15,7 @@ from motionsync_fmu.pages.readme import rendered
 from motionsync_fmu.pages.state_diagram import drawn, read
 from motionsync_fmu.scenario.example import example_of
 from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import run_in_process
 from tests import ROOT
 
@@ -145,3 +149,50 @@ def test_the_page_is_well_formed_and_tells_every_variable_and_state(block: str) 
         assert f'<td class="name">{name}</td>' in page
     assert 'class="states"' in page
     assert not set(re.findall(r'(?:href|src)="(?!http|#)([^"]*)"', page)) - files.keys()
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ('shaded = "state"', "19: shaded: state is a discrete Enumeration output, not a Boolean output"),
+        ('shading = "in_gear"', "19: shading: unknown key; there is shaded, curves, variants"),
+        ("[picture.curves]\ngear = 'a'", "20: gear: Gearing has no variable 'gear'"),
+        ("[picture.curves]\nstart = 'a'", "20: start: is a discrete input, not an output or local variable"),
+        ("[picture.variants.A]\nin_gear = true", "20: in_gear: is a discrete output, not a parameter or input"),
+    ],
+)
+def test_a_mistake_in_a_picture_is_told_with_its_line(table: str, message: str, tmp_path: Path) -> None:
+    text = (ROOT / "model" / "motionsync" / "gearing" / "example.toml").read_text("utf-8")
+    lines = [line for line in text.partition("[[expect]]")[0].splitlines() if line][:17]
+    file = tmp_path / "example.toml"
+    file.write_text("\n".join([*lines, "[picture]", table]))
+    with pytest.raises(UserError, match=re.escape(f"{file}:{message}")):
+        load(file)
+
+
+def test_a_picture_has_a_line_for_each_variant_and_a_plot_for_each_further_curve(tmp_path: Path) -> None:
+    file = tmp_path / "example.toml"
+    file.write_text("""
+title = "Two ratios"
+source = "Test"
+fmu = "Gearing"
+stop_time = 1.0
+step_size = 0.1
+[start]
+start = true
+[master]
+velocity = 10.0
+[picture.curves]
+"local.progress" = "share"
+[picture.variants.single]
+[picture.variants.double]
+"gearing.numerator" = 2
+""")
+    shown = panels(load(file), "mm")
+    assert [panel.label for panel in shown] == ["position\nmm", "velocity\nmm/s", "acceleration\nmm/s2", "share"]
+    assert [[line.label for line in panel.lines] for panel in shown] == [
+        ["master", "single", "double"],
+        ["master", "single", "double"],
+        ["single", "double"],
+        ["single", "double"],
+    ]

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import readme
 from motionsync_fmu.pages.state_diagram import read
 from tests import ROOT
@@ -91,10 +92,24 @@ def test_a_block_s_readme_has_the_sections_that_all_have(block: str) -> None:
     assert len(re.findall(rf"^!\[.+\]\(../../../docs/{block}.svg\)$", text, re.M)) == 1
 
 
-def test_its_diagram_has_the_states_that_the_block_shows(block: str) -> None:
-    recipe = Recipe(block)
-    (diagram,) = re.findall(r"```mermaid\nstateDiagram-v2\n(.*?)```", readme(type(recipe.block())), re.S)
-    assert set(read(diagram).states) == {member.name for member in recipe.variables["state"].choices}
+def test_its_diagram_has_the_states_that_the_block_shows_or_its_stages(block: str) -> None:
+    _, _, text = readme(type(Recipe(block).block())).partition("\n## States\n")
+    (diagram,) = re.findall(r"```mermaid\nstateDiagram-v2\n(.*?)```", text, re.S)
+    shown = {member.name for member in Recipe(block).variables["state"].choices}
+    assert set(read(diagram).states) in (shown, set(stages(block)))
+    assert all(re.search(rf"\b{name}\b", text) for name in shown)
+
+
+def test_its_table_has_a_row_for_each_stage(block: str) -> None:
+    _, _, text = readme(type(Recipe(block).block())).partition("\n## States\n")
+    (table,) = re.findall(r"^\| [Ss]tage \|.*\n\|[- |]+\n((?:\|.*\n)+)", text, re.M)
+    assert re.findall(r"^\| `?(\w+)`? \|", table, re.M) == list(stages(block))
+
+
+def stages(block: str) -> dict[str, int]:
+    """What drives the slave, by name."""
+    (kind,) = [cell.type for cell in cells(Recipe(block).block()) if cell.type.__name__ == "Stage"]
+    return {member.name: member.value for member in members(kind)}
 
 
 def test_the_variables_that_it_names_exist(block: str) -> None:
