@@ -6,6 +6,7 @@ Each command imports what it needs: the libraries of all of them together take a
 import io
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,8 +18,8 @@ from motionsync.blocks import BLOCKS
 
 from .build import Flavour, fmu_path, outdated
 from .build import build as build_fmu
-from .errors import UserError, choose
-from .interface.recipe import Recipe, check_slave_unit
+from .errors import UserError
+from .interface.recipe import Recipe
 from .interface.units import BASES
 from .interface.variables import summary
 from .pages.console import err, out, print_outcome, print_variables, wide
@@ -166,26 +167,14 @@ def describe(
 
         motionsync describe build/python/Synchronizer.fmu
     """
-    name, symbol, of_slave, starts = _built(Path(fmu)) if fmu.endswith(".fmu") else (fmu, unit, slave_unit, {})
-    registered = choose(BLOCKS, name, "block")
-    choose(BASES, symbol, "unit")
-    out.print(f"{name}: {summary(registered.type)}\n")
-    block = registered.type()
-    check_slave_unit(block, of_slave)
-    print_variables(block, symbol, of_slave, starts)
+    recipe = Recipe(fmu, unit, {}, slave_unit)
+    if fmu.endswith(".fmu"):
+        from .scenario.fmu_instance import recipe_of
 
-
-def _built(fmu: Path) -> tuple[str, str, str, dict[str, str]]:
-    """A built FMU's block, the unit of its positions, that of its slave's (empty: the same), and its start values."""
-    import fmpy
-
-    try:
-        description = fmpy.read_model_description(str(fmu))
-    except Exception as e:  # FMPy raises whatever it meets in a file that is no FMU
-        raise UserError(f"{fmu}: not an FMU that can be read: {str(e).strip().splitlines()[0]}") from None
-    units = {t.name: t.unit for t in description.typeDefinitions}
-    starts = {v.name: v.start for v in description.modelVariables if v.start is not None}
-    return description.modelName, units.get("Position") or "1", units.get("SlavePosition") or "", starts
+        recipe = recipe_of(Path(fmu))
+    block = replace(recipe, starts={}).block()
+    out.print(f"{recipe.name}: {summary(type(block))}\n")
+    print_variables(block, recipe.unit, recipe.slave_unit, recipe.starts)
 
 
 @app.command()
@@ -256,43 +245,12 @@ def _loaded(paths: list[Path], step_size: float | None) -> "list[Scenario]":
 
 
 def _run(s: "Scenario", flavour: Flavour, step_size: float, output: Path, *, report: bool) -> "Outcome":
-    """One scenario: its run, judged and written."""
-    from .scenario.crosscheck import command_line, csv_text, inputs_csv, inputs_file
-    from .scenario.cuts import find_cuts
-    from .scenario.judge import check, compare
-    from .scenario.outcome import Outcome
+    from .pages.results import write_outcome
     from .scenario.run import simulate
 
     fmu = fmu_path(s.recipe, Path("build"), flavour)
     recording = simulate(s, fmu, step_size)
-    checks, deviations = check(s, recording), compare(s, recording)
-    folder = output / s.recipe.name / s.name
-    folder.mkdir(parents=True, exist_ok=True)
-    results = folder / f"{s.recipe.name}_out.csv"
-    results.write_text(csv_text(["time", *recording.values], recording.rows()))
-    inputs = inputs_file(s)
-    if not inputs.exists():  # a scenario of the user's own
-        inputs = folder / inputs.name
-        inputs.write_text(inputs_csv(s))
-    page = folder / "report.html"
-    if report:
-        from .pages.report import write_report
-
-        write_report(page, s, recording, checks, deviations, step_size)
-    return Outcome(
-        scenario=str(s.file.parent),
-        title=s.title,
-        fmu=s.recipe.name,
-        step_size=step_size,
-        passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
-        expectations=checks,
-        reference=deviations,
-        cuts=find_cuts(s.cuts, recording) if s.cuts else [],
-        messages=recording.messages,
-        result=str(results),
-        report=str(page) if report else None,
-        fmpy=command_line(s, fmu, inputs),
-    )
+    return write_outcome(s, fmu, recording, step_size, output / s.recipe.name / s.name, report=report)
 
 
 @app.command()

@@ -58,7 +58,7 @@ class Recipe:
         steps: who runs a block takes the cells from `variables(block)`.
         """
         block = self.block()
-        return _by_name(block) if self.starts else _declared(type(block))
+        return _by_name(block) if self.starts else _declared(block.__class__)
 
     def guid(self) -> str:
         """A hash of the variables and of the source: the same for both flavours, and for every build of them."""
