@@ -16,7 +16,6 @@ from .interface.fmi2_xml import describe, finish
 from .interface.recipe import Recipe
 from .interface.variables import variables
 from .native.subset import check
-from .scenario.example import example_of
 
 SCRIPT = """from {package}_{tag}.{module} import {name}
 from motionsync_fmu_{tag}.python.slave import BlockSlave, keep
@@ -38,9 +37,9 @@ class Flavour(StrEnum):
     PYTHON = "python"
 
 
-def build(flavour: Flavour, recipe: Recipe, target: Path, told: Callable[[str], None] = lambda text: None) -> Path:
-    """The FMU of a recipe; `told` is told what takes long."""
-    return build_native(recipe, target, told) if flavour == Flavour.NATIVE else build_python(recipe, target)
+def build(flavour: Flavour, recipe: Recipe, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
+    """The FMU of a recipe; `progress` gets a line about what takes long."""
+    return build_native(recipe, target, progress) if flavour == Flavour.NATIVE else build_python(recipe, target)
 
 
 def build_python(recipe: Recipe, target: Path) -> Path:
@@ -66,8 +65,8 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     return _write(target, recipe, Flavour.PYTHON, files)
 
 
-def build_native(recipe: Recipe, target: Path, told: Callable[[str], None] = lambda text: None) -> Path:
-    """One library for each platform, and no Python; `told` is told once if compiling them will take minutes.
+def build_native(recipe: Recipe, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
+    """One library for each platform, and no Python; `progress` gets a line if compiling them will take minutes.
 
     Raises:
         UserError: the compilers are not installed or failed, or the block is outside the kernel subset.
@@ -81,7 +80,7 @@ def build_native(recipe: Recipe, target: Path, told: Callable[[str], None] = lam
             f"the native flavour is compiled with {e.name}, which is not installed: install it with "
             "pip install 'motionsync[native]', or take --flavour python"
         ) from None
-    files = {f"binaries/{n}": library for n, library in native.libraries(block, recipe.guid(), told).items()}
+    files = {f"binaries/{n}": library for n, library in native.libraries(block, recipe.guid(), progress).items()}
     texts = licences("motionsync", "numba", "ziglang") | native.linked_licences()
     files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
     return _write(target, recipe, Flavour.NATIVE, files, native.abilities(block))
@@ -102,8 +101,9 @@ def _write(
     target: Path, recipe: Recipe, flavour: Flavour, files: Files, abilities: Mapping[str, str] | None = None
 ) -> Path:
     """The FMU with what both flavours hold: documentation, picture and modelDescription."""
-    from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: loaded only where an FMU is built)
+    from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
     from .pages.pictures import icon  # noqa: PLC0415
+    from .scenario.example import example_of  # noqa: PLC0415 (NumPy)
 
     epoch()  # Matplotlib reads it too, and says nothing useful to a bad one
     block, example = recipe.block(), example_of(recipe.name)
