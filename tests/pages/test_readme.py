@@ -18,6 +18,7 @@ from tests import ROOT
 from tests.conftest import Fmus
 
 README = (ROOT / "README.md").read_text("utf-8")
+SOURCES = {"mv_follow2"}  # a source that is written like a variable
 SECTIONS = ("How to use it", "Names in the source system", "Decisions where the source is silent", "States")
 
 
@@ -108,7 +109,7 @@ def test_its_table_has_a_row_for_each_stage(block: str) -> None:
 
 def stages(block: str) -> dict[str, int]:
     """What drives the slave, by name."""
-    (kind,) = [cell.type for cell in cells(Recipe(block).block()) if cell.type.__name__ == "Stage"]
+    (kind,) = {cell.type for cell in cells(Recipe(block).block()) if cell.type.__name__ == "Stage"}
     return {member.name: member.value for member in members(kind)}
 
 
@@ -121,6 +122,6 @@ def test_the_variables_that_it_names_exist(block: str) -> None:
     prose = re.sub(r"```.*?```", "", readme(type(recipe.block())), flags=re.S)
     written = set(re.findall(r"`(\.?[a-z][a-z0-9_.*]*)`", prose))
     files = {name for name in written if name.endswith((".py", ".toml", ".md"))}
-    unknown = {name for name in written - files - known if not any(fnmatchcase(full, name) for full in names)}
+    unknown = {name for name in written - files - known - SOURCES if not any(fnmatchcase(full, name) for full in names)}
     assert not unknown
     assert written & names

@@ -83,8 +83,8 @@ def drawn(text: str) -> Markup:
     """The picture of a mermaid diagram and the table of its transitions."""
     diagram = read(text)
     inner = [t for t in diagram.transitions if START not in (t.source, t.target)]
-    begins = {t.target for t in diagram.transitions if t.source == START}
-    return _picture(diagram, inner, begins) + _table(inner)
+    starts = [t for t in diagram.transitions if t.source == START]
+    return _picture(diagram, inner, {t.target for t in starts}) + _table(inner, [t for t in starts if t.when])
 
 
 def _picture(diagram: Diagram, found: list[Transition], begins: set[str]) -> Markup:
@@ -142,12 +142,12 @@ def _numbers(begin: float, end: float, span: int, left: float, width: float, num
     return NUMBER.format(x=x - room / 2.0, y=y - 9.0, w=room) + TEXT.format(x=x, y=y + 4.5, text=text)
 
 
-def _table(found: list[Transition]) -> Markup:
+def _table(found: list[Transition], starts: list[Transition]) -> Markup:
+    """The transitions by their numbers, after the states in which the block may begin, if that has a condition."""
     head = Markup("<table>\n<tr><th></th><th>from</th><th>to</th><th>when</th></tr>\n")
     row = Markup('<tr><td>{}</td><td class="name">{}</td><td class="name">{}</td><td>{}</td></tr>\n')
     markdown = MarkdownIt("commonmark", {"html": False})
-    rows = [
-        row.format(number, t.source, t.target, Markup(markdown.renderInline(t.when)))
-        for number, t in enumerate(found, 1)
-    ]
-    return head + Markup("").join(rows) + Markup("</table>\n")
+    rows = [("", "the start", t.target, t.when) for t in starts]
+    rows += [(str(number), t.source, t.target, t.when) for number, t in enumerate(found, 1)]
+    texts = [row.format(n, a, b, Markup(markdown.renderInline(when))) for n, a, b, when in rows]
+    return head + Markup("").join(texts) + Markup("</table>\n")
