@@ -99,7 +99,7 @@ def report(block: str, n: int, folder: Path) -> Any:
             return through_fmpy(begun(host, cases[0], axis), cases[0], axis)
 
         subjects = {
-            **{f"{block} bare, {case.name}": timed(bare(BLOCKS[block].type, case, axis)) for case in cases},
+            **{f"{block} bare, {case.name}": timed(bare(BLOCKS[block], case, axis)) for case in cases},
             f"its FMU through FMPy, {cases[0].name}": timed(steps(whole)),
             NOTHING: timed(steps(nothing)),
         }

@@ -134,8 +134,8 @@ def list_all(
     from .scenario.reader import FILE, load
 
     blocks = Table("block", "what it does", title="Blocks", title_justify="left", box=None)
-    for name, registered in BLOCKS.items():
-        blocks.add_row(name, summary(registered.type))
+    for name, block_type in BLOCKS.items():
+        blocks.add_row(name, summary(block_type))
     wide.print(blocks)
     if not scenarios.is_dir():
         out.print(f"\nNo scenarios: there is no folder {escape(str(scenarios))}")

@@ -240,7 +240,7 @@ def test_a_slow_compilation_is_told_once(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(
     block: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module = BLOCKS[block].type.__module__
+    module = BLOCKS[block].__module__
     files: Files = archive.sources(module)
     text = files["axis.py"].decode().replace("return max(low, min(x, high))", "return x ** 2.0")
     line = text[: text.index("x ** 2.0")].count("\n") + 1

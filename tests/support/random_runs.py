@@ -217,7 +217,7 @@ def drawn(name: str, steps: int, count: int) -> list[Run]:
 @cache
 def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
     """A run with steps of size h of which none is refused: of those drawn, the one that meets most."""
-    allows = {v.name: v.allows for v in variables(BLOCKS[name].type())}
+    allows = {v.name: v.allows for v in variables(BLOCKS[name]())}
     runs = [
         Run(run.start, [(h, {n: x for n, x in values.items() if allows[n](x)}) for _, values in run.steps])
         for run in drawn(name, steps, count)
@@ -229,7 +229,7 @@ def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
 
 def _met(name: str, run: Run) -> int:
     """How many different things a run meets; 0 if anything is refused."""
-    block = BLOCKS[name].type()
+    block = BLOCKS[name]()
     by_name = {c.name: c for c in cells(block)}
     seen: set[Any] = set()
     for n, value in run.start.items():

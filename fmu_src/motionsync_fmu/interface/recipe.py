@@ -40,7 +40,7 @@ class Recipe:
             UserError: an unknown block, unit or variable, a value that the variable does not allow, or a slave unit
                 for a block whose slave is in the master's unit.
         """
-        block = choose(BLOCKS, self.name, "block").type()
+        block = choose(BLOCKS, self.name, "block")()
         choose(BASES, self.unit, "unit")
         check_slave_unit(block, self.slave_unit)
         if self.starts:

@@ -18,6 +18,6 @@ def example_of(name: str) -> Scenario:
     Raises:
         UserError: no block has this name, or the first mistake in the example.
     """
-    block_type = choose(BLOCKS, name, "block").type
+    block_type = choose(BLOCKS, name, "block")
     module = str(sys.modules[block_type.__module__].__file__)
     return load(Path(module).with_name(FILE))

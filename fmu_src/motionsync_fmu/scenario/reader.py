@@ -94,7 +94,7 @@ def read_block(top: Table) -> tuple[str, str, str]:
         top.fail("unit", f"{unit!r} is not one of {', '.join(BASES)}")
     slave_unit = top.string("slave_unit", "")
     try:
-        check_slave_unit(BLOCKS[name].type(), slave_unit)
+        check_slave_unit(BLOCKS[name](), slave_unit)
     except UserError as e:
         top.fail("slave_unit", str(e))
     return name, unit, slave_unit
