@@ -4,10 +4,12 @@ import ast
 import hashlib
 import importlib
 import os
+import sys
 import time
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from .errors import UserError
 
@@ -42,6 +44,11 @@ def _imported(tree: ast.Module, path: Path) -> Iterator[Path]:
             yield origin
             modules = (origin / alias.name for alias in node.names)  # a name of a package may be a module in it
             yield from (m for m in modules if m.is_dir() or m.with_name(f"{m.name}.py").is_file())
+
+
+def beside(block_type: type[Any], name: str) -> Path:
+    """The place of the file of this name in the folder of a block."""
+    return Path(str(sys.modules[block_type.__module__].__file__)).with_name(name)
 
 
 def runtime() -> Files:

@@ -11,7 +11,7 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.block_page import pages
 from motionsync_fmu.pages.pictures import icon, panels, svg
-from motionsync_fmu.pages.readme import rendered
+from motionsync_fmu.pages.readme import readme, rendered
 from motionsync_fmu.pages.state_diagram import drawn, read
 from motionsync_fmu.scenario.example import example_of
 from motionsync_fmu.scenario.judge import check
@@ -44,8 +44,13 @@ stateDiagram-v2
         FAST --> MOVING : it brakes
     }
     motion --> REST : <stop>
+    [*] --> FAST : at speed
 ```
 """
+
+
+class Unwritten:
+    """A block in whose folder there is no README.md."""
 
 
 class Balanced(HTMLParser):
@@ -79,6 +84,11 @@ def test_the_readme_becomes_a_part_of_the_page() -> None:
     assert not parser.open
 
 
+def test_a_block_without_a_readme_has_no_page() -> None:
+    with pytest.raises(UserError, match=r"README.md: cannot be read: .*: a block's README.md is part of its page"):
+        readme(Unwritten)
+
+
 def test_a_state_diagram_is_read_with_its_groups() -> None:
     diagram = read(README)
     assert diagram.states == ["REST", "MOVING", "FAST"]
@@ -89,16 +99,17 @@ def test_a_state_diagram_is_read_with_its_groups() -> None:
         ("MOVING", "FAST", ""),
         ("FAST", "MOVING", "it brakes"),
         ("motion", "REST", "<stop>"),
+        ("[*]", "FAST", "at speed"),
     ]
 
 
 def test_a_state_diagram_is_drawn_with_a_table_of_its_transitions() -> None:
     html = drawn(README)
     assert html.count("<path d=") == 1 + 4  # the arrow's head, and an arc each
-    assert html.count("<circle") == 1
+    assert html.count("<circle") == 2
     assert "<td>a rising edge of <code>start</code></td>" in html
     assert "&lt;stop&gt;" in html
-    assert html.count("<tr>") == 1 + 4
+    assert html.count("<tr>") == 1 + 1 + 4  # the head, the start with a condition, the transitions
 
 
 def test_the_example_does_what_its_block_s_readme_says(block: str) -> None:

@@ -1,14 +1,13 @@
 """A block's README.md as part of the page in its FMU."""
 
-import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from markupsafe import Markup
 
+from ..archive import beside
 from ..errors import UserError
 from .state_diagram import drawn
 
@@ -23,7 +22,7 @@ def readme(block_type: type[Any]) -> str:
     Raises:
         UserError: there is none.
     """
-    file = Path(str(sys.modules[block_type.__module__].__file__)).with_name(FILE)
+    file = beside(block_type, FILE)
     try:
         return file.read_text("utf-8")
     except OSError as e:
