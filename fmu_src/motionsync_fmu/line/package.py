@@ -83,8 +83,8 @@ def write_package(line: Line, output: Path, progress: Callable[[str], None]) -> 
 
 
 def connections(line: Line) -> list[Connection]:
-    """The wires: telegram and commands come from outside, the axis goes from RemoteSync to the follower, and the outputs
-    of the follower go out."""
+    """The wires: telegram and commands come from outside, the axis goes from RemoteSync to the follower, and the
+    follower's outputs go out."""
     follower = line.follower.recipe.name
     return [
         *(Connection("", name, REMOTE, name) for name in line.telegrams),
