@@ -1,4 +1,4 @@
-"""What goes into an FMU: a block's own sources, their hash, and a zip file that is the same every time."""
+"""What an FMU file is made of: the sources that it needs, their hash, and a zip file that is the same every time."""
 
 import ast
 import hashlib
@@ -18,9 +18,9 @@ Files = dict[str, bytes]
 
 
 def sources(module: str) -> Files:
-    """The module and all it imports from its own package, by their paths in the package, with forward slashes.
+    """A module and all that it imports from its own package: contents by paths in the package, with forward slashes.
 
-    With a module come the `__init__` of the packages that it lies in, and what these import."""
+    The `__init__` of each package around a module belongs to them, with its imports."""
     package, *parts = module.split(".")
     root = Path(str(importlib.import_module(package).__file__)).parent
     found: Files = {}
@@ -37,7 +37,7 @@ def sources(module: str) -> Files:
 
 
 def _imported(tree: ast.Module, path: Path) -> Iterator[Path]:
-    """Modules and packages that relative imports name, without suffix."""
+    """The modules and packages that relative imports name, as paths without suffix."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level:
             origin = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
@@ -74,7 +74,7 @@ def digest(files: Files) -> str:
 
 
 def epoch() -> int:
-    """The build's time: SOURCE_DATE_EPOCH, or the first instant a zip file can hold."""
+    """The time that a build gives its files: SOURCE_DATE_EPOCH, or the first instant that a zip file can hold."""
     text = os.environ.get("SOURCE_DATE_EPOCH") or "0"
     if not text.isdecimal() or int(text) > 4354819198:  # the last instant a zip file can hold
         raise UserError(f"SOURCE_DATE_EPOCH = {text} is not allowed: it must be whole seconds from 0 to 4354819198")
@@ -82,7 +82,9 @@ def epoch() -> int:
 
 
 def write(target: Path, files: Files) -> None:
-    """Sorted, deflated, every file with the build's time; a target that is being replaced is never half written."""
+    """Write a zip file: its entries are sorted, deflated, and have the build's time.
+
+    It replaces an existing file only when it is complete."""
     stamp = time.gmtime(epoch())[:6]
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_suffix(f".{os.getpid()}.part")

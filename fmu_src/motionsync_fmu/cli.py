@@ -281,16 +281,9 @@ def line(
     from .line.console import print_line
     from .line.outcome import write_outcome
     from .line.package import write_package
-    from .line.reader import PATTERN, load_line
-    from .scenario.reader import find
 
-    lines = [load_line(file) for p in path or [Path("scenarios/line")] for file in find(p, PATTERN)]
-    files: dict[str, Path] = {}
-    for each in lines:
-        if (other := files.setdefault(each.name, each.follower.file)) != each.follower.file:
-            raise UserError(f"{other} and {each.follower.file} would write to the same package {each.name}.ssp")
     outcomes = []
-    for each in lines:
+    for each in _lines(path or [Path("scenarios/line")]):
         package = write_package(each, output, err.print)
         result = _examined(each, package)
         folder = output / "reports" / "line" / each.name
@@ -301,6 +294,19 @@ def line(
         print(json.dumps([outcome.as_json() for outcome in outcomes], indent=2))
     if not all(outcome.passed for outcome in outcomes):
         raise typer.Exit(1)
+
+
+def _lines(paths: list[Path]) -> "list[Line]":
+    """The lines at these paths; every mistake is told before anything runs."""
+    from .line.reader import PATTERN, load_line
+    from .scenario.reader import find
+
+    lines = [load_line(file) for path in paths for file in find(path, PATTERN)]
+    files: dict[str, Path] = {}
+    for line in lines:
+        if (other := files.setdefault(line.name, line.follower.file)) != line.follower.file:
+            raise UserError(f"{other} and {line.follower.file} would write to the same package {line.name}.ssp")
+    return lines
 
 
 def _examined(line: "Line", package: "Package") -> "Result":

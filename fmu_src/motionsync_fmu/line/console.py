@@ -29,7 +29,7 @@ def print_line(line: Line, outcome: LineOutcome, settled: float) -> None:
 
 
 def _print_figures(title: str, rows: list[Figures], unit: str) -> None:
-    """A table with a row a way; a column that would be empty is left out."""
+    """A table with a row for each variant; a column that would be empty is left out."""
     columns = {
         "cuts": [f"{f.cuts}" if f.cuts else "" for f in rows],
         "worst": [_length(f.worst, unit) for f in rows],

@@ -20,7 +20,7 @@ class LineOutcome:
     Attributes:
         line: the line file.
         synced: when RemoteSync was in sync first, in s; None: never.
-        before, in_sync: the errors on each way to see the axis, up to the time from which they are judged, and after.
+        before, in_sync: the errors of each variant, up to the time from which they are judged, and after it.
         agreement: how far FMPy and libcosim are apart in each output.
         libcosim_missing: why there is no run of libcosim; empty if there is one.
         ssp: the SSP package.
