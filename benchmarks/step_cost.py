@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cases import CASES, VELOCITY, Axis, H, Steady, Values, counted
+from cases import CASES, VELOCITY, Axis, H, Steady, counted
 from cost import begun, cost_table, measure, through_fmpy, timed
 from rich.console import Console
 
@@ -20,7 +20,7 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu.archive import write
 from motionsync_fmu.build import build_python
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 
 LEAD = 2000  # steps, in which a remote axis gets in sync: before, nothing is checked
@@ -66,17 +66,9 @@ def idle(fmu: Path, block: str, target: Path) -> Path:
 
 def bare(block_type: type[Any], case: Steady, axis: Axis) -> Callable[[int], None]:
     """Steps of the block in plain Python."""
-    block = block_type()
-    cells = {v.name: v.cell for v in variables(block)}
-
-    def put(values: Values) -> None:
-        for name, value in values.items():
-            cells[name].set(value)
-
-    put(case.start)
-    block.initialize()
-    put({f"{axis.group}.velocity": VELOCITY, **case.begin})
-    block.step(case.first)
+    stepper = Stepper(block_type()).initialize(case.start)
+    stepper.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
+    block = stepper.block
     moving, counter = getattr(block, axis.group), axis.counter.rpartition(".")[2]
     moving.position = 0.0
     done = 0
@@ -93,7 +85,7 @@ def bare(block_type: type[Any], case: Steady, axis: Axis) -> Callable[[int], Non
         if done < LEAD:
             return
         for name, value in case.holds.items():
-            assert cells[name].get() == value, f"{case.name}: {name} is {cells[name].get()}, it should be {value}"
+            assert stepper[name] == value, f"{case.name}: {name} is {stepper[name]}, it should be {value}"
 
     return steps
 
@@ -107,7 +99,7 @@ def report(block: str, n: int, folder: Path) -> Any:
             return through_fmpy(begun(host, cases[0], axis), cases[0], axis)
 
         subjects = {
-            **{f"{block} bare, {case.name}": timed(bare(BLOCKS[block].type, case, axis)) for case in cases},
+            **{f"{block} bare, {case.name}": timed(bare(BLOCKS[block], case, axis)) for case in cases},
             f"its FMU through FMPy, {cases[0].name}": timed(steps(whole)),
             NOTHING: timed(steps(nothing)),
         }

@@ -138,7 +138,7 @@ def test_the_fmu_is_small_and_says_what_it_holds(block_native: Path, folder: Pat
     assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
     page = (folder / "documentation" / "index.html").read_text()
     assert all(text in page for platform in ROWS for text in (platform.folder, platform.title))
-    assert {p.name for p in (folder / "documentation").iterdir()} == {"index.html", "transition.svg", "licenses"}
+    assert {p.name for p in (folder / "documentation").iterdir()} == {"index.html", "example.svg", "licenses"}
     assert all(p.stat().st_size > 500 for p in (folder / "documentation" / "licenses").iterdir())
     assert (folder / "model.png").stat().st_size < 20_000
     assert not (folder / "resources").exists()
@@ -262,7 +262,7 @@ def test_a_slow_compilation_is_told_once(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(
     block: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module = BLOCKS[block].type.__module__
+    module = BLOCKS[block].__module__
     files: Files = archive.sources(module)
     file = module.partition(".")[2].replace(".", "/") + ".py"
     text = files[file].decode() + "\n\ndef square(x: float) -> float:\n    return x ** 2.0\n"

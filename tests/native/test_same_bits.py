@@ -42,7 +42,7 @@ class Pair:
     """A block in Python and in compiled code, driven as the FMU's slave drives it."""
 
     def __init__(self, name: str, start: dict[str, Any]) -> None:
-        self.block = BLOCKS[name].type()
+        self.block = BLOCKS[name]()
         self.cells = {c.name: c for c in cells(self.block)}
         self.inputs = [v for v in variables(self.block) if v.causality == "input"]
         self.compiled = Compiled(self.block)

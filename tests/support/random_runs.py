@@ -5,7 +5,7 @@ from typing import Any
 
 from hypothesis import Phase, given, settings
 
-from motionsync_fmu.build import Recipe
+from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.variables import cells, variables
 from tests.support.by_block import own
 from tests.support.runs import Run, Strategy
@@ -37,7 +37,7 @@ def drawn(name: str, steps: int, count: int) -> list[Run]:
 @cache
 def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
     """A run with steps of size h of which none is refused: of those drawn, the one that meets most."""
-    allows = {v.name: v.allows for v in variables(Recipe(name).block())}
+    allows = {v.name: v.allows for v in variables(BLOCKS[name]())}
     runs = [
         Run(run.start, [(h, {n: x for n, x in values.items() if allows[n](x)}) for _, values in run.steps])
         for run in drawn(name, steps, count)
@@ -49,7 +49,7 @@ def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
 
 def _met(name: str, run: Run) -> int:
     """How many different things a run meets; 0 if anything is refused."""
-    block = Recipe(name).block()
+    block = BLOCKS[name]()
     by_name = {c.name: c for c in cells(block)}
     watch = strategy(name).watch
     seen: set[Any] = set()

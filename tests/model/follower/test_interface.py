@@ -10,8 +10,8 @@ from motionsync.var import Unit
 from motionsync_fmu.interface.units import axis_label, unit_name
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.report import plots
-from motionsync_fmu.scenario.recording import Course
-from motionsync_fmu.scenario.scenario import load
+from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.recording import Recording
 from tests import ROOT
 
 
@@ -49,6 +49,6 @@ def test_the_report_shows_the_units_of_both_axes() -> None:
     times = np.array([0.0, 1.0])
     by_name = {v.name: v for v in variables(Follower())}
     outputs = [v.name for v in by_name.values() if v.causality in ("output", "local")]
-    course = Course(times, {name: np.zeros(2) for name in outputs}, np.zeros((2, 4)), [])
+    course = Recording(times, {name: np.zeros(2) for name in outputs}, np.zeros((2, 4)), [])
     titles = [axis.title.text for axis in plots(scenario, course, by_name).select_yaxes()]
     assert titles[:2] == ["position<br>mm, slave deg", "velocity<br>mm/s, slave deg/s"]
