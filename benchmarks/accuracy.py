@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from motionsync.remote_sync.block import INDICES, Estimator
+from motionsync.remote_sync.interface import INDICES, Estimator
 from motionsync_fmu.native.batch import simulate_many
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 

@@ -47,11 +47,12 @@ from motionsync_fmu.archive import write
 from motionsync_fmu.build import build_native, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 
 HERE = Path(__file__).parent
-LIBRARY = "binaries/linux64/{}.so"
-SHARED = ("-target", "x86_64-linux-gnu.2.17", "-fPIC", "-shared", "-fvisibility=hidden", "-s")
+PLATFORM = PLATFORMS["linux64"]
+SHARED = ("-target", *PLATFORM.targets, "-fPIC", "-shared", "-fvisibility=hidden", "-s")
 IN_C = 100  # a round of a C host takes so many times the steps: they are short
 WORST = ("median_ns", "p999_ns", "slowest_ns", "undisturbed_ns")
 NOTHING, NATIVE, PYTHON = "do-nothing FMU", "native", "python"
@@ -180,14 +181,14 @@ class WorstSteps:
 
 def extracted(fmu: Path, block: str, folder: Path) -> Path:
     with zipfile.ZipFile(fmu) as z:
-        return Path(z.extract(LIBRARY.format(block), folder))
+        return Path(z.extract(PLATFORM.library(block), folder))
 
 
 def idle(native: Path, block: str, library: Path, target: Path) -> Path:
     """The native FMU with the do-nothing library alone."""
     with zipfile.ZipFile(native) as z:
         files = {n: z.read(n) for n in z.namelist() if not n.startswith("binaries/")}
-    write(target, files | {LIBRARY.format(block): library.read_bytes()})
+    write(target, files | {PLATFORM.library(block): library.read_bytes()})
     return target
 
 

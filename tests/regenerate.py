@@ -12,8 +12,9 @@ from typing import Any
 
 from motionsync.master import MasterInput
 from motionsync_fmu.scenario.crosscheck import csv_text, inputs_csv, options_text
+from motionsync_fmu.scenario.reader import find, load
 from motionsync_fmu.scenario.run import inputs, schedule
-from motionsync_fmu.scenario.scenario import Scenario, find, load
+from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.support.by_block import folder
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from cases.measured import FAR, PERIOD, TURNS_A_STEP, Cases, H, Steady, Worst
-from motionsync.gearing.choices import StartMode, State, StopMode, Transition
+from motionsync.gearing.interface import StartMode, State, StopMode, Transition
 
 STRAIGHT_IN = {"gear_in.start_mode": StartMode.CW_CCW_DIRECT, "gear_in.transition": Transition.NONE}
 STRAIGHT_OUT = {"gear_out.stop_mode": StopMode.CW_CCW_DIRECT, "gear_out.transition": Transition.NONE}

@@ -3,10 +3,8 @@
 from typing import Any
 
 from cases.measured import Axis, Cases, H, Steady, Values, Worst
-from motionsync.remote_sync.blending import Mode
-from motionsync.remote_sync.block import Estimator, StartUpMode
 from motionsync.remote_sync.faults import Fault
-from motionsync.remote_sync.history import MOST_PERIODS
+from motionsync.remote_sync.interface import MOST_PERIODS, Estimator, Mode, StartUpMode
 
 RATE = 1.0 / H  # of a sender whose cycle is H, 1/s
 FAST = 1.002 * RATE  # its clock fast by 2000 ppm: a beat every 500 cycles

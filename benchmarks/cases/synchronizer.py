@@ -2,7 +2,7 @@
 
 from cases.measured import PERIOD, TURNS_A_STEP, Cases, H, Steady, Worst
 from motionsync.master import MasterInput
-from motionsync.synchronizer.transition import Curve
+from motionsync.synchronizer.interface import Curve
 
 CASES = Cases(
     steady=(

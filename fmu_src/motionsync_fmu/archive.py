@@ -1,4 +1,4 @@
-"""What goes into an FMU: a block's own sources, their hash, and a zip file that is the same every time."""
+"""What goes into an FMU: sources, their hash, and a zip file that is the same for every build."""
 
 import ast
 import hashlib
@@ -18,7 +18,7 @@ Files = dict[str, bytes]
 def sources(module: str) -> Files:
     """The module and all it imports from its own package, by their paths in the package, with forward slashes.
 
-    With a module come the `__init__` of the packages that it lies in, and what these import."""
+    The `__init__` of the packages that a module lies in, and what these import, are among them."""
     package, *parts = module.split(".")
     root = Path(str(importlib.import_module(package).__file__)).parent
     found: Files = {}
@@ -50,16 +50,20 @@ def runtime() -> Files:
 
 
 def compilers() -> Files:
-    """The part of this package that determines the native code."""
-    return _own("native/fmi2.c", "native/libraries.py", "native/memory_layout.py", "native/numba_target.py")
+    """The part of this package that determines the native code: the compiler with its modules, the C files and the
+    template of the tables."""
+    native = HERE / "native"
+    modules = {name for name in sources(f"{__package__}.native.libraries") if name.startswith("native/")}
+    others = (file.relative_to(HERE).as_posix() for file in native.iterdir() if file.suffix in (".c", ".h", ".j2"))
+    return _own(*modules, *others)
 
 
 def _own(*names: str) -> Files:
-    return {name: (HERE / name).read_bytes().replace(b"\r\n", b"\n") for name in names}
+    return {name: (HERE / name).read_bytes().replace(b"\r\n", b"\n") for name in sorted(names)}
 
 
 def digest(files: Files) -> str:
-    """A hash of names and contents, whatever the order."""
+    """A hash of names and contents; the order of the files does not matter."""
     h = hashlib.sha256()
     for part in (p for name in sorted(files) for p in (name.encode(), files[name])):
         h.update(len(part).to_bytes(8, "little") + part)
@@ -67,7 +71,11 @@ def digest(files: Files) -> str:
 
 
 def epoch() -> int:
-    """The build's time: SOURCE_DATE_EPOCH, or the first instant a zip file can hold."""
+    """The build's time in s since 1970: SOURCE_DATE_EPOCH, or the first instant that a zip file can hold.
+
+    Raises:
+        UserError: SOURCE_DATE_EPOCH is no such time.
+    """
     text = os.environ.get("SOURCE_DATE_EPOCH") or "0"
     if not text.isdecimal() or int(text) > 4354819198:  # the last instant a zip file can hold
         raise UserError(f"SOURCE_DATE_EPOCH = {text} is not allowed: it must be whole seconds from 0 to 4354819198")
@@ -75,7 +83,7 @@ def epoch() -> int:
 
 
 def write(target: Path, files: Files) -> None:
-    """Sorted, deflated, every file with the build's time; a target that is being replaced is never half written."""
+    """A zip file of sorted, compressed files, each with the build's time. Nobody ever sees it half written."""
     stamp = time.gmtime(epoch())[:6]
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_suffix(f".{os.getpid()}.part")

@@ -15,7 +15,7 @@ from .errors import UserError
 from .interface.fmi2_xml import describe, finish
 from .interface.recipe import Recipe
 from .interface.variables import variables
-from .native.subset import check
+from .native.subset.modules import check
 from .pages.block_page import pages, picture
 
 SCRIPT = """from {package}_{tag}.{module} import {name}
@@ -75,16 +75,16 @@ def build_native(recipe: Recipe, target: Path, told: Callable[[str], None] = lam
     block = recipe.block()
     check_kernel(type(block).__module__)
     try:
-        from .native import libraries as native  # noqa: PLC0415 (Numba and zig: needed for this flavour only)
+        from .native import libraries, tables  # noqa: PLC0415 (Numba and zig: needed for this flavour only)
     except ModuleNotFoundError as e:
         raise UserError(
             f"the native flavour is compiled with {e.name}, which is not installed: install it with "
             "pip install 'motionsync[native]', or take --flavour python"
         ) from None
-    files = {f"binaries/{n}": library for n, library in native.libraries(block, recipe.guid(), told).items()}
-    texts = licences("motionsync", "numba", "ziglang") | native.linked_licences()
+    files = libraries.libraries(block, recipe.guid(), told)
+    texts = licences("motionsync", "numba", "ziglang") | libraries.linked_licences()
     files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
-    return _write(target, recipe, Flavour.NATIVE, files, native.abilities(block))
+    return _write(target, recipe, Flavour.NATIVE, files, tables.abilities(block))
 
 
 def check_kernel(module: str) -> None:

@@ -26,14 +26,17 @@ from .interface.table import groups
 from .interface.units import BASES, unit_name
 from .interface.variables import members, summary, variables
 from .line.judge import Result, examine
+from .line.line import Line
 from .line.package import Package, write_package
-from .line.reader import PATTERN, Line, find_lines, load_line
+from .line.reader import PATTERN, load_line
 from .line.report import write_line_report
 from .pages.report import write_report
 from .scenario.crosscheck import command_line, csv_text, inputs_csv, inputs_file
 from .scenario.cuts import find_cuts
-from .scenario.run import check, compare, simulate
-from .scenario.scenario import FILE, MOST_STEPS, Scenario, find, load
+from .scenario.judge import check, compare
+from .scenario.reader import FILE, MOST_STEPS, find, load
+from .scenario.run import simulate
+from .scenario.scenario import Scenario
 
 app = typer.Typer(
     name="motionsync",
@@ -356,7 +359,7 @@ def line(
 
         motionsync line scenarios/line/line.toml --output elsewhere
     """
-    lines = [load_line(file) for p in path or [Path("scenarios/line")] for file in find_lines(p)]
+    lines = [load_line(file) for p in path or [Path("scenarios/line")] for file in find(p, PATTERN)]
     files: dict[str, Path] = {}
     for each in lines:
         if (other := files.setdefault(each.name, each.follower.file)) != each.follower.file:

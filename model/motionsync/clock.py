@@ -1,4 +1,4 @@
-"""Time that is summed up step by step without drift."""
+"""A clock that sums up the lengths of the steps without an error that grows."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 class Clock:
     """The time since some instant, s, at the beginning of the present step.
 
-    `lost` is what rounding has added to the sum; it is taken off the next step (Kahan's summation).
+    `lost` is what rounding has added to the sum; `advance` takes it off the next step (Kahan's summation).
     """
 
     time: float = 0.0
@@ -19,6 +19,7 @@ class Clock:
         self.lost = 0.0
 
     def advance(self, h: float) -> None:
+        """To the end of a step of h seconds."""
         step = h - self.lost
         time = self.time + step
         self.lost = (time - self.time) - step

@@ -1,7 +1,7 @@
 """The cosine of an angle in degrees, from + - * / alone: the platforms' C libraries do not agree on its last bits.
 
-Beyond 45 degrees it is the sine of what is missing to 90. Both are Taylor polynomials in u, the angle over 30 degrees:
-at most 1.5 here, where the first term left out is below 3e-18.
+Beyond 45 degrees the cosine is the sine of the angle that is missing to 90. Sine and cosine are Taylor polynomials in
+u, the angle over 30 degrees. Here u is at most 1.5, where the first term left out is below 3e-18.
 """
 
 S1 = 0.5235987755982989  # sin(pi/6 u) = S1 u + S1_REST u + S3 u^3 + ...; S1 + S1_REST is pi/6 to 33 digits
@@ -34,13 +34,14 @@ def cosine(degrees: float) -> float:
 
 
 def near_sine(u: float) -> float:
-    """sin(pi/6 u) for |u| <= 1.5. The greatest term is added last, what its factor lacks before: u = 1 gives 0.5."""
+    """sin(pi/6 u) for |u| <= 1.5. The greatest term is added last, after the correction of its factor S1; u = 1 gives
+    0.5 exactly."""
     w = u * u
     rest = S3 + w * (S5 + w * (S7 + w * (S9 + w * (S11 + w * (S13 + w * (S15 + w * S17))))))
     return u * S1 + u * (S1_REST + w * rest)
 
 
 def near_cosine(u: float) -> float:
-    """cos(pi/6 u) for |u| <= 1.5; u = 0 gives 1."""
+    """cos(pi/6 u) for |u| <= 1.5; u = 0 gives 1 exactly."""
     w = u * u
     return 1.0 + w * (C2 + w * (C4 + w * (C6 + w * (C8 + w * (C10 + w * (C12 + w * (C14 + w * C16)))))))

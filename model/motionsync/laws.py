@@ -15,6 +15,15 @@ def half_ramp(u: float) -> tuple[float, float, float, float]:
     return u * u * u * (1.0 - 0.5 * u), u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u), 6.0 - 12.0 * u
 
 
+def half_ramp_mirrored(u: float) -> tuple[float, float, float, float]:
+    """u - q(u) = u - u^3 + u^4 / 2 for 0 <= u <= 1, and its first three derivatives: the mirror of `half_ramp`.
+
+    From slope 1 to rest (slope 0), with a second derivative of 0 at both ends; the value at the end is 1/2 too.
+    """
+    q, q1, q2, q3 = half_ramp(u)
+    return u - q, 1.0 - q1, -q2, -q3
+
+
 def chain_rule(d1: float, d2: float, d3: float, velocity: float, acceleration: float) -> tuple[float, float, float]:
     """Velocity, acceleration and jerk of a slave that follows a curve over its master.
 

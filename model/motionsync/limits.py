@@ -5,6 +5,7 @@ MOST = 1e12
 
 
 def clamp(x: float, low: float, high: float) -> float:
+    """The value between `low` and `high` that is nearest to `x`; `low` <= `high`."""
     return max(low, min(x, high))
 
 

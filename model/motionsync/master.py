@@ -1,7 +1,8 @@
 """The master axis: from what the importer sets at its inputs to the master's path inside the step.
 
-The slave's setpoint for t+h is computed for the master at t+h, so the inputs, which may describe t, are carried on.
-Source: the three input modes are motionsync's own; they tell apart the ways in which co-simulation masters set inputs.
+The slave's setpoint for t+h is computed for the master at t+h. Inputs that describe the master at t are therefore
+extrapolated to t+h. Source: the three input modes are motionsync's own; they tell apart the orders in which
+co-simulation masters set inputs and step.
 """
 
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from .limits import clamp
 from .path import Path
 from .var import LARGEST_INPUT, Enumeration, Unit
 
-MOST_TURNS = 1e15  # beyond it the part of a turn is lost to rounding
+MOST_TURNS = 1e15  # with more of them the fraction of a turn is lost to rounding
 TURNS = (  # a refusal's text and the variables it speaks of, for the blocks that have a master
     "the master's position and its prediction must be at most 1e15 periods",
     "master.position",
@@ -34,15 +35,15 @@ class MasterInput(Enumeration):
 class Master:
     """The master axis and its motion during the present step.
 
-    The step's `path` begins where the step before ended. Its piece 0, which takes no time, leads to `begin`, the
-    present input. The commands act there, with the velocity and acceleration that the master has at `begin`; the other
-    pieces take `step` s and lead to `end`. With a period all these are
-    unwrapped: they are continuous, relative to a whole number of turns that `rebase` chooses.
+    The step's `path` begins where the step before ended. Its piece 0 is the input correction: it takes no time and
+    leads to `begin`, the present input. The commands act there, with the velocity and acceleration that the master has
+    at `begin`. The other pieces take `step` s and lead to `end`. With a period all these positions are unwrapped: they
+    are continuous, relative to a whole number of turns that `rebase` chooses.
 
-    In mode POSITION_ONLY the estimates are held within the limits of Real inputs, +-1e12, so that samples taken in
-    nearly the same instant cannot make them infinite. They come from the present input and the two before it, `last`
-    and `before`, with the steps that followed each; these are kept in mode START_OF_STEP too, so that single steps of
-    that mode may come in between.
+    In mode POSITION_ONLY velocity and acceleration are estimated from the present input and the two before it, `last`
+    and `before`, with the lengths of the steps that followed each of them. The estimates are limited to +-1e12, as Real
+    inputs are, so that samples taken at nearly the same instant cannot make them infinite. The mode START_OF_STEP keeps
+    the samples, too, so that single steps of that mode may come in between.
     """
 
     position: float = var.input(0.0, "the master's position", Unit.POSITION)
@@ -67,8 +68,10 @@ class Master:
     before_step: float = 0.0
 
     def try_initialize(self) -> bool:
-        """The master stands where the inputs say; with POSITION_ONLY its velocity is not known yet: 0."""
-        if self.beyond(self.position):
+        """The master is where the inputs say; with POSITION_ONLY its velocity is not known yet and taken as 0.
+
+        False if the position has too many turns: then nothing has changed."""
+        if self.has_too_many_turns(self.position):
             return False
         known = self.input_mode != MasterInput.POSITION_ONLY
         self.end = wrap(self.position, self.period)
@@ -78,22 +81,23 @@ class Master:
         return True
 
     def try_advance(self, h: float) -> bool:
-        """Lay the path of the step; a refused one leaves the master as it was."""
-        if self.beyond(self.position):
+        """Lay the path of a step of h seconds. False if it has too many turns: then nothing has changed."""
+        if self.has_too_many_turns(self.position):
             return False
         match self.input_mode:
             case MasterInput.START_OF_STEP:
                 return self.try_predict(h, self.unwrapped(self.end), self.velocity, self.acceleration)
             case MasterInput.END_OF_STEP:
-                return self.try_join(h)
+                return self.try_interpolate(h)
             case _:
                 return self.try_extrapolate(h)
 
     def longest_travel(self, h: float) -> float:
-        """No less than what the master travels, back and forth, on the path of the coming step.
+        """At least the distance that the master travels, back and forth, on the path of the coming step, u.
 
-        Told before `try_advance`, for blocks that refuse a step too long; 0 if `try_advance` refuses it anyway."""
-        if self.beyond(self.position):
+        A block that refuses steps with too much travel asks before `try_advance`. 0 if `try_advance` refuses the step
+        anyway."""
+        if self.has_too_many_turns(self.position):
             return 0.0
         match self.input_mode:
             case MasterInput.START_OF_STEP:
@@ -101,7 +105,7 @@ class Master:
                 return correction + (abs(self.velocity) + 0.5 * abs(self.acceleration) * h) * h
             case MasterInput.END_OF_STEP:
                 expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
-                if self.beyond(expected):
+                if self.has_too_many_turns(expected):
                     return 0.0
                 return abs(self.unwrapped(expected) - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h
             case _:
@@ -111,12 +115,16 @@ class Master:
                 return correction + (abs(velocity) + 0.5 * abs(acceleration) * h) * h
 
     def velocity_at(self, time: float) -> float:
-        """Within the step, from the velocities at both ends: exact at constant acceleration, and free of the rounding
-        that the path's derivative would have in a short step."""
+        """The master's velocity at a time within the step, interpolated between the velocities at both ends.
+
+        It is exact at constant acceleration, and has not the rounding errors that the path's derivative would have in a
+        short step."""
         return self.begin_velocity + (self.end_velocity - self.begin_velocity) * (time / self.step)
 
     def mean_acceleration(self) -> float:
-        """With which the velocity comes from the step's beginning to its end; within +-1e12, as inputs are."""
+        """The constant acceleration that leads from the velocity at the step's beginning to that at its end, u/s2.
+
+        It is limited to +-1e12, as inputs are."""
         if self.input_mode == MasterInput.END_OF_STEP:
             return clamp((self.end_velocity - self.begin_velocity) / self.step, -LARGEST_INPUT, LARGEST_INPUT)
         return self.begin_acceleration
@@ -129,18 +137,18 @@ class Master:
     def rebase(self) -> None:
         """Drop whole turns, so that positions keep their last bits over any number of turns.
 
-        Allowed whenever the block has nothing that lies at a particular turn."""
+        A block may call this whenever nothing in it lies in a particular turn."""
         if self.period > 0.0:
             wrapped = wrap(self.end, self.period)
-            turned = self.end - wrapped
+            turns = self.end - wrapped
             self.end = wrapped
-            self.last -= turned
-            self.before -= turned
+            self.last -= turns
+            self.before -= turns
 
     def try_predict(self, h: float, position: float, velocity: float, acceleration: float) -> bool:
-        """From the input at t, unwrapped, with constant acceleration to t+h."""
+        """The path from the unwrapped input at t, with constant acceleration, to t+h."""
         end = position + (velocity + 0.5 * acceleration * h) * h
-        if self.beyond(end):
+        if self.has_too_many_turns(end):
             return False
         former = self.end if self.samples > 0 else position
         self.begin = position
@@ -158,10 +166,10 @@ class Master:
         self.last_step = h
         return True
 
-    def try_join(self, h: float) -> bool:
-        """From the master of the call before to the input at t+h, along the cubic."""
+    def try_interpolate(self, h: float) -> bool:
+        """The path along a cubic, from the end of the step before to the input at t+h."""
         expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
-        if self.beyond(expected):
+        if self.has_too_many_turns(expected):
             return False
         position = self.unwrapped(expected)
         self.begin = self.end
@@ -175,14 +183,16 @@ class Master:
         return True
 
     def try_extrapolate(self, h: float) -> bool:
-        """From the input at t with the velocity and acceleration that the last samples tell."""
+        """The path from the input at t, with the velocity and acceleration estimated from the last samples."""
         position = self.unwrapped(self.end)
         velocity, acceleration = self.estimated(position)
         return self.try_predict(h, position, velocity, acceleration)
 
     def estimated(self, position: float) -> tuple[float, float]:
-        """Velocity and acceleration of the parabola through the last three samples at its newest point, `position`, by
-        divided differences with the samples' own distances in time; with fewer samples only what they tell."""
+        """Velocity and acceleration, at the newest sample `position`, of the parabola through the last three samples.
+
+        Divided differences with the samples' own distances in time. Two samples give a velocity alone, one sample
+        neither."""
         rate = 0.0
         acceleration = 0.0
         if self.samples > 0:
@@ -195,14 +205,14 @@ class Master:
         return clamp(rate + 0.5 * acceleration * self.last_step, -LARGEST_INPUT, LARGEST_INPUT), acceleration
 
     def unwrapped(self, expected: float) -> float:
-        """The input's position in the turn that is nearest to the expected one."""
+        """The input's position, unwrapped into the turn in which it is nearest to the expected position."""
         if self.period == 0.0:
             return self.position
         if abs(expected - self.position) <= 0.5 * self.period:
             return self.position
-        turned = wrap(self.position, self.period)  # exact, which a large multiple of the period is not
+        turned = wrap(self.position, self.period)  # this is exact, a large multiple of the period is not
         return turned + round((expected - turned) / self.period) * self.period
 
-    def beyond(self, position: float) -> bool:
-        """Whether the position has too many turns for its period."""
+    def has_too_many_turns(self, position: float) -> bool:
+        """Whether a position is so many periods away from 0 that the fraction of a turn is lost."""
         return self.period > 0.0 and abs(position) / self.period > MOST_TURNS

@@ -1,4 +1,4 @@
-"""What every block has at its two ends: the slave's setpoint, and the edges of its commands."""
+"""What every block has at its two ends: the edges of its commands, and the slave's setpoint."""
 
 from dataclasses import dataclass
 
@@ -16,6 +16,7 @@ class Slave:
     jerk: float = var.output(0.0, "the slave's jerk setpoint", Unit.JERK)
 
     def put(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
+        """The setpoint, in u, u/s, u/s2 and u/s3."""
         self.position = position
         self.velocity = velocity
         self.acceleration = acceleration
@@ -24,15 +25,16 @@ class Slave:
 
 @dataclass(slots=True)
 class Edge:
-    """A command: its rising edge gives it. The first value seen, at the end of initialization, is no edge."""
+    """An input that gives a command by its rising edge. `before` is its level in the step before."""
 
     before: bool = False
 
     def hold(self, level: bool) -> None:
-        """The command has this level at the end of initialization: only a change from it on is an edge."""
+        """The input has this level at the initialization: the level itself is no edge, only a later change is."""
         self.before = level
 
     def rising(self, now: bool) -> bool:
+        """Whether the input rises to the level `now`, which is remembered; asked once a step."""
         rising = now and not self.before
         self.before = now
         return rising

@@ -1,28 +1,29 @@
-"""Declarations: what a field is to the outside world, written once, beside the field.
+"""Declarations: what a field is to the outside world, written once, beside the field; and what a block promises.
 
     from . import var
 
     position: float = var.input(0.0, "the master's position", Unit.POSITION)
 
 To the type checker each function returns its start value's type, so the line is an ordinary typed dataclass field;
-at run time it returns a `dataclasses.field` whose metadata holds the `Declaration`. A field without a declaration is
-the block's own business: it belongs to the state, but nobody outside sees it.
+at run time it returns a `dataclasses.field` whose metadata holds the `Declaration`. A field without a declaration
+belongs to the block's state, but nobody outside the block sees it.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from enum import Enum, IntEnum
 from math import inf
-from typing import Self, TypeVar
+from typing import Protocol, Self, TypeVar
 
 T = TypeVar("T")
-LARGEST_INPUT = 1e12  # beyond it a Real input is refused like NaN: squares and cubes of it stay finite
+LARGEST_INPUT = 1e12  # a Real input beyond it is refused, as NaN is: squares and cubes of the allowed ones are finite
 
 
 class Unit(Enum):
-    """What a Real measures: powers of the position unit `u`, chosen when the FMU is built, of the second, of the
-    degree, which stays a degree whatever positions are in, and of the slave's own position unit, which is `u` unless
-    chosen too."""
+    """What a Real measures, as powers of four base units.
+
+    These are the position unit `u`, which is chosen when the FMU is built; the second; the degree, which stays a degree
+    whatever unit positions have; and the slave's own position unit, which is `u` unless it is chosen, too."""
 
     NONE = (0, 0, "")
     POSITION = (1, 0, "Position")
@@ -48,7 +49,7 @@ class Unit(Enum):
         self.slave = slave
 
     def of_slave(self) -> "Unit":
-        """The same with the slave's position unit for `u`, where there is such a member."""
+        """The same measure in the slave's position unit instead of `u`, where there is such a member; else itself."""
         return next((unit for unit in Unit if unit.quantity == f"Slave{self.quantity}"), self)
 
 
@@ -70,9 +71,9 @@ class Role(Enum):
 class Enumeration(IntEnum):
     """An enumeration whose members describe themselves: `NAME = value, "description"`.
 
-    Further strings are names of variables that the description speaks of; a log line shows their values. One that
-    begins with a dot lies in the group of the variable whose code the member is (`.velocity` of `halt.error_id`:
-    `halt.velocity`), and is left out where that group has no such variable.
+    Further strings name variables whose values a log message shows. A leading dot means: in the same group as the
+    error_id that carries this code (for `halt.error_id`, `.velocity` is `halt.velocity`). Such a name is left out where
+    the group has no such variable.
     """
 
     description: str
@@ -86,6 +87,37 @@ class Enumeration(IntEnum):
         return member
 
 
+class Block(Protocol):
+    """What every block is to the tools that run it: a dataclass whose declared fields are its variables.
+
+    Whoever runs a block sets its inputs and parameters, calls `initialize` once or more, and then sets inputs and calls
+    `step` again and again. The runner guarantees what `initialize` and `step` may rely on: every value is within its
+    declared limits, Real inputs are finite and within ±1e12, and a step is longer than 0 and at most 1e6 s. Only a
+    tunable parameter may have any value after initialization; a command that needs a good one is refused by the block.
+
+    The block guarantees in return:
+    - Neither method raises an exception, and no output and no part of the state ever becomes NaN or infinite.
+    - Neither method allocates memory: all parts and lists are made with the block and keep their lengths. The same code
+      therefore runs compiled, without Python.
+    - All that a later result depends on is in the block's fields: a copy of the fields is a copy of the block, and it
+      goes on with the same bits.
+    - Positions inside the block are unwrapped: they are continuous over the turns of a modulo axis, relative to a whole
+      number of turns that the block drops (`rebase`) whenever nothing in it lies at a particular turn.
+    """
+
+    def initialize(self) -> Enumeration:
+        """Set the outputs for the present parameters and inputs, before any time passes.
+
+        It may be called again and again while parameters and inputs still change; the last call counts. The answer is a
+        member of the block's own `Refusal` enumeration: 0 if done, else why the values contradict one another."""
+
+    def step(self, h: float) -> Enumeration:
+        """Go on by h seconds, from t to t+h, with the present inputs; the outputs are those at t+h.
+
+        The answer is a member of the block's own `Refusal` enumeration: 0 if done. Any other answer means that the step
+        is refused and has changed nothing in the block, so that no copy is needed to go on with other inputs."""
+
+
 @dataclass(frozen=True)
 class Declaration:
     """What the outside world knows of a variable.
@@ -94,12 +126,12 @@ class Declaration:
         causality: FMI's `input`, `parameter`, `output` or `local`.
         discrete: a Real that changes at commands only (Integers, Booleans and enumerations always are discrete).
         tunable: a parameter that may change while running.
-        min, max: limits, both allowed.
-        above, below: limits that are themselves refused.
+        min, max: limits, both of which are allowed.
+        above, below: limits, both of which are refused.
         smallest: the least magnitude of a value other than 0.
         zero: whether 0 itself is allowed.
         depends: the inputs and parameters on which the value after initialization depends (outputs only).
-        codes: what the values of a plain Integer mean; a log line tells it when the value changes to one other than 0.
+        codes: what the values of a plain Integer mean; a log message says so when the value changes, but not to 0.
         role: what the variable is to a block that works in cycles; None: nothing.
         wraps_at: a counter that begins again at 0 where it would reach this number; 0: it does not wrap.
     """
@@ -130,7 +162,7 @@ def input(
     role: Role | None = None,
     wraps_at: int = 0,
 ) -> T:
-    """A Real input lies within ±1e12; integers and Booleans have no limits but their type's."""
+    """A Real input lies within ±1e12. Integers and Booleans have no limits but those of their type."""
     limit = LARGEST_INPUT if isinstance(start, float) else inf
     declaration = Declaration("input", description, unit, discrete, min=-limit, max=limit, role=role, wraps_at=wraps_at)
     return _declared(start, declaration)
@@ -183,10 +215,11 @@ def part(
     hidden: bool = False,
     slave_unit: bool = False,
 ) -> T:
-    """An object made once with the block; `depends` tells it for the outputs in the part, by their names there.
+    """An object that is made once with the block, and holds a part of its variables and state.
 
-    `hidden`: its declared fields are not the block's variables; it keeps what such variables once held.
-    `slave_unit`: what it declares in the position unit is in the slave's own one.
+    `depends`: what the outputs in the part depend on after initialization, by their names in the part.
+    `hidden`: the part's declared fields are not variables of the block; it keeps values that such variables had.
+    `slave_unit`: what the part declares in the position unit is in the slave's own position unit.
     """
     return field(default_factory=kind, metadata={"depends": depends or {}, "hidden": hidden, "slave_unit": slave_unit})
 
@@ -197,9 +230,9 @@ def ring(length: int) -> list[float]:
 
 
 def copy(into: T, source: T) -> None:
-    """Every field of one part gets the value of the other's: parts of the same class, with all that lies in them.
+    """Copy every field of one part into another part of the same class, with the parts and lists inside.
 
-    In compiled code too, where nothing else of this module is."""
+    This function is also part of compiled code; nothing else in this module is."""
     for f in fields(source):  # type: ignore[arg-type]
         value = getattr(source, f.name)
         if is_dataclass(value):

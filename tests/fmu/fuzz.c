@@ -1,6 +1,6 @@
 /* A fuzzing host: random FMI calls in any order, on several instances of one unit, with good and with bad arguments.
  *
- * It is linked with the unit's fmi2.c and compiled block under AddressSanitizer and UndefinedBehaviorSanitizer, which
+ * It is linked with the unit's fmi2.c and unit.c and its compiled block under AddressSanitizer and UndefinedBehaviorSanitizer, which
  * watch the memory; the host itself watches the answers. For every instance it keeps what an importer can know (mode,
  * values, pending derivatives, time, log settings), and after every call:
  *

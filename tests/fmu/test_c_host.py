@@ -16,6 +16,7 @@ from motionsync_fmu.build import build_native
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.random_runs import calm
@@ -23,7 +24,7 @@ from tests.support.runs import Run
 
 H = 2.0**-7  # s; exact, however an importer adds up its steps
 STEPS = 600
-LIBRARY = "binaries/linux64/{}.so"
+PLATFORM = PLATFORMS["linux64"]
 
 linux = pytest.mark.skipif(
     (platform.system(), platform.machine()) != ("Linux", "x86_64"), reason="needs Linux on x86-64"
@@ -73,7 +74,7 @@ def c_host(block: str, block_native: Path, tmp_path: Path) -> Iterator[subproces
     compiler = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", "-I", str(HEADERS)]
     subprocess.run([*compiler, str(source), "-o", str(program)], check=True)
     with zipfile.ZipFile(block_native) as z:
-        library = z.extract(LIBRARY.format(block), tmp_path)
+        library = z.extract(PLATFORM.library(block), tmp_path)
     command = [str(program), library, Recipe(block).guid()]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env={}) as process:
         yield process
@@ -118,7 +119,7 @@ def test_the_unit_brings_no_python_into_its_host(
     c_host.stdin.flush()
     assert c_host.stdout.readline().strip() == "0x0p+0"
     loaded = {line.split()[-1] for line in Path(f"/proc/{c_host.pid}/maps").read_text().splitlines() if ".so" in line}
-    assert any(name.endswith(LIBRARY.format(block)) for name in loaded)
+    assert any(name.endswith(PLATFORM.library(block)) for name in loaded)
     assert not [name for name in loaded if "python" in Path(name).name]
 
 

@@ -17,13 +17,15 @@ from motionsync.remote_sync.block import MOST_CYCLES
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, refusals, variables
 from motionsync_fmu.native import libraries
-from motionsync_fmu.native.libraries import HEADERS, llvm_text, model_header
+from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.native.llvm_text import llvm_text
+from motionsync_fmu.native.tables import model_header
 from motionsync_fmu.python.slave import LONGEST_STEP
 
 FUZZ = Path(__file__).with_name("fuzz.c")
-LAYER = Path(libraries.__file__).with_name("fmi2.c")
+UNIT = Path(libraries.__file__).parent
 SEED = 1
-CALLS = 2_000_000  # of all blocks together; the C file is the same for all
+CALLS = 2_000_000  # of all blocks together; the C files are the same for all
 SANITIZERS = [
     "-fsanitize=address,undefined,float-cast-overflow",
     "-fno-sanitize-recover=all",
@@ -67,14 +69,15 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc with its
 
 @pytest.fixture(scope="module", params=BLOCKS)
 def fuzzer(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The unit's C file and the fuzzing host, instrumented, with the compiled block, as one program."""
+    """The unit's C files and the fuzzing host, instrumented, with the compiled block, as one program."""
     folder = tmp_path_factory.mktemp("fuzz")
     recipe = Recipe(request.param)
     (folder / "model.o").write_bytes(object_code(llvm_text(recipe.block())))
     (folder / "model.h").write_text(model_header(recipe.block(), recipe.guid()))
     (folder / "expected.h").write_text(expected_header(recipe))
     sources = [
-        str(LAYER),
+        str(UNIT / "fmi2.c"),
+        str(UNIT / "unit.c"),
         str(FUZZ),
         "model.o",
         "-lm",

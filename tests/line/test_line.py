@@ -16,13 +16,14 @@ import numpy as np
 import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
-from motionsync.remote_sync.block import Estimator
+from motionsync.remote_sync.interface import Estimator
 from motionsync_fmu import cli
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.line.judge import RAW, Result, Way, examine, through
+from motionsync_fmu.line.line import Line
 from motionsync_fmu.line.package import PARAMETERS, Package, write_package
-from motionsync_fmu.line.reader import Line, load_line
+from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.scenario.clocks import Rate
 from tests import ROOT
 from tests.support.fmus import Fmus, Shared

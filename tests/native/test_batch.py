@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
 from motionsync.synchronizer.block import Synchronizer
-from motionsync.synchronizer.transition import Curve
-from motionsync_fmu import batch, loop
+from motionsync.synchronizer.interface import Curve
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.native import batch, batch_loop
 from motionsync_fmu.native.batch import BatchResult, Failure, simulate_many
 from motionsync_fmu.python.slave import BlockSlave
 from tests.support.fake_blocks.divider import Divider
@@ -392,7 +392,7 @@ def test_what_the_progress_raises_ends_the_batch() -> None:
 
 
 def test_several_python_threads_may_call_it_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loop, "_codes", {})  # so that all of them want it compiled
+    monkeypatch.setattr(batch_loop, "_codes", {})  # so that all of them want it compiled
     start, inputs, h = drawn(1, 50, 200)
 
     def one(_: int) -> BatchResult:

@@ -16,13 +16,15 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import archive, build, native
+from motionsync_fmu import archive, build
 from motionsync_fmu.archive import Files
 from motionsync_fmu.build import Flavour, build_native, build_python, check_kernel, fmu_path, outdated
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.native.libraries import HEADERS, universal
-from motionsync_fmu.pages.block_page import PLATFORMS
+from motionsync_fmu.native import libraries
+from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.native.macho import universal
+from motionsync_fmu.native.platforms import PLATFORMS, ROWS
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 
@@ -45,9 +47,9 @@ def tool(name: str, *arguments: object) -> str:
     return subprocess.run([name, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
 
 
-@pytest.mark.parametrize("platform", ["linux64", "aarch64-linux"])
+@pytest.mark.parametrize("platform", [p.folder for p in ROWS if p.suffix == "so"])
 def test_a_linux_library_needs_only_an_old_c_library_and_exports_fmi(block: str, folder: Path, platform: str) -> None:
-    library = folder / "binaries" / platform / f"{block}.so"
+    library = folder / PLATFORMS[platform].library(block)
     assert set(re.findall(r"\(NEEDED\).*\[(.*)\]", tool("readelf", "-d", library))) <= {"libc.so.6", "libm.so.6"}
     lines = tool("readelf", "-W", "--dyn-syms", library).splitlines()
     symbols = [line.split()[4:] for line in lines if "GLOBAL" in line]
@@ -58,7 +60,7 @@ def test_a_linux_library_needs_only_an_old_c_library_and_exports_fmi(block: str,
 
 
 def test_the_windows_library_needs_only_the_system_and_exports_fmi(block: str, folder: Path) -> None:
-    text = tool("objdump", "-p", folder / "binaries" / "win64" / f"{block}.dll")
+    text = tool("objdump", "-p", folder / PLATFORMS["win64"].library(block))
     needed = {name.lower() for name in re.findall(r"DLL Name: (\S+)", text)}
     assert all(re.fullmatch(r"kernel32\.dll|ucrtbase\.dll|api-ms-win-crt-[a-z]+-l1-1-0\.dll", name) for name in needed)
     names = text[text.index("[Ordinal/Name Pointer] Table") :].split("\n\n")[0]
@@ -117,7 +119,7 @@ def exported(thin: bytes) -> set[str]:
 
 
 def test_the_macos_library_is_for_both_processors_and_needs_only_the_system(block: str, folder: Path) -> None:
-    thin = list(slices((folder / "binaries" / "darwin64" / f"{block}.dylib").read_bytes()))
+    thin = list(slices((folder / PLATFORMS["darwin64"].library(block)).read_bytes()))
     assert [struct.unpack_from("<I", t, 4)[0] for t in thin] == [0x01000007, 0x0100000C]  # x86-64, arm64
     for library in thin:
         needed = {text[24:].rstrip(b"\0") for kind, text in commands(library) if kind in (0xC, 0x80000018)}
@@ -135,7 +137,7 @@ def test_the_fmu_is_small_and_says_what_it_holds(block_native: Path, folder: Pat
     assert block_native.stat().st_size < LARGEST
     assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
     page = (folder / "documentation" / "index.html").read_text()
-    assert all(text in page for platform in PLATFORMS.items() for text in platform)
+    assert all(text in page for platform in ROWS for text in (platform.folder, platform.title))
     assert {p.name for p in (folder / "documentation").iterdir()} == {"index.html", "transition.svg", "licenses"}
     assert all(p.stat().st_size > 500 for p in (folder / "documentation" / "licenses").iterdir())
     assert (folder / "model.png").stat().st_size < 20_000
@@ -188,12 +190,32 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     before = RECIPE.guid()
     target = build_python(RECIPE, tmp_path / "Synchronizer.fmu")
     assert outdated(target, RECIPE) == ""
-    for name in ("fmi2.c", "lowering.py", "native.py", "record.py"):
+    modules = ("libraries", "llvm_text", "macho", "memory_layout", "numba_target", "platforms", "tables")
+    others = ("fmi2.c", "model.h.j2", "unit.c", "unit.h", "windows.c")
+    names = {f"native/{name}" for name in (*others, *(f"{module}.py" for module in modules))}
+    assert archive.compilers().keys() == names | {"native/__init__.py"}
+    for name in names:
         with monkeypatch.context() as changed:
             files = archive.compilers()
             changed.setattr(build, "compilers", lambda files=files, name=name: files | {name: files[name] + b"\n"})
             assert RECIPE.guid() != before
             assert outdated(target, RECIPE) == "stale"
+
+
+def test_the_compiler_and_batches_need_neither_pythonfmu_nor_the_pages() -> None:
+    script = "import sys, motionsync_fmu.native.libraries, motionsync_fmu.native.batch; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    assert "motionsync_fmu.native.batch" in loaded
+    assert [
+        name for name in loaded if name.startswith(("pythonfmu", "motionsync_fmu.pages", "motionsync_fmu.python"))
+    ] == []
+
+
+def test_the_table_of_platforms_is_read_without_a_compiler() -> None:
+    script = "import sys, motionsync_fmu.native.platforms; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    assert "motionsync_fmu.native.platforms" in loaded
+    assert not {"numba", "llvmlite", "numpy", "ziglang"} & {*loaded}
 
 
 def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
@@ -224,7 +246,7 @@ def test_a_missing_compiler_is_told_with_the_remedy(module: str, tmp_path: Path)
 
 
 def test_a_failing_compiler_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(native, "FLAGS", "--no-such-flag")
+    monkeypatch.setattr(libraries, "FLAGS", "--no-such-flag")
     with pytest.raises(UserError, match=r"(?s)zig could not compile for .*ZIG_GLOBAL_CACHE_DIR.*no-such-flag"):
         build_native(RECIPE, tmp_path / "Synchronizer.fmu")
     assert not list(tmp_path.iterdir())
@@ -232,9 +254,9 @@ def test_a_failing_compiler_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPa
 
 def test_a_slow_compilation_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
-    monkeypatch.setattr(native, "PATIENCE", 0.0)
-    native.libraries(RECIPE.block(), RECIPE.guid(), told.append)
-    assert told == [native.FIRST_USE]
+    monkeypatch.setattr(libraries, "PATIENCE", 0.0)
+    libraries.libraries(RECIPE.block(), RECIPE.guid(), told.append)
+    assert told == [libraries.FIRST_USE]
 
 
 def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(
@@ -242,8 +264,9 @@ def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(
 ) -> None:
     module = BLOCKS[block].type.__module__
     files: Files = archive.sources(module)
-    text = files["axis.py"].decode().replace("return max(low, min(x, high))", "return x ** 2.0")
+    file = module.partition(".")[2].replace(".", "/") + ".py"
+    text = files[file].decode() + "\n\ndef square(x: float) -> float:\n    return x ** 2.0\n"
     line = text[: text.index("x ** 2.0")].count("\n") + 1
-    monkeypatch.setattr(build, "sources", lambda module: files | {"axis.py": text.encode()})
-    with pytest.raises(UserError, match=rf"^motionsync/axis\.py:{line}: no `\*\*`"):
+    monkeypatch.setattr(build, "sources", lambda module: files | {file: text.encode()})
+    with pytest.raises(UserError, match=rf"^motionsync/{re.escape(file)}:{line}: no `\*\*`"):
         check_kernel(module)

@@ -11,8 +11,9 @@ from motionsync import var
 from motionsync.blocks import BLOCKS
 from motionsync.synchronizer.block import Synchronizer
 from motionsync.var import Enumeration
-from motionsync_fmu.native.libraries import llvm_text, model_header, number, portable, quoted
+from motionsync_fmu.native.llvm_text import llvm_text, portable
 from motionsync_fmu.native.memory_layout import image
+from motionsync_fmu.native.tables import model_header, number, quoted
 from tests import ROOT
 from tests.support.compiled import Compiled, equal
 
@@ -94,6 +95,71 @@ class Sample:
                 return Way.DOWN
             case _:
                 return Way.UP if way == Way.NONE or way in (Way.DOWN,) else way
+
+
+@dataclass(slots=True)
+class Inner:
+    values: list[float] = var.ring(3)
+    way: Way = Way.NONE
+
+
+@dataclass(slots=True)
+class Kept:
+    inner: Inner = var.part(Inner)
+    x: float = 0.0
+    n: int = 0
+    on: bool = False
+    way: Way = var.output(Way.NONE, "a direction")
+
+
+@dataclass(slots=True)
+class Keeper:
+    """Copies its present part into the kept one, and the kept one into itself."""
+
+    present: Kept = var.part(Kept)
+    kept: Kept = var.part(Kept)
+
+    def initialize(self) -> Refusal:
+        return Refusal.NONE
+
+    def step(self, h: float) -> Refusal:
+        if h > 0.0:
+            var.copy(self.kept, self.present)
+        else:
+            var.copy(self.kept, self.kept)
+        return Refusal.NONE
+
+
+def keeper() -> Keeper:
+    """No two fields have the same value, and none of the present part has the kept one's."""
+    block = Keeper()
+    present, kept = block.present, block.kept
+    present.inner.values[:], kept.inner.values[:] = [0.1, -0.0, inf], [4.0, 5.0, 6.0]
+    present.inner.way, kept.inner.way = Way.UP, Way.DOWN
+    present.x, present.n, present.on, present.way = 5e-324, -(2**62), True, Way.DOWN
+    kept.x, kept.n, kept.way = 7.0, 8, Way.UP
+    return block
+
+
+def test_a_compiled_copy_copies_every_field_as_python_does() -> None:
+    block, compiled = keeper(), Compiled(keeper())
+    assert compiled.memory["kept"].tobytes() != compiled.memory["present"].tobytes()
+    block.step(1.0)
+    compiled.step(1.0)
+    assert equal(block, compiled)
+    assert compiled.memory["kept"].tobytes() == compiled.memory["present"].tobytes()
+    assert block.kept.inner.values == [0.1, 0.0, inf]
+    assert (block.kept.inner.way, block.kept.x, block.kept.n, block.kept.on) == (Way.UP, 5e-324, -(2**62), True)
+    compiled.memory["present"]["inner"]["values"][0] = 9.0
+    assert compiled.memory["kept"]["inner"]["values"][0] == 0.1
+
+
+def test_a_copy_of_a_part_into_itself_changes_nothing() -> None:
+    block, compiled = keeper(), Compiled(keeper())
+    block.step(-1.0)
+    compiled.step(-1.0)
+    assert equal(block, compiled)
+    assert equal(keeper(), compiled)
 
 
 STEPS = (1.0, 2.0, 0.1, -0.0, 0.0, -0.75, -1e-300, 5e-324, 0.375, 1.125, -0.375, 7.5, 1e6, 1.1e6, -1e15, 1e12)

@@ -21,10 +21,11 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.variables import cells, variables
 from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.python.slave import LONGEST_STEP
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.reader import find, load
 from motionsync_fmu.scenario.run import simulate
-from motionsync_fmu.scenario.scenario import find, load
 from tests import ROOT
 from tests.support.compiled import Compiled, equal
 from tests.support.fmus import Fmus
@@ -144,27 +145,28 @@ def wine() -> list[str]:
     return [found]
 
 
-def qemu() -> list[str]:
-    root = Path(os.environ.get("QEMU_LD_PREFIX", "/usr/aarch64-linux-gnu"))
-    found = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+def qemu(processor: str) -> list[str]:
+    root = Path(os.environ.get("QEMU_LD_PREFIX", f"/usr/{processor}-linux-gnu"))
+    found = shutil.which(f"qemu-{processor}") or shutil.which(f"qemu-{processor}-static")
     if not found:
         pytest.skip("qemu-user is not installed")
-    if not (root / "lib" / "ld-linux-aarch64.so.1").exists():
-        pytest.skip("libc6-arm64-cross is not installed")
+    if not (root / "lib" / f"ld-linux-{processor}.so.1").exists():
+        pytest.skip(f"the C library of Linux on {processor} is not installed (Debian: libc6-arm64-cross)")
     return [found, "-L", str(root)]
 
 
-def directly() -> list[str]:
-    if sys.platform != "linux" or os.uname().machine != "x86_64":
-        pytest.skip("this is not Linux on x86-64")
-    return []
+def launcher(target: str) -> list[str]:
+    """The command that runs a program for zig's target on this machine."""
+    processor, system, *_ = target.split("-")
+    if system == "windows":
+        return wine()
+    assert system == "linux", f"nothing is known that runs programs of {target} here: see NOT_RUN"
+    if sys.platform != "linux":
+        pytest.skip("this is not Linux")
+    return [] if os.uname().machine == processor else qemu(processor)
 
 
-PLATFORMS = {
-    "linux64": ("x86_64-linux-gnu.2.17", "so", directly),
-    "aarch64-linux": ("aarch64-linux-gnu.2.17", "so", qemu),
-    "win64": ("x86_64-windows-gnu", "dll", wine),
-}
+NOT_RUN = {"darwin64"}  # there is no emulator of macOS
 
 
 def double(x: float) -> str:
@@ -209,18 +211,18 @@ def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
     return found
 
 
-@pytest.mark.parametrize("platform", PLATFORMS)
+@pytest.mark.parametrize("platform", [p for p in PLATFORMS if p not in NOT_RUN])
 def test_a_host_in_c_without_python_gets_the_same_bits(
     platform: str, block: str, block_native: Path, expected: list[tuple[str, str]], tmp_path: Path
 ) -> None:
-    target, suffix, runner = PLATFORMS[platform]
-    start = runner()
-    program = tmp_path / f"replay{'.exe' if suffix == 'dll' else ''}"
+    (target,) = PLATFORMS[platform].targets
+    start = launcher(target)
+    program = tmp_path / f"replay{'.exe' if 'windows' in target else ''}"
     source = ROOT / "tests" / "fmu" / "replay.c"
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", "-I", str(HEADERS), str(source)]
     subprocess.run([*compiler, "-o", str(program)], check=True)
     folder = Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path / "fmu")))
-    library = folder / "binaries" / platform / f"{block}.{suffix}"
+    library = folder / PLATFORMS[platform].library(block)
     description = fmpy.read_model_description(str(block_native))
     kinds = "".join({"Real": "R", "Boolean": "B"}.get(v.type, "I") for v in description.modelVariables)
     asked, answered = tmp_path / "orders.txt", tmp_path / "answers.txt"

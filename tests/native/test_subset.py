@@ -5,7 +5,8 @@ from importlib.resources import files
 
 import pytest
 
-from motionsync_fmu.native.subset import Violation, check
+from motionsync_fmu.native.subset.expressions import Violation
+from motionsync_fmu.native.subset.modules import check
 
 HEAD = '''"""A module."""
 import math
@@ -14,7 +15,7 @@ from math import isfinite, sin
 
 from . import var
 from .var import Enumeration
-from .part import Part, clamp, pair
+from .part import Pair, Part, clamp, pair
 
 
 class State(Enumeration):
@@ -26,6 +27,7 @@ class State(Enumeration):
 class Block:
     part: Part = var.part(Part)
     other: Part = var.part(Part)
+    pair: Pair = var.part(Pair)
     ratio: float = var.parameter(1.0, "a ratio", tunable=True)
     state: State = var.output(State.IDLE, "the state")
     count: int = 0
@@ -47,6 +49,11 @@ class Part:
     def move(self, by: float) -> float:
         self.position += by
         return self.position
+
+
+@dataclass(slots=True)
+class Pair:
+    first: float = 0.0
 
 
 def clamp(x: float, low: float, high: float) -> float:
@@ -89,6 +96,15 @@ STATEMENTS = [
     ("x = clamp(x, 0.0, high=1.0)  # !", "arguments are positional"),
     ("self.missing()  # !", "are called"),
     ("n = var.input(1, 'n')  # !", "var.input is not called"),
+    ("var.copy(self.part, self.pair)  # !", "var.copy takes two parts of the same class"),
+    ("var.copy(self.part, x)  # !", "var.copy takes two parts of the same class"),
+    ("var.copy(x, x)  # !", "var.copy takes two parts of the same class"),
+    ("var.copy(n, n)  # !", "var.copy takes two parts of the same class"),
+    ("var.copy(self.state, self.state)  # !", "var.copy takes two parts of the same class"),
+    ("var.copy(self.values, self.values)  # !", "var.copy takes two parts of the same class"),
+    ("var.copy(self.part)  # !", "var.copy takes two parts of the same class"),
+    ("var.copy(self.part, self.other, self.part)  # !", "var.copy takes two parts of the same class"),
+    ("var.copy(self.part, source=self.other)  # !", "arguments are positional"),
     ("part = Part()  # !", "no allocation"),
     ("name = 'slave'  # !", "no strings"),
     ("name = f'{n}'  # !", "no strings"),
@@ -181,6 +197,12 @@ def test_a_statement_outside_the_subset_is_named_with_its_line(body: str, rule: 
 
 IMPORTS = "from dataclasses import dataclass\nfrom . import var\nfrom .var import Enumeration\n"
 CLASS = "@dataclass(slots=True)\nclass Block:\n"
+INTERFACE = (  # two interfaces; the line after it is line 13
+    IMPORTS
+    + "@dataclass(slots=True)\nclass Interface:\n    a: float = var.input(0.0, 'a')\n"
+    + "@dataclass(slots=True)\nclass Other:\n    b: float = var.input(0.0, 'b')\n"
+    + "@dataclass(slots=True)\nclass Longer(Interface):\n    def f(self) -> None: pass\n"
+)
 MODULES = [
     ("import os", 1, "imports only math"),
     ("import math as m, sys", 1, "imports only math"),
@@ -241,6 +263,23 @@ MODULES = [
         + IMPORTS
         + "@dataclass(slots=True)\nclass Block(Part):\n    def f(self) -> None:\n        pass",
         7,
+        "nothing but declared fields",
+    ),
+    (
+        "from .part import Pair, Part\n"
+        + IMPORTS
+        + "@dataclass(slots=True)\nclass Block(Part, Pair):\n    x: float = var.local(0.0, 'x')",
+        6,
+        "derives from one kernel dataclass at most",
+    ),
+    (
+        INTERFACE + "@dataclass(slots=True)\nclass Both(Interface, Other):\n    x: float = var.local(0.0, 'x')",
+        14,
+        "derives from one kernel dataclass at most",
+    ),
+    (
+        INTERFACE + "@dataclass(slots=True)\nclass Block(Longer):\n    y: float = 0.0",
+        15,
         "nothing but declared fields",
     ),
     (IMPORTS + CLASS + "    @staticmethod\n    def f(x: float) -> float:\n        return x", 7, "no decorators"),
@@ -309,6 +348,47 @@ INSIDE = {
                 if self.state in (State.OFF, State.ON) and not self.first and State.OFF < other.state != State.ON:
                     self.state_code = other.state
                 return State.ON if self.first else self.state
+    """,
+    "a copy of a part": """
+        from dataclasses import dataclass
+        from . import var
+        from .part import Part
+
+        @dataclass(slots=True)
+        class Block:
+            part: Part = var.part(Part)
+            kept: Part = var.part(Part)
+
+            def keep(self, other: Part) -> None:
+                var.copy(self.kept, self.part)
+                var.copy(self.part, other)
+                var.copy(other, other)
+    """,
+    "a block over its interface": """
+        from dataclasses import dataclass
+        from . import var
+        from .part import Part
+
+        @dataclass(slots=True)
+        class Master:
+            position: float = var.input(0.0, "where the master is")
+
+        @dataclass(slots=True)
+        class Interface(Master):
+            \"\"\"What the block shows.\"\"\"
+            part: Part = var.part(Part)
+            speed: float = var.output(0.0, "how fast")
+
+        @dataclass(slots=True)
+        class Block(Interface):
+            \"\"\"What it does.\"\"\"
+            before: float = 0.0
+            edges: list[float] = var.ring(2)
+
+            def step(self, h: float) -> float:
+                self.speed = (self.part.move(self.position) - self.before) / h
+                self.before = self.part.position
+                return self.speed
     """,
     "an inheriting dataclass": """
         from dataclasses import dataclass

@@ -12,8 +12,10 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report import plots, write_report
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 from motionsync_fmu.scenario.crosscheck import inputs_csv
-from motionsync_fmu.scenario.run import check, run_in_process, schedule
-from motionsync_fmu.scenario.scenario import Scenario, load
+from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.run import run_in_process, schedule
+from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.telegrams import Accuracy, errors
 from tests import regenerate
 from tests.support.fake_blocks.listener import ListenerOracle, registered

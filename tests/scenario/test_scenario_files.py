@@ -19,9 +19,11 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.crosscheck import command_line, inputs_file
 from motionsync_fmu.scenario.cuts import CutSpec, find_cuts
+from motionsync_fmu.scenario.judge import check, compare
+from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import check, compare, schedule, simulate
-from motionsync_fmu.scenario.scenario import AtTime, Scenario, When, Within, load
+from motionsync_fmu.scenario.run import schedule, simulate
+from motionsync_fmu.scenario.scenario import AtTime, Scenario, When, Within
 from motionsync_fmu.scenario.script import Script, Segment
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus

@@ -6,13 +6,15 @@ from collections.abc import Mapping
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from motionsync.var import Unit
+from motionsync.var import Role, Unit
 
 from .. import __version__
 from ..archive import epoch
+from .roles import with_role
 from .units import base_unit, unit_name
 from .variables import Variable, members, summary, variables
 
+STEP_SIZE = 0.001  # s, of the default experiment; a block with cycles of its own steps by one of them
 CATEGORIES = {
     "logStatusWarning": "refused commands",
     "logStatusError": "refused values and failed calls",
@@ -54,8 +56,9 @@ def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
     categories = SubElement(root, "LogCategories")
     for category, text in CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
-    step = repr(getattr(block, "task_cycle_time", 0.001))  # a block with cycles of its own: one of them
-    SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=step)
+    cycle = with_role(vs, Role.TASK_CYCLE)
+    step = cycle.start if cycle else STEP_SIZE
+    SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=repr(step))
     model = SubElement(root, "ModelVariables")
     for reference, v in enumerate(vs):
         model.append(_variable(v, reference))

@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from motionsync.remote_sync.block import Estimator
+from motionsync.remote_sync.interface import Estimator
 
+from ..interface.roles import MOTION
 from ..scenario.cuts import Cut, find_cuts
+from ..scenario.judge import Check, check
 from ..scenario.recording import Reals, Recording
-from ..scenario.run import Check, check
-from ..scenario.telegrams import MOTION, errors
+from ..scenario.telegrams import errors
+from .line import RAMP, REMOTE, Line
 from .package import Package
-from .reader import RAMP, REMOTE, Line
 from .runs import Inputs, MissingLibraryError, Values, run_alone, run_cosim, run_ssp
 
 AGREEMENT = 1e-9  # of FMPy and libcosim, relative to each output's greatest magnitude, at least 1

@@ -16,10 +16,10 @@ from ..archive import write
 from ..build import Flavour, build_native, fmu_path, outdated
 from ..interface.fmi2_xml import describe
 from ..interface.recipe import Recipe
+from ..interface.roles import MOTION
 from ..interface.units import unit_name
 from ..pages.block_page import TEMPLATES
-from ..scenario.telegrams import MOTION
-from .reader import REMOTE, Line
+from .line import REMOTE, Line
 
 PARAMETERS = "resources/parameters.ssv"
 STRUCTURE = "OspSystemStructure.xml"

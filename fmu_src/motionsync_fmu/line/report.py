@@ -14,7 +14,7 @@ from ..pages.block_page import SLAVE, TEMPLATES
 from ..pages.report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, plots
 from ..scenario.cuts import Cut
 from .judge import Result, Switch, Way
-from .reader import REMOTE, Line
+from .line import REMOTE, Line
 
 HUES = (SLAVE, RECEIVED, REFERENCE, "#17713a")  # of the ways
 ROWS = (("all ways", 260), ("as wired", 185), ("index error", 185))

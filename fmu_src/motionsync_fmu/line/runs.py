@@ -20,8 +20,8 @@ from ..errors import UserError
 from ..interface.variables import variables
 from ..scenario.fmu_instance import FmuError, FmuInstance
 from ..scenario.recording import Reals
+from .line import REMOTE, Line
 from .package import Package
-from .reader import REMOTE, Line
 
 Inputs = Mapping[str, NDArray[Any]]  # each of shape (steps,)
 Values = dict[str, Reals]  # outputs at the ends of the steps, each of shape (steps,)

@@ -25,10 +25,10 @@ from numpy.typing import ArrayLike, NDArray
 from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, choose
-from ..interface.variables import LONGEST_STEP, Variable, explained, refusals, shown, variables
+from ..interface.variables import LONGEST_STEP, Variable, explained, refusals, shown, spoken_of, variables
 
 try:
-    from .batch_loop import INPUT, JUDGED, REFUSED, STEP_SIZE, Code, Plan, code, run
+    from .batch_loop import CAUSE, Cause, Code, Groups, Plan, code, run
     from .memory_layout import image, offset
 except ModuleNotFoundError as e:
     raise ModuleNotFoundError(
@@ -43,7 +43,7 @@ Inputs = Mapping[Any, ArrayLike]  # keys: str or tuple[str, ...]; a Mapping take
 
 TASK_STEPS = 1 << 18  # instance-steps of one task: about 10 ms
 TASK_INSTANCES = 1 << 13  # their memory stays within a few megabytes
-NUMBERS = "biuf"  # NumPy's kinds of types that are taken
+NUMBERS = "biuf"  # NumPy's kinds of the allowed types
 LARGEST_INTEGER = 2**31 - 1  # of FMI
 NO_RESULT = "an arithmetic error: these values lead to no result"
 
@@ -100,7 +100,7 @@ def simulate_many(
     Shapes: `step_size` and each value of `inputs` is broadcast to (instances, steps) by NumPy's rules: a scalar,
     (steps,) the same for all instances, (instances, 1) constant in time, or (instances, steps). A key of `inputs` may
     be a tuple of names; its array has one axis more, the last one, along these names. The numbers of instances and of
-    steps are those of the arrays, or 1 where no array tells them.
+    steps are those of the arrays, or 1 where no array has that axis.
 
     Numbers: float64 for a Real, int64 for an Integer or enumeration and bool for a Boolean are read where they lie,
     with any strides; other numbers are converted piece by piece while the batch runs. A Boolean may be 0 or 1 in an
@@ -116,42 +116,25 @@ def simulate_many(
             during initialization too, so a command that begins true has no edge, but for variables in `start`.
         outputs: the names of any variables of the block.
         start: start values by name, each a scalar or of shape (instances,), for parameters and inputs.
-        steps: their number, where no array tells it.
-        instances: their number, where no array tells it.
+        steps: their number, where no array has that axis.
+        instances: their number, where no array has that axis.
         threads: their greatest number; as many as there are cores by default.
         out: where to put the values: float64, of shape (instances, steps, outputs), with any strides.
-        progress: is told the share that is done, in the caller's thread.
+        progress: called with the share that is done, in the caller's thread.
 
     Returns:
-        The outputs, and where and why instances failed. That is judged as in the FMU and told in the words of its log:
-        all parameters and inputs at initialization, Real inputs and the step size at each step, and what the block
-        refuses.
+        The outputs, and where and why instances failed. The checks are the FMU's, in the words of its log: all
+        parameters and inputs at initialization, Real inputs and the step size at each step, and what the block refuses.
 
     Raises:
         UserError: before anything runs, what is wrong for all: an unknown block or variable, one that cannot be set, a
             shape that does not fit, a value of the wrong kind (text; 0.5 for a Boolean).
     """
     batch = _Batch(block, step_size, inputs, start or {}, outputs, steps, instances)
-    shape = (batch.instances, batch.steps, len(outputs))
-    if out is None:
-        out = np.empty(shape)
-    elif out.dtype != np.float64 or out.shape != shape or not out.flags.behaved:
-        raise UserError(f"out is {out.dtype} of shape {out.shape}: it must be float64 of shape {shape}, and writeable")
+    out = batch.target(out)
     if threads is not None and threads < 1:
         raise UserError(f"threads = {threads} is not allowed: it must be >= 1")
-    workers = threads or os.cpu_count() or 1
-    failures: list[Failure] = []
-    done = 0
-    with ThreadPoolExecutor(workers, "motionsync") as pool:
-        tasks = {pool.submit(batch.run, first, last, out): last - first for first, last in batch.tasks(workers)}
-        try:
-            for task in as_completed(tasks):
-                failures += task.result()
-                done += tasks[task]
-                progress(done / batch.instances)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    failures = batch.run(out, threads or os.cpu_count() or 1, progress)
     return BatchResult(tuple(outputs), out, tuple(sorted(failures, key=lambda f: f.instance)))
 
 
@@ -167,6 +150,9 @@ class _Column:
         """The values of some instances in the type of the block's memory: a view if they are of this type."""
         piece = self.values[first:last] if len(self.values) > 1 else self.values
         return piece if piece.dtype == kind and piece.flags.aligned else piece.astype(kind)
+
+
+_Varying = list[tuple[Variable, _Column]]  # what is set at each step
 
 
 class _Batch:
@@ -192,12 +178,8 @@ class _Batch:
         self.instances = _length("instances", instances, 0, [self.step_sizes, *running, *starts])
         self.steps = _length("steps", steps, 1, [self.step_sizes, *running])
         self.starts = starts + [c for c in running if c.name not in start]
-        varying = {c.name: c for c in running if c.values.shape[1] > 1 or c.name in start}  # all else is set once
-        moving = [(v, varying[v.name]) for v in self.variables.values() if v.name in varying]
-        self.reals, self.words, self.flags = ([(v, c) for v, c in moving if _group(v) == g] for g in range(3))
-        given = {c.name for c in self.starts}
-        settable = [v for v in self.variables.values() if v.settable]
-        self.judged = [v for v in settable if v.name in given or not v.allows(v.start)]
+        self.varying = self.grouped(c for c in running if c.values.shape[1] > 1 or c.name in start)
+        self.judged = self.to_judge({c.name for c in self.starts})
         self.refusals = {member.value: member for member in refusals(self.type)}
         self.code: Code = code(self.type)
 
@@ -214,67 +196,67 @@ class _Batch:
             raise UserError(f"{where}: {v.name} = {value} at [{i}, {t}] is no {v.kind}: it must be {allowed}")
         return column
 
+    def grouped(self, columns: Iterable[_Column]) -> Groups[_Varying]:
+        """What is set at each step, in the order of the variables; everything else is set once."""
+        by_name = {c.name: c for c in columns}
+        varying = [(v, by_name[v.name]) for v in self.variables.values() if v.name in by_name]
+        return Groups(
+            reals=[(v, c) for v, c in varying if v.real_input],  # these are checked at each step
+            words=[(v, c) for v, c in varying if not v.real_input and v.kind != "Boolean"],
+            flags=[(v, c) for v, c in varying if v.kind == "Boolean"],
+        )
+
+    def to_judge(self, given: set[str]) -> list[Variable]:
+        """The variables that may have a value that is not allowed: those that are given, and bad start values."""
+        settable = [v for v in self.variables.values() if v.settable]
+        return [v for v in settable if v.name in given or not v.allows(v.start)]
+
+    def target(self, out: Reals | None) -> Reals:
+        """The array for the values: `out` if the caller gave one that fits, else a new one."""
+        shape = (self.instances, self.steps, len(self.outputs))
+        if out is None:
+            return np.empty(shape)
+        if out.dtype != np.float64 or out.shape != shape or not out.flags.behaved:
+            wanted = f"float64 of shape {shape}, and writeable"
+            raise UserError(f"out is {out.dtype} of shape {out.shape}: it must be {wanted}")
+        return out
+
     def tasks(self, workers: int) -> Iterator[tuple[int, int]]:
         """First and last instance, the last exclusive: small tasks for progress and memory, enough for all workers."""
         size = max(1, min(TASK_INSTANCES, TASK_STEPS // max(1, self.steps), -(-self.instances // workers)))
         for first in range(0, self.instances, size):
             yield first, min(first + size, self.instances)
 
-    def run(self, first: int, last: int, out: Reals) -> list[Failure]:
+    def run(self, out: Reals, workers: int, progress: Callable[[float], None]) -> list[Failure]:
+        """All instances, in tasks for that many threads; the failures in the order in which the tasks end."""
+        failures: list[Failure] = []
+        done = 0
+        with ThreadPoolExecutor(workers, "motionsync") as pool:
+            tasks = {pool.submit(self.run_some, first, last, out): last - first for first, last in self.tasks(workers)}
+            try:
+                for task in as_completed(tasks):
+                    failures += task.result()
+                    done += tasks[task]
+                    progress(done / self.instances)
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+        return failures
+
+    def run_some(self, first: int, last: int, out: Reals) -> list[Failure]:
         """Some instances from start to end."""
+        task = _Task(self, first, last, out[first:last])
+        run(self.code, task.plan())
+        return task.failures()
+
+    def memory(self, first: int, last: int) -> Array:
+        """The memory of some instances, with their start values and the inputs of the first step."""
         memory = np.full(last - first, self.image)
         for c in self.starts:
             field = _field(memory, c.name)
             if c.values.shape[1]:  # without steps there is no first one
                 field[...] = c.piece(first, last, field.dtype)[:, 0]
-        refused = self.judge(memory)
-        told = np.zeros((len(memory), 3), np.int64)
-        told[list(refused)] = JUDGED, -1, 0
-        step_sizes = self.step_sizes.piece(first, last, np.float64)
-        pieces = {
-            v.name: c.piece(first, last, _field(memory, v.name).dtype) for v, c in self.reals + self.words + self.flags
-        }
-        target = out[first:last]
-
-        def sources(columns: list[tuple[Variable, _Column]]) -> Whole:
-            return _table(4, ([*_source(pieces[v.name]), offset(memory.dtype, v.name)] for v, _ in columns))
-
-        def sinks(*kinds: str) -> Whole:
-            chosen = [(i, v) for i, v in enumerate(self.outputs) if v.kind in kinds]
-            return _table(2, ([offset(memory.dtype, v.name), i * target.strides[2]] for i, v in chosen))
-
-        run(
-            self.code,
-            Plan(
-                blocks=np.array([memory.ctypes.data, memory.itemsize, len(memory), self.steps]),
-                step_size=np.array(_source(step_sizes)),
-                longest=LONGEST_STEP,
-                sources=(sources(self.reals), sources(self.words), sources(self.flags)),
-                limits=np.array([(v.declaration.min, v.declaration.max) for v, _ in self.reals]).reshape(-1, 2),
-                sinks=(sinks("Real"), sinks("Integer", "Enumeration"), sinks("Boolean")),
-                target=np.array([target.ctypes.data, *target.strides[:2]]),
-                told=told,
-            ),
-        )
-        failures = []
-        for i in np.flatnonzero(told[:, 0]).tolist():
-            cause, step, number = told[i].tolist()
-            target[i, max(step, 0) :] = np.nan
-            if cause == JUDGED:
-                message = refused[i]
-            elif cause == STEP_SIZE:
-                h = np.broadcast_to(step_sizes, (len(memory), self.steps))[i, step].item()
-                message = f"step size = {shown(h)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
-            elif cause == INPUT:
-                v, _ = self.reals[number]
-                message = v.refusal(_value(memory[i : i + 1], v.name))
-            elif cause == REFUSED:
-                refusal = self.refusals[number]
-                message = explained(refusal, refusal.names, partial(_value, memory[i : i + 1]))
-            else:
-                message = NO_RESULT
-            failures.append(Failure(first + i, step, message))
-        return failures
+        return memory
 
     def judge(self, memory: Array) -> dict[int, str]:
         """The instances that cannot be initialized, and the first variable that is not allowed."""
@@ -286,9 +268,74 @@ class _Batch:
         return refused
 
 
-def _group(v: Variable) -> int:
-    """0: a Real input, which is judged at each step; 1: another word of 8 bytes; 2: a Boolean."""
-    return 0 if v.real_input else 2 if v.kind == "Boolean" else 1
+class _Task:
+    """Some instances of a batch. A plan holds addresses only: the arrays behind them live as long as the task.
+
+    Attributes:
+        target: where these instances' values are put.
+    """
+
+    def __init__(self, batch: _Batch, first: int, last: int, target: Reals) -> None:
+        self.batch = batch
+        self.first = first
+        self.target = target
+        self.memory = batch.memory(first, last)
+        self.step_sizes = batch.step_sizes.piece(first, last, np.float64)
+        self.values = Groups(*(self.pieces(group, last) for group in batch.varying))
+        self.refused = batch.judge(self.memory)
+        self.reports = np.zeros((len(self.memory), 3), np.int64)
+        self.reports[list(self.refused)] = Cause.START, -1, 0
+
+    def pieces(self, group: _Varying, last: int) -> list[tuple[str, Array]]:
+        """These instances' values of each variable of a group, in the type of the block's memory."""
+        return [(v.name, c.piece(self.first, last, _field(self.memory, v.name).dtype)) for v, c in group]
+
+    def plan(self) -> Plan:
+        memory, target, batch = self.memory, self.target, self.batch
+        return Plan(
+            blocks=np.array([memory.ctypes.data, memory.itemsize, len(memory), batch.steps]),
+            step_sizes=np.array(_source(self.step_sizes)),
+            longest=LONGEST_STEP,
+            sources=Groups(*(self.sources(group) for group in self.values)),
+            limits=np.array([(v.declaration.min, v.declaration.max) for v, _ in batch.varying.reals]).reshape(-1, 2),
+            sinks=Groups(self.sinks("Real"), self.sinks("Integer", "Enumeration"), self.sinks("Boolean")),
+            target=np.array([target.ctypes.data, *target.strides[:2]]),
+            reports=self.reports,
+        )
+
+    def sources(self, group: list[tuple[str, Array]]) -> Whole:
+        return _table(4, ([*_source(values), offset(self.memory.dtype, name)] for name, values in group))
+
+    def sinks(self, *kinds: str) -> Whole:
+        chosen = [(i, v) for i, v in enumerate(self.batch.outputs) if v.kind in kinds]
+        return _table(2, ([offset(self.memory.dtype, v.name), i * self.target.strides[2]] for i, v in chosen))
+
+    def failures(self) -> list[Failure]:
+        """One for each instance that stopped; its values are NaN from that step on."""
+        failures = []
+        for i in np.flatnonzero(self.reports[:, CAUSE]).tolist():
+            cause, step, number = self.reports[i].tolist()
+            self.target[i, max(step, 0) :] = np.nan
+            failures.append(Failure(self.first + i, step, self.message(i, Cause(cause), step, number)))
+        return failures
+
+    def message(self, i: int, cause: Cause, step: int, number: int) -> str:
+        """The words of the FMU's log; `number`: of the input or of the refusal."""
+        value = partial(_value, self.memory[i : i + 1])
+        match cause:
+            case Cause.START:
+                return self.refused[i]
+            case Cause.STEP_SIZE:
+                h = np.broadcast_to(self.step_sizes, (len(self.memory), self.batch.steps))[i, step].item()
+                return f"step size = {shown(h)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
+            case Cause.INPUT:
+                v, _ = self.batch.varying.reals[number]
+                return v.refusal(value(v.name))
+            case Cause.REFUSED:
+                refusal = self.batch.refusals[number]
+                return explained(refusal, spoken_of(refusal, self.batch.variables), value)
+            case _:
+                return NO_RESULT
 
 
 def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
@@ -368,11 +415,11 @@ def _length(what: str, asked: int | None, axis: int, columns: list[_Column]) -> 
     """The number of instances or steps on which all agree."""
     if asked is not None and asked < 0:
         raise UserError(f"{what} = {asked} is not allowed: it must be >= 0")
-    told = [c for c in columns if c.values.shape[axis] != 1]
-    length = asked if asked is not None else told[0].values.shape[axis] if told else 1
-    for c in told:
+    long = [c for c in columns if c.values.shape[axis] != 1]
+    length = asked if asked is not None else long[0].values.shape[axis] if long else 1
+    for c in long:
         if c.values.shape[axis] != length:
-            other = f"{what} = {asked}" if asked is not None else f"{told[0].name} has the shape {told[0].given}"
+            other = f"{what} = {asked}" if asked is not None else f"{long[0].name} has the shape {long[0].given}"
             raise UserError(f"{c.name} has the shape {c.given}, but {other}: {what} must agree, or be 1")
     return length
 

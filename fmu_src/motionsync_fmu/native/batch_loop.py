@@ -1,17 +1,19 @@
-"""The compiled loop that `batch` runs: each instance is initialized, then set, judged, stepped and read step by step.
+"""The compiled loop of a batch: it initializes each instance; then, step by step, it sets and checks the inputs, steps
+the instance and reads the outputs.
 
-One loop serves all blocks and every choice of variables: tables of addresses, strides and offsets tell what to set and
-what to read. So a process compiles it once, and each block once.
+One loop serves all blocks and every choice of variables: tables of addresses, strides and offsets say what is set and
+what is read. So a process compiles the loop once, and each block once.
 """
 
 import os
 import platform
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from enum import IntEnum
 from functools import cache
 from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import llvmlite
 import llvmlite.binding as llvm
@@ -23,12 +25,43 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from ..archive import compilers, digest, sources
-from .libraries import llvm_text
+from motionsync import var
 
+from ..archive import compilers, digest, sources
+from .llvm_text import llvm_text
+
+T = TypeVar("T")
 Whole = NDArray[np.int64]
-STEP_SIZE, INPUT, REFUSED, RAISED, JUDGED = range(1, 6)  # why an instance stopped; 0: it did not
-UNKEPT = (OSError, ValueError, RuntimeError)  # the cache cannot be read or written, holds no text, is not to be found
+UNKEPT = (OSError, ValueError, RuntimeError)  # the cache cannot be read or written, holds no text, or is not found
+
+
+class Cause(IntEnum):
+    """Why an instance stopped."""
+
+    NONE = 0
+    STEP_SIZE = 1  # the step size is not allowed
+    INPUT = 2  # a Real input is not allowed
+    REFUSED = 3  # the block refused the call
+    RAISED = 4  # an arithmetic error in the block
+    START = 5  # a value is not allowed at initialization, which is not begun
+
+
+STEP_SIZE, INPUT, REFUSED, RAISED = (int(c) for c in (Cause.STEP_SIZE, Cause.INPUT, Cause.REFUSED, Cause.RAISED))
+
+# Columns of the tables in a plan.
+ADDRESS, PER_INSTANCE, PER_STEP, OFFSET = range(4)  # of a source; step sizes and target have the first three
+SIZE, INSTANCES, STEPS = range(1, 4)  # of the blocks, after ADDRESS
+FROM, TO = range(2)  # of a sink
+LEAST, GREATEST = range(2)  # of a limit
+CAUSE, STEP, NUMBER = range(3)  # of a report
+
+
+class Groups(NamedTuple, Generic[T]):
+    """One entry for each group of variables, by how their values are copied."""
+
+    reals: T
+    words: T  # other values of 8 bytes
+    flags: T  # Booleans
 
 
 @dataclass(frozen=True)
@@ -37,26 +70,26 @@ class Plan:
 
     Attributes:
         blocks: address of the first instance's memory, size of each, number of instances, number of steps.
-        step_size: address, stride over instances, stride over steps.
+        step_sizes: address, stride over instances, stride over steps.
         longest: the greatest allowed step size.
-        sources: what to set: the Real inputs, which are judged; other words of 8 bytes; Booleans. A row for each:
-            address, stride over instances, stride over steps, offset in the block.
+        sources: what is set: Real inputs, which are checked at each step; all else of 8 bytes; Booleans. A row for each
+            variable: address, stride over instances, stride over steps, offset in the block.
         limits: least and greatest value of each Real input in `sources`.
-        sinks: what to read: Reals; Integers and enumerations; Booleans. A row for each: offset in the block, offset in
-            the target.
-        target: where to put it: address, stride over instances, stride over steps.
-        told: a row for each instance: why it stopped, at which step (-1: at initialization), which input or refusal it
-            was. An instance that is not to begin has its reason already.
+        sinks: what is read: Reals; Integers and enumerations; Booleans. A row for each variable: offset in the block,
+            offset in the target.
+        target: where it is put: address, stride over instances, stride over steps.
+        reports: a row for each instance: the cause for which it stopped, at which step (-1: at initialization), which
+            input or refusal it was. An instance that is not to begin has its cause before.
     """
 
     blocks: Whole
-    step_size: Whole
+    step_sizes: Whole
     longest: float
-    sources: tuple[Whole, Whole, Whole]
+    sources: Groups[Whole]
     limits: NDArray[np.float64]
-    sinks: tuple[Whole, Whole, Whole]
+    sinks: Groups[Whole]
     target: Whole
-    told: Whole
+    reports: Whole
 
 
 @dataclass(frozen=True)
@@ -73,7 +106,7 @@ _compiling = Lock()
 
 
 def code(block_type: type[Any]) -> Code:
-    """The code of a block, from the same LLVM text as the native FMU; compiled at the first call."""
+    """The code of a block, from the same LLVM text as the native FMU. The first call for a block compiles it."""
     with _compiling:
         if block_type not in _codes:
             llvm.initialize_native_target()
@@ -88,11 +121,10 @@ def code(block_type: type[Any]) -> Code:
 
 
 def _text(block_type: type[Any]) -> str:
-    """The block's LLVM text: Numba needs long for it, so that of our own blocks is kept in the user's cache.
-
-    One file a block; its first line tells what it was made from and by."""
+    """The block's LLVM text. Numba takes long to make it, so the text of the project's own blocks is kept in the user's
+    cache: one file a block, whose first line says what the text was made from, and by which compiler."""
     module = block_type.__module__
-    if module.partition(".")[0] != __package__.removesuffix("_fmu"):
+    if module.partition(".")[0] != var.__package__:
         return llvm_text(block_type())
     made_by = f"{platform.python_version()} numba {numba.__version__} llvmlite {llvmlite.__version__}"
     mark = f"; {digest(sources(module) | compilers())} Python {made_by} {platform.machine()}\n"
@@ -119,72 +151,83 @@ def run(block: Code, plan: Plan) -> None:
     """Initialize and step all instances, without the interpreter's lock."""
     with _compiling:
         loop = _loop()
-    loop(np.array([block.initialize, block.step]), *(getattr(plan, name) for name in Plan.__dataclass_fields__))
+    loop(np.array([block.initialize, block.step]), *(getattr(plan, field.name) for field in fields(Plan)))
 
 
 @cache
 def _loop() -> Any:
-    initialize, step = _model()
-    get_real, set_real = _access(types.float64)
-    get_word, set_word = _access(types.int64)
-    get_flag, set_flag = _access(types.uint8)
-
-    @njit(error_model="numpy")
-    def stepped(model, block, i, steps, step_size, longest, sources, limits, sinks, target):  # type: ignore[no-untyped-def]
-        """One instance from start to end; why, where and at which input or refusal it stopped."""
-        reals, words, flags = sources
-        out_reals, out_words, out_flags = sinks
-        refusal = initialize(model[0], block)
-        if refusal != 0:
-            return REFUSED if refusal > 0 else RAISED, -1, refusal
-        for t in range(steps):
-            h = get_real(step_size[0] + i * step_size[1] + t * step_size[2])
-            if not 0.0 < h <= longest:
-                return STEP_SIZE, t, 0
-            for k in range(len(reals)):
-                x = get_real(reals[k, 0] + i * reals[k, 1] + t * reals[k, 2])
-                set_real(block + reals[k, 3], x)
-                if not limits[k, 0] <= x <= limits[k, 1]:  # nor is NaN
-                    return INPUT, t, k
-            for k in range(len(words)):
-                set_word(block + words[k, 3], get_word(words[k, 0] + i * words[k, 1] + t * words[k, 2]))
-            for k in range(len(flags)):
-                set_flag(block + flags[k, 3], get_flag(flags[k, 0] + i * flags[k, 1] + t * flags[k, 2]))
-            refusal = step(model[1], block, h)
-            if refusal != 0:
-                return REFUSED if refusal > 0 else RAISED, t, refusal
-            row = target[0] + i * target[1] + t * target[2]
-            for k in range(len(out_reals)):
-                set_real(row + out_reals[k, 1], get_real(block + out_reals[k, 0]))
-            for k in range(len(out_words)):
-                set_real(row + out_words[k, 1], float(get_word(block + out_words[k, 0])))
-            for k in range(len(out_flags)):
-                set_real(row + out_flags[k, 1], float(get_flag(block + out_flags[k, 0])))
-        return 0, 0, 0
-
+    """The loop over all instances of a plan, compiled."""
+    stepped = _stepped()
     vector, table, limits_table = types.int64[::1], types.int64[:, ::1], types.float64[:, ::1]
-    tables = types.UniTuple(table, 3)
+    tables = types.NamedUniTuple(table, 3, Groups)
 
     @njit(
         types.void(vector, vector, vector, types.float64, tables, limits_table, tables, vector, table),
         nogil=True,
         error_model="numpy",
     )
-    def all_stepped(model, blocks, step_size, longest, sources, limits, sinks, target, told):  # type: ignore[no-untyped-def]
-        for i in range(blocks[2]):
-            if told[i, 0] == 0:
-                block = blocks[0] + i * blocks[1]
-                told[i, 0], told[i, 1], told[i, 2] = stepped(
-                    model, block, i, blocks[3], step_size, longest, sources, limits, sinks, target
+    def all_stepped(model, blocks, step_sizes, longest, sources, limits, sinks, target, reports):  # type: ignore[no-untyped-def]
+        for i in range(blocks[INSTANCES]):
+            if reports[i, CAUSE] == 0:
+                block = blocks[ADDRESS] + i * blocks[SIZE]
+                reports[i, CAUSE], reports[i, STEP], reports[i, NUMBER] = stepped(
+                    model, block, i, blocks[STEPS], step_sizes, longest, sources, limits, sinks, target
                 )
 
     return all_stepped
 
 
+def _stepped() -> Any:
+    """All steps of one instance, for compiled code; one function, since calls for the parts would cost half as much
+    again as a step of a small block."""
+    initialize, step = _model()
+    get_real, set_real = _access(types.float64)
+    get_word, set_word = _access(types.int64)
+    get_flag, set_flag = _access(types.uint8)
+
+    @njit(error_model="numpy")
+    def stepped(model, block, i, steps, step_sizes, longest, sources, limits, sinks, target):  # type: ignore[no-untyped-def]
+        """Why, where and at which input or refusal the instance stopped."""
+        reals, words, flags = sources
+        out_reals, out_words, out_flags = sinks
+        refusal = initialize(model[0], block)
+        if refusal != 0:
+            return REFUSED if refusal > 0 else RAISED, -1, refusal
+        for t in range(steps):
+            h = get_real(step_sizes[ADDRESS] + i * step_sizes[PER_INSTANCE] + t * step_sizes[PER_STEP])
+            if not 0.0 < h <= longest:
+                return STEP_SIZE, t, 0
+            for k in range(len(reals)):
+                x = get_real(reals[k, ADDRESS] + i * reals[k, PER_INSTANCE] + t * reals[k, PER_STEP])
+                set_real(block + reals[k, OFFSET], x)
+                if not limits[k, LEAST] <= x <= limits[k, GREATEST]:  # NaN is not allowed either
+                    return INPUT, t, k
+            for k in range(len(words)):
+                word = get_word(words[k, ADDRESS] + i * words[k, PER_INSTANCE] + t * words[k, PER_STEP])
+                set_word(block + words[k, OFFSET], word)
+            for k in range(len(flags)):
+                flag = get_flag(flags[k, ADDRESS] + i * flags[k, PER_INSTANCE] + t * flags[k, PER_STEP])
+                set_flag(block + flags[k, OFFSET], flag)
+            refusal = step(model[1], block, h)
+            if refusal != 0:
+                return REFUSED if refusal > 0 else RAISED, t, refusal
+            row = target[ADDRESS] + i * target[PER_INSTANCE] + t * target[PER_STEP]
+            for k in range(len(out_reals)):
+                set_real(row + out_reals[k, TO], get_real(block + out_reals[k, FROM]))
+            for k in range(len(out_words)):
+                set_real(row + out_words[k, TO], float(get_word(block + out_words[k, FROM])))
+            for k in range(len(out_flags)):
+                set_real(row + out_flags[k, TO], float(get_flag(block + out_flags[k, FROM])))
+        return 0, 0, 0
+
+    return stepped
+
+
 def _model() -> tuple[Any, Any]:
     """Calls of a block's functions for compiled code: the refusal, or -1 if there was an exception.
 
-    Numba's convention: the result and the exception go to addresses, what is returned tells whether there was one."""
+    Numba's convention: the result and the exception go to addresses; what is returned is 0 unless there was an
+    exception."""
     word = ir.IntType(64)
     status, pointer, real = ir.IntType(32), word.as_pointer(), ir.DoubleType()
 

@@ -1,4 +1,4 @@
-"""Numba compiles a block: its object tree becomes one NumPy record, its classes become Numba types with methods."""
+"""How Numba sees a block: its tree of objects is one NumPy record, each of its classes a Numba type with methods."""
 
 import inspect
 from collections.abc import Callable
@@ -16,10 +16,10 @@ from motionsync import var
 
 from .numba_target import text_of
 
-# The generated code is for any processor; Numba reads these when it generates its first code.
+# The generated code is for any processor. Numba reads these settings when it generates its first code.
 config.CPU_NAME, config.CPU_FEATURES = "generic", ""
 
-# Bounds and divisions are checked as in Python; no reference counting, no wrappers for the interpreter.
+# Indices and divisors are checked as in Python. The code neither counts references nor can the interpreter call it.
 OPTIONS = {
     "error_model": "python",
     "boundscheck": True,
@@ -46,7 +46,7 @@ def dtype(block: Any) -> np.dtype[Any]:
 
 
 def offset(layout: Any, name: str) -> int:
-    """Where the variable of that name lies in memory of that layout, in bytes."""
+    """Where the variable of that name lies in a memory of that layout: the distance from its start in bytes."""
     total = 0
     for part in name.split("."):
         layout, here = layout.fields[part][:2]
@@ -55,7 +55,7 @@ def offset(layout: Any, name: str) -> int:
 
 
 def image(block: Any) -> np.ndarray[Any, Any]:
-    """The block's present values in that memory; what lies between the fields is 0."""
+    """The block's present values in the memory of its `dtype`; the bytes between the fields are 0."""
     memory = np.zeros((), dtype(block))
     _fill(memory, block)
     return memory
@@ -71,7 +71,7 @@ def _fill(memory: Any, block: Any) -> None:
 
 
 def record(block: Any) -> types.Record:
-    """The Numba type of one object: a record that knows its class, so that methods find the right receiver."""
+    """The Numba type of one object: a record that knows its class, and so its methods."""
     plain = from_dtype(dtype(block))
     columns = []
     for f in fields(block):
@@ -84,8 +84,11 @@ def record(block: Any) -> types.Record:
 
 @cache
 def _kind(cls: Any) -> Any:
-    """A class of records of its own: two classes with equal fields, or equal method names, must not be mixed up."""
-    kind = type(cls.__name__, (types.Record,), {"__repr__": lambda self: cls.__name__})  # Numba's spells all fields
+    """The class of the Numba types of one class's objects. Each class has its own, so that Numba does not mix up two
+    classes with equal fields or equal names of methods."""
+    kind = type(
+        cls.__name__, (types.Record,), {"__repr__": lambda self: cls.__name__}
+    )  # Numba's own text lists all fields
     register_model(kind)(models.RecordModel)
     for name, method in methods(cls).items():
         overload_method(kind, name, jit_options=OPTIONS)(_overload(method))
@@ -99,7 +102,7 @@ def methods(cls: type) -> dict[str, FunctionType]:
 
 
 def _overload(method: FunctionType) -> Callable[..., Any]:
-    """Numba asks for a method by argument types and compares the two signatures."""
+    """What Numba calls with argument types to get a method's implementation. Both must have the same signature."""
     implementation = _rebased(method)
 
     def pick(*arguments: Any) -> Callable[..., Any]:
@@ -109,7 +112,7 @@ def _overload(method: FunctionType) -> Callable[..., Any]:
     return pick
 
 
-@overload(var.copy, jit_options=OPTIONS)  # type: ignore[untyped-decorator]
+@overload(var.copy, jit_options=OPTIONS)
 def _copy(into, source):  # type: ignore[no-untyped-def] # Numba compares this signature with the implementation's
     """`var.copy` of two records: their fields one by one."""
     if not isinstance(into, types.Record) or type(into) is not type(source):
@@ -133,7 +136,7 @@ def entry(cls: type, name: str) -> Any:
 
 
 def _rebased(function: FunctionType) -> FunctionType:
-    """The function over a copy of its module in which the package's own functions are compiled ones."""
+    """The function with a copy of its module's names, in which the package's own functions are compiled ones."""
     return FunctionType(function.__code__, _namespace(function), function.__name__, function.__defaults__)
 
 
@@ -153,5 +156,5 @@ def _namespace(function: FunctionType) -> dict[str, Any]:
 
 @cache
 def _compiled(function: FunctionType) -> Any:
-    """One for all modules that use the function, so that it is compiled once."""
+    """The compiled function: the same object for all modules that use it, so that it is compiled once."""
     return text_of(**OPTIONS)(_rebased(function))

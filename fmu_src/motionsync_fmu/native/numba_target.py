@@ -1,8 +1,8 @@
-"""Numba as it lowers a function and all that it calls to LLVM's text, which is neither optimised nor loaded.
+"""A Numba target that stops at LLVM's text: functions and all that they call, neither optimised nor loaded.
 
-As usual Numba optimises, compiles and loads each function for itself, with copies of all that it calls: of a block with
-hundreds of methods that is most of its time, and none of it is used here. So the blocks are compiled for a target of
-their own (numba.core.target_extension): the usual one stays as it is, and what it has compiled is not found here.
+Numba's usual target optimises, compiles and loads each function by itself, with copies of all functions that it calls.
+For a block with hundreds of methods that takes most of Numba's time, and nothing of it is used here. So the blocks are
+compiled for a target of their own (numba.core.target_extension); neither target sees what the other one has compiled.
 """
 
 from collections.abc import Callable, Mapping
@@ -56,7 +56,7 @@ class _Dispatcher(CPUDispatcher):  # type: ignore[misc]
 
 
 class _Text(CPU):  # type: ignore[misc]
-    """All that is made for a CPU is for this target too."""
+    """Everything that Numba has for a CPU can be used for this target, too."""
 
 
 target_registry[TARGET] = _Text
@@ -66,7 +66,11 @@ jit_registry[_Text] = text_of
 
 
 def lowered(functions: Mapping[str, tuple[Any, tuple[Any, ...]]]) -> tuple[llvm.ModuleRef, dict[str, str]]:
-    """One module for functions (from `text_of`) of arguments of these types, and which name in it stands for which."""
+    """One module with these functions (made by `text_of`) for arguments of these types.
+
+    Returns:
+        The module, and for each function's name in it the name under which it was given.
+    """
     libraries: dict[Any, None] = {}
     names = {}
     for name, (function, arguments) in functions.items():
@@ -81,7 +85,7 @@ def lowered(functions: Mapping[str, tuple[Any, tuple[Any, ...]]]) -> tuple[llvm.
 
 
 def _collect(library: Any, found: dict[Any, None]) -> None:
-    """A library and all that it needs, each once, in an order that is the same every time."""
+    """Add a library and all that it needs, each once, in an order that is always the same."""
     if library not in found:
         found[library] = None
         for other in library._linking_libraries:

@@ -25,6 +25,7 @@ from ..errors import UserError
 from ..interface.table import groups
 from ..interface.units import axis_label, unit_name
 from ..interface.variables import Cell, cells, members, summary, variables
+from ..native.platforms import PLATFORMS
 from ..scenario.clocks import Clocks, Rate
 from ..scenario.script import Script
 
@@ -40,12 +41,6 @@ STYLE: Any = {  # the same picture at every build
     "axes.spines.right": False,
     "axes.grid": True,
     "grid.alpha": 0.3,
-}
-PLATFORMS = {  # the names that FMI gives them
-    "linux64": "Linux on x86-64",
-    "aarch64-linux": "Linux on 64-bit ARM",
-    "win64": "Windows on x86-64",
-    "darwin64": "macOS on x86-64 and on 64-bit ARM",
 }
 MASTER, SLAVE = "#7a8793", "#c8451b"
 VARIANTS = (SLAVE, "#1f6fb2")  # of a block, beside one another
@@ -75,7 +70,7 @@ def pages(name: str, block: Any, unit: str, flavour: str, platforms: list[str], 
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,
         "flavour": flavour,
-        "platforms": {p: PLATFORMS[p] for p in platforms},
+        "platforms": {p: PLATFORMS[p].title for p in platforms},
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
     files = {page: TEMPLATES.get_template(f"{page}.j2").render(values).encode() for page in names}

@@ -17,8 +17,8 @@ from .. import __version__
 from ..interface.units import axis_label, unit_name
 from ..interface.variables import Variable
 from ..scenario.cuts import Cut, CutSpec, find_cuts
+from ..scenario.judge import Check, Deviation, read_reference
 from ..scenario.recording import Reals, Recording
-from ..scenario.run import Check, Deviation, read_reference
 from ..scenario.scenario import Scenario
 from ..scenario.telegrams import Errors, errors
 from .block_page import MASTER, SLAVE, TEMPLATES

@@ -13,8 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from motionsync.remote_sync.block import INDICES
-
 from .recording import Reals
 from .script import Script
 
@@ -38,7 +36,7 @@ class Telegrams:
 
     Attributes:
         index: which telegram, counted on from the first one without wrapping; shape (cycles,).
-        cycle_index: the same as the telegram tells it, 0 to 65535.
+        cycle_index: the same as the telegram tells it: from 0 to below `Clocks.wraps_at`.
         motion: position, velocity and acceleration of the axis as the telegram tells them, in u, u/s, u/s2; shape
             (cycles, 3).
         true_index: the sender's index at the cycle's instant, a real number that never wraps; shape (cycles,).
@@ -64,7 +62,8 @@ class Clocks:
         seed: of the jitter; the same seed gives the same one, however long the run.
         lost: first and last index of telegrams that never arrive, counted as `Telegrams.index` is; none of them is
             sent before the first one.
-        first_index: of the first telegram, 0 to 65535.
+        first_index: of the first telegram, as the telegram tells it.
+        wraps_at: the index in a telegram begins again at 0 where it would reach this number.
     """
 
     task_cycle: float
@@ -74,6 +73,7 @@ class Clocks:
     seed: int = 0
     lost: Sequence[tuple[int, int]] = ()
     first_index: int = 0
+    wraps_at: int = 65536
 
     def acted(self, t: float) -> int:
         """How many of the receiver's cycles have acted before t; the next one to act has this number."""
@@ -114,7 +114,7 @@ class Clocks:
         motions = [axis.at(t) for t in self.sent(index).tolist()]
         return Telegrams(
             index,
-            index % INDICES,
+            index % self.wraps_at,
             np.array([(m.position, m.velocity, m.acceleration) for m in motions]),
             self.true_index(np.arange(float(cycles)) * self.task_cycle),
         )

@@ -6,7 +6,8 @@ from pathlib import Path
 from motionsync.blocks import BLOCKS
 
 from ..errors import choose
-from .scenario import Scenario, load
+from .reader import load
+from .scenario import Scenario
 
 FILE = "example.toml"
 

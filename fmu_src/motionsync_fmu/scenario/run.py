@@ -1,9 +1,7 @@
-"""Runs a scenario through a built FMU and judges the result."""
+"""Runs a scenario: through a built FMU, or through the block in this process."""
 
-import csv
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,49 +12,25 @@ from motionsync.master import MasterInput
 
 from ..errors import UserError
 from ..interface.stepper import RefusedError, Stepper
-from .cuts import CutSpec, find_cuts
 from .fmu_instance import FmuError, FmuInstance
 from .recording import Recording
-from .scenario import COMPARISONS, AtTime, Scenario, When, Within
+from .scenario import AtTime, Scenario, Within
 from .script import Motion
-from .telegrams import Accuracy, Errors, errors
 
 CLOSE = 1e-9  # of a step: communication points nearer to one another are one
 
 
-@dataclass(frozen=True)
-class Check:
-    """One expectation and what was found."""
-
-    expected: str
-    found: str
-    passed: bool
-
-
-@dataclass(frozen=True)
-class Deviation:
-    """How far a variable was from the reference: the greatest |difference|, when, and what is allowed."""
-
-    name: str
-    greatest: float
-    at: float
-    allowed: float
-    points: int
-
-    @property
-    def passed(self) -> bool:
-        return self.greatest <= self.allowed
-
-
 def points(scenario: Scenario, step_size: float) -> list[float]:
-    """The communication points: a regular grid, and where something is set, expected, or the script breaks.
+    """The communication points: a regular grid, and each time of a setting, an expectation or a script break.
 
-    Everything in a scenario thus happens when it says, whatever the step size."""
+    So everything happens at its own time, whatever the step size."""
     extra = [s.at for s in scenario.settings]
     extra += [e.at for e in scenario.expectations if isinstance(e, AtTime)]
     extra += [t for e in scenario.expectations if isinstance(e, Within) for t in (e.begin, e.end)]
     extra += [*scenario.master.breaks[1:], scenario.stop_time]
-    breaks = set(scenario.master.breaks)  # first among equals: the master is asked for its motion up to there
+    breaks = set(
+        scenario.master.breaks
+    )  # of equal times the script's break is kept: `until` then gives the motion that ends there
     grid = [i * step_size for i in range(math.floor(scenario.stop_time / step_size * (1.0 + 1e-12)) + 1)]
     kept: list[float] = []
     exact = set(extra)
@@ -69,8 +43,8 @@ def points(scenario: Scenario, step_size: float) -> list[float]:
 
 
 def inputs(scenario: Scenario, t: float, end: float) -> dict[str, float]:
-    """The scripted axis' inputs for the step from t to `end`: a remote one's telegram, or the master, wrapped as a
-    rotary axis' would be."""
+    """The inputs that the scripted axis gives for the step from t to `end`: the telegram of a remote axis, or the
+    motion of the master, whose position is wrapped if the axis is a rotary one."""
     if scenario.remote:
         return scenario.remote.inputs(t, end)
     mode = scenario.start.get("master.input_mode", MasterInput.START_OF_STEP)
@@ -83,7 +57,8 @@ def inputs(scenario: Scenario, t: float, end: float) -> dict[str, float]:
 
 
 def schedule(scenario: Scenario, step_size: float) -> Iterator[tuple[float, float, dict[str, Any]]]:
-    """Each step's beginning and end, and what is set for it; what stays as it is is not repeated but the axis."""
+    """Of each step: its beginning, its end, and the inputs that are set for it: the axis, and the scenario's settings
+    at the step at which they change."""
     waiting = sorted(scenario.settings, key=lambda s: s.at)
     grid = points(scenario, step_size)
     for t, end in pairwise(grid):
@@ -161,132 +136,3 @@ def run_in_process(scenario: Scenario, step_size: float) -> Recording:
     except RefusedError as e:
         raise UserError(f"{scenario.file}: at {time:g} s {e}") from None
     return recorder.recording([])
-
-
-def check(scenario: Scenario, recording: Recording) -> list[Check]:
-    """Every expectation of the scenario, judged; those of its cuts and of its remote axis come last."""
-    found: list[Check] = []
-    texts = {name: v.text for name, v in scenario.recipe.variables.items()}
-    for e in scenario.expectations:
-        match e:
-            case AtTime():
-                found += _at_time(e, recording, texts)
-            case When():
-                found.append(_when(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
-            case Within():
-                found += _within(e, recording)
-    if scenario.cuts:
-        found += _cuts(scenario.cuts, recording)
-    if scenario.remote and scenario.remote.accuracy:
-        found += _accuracy(scenario.remote.accuracy, errors(scenario.remote, recording))
-    return found
-
-
-def _at_time(e: AtTime, recording: Recording, texts: Mapping[str, Callable[[float], str]]) -> Iterator[Check]:
-    i = int(np.argmin(np.abs(recording.time - e.at)))
-    for name, wanted in e.values.items():
-        value = float(recording.values[name][i])
-        text = texts[name]
-        allowed = f" ± {e.tolerance:g}" if text(wanted) == f"{wanted:.10g}" else ""
-        expected = f"{name} = {text(wanted)}{allowed} at {e.at:g} s"
-        yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)
-
-
-def _when(e: When, recording: Recording, cycle: float) -> Check:
-    """Without a tolerance an event is known to a step, that of a cyclic block to a cycle."""
-    tolerance = max(float(np.diff(recording.time).max()), cycle) if e.tolerance is None else e.tolerance
-    holds = np.asarray(COMPARISONS[e.comparison](recording.values[e.name], e.value))
-    expected = f"first {e.text} at {e.time:g} s ± {tolerance:g}"
-    if not holds.any():
-        return Check(expected, "never", False)
-    time = float(recording.time[int(np.argmax(holds))])
-    return Check(expected, f"{time:.10g} s", abs(time - e.time) <= tolerance * (1.0 + 1e-9))
-
-
-def _within(e: Within, recording: Recording) -> Iterator[Check]:
-    chosen = (recording.time >= e.begin - 1e-9) & (recording.time <= e.end + 1e-9)
-    for name, (low, high) in e.limits.items():
-        values = recording.values[name][chosen]
-        least, greatest = float(values.min()), float(values.max())
-        passed = low - e.tolerance <= least and greatest <= high + e.tolerance
-        expected = f"{name} from {low:g} to {high:g} ± {e.tolerance:g} between {e.begin:g} s and {e.end:g} s"
-        yield Check(expected, f"{least:.10g} to {greatest:.10g}", passed)
-
-
-def _cuts(spec: CutSpec, recording: Recording) -> Iterator[Check]:
-    found = find_cuts(spec, recording)
-    if spec.count is not None:
-        yield Check(f"number of cuts = {spec.count}", f"{len(found)}", len(found) == spec.count)
-    if spec.tolerance is not None:
-        worst = max((abs(c.error) for c in found), default=math.inf)
-        expected = f"cuts within {spec.tolerance:g} of a mark, one mark each {spec.length:g}"
-        yield Check(expected, f"at most {worst:.3g} away" if found else "no cut", worst <= spec.tolerance)
-
-
-def _accuracy(allowed: Accuracy, found: Errors) -> Iterator[Check]:
-    chosen = found.time >= allowed.begin - 1e-9
-    since = f"from {allowed.begin:g} s on"
-    if allowed.index is not None:
-        width = float(np.ptp(found.corrected_index[chosen]))
-        expected = f"corrected_cycle_index within {allowed.index:g} cycles of the true index, peak to peak, {since}"
-        yield Check(expected, f"{width:.3g}", width <= allowed.index)
-    if allowed.position is not None:
-        worst = float(np.abs(found.corrected_position[chosen]).max())
-        behind = f", {allowed.behind:g} data cycles behind," if allowed.behind else ""
-        expected = f"slave.position within {allowed.position:g} of the true axis{behind} {since}"
-        yield Check(expected, f"at most {worst:.3g} away", worst <= allowed.position)
-
-
-def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]], float] | None:
-    """Names, rows of shape (points, 1 + names) and relative tolerance of the scenario's reference; None without one.
-
-    Raises:
-        UserError: a reference that cannot be read or names an unknown variable.
-    """
-    file = scenario.file.parent / f"{scenario.recipe.name}_ref.csv"
-    options = file.with_suffix(".opt")
-    if not file.exists():
-        return None
-    try:
-        with file.open(newline="") as lines:
-            header, *rows = list(csv.reader(lines))
-        settings = dict(line.split(",") for line in options.read_text().splitlines() if line.strip())
-        tolerance = float(settings["RelTol"])
-        table = np.array(rows, float)
-        if table.shape[1] != len(header):
-            raise ValueError("rows of different lengths")
-    except (OSError, ValueError, KeyError, IndexError) as e:
-        raise UserError(f"{file}: not a reference: {e}") from None
-    return header[1:], table, tolerance
-
-
-def compare(scenario: Scenario, recording: Recording) -> list[Deviation]:
-    """The recording against the reference at their common times.
-
-    Two reference rows of one time are the values before and after a jump: anything between them agrees. The tolerance
-    is relative to the greatest magnitude of the variable in the reference, at least 1.
-    """
-    reference = read_reference(scenario)
-    if reference is None:
-        return []
-    names, table, tolerance = reference
-    if unknown := [n for n in names if n not in recording.values]:
-        raise UserError(f"{scenario.file.parent}: the reference has {unknown[0]!r}, the FMU has not")
-    times = np.unique(table[:, 0])
-    at = np.searchsorted(recording.time, times - 1e-9)
-    common = (at < len(recording.time)) & (
-        np.abs(recording.time[np.minimum(at, len(recording.time) - 1)] - times) <= 1e-9
-    )
-    first = np.searchsorted(table[:, 0], times[common], "left")
-    last = np.searchsorted(table[:, 0], times[common], "right") - 1
-    found = []
-    for column, name in enumerate(names, 1):
-        before, after = table[first, column], table[last, column]
-        values = recording.values[name][at[common]]
-        beyond = np.maximum(np.minimum(before, after) - values, values - np.maximum(before, after))
-        away = np.maximum(beyond, 0.0)
-        worst = int(np.argmax(away)) if len(away) else 0
-        scale = max(1.0, float(np.abs(table[:, column]).max()))
-        greatest, time = (float(away[worst]), float(times[common][worst])) if len(away) else (math.inf, 0.0)
-        found.append(Deviation(name, greatest, time, tolerance * scale, int(common.sum())))
-    return found

@@ -1,7 +1,7 @@
 """A scenario's remote axis: what its telegrams tell the block, and how far the block's outputs are from the truth.
 
 What an output at a communication point describes is the axis at the instant of the last cycle before that point,
-shifted by `delay_time_offset`. The truth about it is the script, which the telegrams sample.
+shifted by the block's delay. The truth about it is the script, which the telegrams sample.
 """
 
 from collections.abc import Sequence
@@ -11,13 +11,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from motionsync.remote_sync.block import INDICES
-
+from ..interface.roles import MOTION, RemoteAxis
 from .clocks import Clocks, Telegrams
 from .recording import Reals, Recording
 from .script import Script
-
-MOTION = ("position", "velocity", "acceleration")
 
 
 @dataclass(frozen=True)
@@ -26,7 +23,7 @@ class Accuracy:
 
     Attributes:
         begin: from when on, in s.
-        index: of `corrected_cycle_index` to the sender's true index, peak to peak in the sender's cycles; None: it is
+        index: of the corrected index to the sender's true index, peak to peak in the sender's cycles; None: it is
             not judged.
         position: of `slave.position` to the true axis, in u; None: it is not judged.
         behind: how many data cycles the slave is behind the axis by design.
@@ -43,11 +40,16 @@ class Remote:
     """An axis that is known by telegrams only.
 
     Attributes:
+        names: the block's variables that belong to the axis.
+        axis: the true axis.
         cycles: how many cycles of the receiver there are.
         data_cycle: nominal distance of the telegrams, in s.
-        delays: the block's `delay_time_offset` from a time on, both in s; the first from 0 on.
+        delays: by how much the block's outputs are later than a cycle's instant, from a time on, both in s; the first
+            from 0 on.
+        accuracy: how near the block has to be to the truth; None: it is not judged.
     """
 
+    names: RemoteAxis
     axis: Script
     clocks: Clocks
     cycles: int
@@ -63,7 +65,8 @@ class Remote:
         """The telegram that a step shows to the block."""
         i = self.clocks.shown(begin, end)
         motion = zip(MOTION, self.telegrams.motion[i].tolist(), strict=True)
-        return {"remote.cycle_index": int(self.telegrams.cycle_index[i])} | {f"remote.{n}": x for n, x in motion}
+        index = {self.names.cycle_index: int(self.telegrams.cycle_index[i])}
+        return index | {f"{self.names.part}.{n}": x for n, x in motion}
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ class Errors:
         time: in s.
         received: the axis as the telegrams told it, shape (points - 1, 3): u, u/s, u/s2.
         index, corrected_index: of the telegram and of the block, in the sender's cycles; positive: ahead of the
-            sender. As the telegrams' index wraps, so do they: to less than 32768 cycles.
+            sender. As the telegrams' index wraps, so do they: to less than half of `Clocks.wraps_at`.
         position, corrected_position: of the telegram at the cycle's instant, and of the slave, in u.
     """
 
@@ -96,12 +99,12 @@ def errors(remote: Remote, recording: Recording) -> Errors:
     delay = delays[np.searchsorted(at, instant + 1e-9, "right") - 1]
     behind = remote.accuracy.behind * remote.data_cycle if remote.accuracy else 0.0
     true_index, received = telegrams.true_index[acted], telegrams.motion[shown]
-    corrected = recording.values["corrected_cycle_index"][1:]
+    corrected = recording.values[remote.names.corrected_index][1:]
     return Errors(
         recording.time[1:],
         received,
-        _wrapped(telegrams.cycle_index[shown] - true_index),
-        _wrapped(corrected - true_index),
+        _wrapped(telegrams.cycle_index[shown] - true_index, clocks.wraps_at),
+        _wrapped(corrected - true_index, clocks.wraps_at),
         received[:, 0] - _positions(remote.axis, instant),
         recording.values["slave.position"][1:] - _positions(remote.axis, instant + delay - behind),
     )
@@ -111,6 +114,6 @@ def _positions(axis: Script, times: Reals) -> Reals:
     return np.array([axis.at(t).position for t in times.tolist()])
 
 
-def _wrapped(difference: Reals) -> Reals:
+def _wrapped(difference: Reals, wraps_at: int) -> Reals:
     """A difference of indices, of which at least one may have wrapped."""
-    return np.asarray(difference - INDICES * np.round(difference / INDICES))
+    return np.asarray(difference - wraps_at * np.round(difference / wraps_at))

@@ -1,37 +1,22 @@
 """Gearing: a slave geared to a master by a whole-number ratio, engaged and disengaged by one level signal.
 
-Source: MOVIKIT gearing; its mechanism with a reference position. Decisions where the source is silent:
-
-- A deactivated block shows the state, and in_gear, that it had, until a reset or until it is activated again. A reset
-  while active clears the fault only. A command that sets the synchronous point is an accepted one, a ratio is none.
-- A falling edge in GEAR_IN whose disengagement is direct without transition, or time-based, acts at once whichever way
-  the master moves. An edge that waits for the end of a transition is taken back by the contrary one; its values are
-  judged at the edge, and judged and read when it acts. If the master falls back before the trigger of GEAR_OUT, a
-  rising edge that waits acts as in WAITING_FOR_STOPPOSITION.
-- A ratio that is changed in GEAR_OUT, or while not active, is not looked at before the next engagement.
-- A direct transition that has fallen back waits for its own trigger, with `master.period` for each occurrence of it.
-- To come from beyond on to a position and turn there, with or without a rest, is no crossing; to set out from it is.
-- A condition met by the master's motion is met where the motion that way begins. In time-based laws and while waiting
-  the master's acceleration is the one that takes its velocity to the step's end.
-- `local.progress` is 1 in ACTIVE and 0 at rest or waiting; `local.line_offset` counts from the occurrences of m_a and
-  s_a in [0, period); while waiting for a motion `local.trigger_position` is that of the manoeuvre before.
-- A distance or a time below 1e-9 is taken like a negative one; a mode that does not exist is fault 5.
+Source: MOVIKIT gearing; its mechanism with a reference position. README.md says what is decided where it is silent.
 """
 
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import nearest, wrap
+from ..grid import ROUNDING, first_ahead, grid_tolerance, nearest, rounding, wrap
 from ..laws import chain_rule
 from ..limits import clamp
-from ..master import Master
 from ..slave import Edge
-from ..var import LARGEST_INPUT, Unit
-from .choices import Aim, State, Transition
-from .curves import SAME_TIME, Blend, into, out
+from ..var import LARGEST_INPUT
+from .curves import SAME_TIME, MasterCurve, TimeCurve, gear_in_curve, gear_out_curve
 from .faults import Fault, Refusal
-from .line import ROUNDING, SAME_TURN, Line, ahead, direction_of, rounding, tolerance
-from .orders import GearedSlave, GearIn, GearOut, Order, Ratio, SetPoint, fault_of, gear_in_fault, gear_out_fault
+from .interface import GearingInterface, Ratio, State, Transition
+from .line import Line, direction_of
+from .order import Aim, Order, gear_in_fault, gear_out_fault, ratio_fault, transition_fault
+from .stage import Stage, state_of
 
 STANDING = 1e-13  # of the speed in a step: what rounding leaves of a velocity that comes to 0
 ON_LINE = 1e-9  # of the master's position, at least of 1 u: so near to the line the slave is on it
@@ -40,22 +25,7 @@ EVENTS = 16  # in a monotone piece of the master's path there are eight at most
 
 
 @dataclass(slots=True)
-class Local:
-    """What a commissioning engineer would watch."""
-
-    trigger_position: float = var.local(
-        0.0, "master position at which the transition begins, or has begun", Unit.POSITION
-    )
-    line_offset: float = var.local(
-        0.0, "where the line has the slave with the master at 0", Unit.POSITION, discrete=True
-    )
-    progress: float = var.local(
-        0.0, "share of the transition that is done, of its distance or its time", min=0.0, max=1.0
-    )
-
-
-@dataclass(slots=True)
-class Gearing:
+class Gearing(GearingInterface):
     """Gears a slave to a master by a whole-number ratio, on a straight line through a point that can be chosen.
 
     In gear the slave is at s_a + numerator (m - m_a) / denominator. A rising edge of start engages it, a falling edge
@@ -65,718 +35,854 @@ class Gearing:
     whatever the master does meanwhile.
     """
 
-    master: Master = var.part(Master)
-    activate: bool = var.input(True, "false: the slave stops at its last setpoint")
-    start: bool = var.input(False, "rising edge: engage; falling edge: disengage (xStart)")
-    reset: bool = var.input(False, "rising edge: clear the fault")
-    gearing: Ratio = var.part(Ratio)
-    gear_in: GearIn = var.part(GearIn)
-    gear_out: GearOut = var.part(GearOut)
-    set_master: SetPoint = var.part(SetPoint)
-    set_slave: SetPoint = var.part(SetPoint)
-    slave: GearedSlave = var.part(GearedSlave, depends={"position": ("slave.initial_position", "slave.period")})
-    state: State = var.output(State.STOPPED, "what the slave does (eGearingState)")
-    state_code: int = var.output(0, "the state as a plain integer")
-    in_gear: bool = var.output(False, "the slave is on the line, and not waiting to leave it")
-    error: bool = var.output(False, "a command or a ratio was refused, and no command accepted since")
-    error_id: int = var.output(
-        0, "why: 1 denominator 0, 2 numerator 0, 3 time, 4 distance, 5 unknown mode", codes=Fault
-    )
-    local: Local = var.part(Local)
-
-    was_active: bool = True
-    frozen: bool = False
-    started: bool = False
+    # What the inputs were when the commands were carried out last.
+    active_before: bool = True
+    start_before: bool = False
+    ratio_before: Ratio = var.part(Ratio, hidden=True)
     reset_edge: Edge = var.part(Edge)
-    seen: Ratio = var.part(Ratio, hidden=True)
+    set_master_edge: Edge = var.part(Edge)
+    set_slave_edge: Edge = var.part(Edge)
+
+    # What drives the slave, and what it has been told to do.
+    stage: Stage = Stage.STOPPED
+    state_when_frozen: State = State.STOPPED  # what is shown while FROZEN
     order_in: Order = var.part(Order)
     order_out: Order = var.part(Order)
-    pending: bool = False
+    edge_queued: bool = False  # an edge of start that came during a transition acts at the transition's end
+
+    # Where the line lies, and the synchronous point, both axes' positions when the slave was last in gear, u.
     line: Line = var.part(Line)
-    sync_master: float = 0.0
-    sync_slave: float = 0.0
-    timed: bool = False
-    blend: Blend = var.part(Blend)
-    direction: float = 0.0
-    trigger: float = 0.0
-    kept: bool = False
-    base: float = 0.0
-    target: float = 0.0
-    rest: float = 0.0
-    here: float = 0.0
-    now: float = 0.0
-    last_way: float = 0.0
-    heading: float = 0.0
-    position: float = 0.0
+    synchronous_master: float = 0.0
+    synchronous_slave: float = 0.0
+
+    # The transition under way. Positions of the slave are unwrapped.
+    master_curve: MasterCurve = var.part(MasterCurve)
+    time_curve: TimeCurve = var.part(TimeCurve)
+    trigger_kept: bool = False  # a direct transition that has fallen back waits for its own trigger
+    begin_position: float = 0.0  # the slave's at the transition's beginning, u
+    target_position: float = 0.0  # where the slave comes to rest after the transition, u
+    rest_position: float = 0.0  # where the slave rests, u
+    unwrapped_position: float = 0.0  # the slave's setpoint before it is wrapped, u
+
+    # How far along the master's path the step is carried out: the master's place there, u, and the time since the
+    # step's beginning, s.
+    place_now: float = 0.0
+    time_now: float = 0.0
+    direction_since_order: float = 0.0  # of the master's last motion since the order began to wait; 0: none yet
+    last_direction: float = 0.0  # of the master's last motion; 0: none yet
 
     def initialize(self) -> Refusal:
         """STOPPED at the initial position; may be called again while parameters and inputs still change."""
+        refusal = self.start_refusal()
+        if refusal != Refusal.NONE:
+            return refusal
+        if not self.master.try_initialize():
+            return Refusal.MASTER_TURNS
+        self.active_before = self.activate
+        self.start_before = self.start
+        self.reset_edge.before = self.reset
+        self.set_master_edge.before = self.set_master.execute
+        self.set_slave_edge.before = self.set_slave.execute
+        self.use_ratio()
+        self.rest_position = self.slave.initial_position
+        self.synchronous_slave = self.rest_position
+        self.line.lay_through(0.0, self.rest_position)
+        self.set_line_offset()
+        self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
+        self.show()
+        return Refusal.NONE
+
+    def start_refusal(self) -> Refusal:
+        """Why the start values of the block's own parameters are refused; NONE: they are not."""
         if self.gearing.denominator == 0:
             return Refusal.DENOMINATOR
         if self.gearing.numerator == 0:
             return Refusal.NUMERATOR
-        if fault_of(self.gear_in.transition, 0.0, self.gear_in.time) != Fault.NONE:
+        if transition_fault(self.gear_in.transition, 0.0, self.gear_in.time) != Fault.NONE:
             return Refusal.GEAR_IN_TIME
-        if fault_of(self.gear_out.transition, 0.0, self.gear_out.time) != Fault.NONE:
+        if transition_fault(self.gear_out.transition, 0.0, self.gear_out.time) != Fault.NONE:
             return Refusal.GEAR_OUT_TIME
-        if not self.master.try_initialize():
-            return Refusal.MASTER_TURNS
-        self.was_active = self.activate
-        self.started = self.start
-        self.reset_edge.before = self.reset
-        self.set_master.edge.before = self.set_master.execute
-        self.set_slave.edge.before = self.set_slave.execute
-        self.notice_ratio()
-        self.rest = self.slave.initial_position
-        self.sync_slave = self.rest
-        self.line.take(0.0, self.rest)
-        self.mark_line()
-        self.look(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
-        self.show()
         return Refusal.NONE
 
     def step(self, h: float) -> Refusal:
-        """From t to t+h: the seam to the present input, the commands, then the path of the step."""
+        """From t to t+h: the input correction, the commands, then the master's path in the step."""
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
-        self.travel(0, self.master.path.places[0], self.master.begin)
-        self.here = self.master.begin
-        self.now = 0.0
+        self.travel(0)
         self.obey()
-        for i in range(1, self.master.path.pieces):
-            self.travel(i, self.master.path.places[i], self.master.path.places[i + 1])
-        self.blend.advance(h)
-        self.rebase()
-        self.look(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
+        for piece in range(1, self.master.path.pieces):
+            self.travel(piece)
+        self.time_curve.advance(h)
+        self.rebase()  # before the setpoint is computed: from smaller positions it has more of its last bits
+        self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
         return Refusal.NONE
 
     # --- the commands ---
 
     def obey(self) -> None:
-        """A change of the ratio, then the edges, with the master at the path's beginning."""
-        if self.seen.numerator != self.gearing.numerator or self.seen.denominator != self.gearing.denominator:
-            self.seen.numerator = self.gearing.numerator
-            self.seen.denominator = self.gearing.denominator
-            if not self.frozen and self.state not in (State.STOPPED, State.GEAR_OUT):
-                self.take_ratio()
-        if self.was_active and not self.activate:
-            self.deactivate()
-        if self.frozen and self.activate:
-            self.thaw()
-        self.was_active = self.activate
-        if self.activate and self.start and not self.started:
+        """Carry out the commands of the step, with the master where the present input says."""
+        self.obey_ratio()
+        self.obey_activate()
+        self.obey_start()
+        self.obey_reset()
+        self.obey_synchronous_point()
+
+    def obey_ratio(self) -> None:
+        """A changed ratio acts at once while the slave is on the line, is on its way there, or waits. Else it acts at
+        the next engagement."""
+        before = self.ratio_before
+        if before.numerator == self.gearing.numerator and before.denominator == self.gearing.denominator:
+            return
+        var.copy(self.ratio_before, self.gearing)
+        match self.stage:
+            case Stage.STOPPED | Stage.FROZEN | Stage.GEAR_OUT_MASTER_BASED | Stage.GEAR_OUT_TIME_BASED:
+                pass
+            case _:
+                fault = ratio_fault(self.gearing)
+                if fault == Fault.NONE:
+                    self.change_ratio()
+                else:
+                    self.error_id = fault
+
+    def change_ratio(self) -> None:
+        """Use the new ratio: the line, or the curve, turns about the point where both axes are."""
+        match self.stage:
+            case Stage.WAITING_FOR_START:
+                self.use_ratio()
+                self.lay_known_line()
+            case Stage.GEAR_IN_MASTER_BASED:
+                travel, _, _, _ = gear_in_curve(self.master_curve.travel(self.place_now), self.master_curve.distance)
+                before = self.line.scaled(self.master_curve.direction * travel)
+                self.use_ratio()
+                self.begin_position += before - self.line.scaled(self.master_curve.direction * travel)
+                self.line.slave = self.begin_position
+                self.set_line_offset()
+            case _:
+                self.line.lay_through(self.place_now, self.line.at(self.place_now))
+                self.use_ratio()
+                self.set_line_offset()
+
+    def use_ratio(self) -> None:
+        """The ratio that is set becomes the line's."""
+        var.copy(self.ratio_before, self.gearing)
+        self.line.numerator = self.gearing.numerator
+        self.line.denominator = self.gearing.denominator
+
+    def obey_activate(self) -> None:
+        """A falling edge of activate freezes the slave; a frozen block that is activated again is STOPPED."""
+        if self.active_before and not self.activate:
+            self.freeze()
+        elif self.stage == Stage.FROZEN and self.activate:
+            self.enter_stopped()
+        self.active_before = self.activate
+
+    def freeze(self) -> None:
+        """The slave stops where it is."""
+        if self.stage == Stage.ACTIVE:
+            self.save_synchronous_point()
+        self.set_slave_here()
+        self.rest_position = self.unwrapped_position
+        self.edge_queued = False
+        self.enter_frozen()
+
+    def obey_start(self) -> None:
+        """The edges of start; while the block is not active they are lost."""
+        if self.activate and self.start and not self.start_before:
             self.command_start()
-        if self.activate and self.started and not self.start:
+        if self.activate and self.start_before and not self.start:
             self.command_stop()
-        self.started = self.start
-        if self.reset_edge.rising(self.reset):
-            self.error_id = Fault.NONE
-            if self.frozen:
-                self.state = State.STOPPED
-                self.local.progress = 0.0
-        if self.set_master.edge.rising(self.set_master.execute) and not self.activate:
-            self.sync_master = self.set_master.value
-            self.error_id = Fault.NONE
-        if self.set_slave.edge.rising(self.set_slave.execute) and not self.activate:
-            self.sync_slave = self.set_slave.value
-            self.rest = self.set_slave.value
-            self.error_id = Fault.NONE
-
-    def deactivate(self) -> None:
-        """The slave stops where it is; the state is shown as it was."""
-        if self.state == State.ACTIVE:
-            self.save_point()
-        self.look_here()
-        self.rest = self.position
-        self.pending = False
-        self.frozen = True
-
-    def thaw(self) -> None:
-        self.frozen = False
-        self.state = State.STOPPED
+        self.start_before = self.start
 
     def command_start(self) -> None:
         """The rising edge of start."""
-        match self.state:
-            case State.STOPPED:
-                self.act_start()
-            case State.GEAR_IN:
-                self.take_back()
-            case State.WAITING_FOR_STOPPOSITION:
-                if self.takes(Fault.NONE):
-                    self.state = State.ACTIVE
-            case State.GEAR_OUT:
-                if self.takes(self.start_fault()):
-                    self.order_in.engage(self.gear_in)
-                    self.engage_again()
+        match self.stage:
+            case Stage.STOPPED:
+                if self.try_order_gear_in():
+                    self.engage()
+            case Stage.GEAR_IN_MASTER_BASED | Stage.GEAR_IN_TIME_BASED:
+                self.take_back_queued_edge()
+            case Stage.WAITING_FOR_STOP:
+                self.error_id = Fault.NONE
+                self.enter_active()
+            case Stage.GEAR_OUT_MASTER_BASED | Stage.GEAR_OUT_TIME_BASED:
+                if self.try_order_gear_in():
+                    self.engage_from_transition()
             case _:
                 pass
 
     def command_stop(self) -> None:
         """The falling edge of start."""
-        match self.state:
-            case State.WAITING_FOR_STARTPOSITION:
-                if self.takes(Fault.NONE):
-                    self.state = State.STOPPED
-            case State.GEAR_IN | State.ACTIVE:
-                self.act_stop()
-            case State.GEAR_OUT:
-                self.take_back()
+        match self.stage:
+            case Stage.WAITING_FOR_START:
+                self.error_id = Fault.NONE
+                self.enter_stopped()
+            case Stage.ACTIVE:
+                if self.try_order_gear_out():
+                    self.disengage()
+            case Stage.GEAR_IN_MASTER_BASED | Stage.GEAR_IN_TIME_BASED:
+                if self.try_order_gear_out():
+                    self.disengage_from_transition()
+            case Stage.GEAR_OUT_MASTER_BASED | Stage.GEAR_OUT_TIME_BASED:
+                self.take_back_queued_edge()
             case _:
                 pass
 
-    def act_start(self) -> None:
-        """The rising edge acts at rest."""
-        if self.takes(self.start_fault()):
-            self.order_in.engage(self.gear_in)
-            self.engage()
+    def take_back_queued_edge(self) -> None:
+        """If an edge waits for the end of the transition, the contrary edge takes it back: neither of them acts."""
+        if self.edge_queued:
+            self.edge_queued = False
+            self.error_id = Fault.NONE
 
-    def act_stop(self) -> None:
-        """The falling edge acts on the line, or on the way to it."""
-        if self.takes(gear_out_fault(self.gear_out)):
-            self.order_out.disengage(self.gear_out)
-            self.leave()
+    def try_order_gear_in(self) -> bool:
+        """Judge and read what an engagement needs; whether it is accepted. `error_id` tells the fault, or none."""
+        self.error_id = ratio_fault(self.gearing)
+        if self.error_id == Fault.NONE:
+            self.error_id = gear_in_fault(self.gear_in)
+        if self.error_id != Fault.NONE:
+            return False
+        self.order_in.read_gear_in(self.gear_in)
+        return True
 
-    def take_back(self) -> None:
-        """The contrary edge waits for the end of a transition: it does not act."""
-        if self.pending:
-            self.pending = not self.takes(Fault.NONE)
+    def try_order_gear_out(self) -> bool:
+        """Judge and read what a disengagement needs; whether it is accepted. `error_id` tells the fault, or none."""
+        self.error_id = gear_out_fault(self.gear_out)
+        if self.error_id != Fault.NONE:
+            return False
+        self.order_out.read_gear_out(self.gear_out)
+        return True
 
-    def start_fault(self) -> Fault:
-        fault = self.gearing.fault()
-        return gear_in_fault(self.gear_in) if fault == Fault.NONE else fault
+    def obey_reset(self) -> None:
+        """A rising edge of reset clears the fault; a frozen block then shows STOPPED."""
+        if self.reset_edge.rising(self.reset):
+            self.error_id = Fault.NONE
+            if self.stage == Stage.FROZEN:
+                self.state_when_frozen = State.STOPPED
+                self.local.progress = 0.0
 
-    def takes(self, fault: Fault) -> bool:
-        """Whether a command is accepted; it then clears what was refused before."""
-        self.error_id = fault
-        return fault == Fault.NONE
+    def obey_synchronous_point(self) -> None:
+        """Rising edges set the halves of the synchronous point while the block is not active; the slave's half sets the
+        slave's position, too."""
+        if self.set_master_edge.rising(self.set_master.execute) and not self.activate:
+            self.synchronous_master = self.set_master.value
+            self.error_id = Fault.NONE
+        if self.set_slave_edge.rising(self.set_slave.execute) and not self.activate:
+            self.synchronous_slave = self.set_slave.value
+            self.rest_position = self.set_slave.value
+            self.error_id = Fault.NONE
 
-    def notice_ratio(self) -> None:
-        """The ratio that is set becomes the line's."""
-        self.seen.numerator = self.gearing.numerator
-        self.seen.denominator = self.gearing.denominator
-        self.line.numerator = self.gearing.numerator
-        self.line.denominator = self.gearing.denominator
+    # --- the stages are entered ---
 
-    def take_ratio(self) -> None:
-        """A ratio of 0 is refused; another one takes effect here: the line, or the curve, turns about this point."""
-        fault = self.gearing.fault()
-        if fault != Fault.NONE:
-            self.error_id = fault
-            return
-        if self.state == State.WAITING_FOR_STARTPOSITION:
-            self.notice_ratio()
-            self.await_line()
-        elif self.state == State.GEAR_IN and not self.timed:
-            travel, _, _, _ = into(self.direction * (self.here - self.trigger), self.order_in.distance)
-            before = self.line.scaled(self.direction * travel)
-            self.notice_ratio()
-            self.base += before - self.line.scaled(self.direction * travel)
-            self.line.slave = self.base
-            self.mark_line()
-        else:
-            self.line.take(self.here, self.line.at(self.here))
-            self.notice_ratio()
-            self.mark_line()
+    def enter_stopped(self) -> None:
+        """The slave rests at `rest_position`."""
+        self.stage = Stage.STOPPED
+
+    def enter_frozen(self) -> None:
+        """The slave rests at `rest_position`; the state that is shown stays."""
+        self.state_when_frozen = state_of(self.stage, self.state_when_frozen)
+        self.stage = Stage.FROZEN
+
+    def enter_waiting_for_start(self, trigger_kept: bool) -> None:
+        """The slave rests at `rest_position` until `order_in` can begin, or begin again at its own trigger."""
+        self.stage = Stage.WAITING_FOR_START
+        self.trigger_kept = trigger_kept
+
+    def enter_gear_in_master_based(self) -> None:
+        """The curve begins at `trigger`, `begin_position`."""
+        self.stage = Stage.GEAR_IN_MASTER_BASED
+
+    def enter_gear_in_time_based(self) -> None:
+        """What the slave, as it was set last, lacks to the line in position, velocity and acceleration comes to 0."""
+        self.stage = Stage.GEAR_IN_TIME_BASED
+        self.time_curve.begin(
+            self.time_now,
+            self.order_in.time,
+            self.unwrapped_position - self.line.at(self.place_now),
+            self.slave.velocity - self.line.scaled(self.master.velocity_at(self.time_now)),
+            self.slave.acceleration - self.line.scaled(self.master.mean_acceleration()),
+            0.0,
+        )
+
+    def enter_active(self) -> None:
+        """The slave is on the line."""
+        self.stage = Stage.ACTIVE
+
+    def enter_waiting_for_stop(self, trigger_kept: bool) -> None:
+        """The slave stays on the line until `order_out` can begin, or begin again at its own trigger."""
+        self.stage = Stage.WAITING_FOR_STOP
+        self.trigger_kept = trigger_kept
+
+    def enter_gear_out_master_based(self) -> None:
+        """The curve begins at `trigger`, `begin_position`."""
+        self.stage = Stage.GEAR_OUT_MASTER_BASED
+
+    def enter_gear_out_time_based(self) -> None:
+        """The slave comes from its motion, as it was set last, to rest at `target_position`."""
+        self.stage = Stage.GEAR_OUT_TIME_BASED
+        self.time_curve.begin(
+            self.time_now,
+            self.order_out.time,
+            self.unwrapped_position,
+            self.slave.velocity,
+            self.slave.acceleration,
+            self.target_position,
+        )
 
     # --- engaging ---
 
     def engage(self) -> None:
-        """At rest: the order's condition may be met here, or has to be waited for."""
-        self.await_order(State.WAITING_FOR_STARTPOSITION)
-        self.look_here()
-        self.take_ratio()
-        way = self.master_way()
-        if self.continues():
-            self.engaged()
-        elif self.by_motion(self.order_in) and self.order_in.begins(way):
-            self.begin_in(way)
+        """From rest: `order_in` begins here if its condition is met; else it waits."""
+        self.direction_since_order = 0.0
+        self.enter_waiting_for_start(False)
+        self.set_slave_here()
+        self.use_ratio()
+        self.lay_known_line()
+        direction = self.master_direction()
+        if self.is_on_synchronous_line():
+            self.continue_synchronized()
+        elif self.begins_by_motion(self.order_in) and self.order_in.is_met_by(direction):
+            self.begin_gear_in_here(direction)
 
-    def engage_again(self) -> None:
-        """On the way to rest: from there at once in time, if the condition is met; else from the rest."""
-        way = self.master_way()
-        if self.order_in.transition == Transition.TIME_BASED and self.order_in.begins(way):
-            self.look_here()
-            self.pending = False
-            self.take_ratio()
-            self.begin_in(way)
+    def engage_from_transition(self) -> None:
+        """On the way to rest: a time-based engagement begins here if its condition is met; any other waits for rest."""
+        direction = self.master_direction()
+        if self.order_in.transition == Transition.TIME_BASED and self.order_in.is_met_by(direction):
+            self.set_slave_here()
+            self.edge_queued = False
+            self.use_ratio()
+            self.begin_gear_in_here(direction)
         else:
-            self.pending = True
+            self.edge_queued = True
 
-    def by_motion(self, order: Order) -> bool:
-        """Whether the order's condition is the master's motion alone, not a position that it passes."""
-        return order.transition == Transition.TIME_BASED or (order.aim == Aim.DIRECT and not self.kept)
+    def begins_by_motion(self, order: Order) -> bool:
+        """Whether the order's condition is the master's motion alone, not a trigger that the master crosses."""
+        return order.transition == Transition.TIME_BASED or (order.aim == Aim.DIRECT and not self.trigger_kept)
 
-    def reference(self, position: float) -> float:
-        """m_a, any occurrence, for a slave at s_a."""
+    def reference_position(self, slave: float) -> float:
+        """m_a, any occurrence of it, for a slave that is at s_a = `slave`, u; unless the engagement is direct."""
         if self.order_in.aim == Aim.SYNCHRONOUS_POINT:
-            return self.sync_master + self.line.unscaled(position - self.sync_slave)
+            return self.synchronous_master + self.line.unscaled(slave - self.synchronous_slave)
         return self.order_in.position
 
-    def await_line(self) -> None:
-        """At rest: the line that a position makes known beforehand."""
+    def lay_known_line(self) -> None:
+        """At rest: lay the line if the order tells it beforehand, by a position or by the synchronous point."""
         if self.order_in.aim != Aim.DIRECT:
-            self.line.take(self.reference(self.rest), self.rest)
-            self.mark_line()
+            self.line.lay_through(self.reference_position(self.rest_position), self.rest_position)
+            self.set_line_offset()
 
-    def continues(self) -> bool:
-        """Without transition a slave that is on the line of the synchronous point already is in gear at once."""
+    def is_on_synchronous_line(self) -> bool:
+        """Whether the slave, at rest, is on the line of the synchronous point already, and no transition is ordered:
+        then it is in gear at once."""
         if self.order_in.aim != Aim.SYNCHRONOUS_POINT or self.order_in.transition != Transition.NONE:
             return False
-        reference = nearest(self.reference(self.rest), self.turn(), self.here)
-        if abs(self.here - reference) > ON_LINE * max(1.0, abs(self.here)):
-            return False
-        self.line.take(reference, self.rest)
-        self.trigger = reference
-        return True
+        return abs(self.place_now - self.nearest_reference()) <= ON_LINE * max(1.0, abs(self.place_now))
 
-    def begin_in(self, way: float) -> None:
-        """The condition of a direct or time-based engagement is met here, the slave being as just looked at."""
-        self.direction = way
-        self.trigger = self.here
-        self.base = self.position
-        reference = self.here + way * (0.5 * self.order_in.distance)
+    def nearest_reference(self) -> float:
+        """Of the occurrences of m_a for a slave at rest the one nearest to the master."""
+        return nearest(self.reference_position(self.rest_position), self.occurrence_spacing(), self.place_now)
+
+    def continue_synchronized(self) -> None:
+        """The slave, at rest, is in gear on the line of the synchronous point."""
+        self.master_curve.trigger = self.nearest_reference()
+        self.line.lay_through(self.master_curve.trigger, self.rest_position)
+        self.enter_active()
+
+    def begin_gear_in_here(self, direction: float) -> None:
+        """The condition of a direct or time-based engagement is met here; the slave is as it was set last."""
+        self.master_curve.begin(self.place_now, direction, self.order_in.distance)
+        self.begin_position = self.unwrapped_position
+        reference = self.place_now + self.master_curve.half()
         if self.order_in.aim != Aim.DIRECT:
-            reference = ahead(self.reference(self.position), self.turn(), way, self.here, True)
-        self.line.take(reference, self.position)
-        self.enter_in()
-
-    def enter_in(self) -> None:
-        """The transition on to the line begins here; trigger, base and line are known."""
-        self.mark_line()
-        self.kept = False
-        self.state = State.GEAR_IN
-        self.timed = self.order_in.transition == Transition.TIME_BASED
-        if self.timed:
-            self.blend.begin(
-                self.now,
-                self.order_in.time,
-                self.position - self.line.at(self.here),
-                self.slave.velocity - self.line.scaled(self.master.velocity_at(self.now)),
-                self.slave.acceleration - self.line.scaled(self.master.mean_acceleration()),
-                0.0,
+            reference = first_ahead(
+                self.reference_position(self.unwrapped_position),
+                self.occurrence_spacing(),
+                direction,
+                self.place_now,
+                True,
             )
-        elif self.order_in.transition == Transition.NONE:
-            self.engaged()
+        self.line.lay_through(reference, self.unwrapped_position)
+        self.begin_gear_in()
 
-    def engaged(self) -> None:
-        """The slave is on the line."""
-        self.state = State.ACTIVE
+    def begin_gear_in(self) -> None:
+        """The transition on to the line begins here; `trigger`, `begin_position` and `line` are known."""
+        self.set_line_offset()
+        match self.order_in.transition:
+            case Transition.MASTER_BASED:
+                self.enter_gear_in_master_based()
+            case Transition.TIME_BASED:
+                self.enter_gear_in_time_based()
+            case _:
+                self.enter_active()
 
-    def save_point(self) -> None:
-        """The synchronous point, as ACTIVE is left."""
-        self.sync_master = self.here
-        self.sync_slave = self.line.at(self.here)
+    def fall_back_to_rest(self) -> None:
+        """The master has gone back before the trigger: the slave rests where the transition began. A falling edge that
+        waits has nothing left to do."""
+        self.rest_position = self.begin_position
+        if self.edge_queued:
+            self.enter_stopped()
+        else:
+            self.enter_waiting_for_start(self.order_in.aim == Aim.DIRECT)
+        self.edge_queued = False
+        self.lay_known_line()
+
+    def save_synchronous_point(self) -> None:
+        """Both axes' positions here, as ACTIVE is left."""
+        self.synchronous_master = self.place_now
+        self.synchronous_slave = self.line.at(self.place_now)
 
     # --- disengaging ---
 
-    def leave(self) -> None:
-        """The falling edge, from the line or from the way on to it."""
-        way = self.master_way()
-        self.look_here()
-        if self.state == State.ACTIVE:
-            self.save_point()
-            self.await_order(State.WAITING_FOR_STOPPOSITION)
-            if self.by_motion(self.order_out) and self.order_out.begins(way):
-                self.begin_out(way)
-        elif self.order_out.transition == Transition.TIME_BASED or (
-            self.order_out.transition == Transition.NONE and self.order_out.aim == Aim.DIRECT
-        ):
-            self.pending = False
-            self.begin_out(way)
+    def disengage(self) -> None:
+        """From the line: `order_out` begins here if its condition is met; else it waits."""
+        direction = self.master_direction()
+        self.set_slave_here()
+        self.save_synchronous_point()
+        self.direction_since_order = 0.0
+        self.enter_waiting_for_stop(False)
+        if self.begins_by_motion(self.order_out) and self.order_out.is_met_by(direction):
+            self.begin_gear_out_here(direction)
+
+    def disengage_from_transition(self) -> None:
+        """On the way to the line: a time-based disengagement, or a direct one without transition, begins here; any
+        other waits for the line."""
+        self.set_slave_here()
+        at_once = self.order_out.transition == Transition.NONE and self.order_out.aim == Aim.DIRECT
+        if at_once or self.order_out.transition == Transition.TIME_BASED:
+            self.edge_queued = False
+            self.begin_gear_out_here(self.master_direction())
         else:
-            self.pending = True
+            self.edge_queued = True
 
-    def begin_out(self, way: float) -> None:
-        """The condition of a direct or time-based disengagement is met here, the slave being as just looked at."""
-        self.direction = way
-        self.trigger = self.here
-        self.base = self.position
-        self.target = self.position
+    def begin_gear_out_here(self, direction: float) -> None:
+        """The condition of a direct or time-based disengagement is met here; the slave is as it was set last."""
+        self.master_curve.begin(self.place_now, direction, self.order_out.distance)
+        self.begin_position = self.unwrapped_position
+        self.target_position = self.unwrapped_position
         if self.order_out.aim == Aim.POSITION:
-            self.target = self.rest_ahead(way)
-        self.enter_out()
+            self.target_position = self.stop_position_ahead(direction)
+        self.begin_gear_out()
 
-    def rest_ahead(self, way: float) -> float:
-        """The stop position's occurrence for a time-based disengagement."""
-        toward = direction_of(self.line.scaled(way), 0.0)
-        if toward == 0.0:
-            return nearest(self.order_out.position, self.slave.period, self.position)
-        return ahead(self.order_out.position, self.slave.period, toward, self.position, True)
+    def stop_position_ahead(self, direction: float) -> float:
+        """The stop position for a time-based disengagement, in the turn in which the slave comes to it first while the
+        master moves in this direction; with the master at rest in the nearest turn."""
+        slave_direction = direction_of(self.line.scaled(direction), 0.0)
+        if slave_direction == 0.0:
+            return nearest(self.order_out.position, self.slave.period, self.unwrapped_position)
+        return first_ahead(self.order_out.position, self.slave.period, slave_direction, self.unwrapped_position, True)
 
-    def enter_out(self) -> None:
-        """The transition to rest begins here; trigger, base and target are known."""
-        self.kept = False
-        self.state = State.GEAR_OUT
-        self.timed = self.order_out.transition == Transition.TIME_BASED
-        if self.timed:
-            self.blend.begin(
-                self.now, self.order_out.time, self.position, self.slave.velocity, self.slave.acceleration, self.target
-            )
-        elif self.order_out.transition == Transition.NONE:
-            self.come_to_rest()
+    def begin_gear_out(self) -> None:
+        """The transition to rest begins here; `trigger`, `begin_position` and `target_position` are known."""
+        match self.order_out.transition:
+            case Transition.MASTER_BASED:
+                self.enter_gear_out_master_based()
+            case Transition.TIME_BASED:
+                self.enter_gear_out_time_based()
+            case _:
+                self.come_to_rest()
 
     def come_to_rest(self) -> None:
-        """At the target."""
-        self.state = State.STOPPED
-        self.rest = self.target
-        if self.order_out.aim == Aim.POSITION and self.slave.period > 0.0:  # exactly, in whatever turn
-            self.rest = wrap(self.order_out.position, self.slave.period)
-            self.sync_slave -= self.target - self.rest
+        """The slave rests at the target. With a period that is the stop position itself, without whole turns."""
+        self.rest_position = self.target_position
+        if self.order_out.aim == Aim.POSITION and self.slave.period > 0.0:
+            self.rest_position = wrap(self.order_out.position, self.slave.period)
+            self.synchronous_slave -= self.target_position - self.rest_position
+        self.enter_stopped()
 
-    # --- the way of the step ---
-
-    def travel(self, piece: int, begin: float, end: float) -> None:
-        """A monotone piece of the master's path, 0 being the input correction: one event after the other."""
-        self.here = begin
-        self.now = self.master.path.times[piece]
-        way = direction_of(end - begin, 0.0)
-        for _ in range(EVENTS):
-            if self.frozen or not self.meets(piece, way, end):
-                break
-        if not self.same(begin, end):
-            self.last_way = way
-            self.heading = way
-
-    def meets(self, piece: int, way: float, end: float) -> bool:
-        """The next event on the rest of the piece, if there is one."""
-        match self.state:
-            case State.STOPPED | State.ACTIVE:
-                return self.catch_up()
-            case State.WAITING_FOR_STARTPOSITION:
-                return self.await_start(piece, way, end)
-            case State.GEAR_IN:
-                return self.go_in(piece, end)
-            case State.WAITING_FOR_STOPPOSITION:
-                return self.await_stop(piece, way, end)
-            case State.GEAR_OUT:
-                return self.go_out(piece, end)
-            case _:
-                return False
-
-    def catch_up(self) -> bool:
-        """An edge that has waited for the end of a transition acts here."""
-        if not self.pending:
-            return False
-        self.pending = False
-        if self.state == State.ACTIVE:
-            self.act_stop()
+    def fall_back_to_line(self) -> None:
+        """The master has gone back before the trigger: the slave is on the line. A rising edge that waits puts it in
+        gear."""
+        if self.edge_queued:
+            self.take_back_queued_edge()
+            self.enter_active()
         else:
-            self.act_start()
+            self.enter_waiting_for_stop(self.order_out.aim == Aim.DIRECT)
+
+    # --- the master's path ---
+
+    def travel(self, piece: int) -> None:
+        """Carry out the events on a monotone piece of the master's path one after the other."""
+        begin = self.master.path.places[piece]
+        end = self.master.path.places[piece + 1]
+        self.place_now = begin
+        self.time_now = self.master.path.times[piece]
+        for _ in range(EVENTS):
+            if not self.try_event(piece, end):
+                break
+        self.place_now = end
+        self.time_now = self.master.path.times[piece + 1]
+        if not self.is_same_place(begin, end):
+            self.direction_since_order = self.direction_in(piece)
+            self.last_direction = self.direction_in(piece)
+
+    def try_event(self, piece: int, end: float) -> bool:
+        """Carry out the next event on the rest of the piece, which leads to `end`, u; whether there was one."""
+        happened = False
+        match self.stage:
+            case Stage.STOPPED:
+                happened = self.try_event_stopped()
+            case Stage.FROZEN:
+                pass
+            case Stage.WAITING_FOR_START:
+                happened = self.try_event_waiting_for_start(piece, end)
+            case Stage.GEAR_IN_MASTER_BASED:
+                happened = self.try_event_gear_in_master_based(piece, end)
+            case Stage.GEAR_IN_TIME_BASED:
+                happened = self.try_event_gear_in_time_based(piece, end)
+            case Stage.ACTIVE:
+                happened = self.try_event_active()
+            case Stage.WAITING_FOR_STOP:
+                happened = self.try_event_waiting_for_stop(piece, end)
+            case Stage.GEAR_OUT_MASTER_BASED:
+                happened = self.try_event_gear_out_master_based(piece, end)
+            case Stage.GEAR_OUT_TIME_BASED:
+                happened = self.try_event_gear_out_time_based(piece, end)
+        return happened
+
+    def try_event_stopped(self) -> bool:
+        """At rest: a rising edge that has waited for the end of a disengagement acts."""
+        if not self.edge_queued:
+            return False
+        self.edge_queued = False
+        if self.try_order_gear_in():
+            self.engage()
         return True
 
-    def await_order(self, state: State) -> None:
-        """A new order waits here; what the master did before does not count."""
-        self.state = state
-        self.last_way = 0.0
-        self.kept = False
-
-    def await_start(self, piece: int, way: float, end: float) -> bool:
-        """At rest: until the master moves as it has to, or crosses the trigger."""
-        if self.by_motion(self.order_in):
-            if not (self.order_in.allows(way) and self.moves(piece)):
+    def try_event_waiting_for_start(self, piece: int, end: float) -> bool:
+        """At rest: the master moves as it has to, or crosses a trigger."""
+        direction = self.direction_in(piece)
+        if self.begins_by_motion(self.order_in):
+            if not (self.order_in.allows(direction) and self.is_motion(piece)):
                 return False
-            self.look_here()
-            self.begin_in(way)
+            self.set_slave_here()
+            self.begin_gear_in_here(direction)
             return True
-        if not self.crosses(self.order_in, piece, way, end):
+        if not self.crosses_trigger(self.order_in, piece, end):
             return False
-        self.look_here()
-        self.base = self.rest
-        self.line.take(self.trigger + way * (0.5 * self.order_in.distance), self.rest)
-        self.enter_in()
+        self.go_to_trigger(self.order_in, piece)
+        self.set_slave_here()
+        self.begin_position = self.rest_position
+        self.line.lay_through(self.master_curve.trigger + self.master_curve.half(), self.rest_position)
+        self.begin_gear_in()
         return True
 
-    def await_stop(self, piece: int, way: float, end: float) -> bool:
-        """On the line: until the master moves as it has to, or crosses the trigger."""
-        if self.by_motion(self.order_out):
-            if not (self.order_out.allows(way) and self.moves(piece)):
-                return False
-            self.look_here()
-            self.begin_out(way)
+    def try_event_gear_in_master_based(self, piece: int, end: float) -> bool:
+        """On the curve to the line: its end is reached, or the master goes back before its beginning."""
+        curve = self.master_curve
+        if self.is_first_motion(end):
+            curve.direction = direction_of(end - curve.trigger, 0.0)
+            self.line.master = curve.trigger + curve.half()
+            self.set_line_offset()
+        if curve.is_reached_at(end):
+            self.go_to(piece, curve.end())
+            self.enter_active()
             return True
-        if not self.crosses(self.order_out, piece, way, end):
+        if curve.is_left_at(end):
+            self.go_to(piece, curve.trigger)
+            self.fall_back_to_rest()
+            return True
+        return False
+
+    def try_event_gear_in_time_based(self, piece: int, end: float) -> bool:
+        """On the way to the line: its time is over."""
+        if not self.is_time_over_in(piece):
             return False
-        half = self.line.scaled(way * (0.5 * self.order_out.distance))
-        self.base = self.line.at(self.trigger)
-        self.target = self.base + half
+        self.go_to_end_of_time(piece, end)
+        self.enter_active()
+        return True
+
+    def try_event_active(self) -> bool:
+        """On the line: a falling edge that has waited for the end of an engagement acts."""
+        if not self.edge_queued:
+            return False
+        self.edge_queued = False
+        if self.try_order_gear_out():
+            self.disengage()
+        return True
+
+    def try_event_waiting_for_stop(self, piece: int, end: float) -> bool:
+        """On the line: the master moves as it has to, or crosses a trigger."""
+        direction = self.direction_in(piece)
+        if self.begins_by_motion(self.order_out):
+            if not (self.order_out.allows(direction) and self.is_motion(piece)):
+                return False
+            self.set_slave_here()
+            self.begin_gear_out_here(direction)
+            return True
+        if not self.crosses_trigger(self.order_out, piece, end):
+            return False
+        self.go_to_trigger(self.order_out, piece)
+        half = self.line.scaled(self.master_curve.half())
+        self.begin_position = self.line.at(self.master_curve.trigger)
+        self.target_position = self.begin_position + half
         if self.order_out.aim == Aim.POSITION:
-            self.target = nearest(self.order_out.position, self.slave.period, self.target)
-            self.base = self.target - half
-        self.enter_out()
+            self.target_position = nearest(self.order_out.position, self.slave.period, self.target_position)
+            self.begin_position = self.target_position - half
+        self.begin_gear_out()
         return True
 
-    def crosses(self, order: Order, piece: int, way: float, end: float) -> bool:
-        """Go to the first trigger on the rest of the piece, if there is one.
-
-        Being on it counts if the master goes on that way, and has not come there from beyond."""
-        if not order.allows(way) or (self.kept and way != self.direction):
-            return False
-        base, spacing = self.triggers(order, way)
-        margin = tolerance(base, spacing, self.here)
-        turned = self.last_way == -way
-        trigger = ahead(base, spacing, way, self.here, not turned)
-        missing = way * (trigger - self.here)
-        if missing < -margin or (turned and missing <= margin):
-            return False
-        missing = way * (trigger - end)
-        margin = tolerance(base, spacing, end)
-        if missing > margin or (missing >= -margin and not self.goes_on(piece, way)):
-            return False
-        self.go_to(piece, trigger)
-        self.trigger = trigger
-        self.direction = way
-        return True
-
-    def triggers(self, order: Order, way: float) -> tuple[float, float]:
-        """One trigger for that direction of the master, and the distance between all; 0: there is but one."""
-        half = way * (0.5 * order.distance)
-        if self.kept:
-            return self.trigger, self.turn()
-        if self.state == State.WAITING_FOR_STARTPOSITION:
-            return self.reference(self.rest) - half, self.turn()
-        stop = self.line.master + self.line.unscaled(order.position - self.line.slave)
-        return stop - half, abs(self.line.unscaled(self.slave.period))
-
-    def moves(self, piece: int) -> bool:
-        """Whether the master's way in a piece is a motion: not the seam, nor what rounding leaves of a stop."""
-        if piece == 0 or self.master.path.times[piece + 1] - self.now <= SAME_TIME * self.master.step:
-            return False
-        if self.master.begin_velocity != 0.0 or self.master.end_velocity != 0.0:
+    def try_event_gear_out_master_based(self, piece: int, end: float) -> bool:
+        """On the curve to rest: its end is reached, or the master goes back before its beginning."""
+        curve = self.master_curve
+        if self.is_first_motion(end):
+            curve.direction = direction_of(end - curve.trigger, 0.0)
+        if curve.is_reached_at(end):
+            self.go_to(piece, curve.end())
+            if self.order_out.aim == Aim.DIRECT:
+                self.target_position = self.begin_position + self.line.scaled(curve.half())
+            self.come_to_rest()
             return True
-        return not self.same(self.master.path.places[piece], self.master.path.places[piece + 1])
+        if curve.is_left_at(end):
+            self.go_to(piece, curve.trigger)
+            self.fall_back_to_line()
+            return True
+        return False
 
-    def same(self, a: float, b: float) -> bool:
+    def try_event_gear_out_time_based(self, piece: int, end: float) -> bool:
+        """On the way to rest: its time is over."""
+        if not self.is_time_over_in(piece):
+            return False
+        self.go_to_end_of_time(piece, end)
+        self.come_to_rest()
+        return True
+
+    # --- where the master is, and where it goes ---
+
+    def direction_in(self, piece: int) -> float:
+        """In which direction a piece of the path leads: 1, -1, or 0 if it leads nowhere."""
+        return direction_of(self.master.path.places[piece + 1] - self.master.path.places[piece], 0.0)
+
+    def master_direction(self) -> float:
+        """In which direction the master moves at this instant: 1, -1, or 0 at rest."""
+        return direction_of(self.master.velocity_at(self.time_now), self.master.mean_acceleration())
+
+    def go_to(self, piece: int, place: float) -> None:
+        """Further along the piece, to a place on it; the input correction takes no time."""
+        if piece > 0:
+            self.time_now = max(self.time_now, self.master.path.crossing(piece, place))
+        self.place_now = place
+
+    def is_same_place(self, a: float, b: float) -> bool:
         """Whether two positions of the master differ by rounding only, that of the input in its turn included."""
         return abs(a - b) <= rounding(a, b) + ROUNDING * min(self.master.period, LARGEST_INPUT)
 
-    def goes_on(self, piece: int, way: float) -> bool:
-        """Whether the master passes the end of a piece that leads that way, rather than turn or rest there."""
+    def is_motion(self, piece: int) -> bool:
+        """Whether the master moves in the rest of a piece. The input correction is no motion, nor is what rounding
+        leaves of a standstill."""
+        if piece == 0 or self.master.path.times[piece + 1] - self.time_now <= SAME_TIME * self.master.step:
+            return False
+        if self.master.begin_velocity != 0.0 or self.master.end_velocity != 0.0:
+            return True
+        return not self.is_same_place(self.master.path.places[piece], self.master.path.places[piece + 1])
+
+    def passes_end(self, piece: int, direction: float) -> bool:
+        """Whether the master, at the end of a piece that leads in this direction, goes on; else it turns or rests."""
         velocity = 0.0
         if piece == 0:
             velocity = self.master.begin_velocity
         elif piece == self.master.path.pieces - 1:
             velocity = self.master.end_velocity
-        faster = max(abs(self.master.begin_velocity), abs(self.master.end_velocity))
-        return way * velocity > STANDING * faster
+        highest = max(abs(self.master.begin_velocity), abs(self.master.end_velocity))
+        return direction * velocity > STANDING * highest
 
-    def go_to(self, piece: int, place: float) -> None:
-        """Further along the piece, to a place on it; the seam takes no time."""
-        if piece > 0:
-            self.now = max(self.now, self.master.path.crossing(piece, place))
-        self.here = place
-
-    def go_in(self, piece: int, end: float) -> bool:
-        """On the way to the line."""
-        if self.timed:
-            if self.blend_ends(piece, end):
-                self.engaged()
-                return True
-            return False
-        distance = self.order_in.distance
-        if self.sets_out(end):
-            self.line.master = self.trigger + self.direction * (0.5 * distance)
-            self.mark_line()
-        match self.leaves_curve(piece, end, distance):
-            case 1:
-                self.engaged()
-                return True
-            case -1:
-                self.rest = self.base
-                self.state = State.STOPPED if self.pending else State.WAITING_FOR_STARTPOSITION
-                self.kept = self.order_in.aim == Aim.DIRECT
-                self.pending = False
-                self.await_line()
-                return True
-            case _:
-                return False
-
-    def go_out(self, piece: int, end: float) -> bool:
-        """On the way to rest."""
-        if self.timed:
-            if self.blend_ends(piece, end):
-                self.come_to_rest()
-                return True
-            return False
-        distance = self.order_out.distance
-        self.sets_out(end)
-        match self.leaves_curve(piece, end, distance):
-            case 1:
-                if self.order_out.aim == Aim.DIRECT:
-                    self.target = self.base + self.line.scaled(self.direction * (0.5 * distance))
-                self.come_to_rest()
-                return True
-            case -1:
-                self.state = State.WAITING_FOR_STOPPOSITION
-                self.kept = self.order_out.aim == Aim.DIRECT
-                if self.pending:
-                    self.pending = not self.takes(Fault.NONE)
-                    self.state = State.ACTIVE
-                return True
-            case _:
-                return False
-
-    def sets_out(self, end: float) -> bool:
-        """A curve that began at rest gets its direction from the first motion; whether that is now."""
-        if self.direction != 0.0 or self.same(end, self.trigger):
-            return False
-        self.direction = direction_of(end - self.trigger, 0.0)
-        return True
-
-    def leaves_curve(self, piece: int, end: float, distance: float) -> int:
-        """Whether the piece leads beyond a master-based curve: 1 its end, -1 its beginning, 0 neither."""
-        finish = self.trigger + self.direction * distance
-        margin = rounding(end, finish) + SAME_TURN * distance
-        if self.direction * (end - finish) >= -margin and self.direction != 0.0:
-            self.go_to(piece, finish)
-            return 1
-        if self.direction * (end - self.trigger) < -margin:
-            self.go_to(piece, self.trigger)
-            return -1
-        return 0
-
-    def blend_ends(self, piece: int, end: float) -> bool:
-        """Go to where the master is when the transition's time is over, if that is in this piece."""
-        if piece == 0 or not self.blend.over(self.master.path.times[piece + 1]):
-            return False
-        last = self.master.path.times[piece + 1]
-        time = clamp(self.blend.left(), self.now, last)
-        self.here = end if time >= last else self.master.path.position(time)
-        self.now = time
-        return True
-
-    def turn(self) -> float:
-        """The distance between the occurrences of a master's position."""
+    def occurrence_spacing(self) -> float:
+        """The distance between the occurrences of a position of the master; 0: there is but one."""
         return self.master.period if self.master.period <= FARTHEST else 0.0
 
-    def master_way(self) -> float:
-        """Which way the master moves at this instant."""
-        return direction_of(self.master.velocity_at(self.now), self.master.mean_acceleration())
+    # --- the triggers ---
+
+    def triggers(self, order: Order, direction: float) -> tuple[float, float]:
+        """One of the triggers of a waiting order for this direction of the master, and the distance between them; 0:
+        there is but one."""
+        half = direction * (0.5 * order.distance)
+        if self.trigger_kept:
+            return self.master_curve.trigger, self.occurrence_spacing()
+        if self.stage == Stage.WAITING_FOR_START:
+            return self.reference_position(self.rest_position) - half, self.occurrence_spacing()
+        stop = self.line.master + self.line.unscaled(order.position - self.line.slave)
+        return stop - half, abs(self.line.unscaled(self.slave.period))
+
+    def next_trigger(self, order: Order, direction: float, place: float) -> float:
+        """The first trigger ahead of a place of the master. One at that place counts unless the master has come from
+        beyond it since the order waits."""
+        base, spacing = self.triggers(order, direction)
+        return first_ahead(base, spacing, direction, place, not self.has_turned(direction))
+
+    def has_turned(self, direction: float) -> bool:
+        """Whether the master moved the other way before, since the order waits."""
+        return self.direction_since_order == -direction
+
+    def crosses_trigger(self, order: Order, piece: int, end: float) -> bool:
+        """Whether there is a trigger on the rest of the piece at which the order begins.
+
+        The master may begin on the trigger, unless it has come there from beyond, and may end on it, if it goes on."""
+        direction = self.direction_in(piece)
+        if not order.allows(direction) or (self.trigger_kept and direction != self.master_curve.direction):
+            return False
+        base, spacing = self.triggers(order, direction)
+        trigger = self.next_trigger(order, direction, self.place_now)
+        margin = grid_tolerance(base, spacing, self.place_now)
+        missing = direction * (trigger - self.place_now)
+        if missing < -margin or (self.has_turned(direction) and missing <= margin):
+            return False
+        margin = grid_tolerance(base, spacing, end)
+        missing = direction * (trigger - end)
+        return missing < -margin or (missing <= margin and self.passes_end(piece, direction))
+
+    def go_to_trigger(self, order: Order, piece: int) -> None:
+        """To the next trigger, which lies on the piece: the transition begins there."""
+        direction = self.direction_in(piece)
+        self.master_curve.begin(self.next_trigger(order, direction, self.place_now), direction, order.distance)
+        self.go_to(piece, self.master_curve.trigger)
+
+    # --- a transition under way ---
+
+    def is_first_motion(self, end: float) -> bool:
+        """Whether a master-based transition that began at rest gets its direction now, from the master's first motion,
+        which leads to `end`."""
+        return self.master_curve.direction == 0.0 and not self.is_same_place(end, self.master_curve.trigger)
+
+    def is_time_over_in(self, piece: int) -> bool:
+        """Whether the time of a time-based transition is over at the end of the piece; the input correction takes no
+        time."""
+        return piece > 0 and self.time_curve.is_over(self.master.path.times[piece + 1])
+
+    def go_to_end_of_time(self, piece: int, end: float) -> None:
+        """To where the master is when the time of a time-based transition is over; that is in this piece."""
+        last = self.master.path.times[piece + 1]
+        time = clamp(self.time_curve.time_left(), self.time_now, last)
+        self.place_now = end if time >= last else self.master.path.position(time)
+        self.time_now = time
 
     def rebase(self) -> None:
         """Drop whole turns, so that positions keep their last bits; not while a transition lies at a particular turn.
 
-        On the line the slave travels on with each turn of the master: that is of use where it has turns too."""
-        geared = self.state in (State.ACTIVE, State.WAITING_FOR_STOPPOSITION) and not self.frozen
-        under_way = self.state in (State.GEAR_IN, State.GEAR_OUT) and not self.frozen
+        On the line the slave travels on with each turn of the master: turns are dropped if the slave has turns too."""
+        geared = False
+        match self.stage:
+            case Stage.STOPPED | Stage.FROZEN | Stage.WAITING_FOR_START:
+                pass
+            case Stage.ACTIVE | Stage.WAITING_FOR_STOP:
+                geared = True
+            case _:
+                return
         period = self.slave.period
-        if under_way or (geared and period == 0.0):
+        if geared and period == 0.0:
             return
         before = self.master.end
         self.master.rebase()
         turned = before - self.master.end
-        self.trigger -= turned
+        self.master_curve.trigger -= turned
         if geared:
             self.line.slave += self.line.scaled(turned)
         if period > 0.0:
-            place = self.line.at(self.master.end) if geared else self.rest
+            place = self.line.at(self.master.end) if geared else self.rest_position
             turned = place - wrap(place, period)
             self.line.slave -= turned
-            self.sync_slave -= turned
-            self.rest = wrap(self.rest, period)
+            self.synchronous_slave -= turned
+            self.rest_position = wrap(self.rest_position, period)
 
-    # --- the state at an instant ---
+    # --- the setpoint at an instant ---
 
-    def look_here(self) -> None:
-        self.look(self.now, self.here, self.master.velocity_at(self.now), self.master.mean_acceleration())
+    def set_slave_here(self) -> None:
+        """Set the slave's motion at the instant up to which the step is carried out."""
+        self.set_slave_at(
+            self.time_now, self.place_now, self.master.velocity_at(self.time_now), self.master.mean_acceleration()
+        )
 
-    def look(self, time: float, place: float, velocity: float, acceleration: float) -> None:
-        """The slave's state at a time since the step's beginning, with the master there and moving so."""
-        if self.frozen:
-            self.look_resting()
-            return
-        match self.state:
-            case State.GEAR_IN:
-                if self.timed:
-                    self.look_blending(time, place, velocity, acceleration)
-                else:
-                    way = self.direction * (place - self.trigger)
-                    travel, slope, curvature, twist = into(way, self.order_in.distance)
-                    self.follow(travel, slope, curvature, twist, velocity, acceleration)
-            case State.ACTIVE | State.WAITING_FOR_STOPPOSITION:
-                self.put(self.line.at(place), self.line.scaled(velocity), self.line.scaled(acceleration), 0.0)
-            case State.GEAR_OUT:
-                if self.timed:
-                    position, v, a, j = self.blend.at(time)
-                    self.put(position, v, a, j)
-                else:
-                    way = self.direction * (place - self.trigger)
-                    travel, slope, curvature, twist = out(way, self.order_out.distance)
-                    self.follow(travel, slope, curvature, twist, velocity, acceleration)
-            case _:
-                self.look_resting()
+    def set_slave_at(self, time: float, place: float, velocity: float, acceleration: float) -> None:
+        """Set the slave's motion at a time since the step's beginning, with the master there and moving so."""
+        match self.stage:
+            case Stage.STOPPED | Stage.FROZEN | Stage.WAITING_FOR_START:
+                self.put_slave(self.rest_position, 0.0, 0.0, 0.0)
+            case Stage.GEAR_IN_MASTER_BASED:
+                travel, d1, d2, d3 = gear_in_curve(self.master_curve.travel(place), self.master_curve.distance)
+                self.put_slave_on_curve(travel, d1, d2, d3, velocity, acceleration)
+            case Stage.GEAR_IN_TIME_BASED:
+                self.put_slave_joining_line(time, place, velocity, acceleration)
+            case Stage.ACTIVE | Stage.WAITING_FOR_STOP:
+                line = self.line
+                self.put_slave(line.at(place), line.scaled(velocity), line.scaled(acceleration), 0.0)
+            case Stage.GEAR_OUT_MASTER_BASED:
+                travel, d1, d2, d3 = gear_out_curve(self.master_curve.travel(place), self.master_curve.distance)
+                self.put_slave_on_curve(travel, d1, d2, d3, velocity, acceleration)
+            case Stage.GEAR_OUT_TIME_BASED:
+                position, v, a, j = self.time_curve.at(time)
+                self.put_slave(position, v, a, j)
 
-    def look_resting(self) -> None:
-        self.put(self.rest, 0.0, 0.0, 0.0)
-
-    def follow(
-        self, travel: float, slope: float, curvature: float, twist: float, velocity: float, acceleration: float
+    def put_slave_on_curve(
+        self, travel: float, d1: float, d2: float, d3: float, velocity: float, acceleration: float
     ) -> None:
-        """On a curve over the master's position, by the chain rule; the master's jerk is taken as 0."""
-        v, a, j = chain_rule(slope, self.direction * curvature, twist, velocity, acceleration)
-        position = self.base + self.line.scaled(self.direction * travel)
-        self.put(position, self.line.scaled(v), self.line.scaled(a), self.line.scaled(j))
+        """On a curve over the master's travel since the trigger, with the master moving so.
 
-    def look_blending(self, time: float, place: float, velocity: float, acceleration: float) -> None:
-        """The line and what still lacks to it."""
-        e, e1, e2, e3 = self.blend.at(time)
-        self.put(self.line.at(place) + e, self.line.scaled(velocity) + e1, self.line.scaled(acceleration) + e2, e3)
+        travel, d1, d2, d3: what the curve makes of the master's travel, u, and its derivatives by it."""
+        v, a, j = chain_rule(d1, self.master_curve.direction * d2, d3, velocity, acceleration)
+        position = self.begin_position + self.line.scaled(self.master_curve.direction * travel)
+        self.put_slave(position, self.line.scaled(v), self.line.scaled(a), self.line.scaled(j))
 
-    def put(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
-        self.position = position
+    def put_slave_joining_line(self, time: float, place: float, velocity: float, acceleration: float) -> None:
+        """On the way to the line in time: the line's motion, and what the slave still lacks to it."""
+        e, e1, e2, e3 = self.time_curve.at(time)
+        line = self.line
+        self.put_slave(line.at(place) + e, line.scaled(velocity) + e1, line.scaled(acceleration) + e2, e3)
+
+    def put_slave(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
+        """Set the slave's motion; its position is given unwrapped."""
+        self.unwrapped_position = position
         self.slave.put(wrap(position, self.slave.period), velocity, acceleration, jerk)
 
     # --- what is put out ---
 
-    def mark_line(self) -> None:
-        """Where the line lies."""
+    def set_line_offset(self) -> None:
+        """Put out where the line lies; the output stays until the line is laid anew."""
         master = wrap(self.line.master, self.master.period)
         self.local.line_offset = wrap(self.line.slave, self.slave.period) - self.line.scaled(master)
 
-    def mark_trigger(self, place: float) -> None:
-        self.local.trigger_position = wrap(place, self.master.period)
-
     def show(self) -> None:
-        """What else is put out, at the step's end."""
+        """Derive what else is put out at the step's end; while FROZEN, progress and trigger stay as they were."""
+        self.state = state_of(self.stage, self.state_when_frozen)
         self.state_code = self.state
         self.in_gear = self.state == State.ACTIVE
         self.error = self.error_id != Fault.NONE
-        if not self.frozen:
-            self.tell_progress()
+        if self.stage != Stage.FROZEN:
+            self.local.progress = self.transition_progress()
+            self.local.trigger_position = wrap(self.shown_trigger(), self.master.period)
 
-    def tell_progress(self) -> None:
-        """Of the transition, or where it would begin."""
-        self.local.progress = 1.0 if self.state == State.ACTIVE else 0.0
-        self.mark_trigger(self.trigger)
-        match self.state:
-            case State.WAITING_FOR_STARTPOSITION:
-                self.tell_waiting(self.order_in)
-            case State.WAITING_FOR_STOPPOSITION:
-                self.tell_waiting(self.order_out)
-            case State.GEAR_IN:
-                self.local.progress = self.share(self.order_in)
-            case State.GEAR_OUT:
-                self.local.progress = self.share(self.order_out)
+    def transition_progress(self) -> float:
+        """The share of the transition that is done at the step's end: 1 in gear, 0 at rest and while waiting."""
+        match self.stage:
+            case Stage.GEAR_IN_MASTER_BASED | Stage.GEAR_OUT_MASTER_BASED:
+                return self.master_curve.progress(self.master.end)
+            case Stage.GEAR_IN_TIME_BASED | Stage.GEAR_OUT_TIME_BASED:
+                return self.time_curve.progress()
+            case Stage.ACTIVE:
+                return 1.0
             case _:
-                pass
+                return 0.0
 
-    def tell_waiting(self, order: Order) -> None:
-        """Which trigger would be crossed next, going on, or the way that is allowed."""
-        if self.by_motion(order):
-            return
-        way = direction_of(self.master.end_velocity, self.master.end_acceleration)
-        if way == 0.0:
-            way = self.heading
-        if self.kept:
-            way = self.direction
-        elif not order.allows(way):
-            way = 1.0 if order.clockwise else -1.0
-        base, spacing = self.triggers(order, way)
-        self.mark_trigger(ahead(base, spacing, way, self.master.end, self.last_way != -way))
+    def shown_trigger(self) -> float:
+        """The trigger that the master crosses next while an order waits for one; else that of the last transition."""
+        match self.stage:
+            case Stage.WAITING_FOR_START:
+                return self.awaited_trigger(self.order_in)
+            case Stage.WAITING_FOR_STOP:
+                return self.awaited_trigger(self.order_out)
+            case _:
+                return self.master_curve.trigger
 
-    def share(self, order: Order) -> float:
-        """Of the transition, what is done."""
-        if self.timed:
-            return self.blend.progress()
-        return clamp(self.direction * (self.master.end - self.trigger) / order.distance, 0.0, 1.0)
+    def awaited_trigger(self, order: Order) -> float:
+        """The next trigger of a waiting order, seen from the step's end; the last trigger if it waits for a motion."""
+        if self.begins_by_motion(order):
+            return self.master_curve.trigger
+        return self.next_trigger(order, self.expected_direction(order), self.master.end)
+
+    def expected_direction(self, order: Order) -> float:
+        """In which direction, 1 or -1, the master is expected to cross a waiting order's trigger: in that of
+        its motion, if the order allows it."""
+        if self.trigger_kept:
+            return self.master_curve.direction
+        direction = direction_of(self.master.end_velocity, self.master.end_acceleration)
+        if direction == 0.0:
+            direction = self.last_direction
+        if order.allows(direction):
+            return direction
+        return 1.0 if order.clockwise else -1.0

@@ -1,36 +1,83 @@
-"""The ways between rest and the line: over the master's position and in time. Source: MOVIKIT gearing."""
+"""The curves between rest and the line: over the master's position, and in time. Source: MOVIKIT gearing."""
 
 from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
-from ..laws import Quintic, half_ramp
+from ..grid import grid_tolerance
+from ..laws import Quintic, half_ramp, half_ramp_mirrored
 from ..limits import clamp
 
-SAME_TIME = 1e-13  # of a step's or a transition's time: what is missing is rounding
+SAME_TIME = 1e-13  # of a step's or a transition's time: a time that is shorter is taken for a rounding error
 
 
-def into(way: float, distance: float) -> tuple[float, float, float, float]:
-    """From rest on to the line of slope 1 over a `distance` > 0 of the master, of which `way` is made, both >= 0, u.
+def gear_in_curve(travel: float, distance: float) -> tuple[float, float, float, float]:
+    """The slave's travel, u, from rest on to a line of slope 1, and its three derivatives by the master's position.
 
-    The slave's travel D (u^3 - u^4 / 2), u = way / D, and its first three derivatives by the master's position: slope 0
-    at the beginning and 1 at the end, without curvature at both; it travels D / 2."""
-    q, q1, q2, q3 = half_ramp(clamp(way / distance, 0.0, 1.0))
+    travel: what the master has travelled, u, of the transition's `distance`, u, > 0. With x = travel / distance the
+    slave travels distance (x^3 - x^4 / 2), half of the distance in all; the derivative is 0 at the beginning and 1 at
+    the end, the second derivative is 0 at both. Before the beginning and after the end the values there are held.
+    """
+    q, q1, q2, q3 = half_ramp(clamp(travel / distance, 0.0, 1.0))
     return distance * q, q1, q2 / distance, q3 / distance / distance
 
 
-def out(way: float, distance: float) -> tuple[float, float, float, float]:
-    """From the line of slope 1 to rest, D (u - u^3 + u^4 / 2): what `into` lacks to the master's own way."""
-    u = clamp(way / distance, 0.0, 1.0)
-    q, q1, q2, q3 = half_ramp(u)
-    return distance * (u - q), 1.0 - q1, -q2 / distance, -q3 / distance / distance
+def gear_out_curve(travel: float, distance: float) -> tuple[float, float, float, float]:
+    """The mirror of `gear_in_curve`: from a line of slope 1 to rest, distance (x - x^3 + x^4 / 2)."""
+    q, q1, q2, q3 = half_ramp_mirrored(clamp(travel / distance, 0.0, 1.0))
+    return distance * q, q1, q2 / distance, q3 / distance / distance
 
 
 @dataclass(slots=True)
-class Blend:
-    """A quintic in time from a state of motion to another, and how long it has run.
+class MasterCurve:
+    """Where a transition lies on the master's axis. The curve itself is `gear_in_curve` or `gear_out_curve`.
 
-    `clock` tells the time since it began."""
+    - trigger: the master's position at which the transition begins, u.
+    - direction: in which direction the master travels through it, 1 or -1; 0 while a master that was at rest at the
+      trigger has not moved yet.
+    - distance: how far the master travels through it, u, >= 0; a transition that is not master-based has none.
+    """
+
+    trigger: float = 0.0
+    direction: float = 0.0
+    distance: float = 0.0
+
+    def begin(self, trigger: float, direction: float, distance: float) -> None:
+        self.trigger = trigger
+        self.direction = direction
+        self.distance = distance
+
+    def travel(self, place: float) -> float:
+        """What the master has travelled since the trigger, u, when it is at `place`; negative: it is before it."""
+        return self.direction * (place - self.trigger)
+
+    def half(self) -> float:
+        """The master's signed travel over half of the distance, u: in all the slave travels what is geared to it."""
+        return self.direction * (0.5 * self.distance)
+
+    def end(self) -> float:
+        """The master's position at the end, u."""
+        return self.trigger + self.direction * self.distance
+
+    def is_reached_at(self, place: float) -> bool:
+        """Whether a master at `place`, u, has reached the end, but for rounding."""
+        margin = grid_tolerance(self.end(), self.distance, place)
+        return self.direction * (place - self.end()) >= -margin and self.direction != 0.0
+
+    def is_left_at(self, place: float) -> bool:
+        """Whether a master at `place`, u, has gone back before the trigger, by more than rounding."""
+        return self.travel(place) < -grid_tolerance(self.end(), self.distance, place)
+
+    def progress(self, place: float) -> float:
+        """The share of the distance, > 0, that a master at `place` has travelled, 0 to 1."""
+        return clamp(self.travel(place) / self.distance, 0.0, 1.0)
+
+
+@dataclass(slots=True)
+class TimeCurve:
+    """A quintic in time that leads from a state of motion to rest, and the time since it began.
+
+    All times that its methods take, s, count from the beginning of the present step."""
 
     curve: Quintic = var.part(Quintic)
     clock: Clock = var.part(Clock)
@@ -38,25 +85,26 @@ class Blend:
     def begin(
         self, time: float, duration: float, position: float, velocity: float, acceleration: float, end: float
     ) -> None:
-        """At a time since the step's beginning; to rest at `end`."""
+        """The curve begins at `time` with this motion and rests at the position `end` after `duration` > 0, s."""
         self.curve.fit(duration, position, velocity, acceleration, end, 0.0, 0.0)
         self.clock.start(time)
 
     def at(self, time: float) -> tuple[float, float, float, float]:
-        """Position and its derivatives at a time since the step's beginning."""
+        """Position, velocity, acceleration and jerk; before the beginning and after the end the values there."""
         return self.curve.at(clamp(self.clock.time + time, 0.0, self.curve.length))
 
-    def left(self) -> float:
-        """The time from the step's beginning to the end."""
+    def time_left(self) -> float:
+        """The time from the beginning of the present step to the curve's end; negative: the end is past."""
         return self.curve.length - self.clock.time
 
-    def over(self, time: float) -> bool:
-        """Whether it has ended by then."""
-        return self.left() - time <= SAME_TIME * self.curve.length
+    def is_over(self, time: float) -> bool:
+        """Whether the curve has ended by then, but for rounding."""
+        return self.time_left() - time <= SAME_TIME * self.curve.length
 
     def progress(self) -> float:
+        """The share of its duration that is over at the beginning of the present step, 0 to 1."""
         return clamp(self.clock.time / self.curve.length, 0.0, 1.0)
 
     def advance(self, h: float) -> None:
-        """The clock goes on by h."""
+        """The present step of h seconds is over; the next one begins."""
         self.clock.advance(h)

@@ -1,6 +1,6 @@
 """The BEAT estimator: the correction grows between the beats by the drift that the beats before have shown.
 
-Source: TwinCAT TS5066, corrections. All dates and lengths are in receiver cycles, offsets in data indices.
+Source: TwinCAT TS5066, corrections. All times and lengths are in receiver cycles, offsets in data indices.
 """
 
 from dataclasses import dataclass
@@ -14,13 +14,14 @@ from .zone import Finding, Zone
 class Beats:
     """The offset of the corrected index c from an even count of the receiver's cycles: c = n / r + offset(n).
 
-    The law is the confirmed difference plus what the sender has gained since the latest beat, as long as beats enough
-    are known; before, in time mode, it is the confirmed difference alone. After each identification, in the cycle
-    `since`, the offset goes over linearly from what it was there, `origin`, to the new law within `blending` cycles:
-    so it is continuous always.
+    As long as enough beats are known, the law is the confirmed difference plus what the sender has gained since the
+    latest beat; before, in time mode, it is the confirmed difference alone. After each identification, in the cycle
+    `since`, the offset goes over linearly from what it was there, `origin`, to the new law within `blending` cycles.
+    The offset is therefore always continuous.
 
-    `periods`, `slope` (numerator) and `knee` (denominator of the first part's length), `forced`, and the two lengths of
-    blending are parameters.
+    Parameters: `periods`, the distances that are averaged; `slope` and `knee`, the share of a beat's count in the first
+    part of the time between two beats, and the length of that part; `forced`, the drift is never used; the two lengths
+    of blending.
     """
 
     periods: int = 1
@@ -36,7 +37,7 @@ class Beats:
     history: History = var.part(History)
 
     def begin(self, difference: int) -> None:
-        """In cycle 0: at the first difference."""
+        """In cycle 0, at the first difference."""
         self.history.begin()
         self.confirmed = difference
         self.origin = float(difference)
@@ -44,7 +45,7 @@ class Beats:
         self.blending = self.time_blending
 
     def ready(self) -> bool:
-        """Whether beats enough are known for a drift that may be used."""
+        """Whether enough beats are known, and their drift may be used."""
         return self.history.mean > 0.0 and not self.forced
 
     def gain(self) -> float:
@@ -52,35 +53,44 @@ class Beats:
         return self.history.sign / self.history.mean if self.history.mean > 0.0 else 0.0
 
     def offset(self, cycle: int) -> float:
+        """Of the corrected index in this cycle, in data indices."""
         law = float(self.confirmed)
         if self.ready():
-            law += self.history.sign * self.share((cycle - self.history.date) / self.history.mean)
+            law += self.history.sign * self.share((cycle - self.history.time) / self.history.mean)
         w = min(1.0, (cycle - self.since) / self.blending)
         return (1.0 - w) * self.origin + w * law
 
     def share(self, x: float) -> float:
-        """g: of the beat's count, after the part x of the time between two beats; all of it from 1 on."""
+        """The share of a beat's count that is in the offset after the part x of the time between two beats: 0 to 1."""
         if x >= 1.0:
             return 1.0
         if x <= self.knee:
             return x * (self.slope / self.knee)
         return self.slope + (x - self.knee) * ((1.0 - self.slope) / (1.0 - self.knee))
 
-    def take(self, zone: Zone, finding: Finding, cycle: int) -> bool:
-        """What the zone has found in this cycle; True where all begins anew, with an opposite beat or a jump."""
-        if finding in (Finding.NOTHING, Finding.SETTLED, Finding.CLOSED):
-            return False
+    def is_contradicted_by(self, zone: Zone) -> bool:
+        """Whether the zone has found a jump, or a beat opposite to the ones before: then the estimate begins anew."""
+        if zone.finding == Finding.JUMP:
+            return True
+        return zone.finding == Finding.BEAT and self.history.reverses(self.sign_in(zone))
+
+    def sign_in(self, zone: Zone) -> int:
+        """1 where the zone's new difference is greater than the one before, else -1."""
+        return 1 if zone.confirmed > self.confirmed else -1
+
+    def learn(self, zone: Zone, cycle: int) -> None:
+        """What the zone has found in this cycle changes the law."""
+        if zone.finding in (Finding.NOTHING, Finding.SETTLED, Finding.CLOSED):
+            return
         self.origin = self.offset(cycle)
         self.since = cycle
-        anew = finding == Finding.JUMP
-        if finding == Finding.JUMP:
+        if zone.finding == Finding.JUMP:
             self.history.forget()
-        elif finding == Finding.BEAT:
-            sign = 1 if zone.confirmed > self.confirmed else -1
+        elif zone.finding == Finding.BEAT:
+            sign = self.sign_in(zone)
             anew = self.history.reverses(sign)
             self.history.add(0.5 * (zone.first + zone.last), sign, self.periods)
             if anew:
                 self.history.beats = 1
         self.confirmed = zone.confirmed
         self.blending = self.drift_blending if self.ready() else self.time_blending
-        return anew

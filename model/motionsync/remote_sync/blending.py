@@ -1,28 +1,20 @@
-"""The four ways to make axis values of what was received, and the blending from one to another.
+"""The blending from one mode of the axis values to another.
 
-Source: TwinCAT TS5066, modes of the axis values and blending time.
+Source: TwinCAT TS5066, blending time.
 """
 
 from dataclasses import dataclass
 
-from ..var import Enumeration
-
-
-class Mode(Enumeration):
-    """Where the axis values come from"""
-
-    BYPASS = 1, "as received"
-    PT1 = 2, "as received, smoothed by a first-order lag"
-    SYNC = 3, "shifted in time by the correction, the drift being known"
-    TIME = 4, "shifted in time by the correction before the drift is known"
+from .interface import Mode
 
 
 @dataclass(slots=True)
 class Blending:
-    """How much of each mode is in the values.
+    """The shares that the modes have in the axis values.
 
-    From a change of mode on all weights move linearly from where they are; they add up to 1. `cycles` counts from the
-    change."""
+    After a change of mode all shares move linearly from where they are to the new mode's; they always add up to 1.
+    `cycles` counts from the change. SYNC and TIME share one share, `shifted`: both shift the values by the correction.
+    """
 
     mode: Mode = Mode.BYPASS
     cycles: int = 0
@@ -34,22 +26,22 @@ class Blending:
     from_shifted: float = 0.0
 
     def begin(self, mode: Mode) -> None:
-        """All of one mode."""
-        self.to(mode)
+        """All values come from one mode."""
+        self.head_for(mode)
         self.weigh(0.0)
-        self.to(mode)
+        self.head_for(mode)
 
     def advance(self, mode: Mode, length: float) -> None:
-        """The weights of a cycle, in which a change of mode only begins; `length`: of the blending, in cycles."""
+        """The shares of a cycle; a change of mode begins in it. `length`: of the blending, in cycles."""
         self.weigh(length)
         if mode != self.mode:
-            self.to(mode)
+            self.head_for(mode)
             self.weigh(length)
         if self.cycles < length:
             self.cycles += 1
 
-    def to(self, mode: Mode) -> None:
-        """From the present weights to a mode."""
+    def head_for(self, mode: Mode) -> None:
+        """From the present shares to a mode."""
         self.mode = mode
         self.cycles = 0
         self.from_bypass = self.bypass
@@ -57,11 +49,13 @@ class Blending:
         self.from_shifted = self.shifted
 
     def weigh(self, length: float) -> None:
-        share = 1.0 if self.cycles >= length else self.cycles / length
-        self.bypass = mixed(self.from_bypass, self.mode == Mode.BYPASS, share)
-        self.pt1 = mixed(self.from_pt1, self.mode == Mode.PT1, share)
-        self.shifted = mixed(self.from_shifted, self.mode in (Mode.SYNC, Mode.TIME), share)
+        """The shares so many `cycles` after the change."""
+        part = 1.0 if self.cycles >= length else self.cycles / length
+        self.bypass = mixed(self.from_bypass, self.mode == Mode.BYPASS, part)
+        self.pt1 = mixed(self.from_pt1, self.mode == Mode.PT1, part)
+        self.shifted = mixed(self.from_shifted, self.mode in (Mode.SYNC, Mode.TIME), part)
 
 
-def mixed(before: float, wanted: bool, share: float) -> float:
-    return (1.0 - share) * before + (share if wanted else 0.0)
+def mixed(before: float, wanted: bool, part: float) -> float:
+    """The share of a mode after a part, 0 to 1, of the blending; at its end 1 if the mode is the wanted one, else 0."""
+    return (1.0 - part) * before + (part if wanted else 0.0)

@@ -6,8 +6,8 @@ Source: TwinCAT TS5066, mean drift.
 from dataclasses import dataclass
 
 from .. import var
+from .interface import MOST_PERIODS
 
-MOST_PERIODS = 64
 SIGNIFICANT = 0.2  # of the last mean: a change of the drift that is worth a warning
 
 
@@ -15,14 +15,14 @@ SIGNIFICANT = 0.2  # of the last mean: a change of the drift that is worth a war
 class History:
     """Beats one after the other, and the distances between those of one sign, in receiver cycles, the latest first.
 
-    `sign` is the latest beat's: 1 where the sender has gained a count; `date` its cycle. `mean` is that of the last
-    `periods` distances, 0 where fewer are known. `changed`: with the latest beat the mean, or the sign, has changed
-    significantly.
+    `sign` is the sign of the latest beat: 1 where the sender has gained a count; `time` is its cycle, which need not be
+    a whole number. `known` distances are kept; `mean` is the mean of the last `periods` of them, 0 where fewer are
+    known. `changed`: with the latest beat the mean, or the sign, has changed significantly.
     """
 
     beats: int = 0
     sign: int = 0
-    date: float = 0.0
+    time: float = 0.0
     known: int = 0
     mean: float = 0.0
     changed: bool = False
@@ -33,7 +33,7 @@ class History:
         self.changed = False
 
     def forget(self) -> None:
-        """All beats; the drift has changed if there were any."""
+        """No beat is known any more; if there was one, the drift has changed."""
         self.changed = self.changed or self.beats > 0
         self.beats = 0
         self.sign = 0
@@ -44,11 +44,11 @@ class History:
         """Whether a beat of that sign is opposite to the ones before."""
         return self.beats > 0 and sign != self.sign
 
-    def add(self, date: float, sign: int, periods: int) -> None:
-        """A beat at a cycle; the mean is that of the last `periods` distances."""
+    def add(self, time: float, sign: int, periods: int) -> None:
+        """A beat at this cycle; the mean is taken over the last `periods` distances."""
         if self.beats > 0 and sign == self.sign:
             last = self.mean
-            self.remember(date - self.date, periods)
+            self.remember(time - self.time, periods)
             self.changed = last > 0.0 and abs(self.mean - last) > SIGNIFICANT * last
         else:
             self.changed = self.beats > 0
@@ -56,9 +56,10 @@ class History:
             self.mean = 0.0
         self.beats += 1
         self.sign = sign
-        self.date = date
+        self.time = time
 
     def remember(self, distance: float, periods: int) -> None:
+        """The latest distance, and the mean as soon as enough of them are known."""
         for i in range(periods - 1):
             at = periods - 1 - i
             self.distances[at] = self.distances[at - 1]

@@ -9,7 +9,7 @@ from ..var import Enumeration
 
 
 class Finding(Enumeration):
-    """What has come of a cycle's difference"""
+    """What a cycle's difference has shown"""
 
     NOTHING = 0, "the stretch or the zone goes on"
     SETTLED = 1, "the first quiet stretch, at the first difference"
@@ -23,10 +23,10 @@ class Finding(Enumeration):
 class Zone:
     """The difference D = sender's index - receiver's index (in data indices), watched cycle by cycle.
 
-    It steps by one at a beat; the jitter of the clocks widens the step to a zone in which it flickers. Only when it
-    has been quiet for a while is the step identified. The zone is `open` from the `first` change away from the
+    D steps by one at a beat. The jitter of the clocks widens the step to a zone in which D flickers. The step is
+    identified only when D has been quiet for a while. The zone is `open` from the `first` change away from the
     `confirmed` D on; `last` is the latest change. `above` and `below` count the cycles of the zone with a D greater
-    and less than the confirmed one.
+    and less than the confirmed one. `finding` is what the present cycle has shown.
     """
 
     difference: int = 0
@@ -37,6 +37,7 @@ class Zone:
     last: int = 0
     above: int = 0
     below: int = 0
+    finding: Finding = Finding.NOTHING
 
     def begin(self, difference: int) -> None:
         """In cycle 0; the first quiet stretch is still to come."""
@@ -46,8 +47,12 @@ class Zone:
         self.open = False
         self.last = 0
 
-    def look(self, cycle: int, difference: int, limit: int) -> Finding:
-        """At the D of a cycle; it is quiet when it has not changed for `limit` cycles."""
+    def skip(self) -> None:
+        """A cycle in which no new index is due."""
+        self.finding = Finding.NOTHING
+
+    def observe(self, cycle: int, difference: int, limit: int) -> None:
+        """The D of a cycle. A stretch is quiet when D has not changed for `limit` cycles."""
         if difference != self.difference:
             self.difference = difference
             self.last = cycle
@@ -59,18 +64,20 @@ class Zone:
         if self.open:
             self.above += 1 if difference > self.confirmed else 0
             self.below += 1 if difference < self.confirmed else 0
-        if cycle - self.last < limit or (self.settled and not self.open):
-            return Finding.NOTHING
-        return self.confirm()
+        self.finding = Finding.NOTHING
+        if cycle - self.last >= limit and (self.open or not self.settled):
+            self.confirm()
 
-    def confirm(self) -> Finding:
-        """A quiet stretch."""
-        step = abs(self.difference - self.confirmed)
-        settled = self.settled
+    def confirm(self) -> None:
+        """A quiet stretch closes the zone; its difference is the confirmed one from now on."""
+        self.finding = self.finding_of(abs(self.difference - self.confirmed))
         self.confirmed = self.difference
         self.settled = True
         self.open = False
-        if not settled:
+
+    def finding_of(self, step: int) -> Finding:
+        """What a quiet stretch shows that is so many counts away from the confirmed difference."""
+        if not self.settled:
             return Finding.SETTLED if step == 0 else Finding.SETTLED_ELSEWHERE
         if step == 0:
             return Finding.CLOSED

@@ -1,11 +1,8 @@
 """Synchronizer: switches a slave on to and off from its master without a step in position or velocity.
 
 Synchronized, the slave is the master; unsynchronized, it rests. A start or stop ramps it from one to the other along a
-curve over the master while the slave travels the phasing. Source: PAM synchronizer pipe block (1998).
-
-Decisions where the source is silent: `local.progress` keeps its value in READY (1 after a completed transition) and is
-0 while a command that was given too late, without a period, is not armed; the distances then count the way back to the
-ramp's beginning, and are 0 in READY. The characteristic values are those of the last command, 0 before the first.
+curve over the master while the slave travels the phasing. Source: PAM synchronizer pipe block (1998). README.md in this
+folder says how the block decides where the source is silent.
 """
 
 from dataclasses import dataclass
@@ -13,50 +10,24 @@ from dataclasses import dataclass
 from .. import var
 from ..grid import wrap
 from ..laws import chain_rule
-from ..master import Master
-from ..slave import Edge, Slave
-from ..var import Enumeration, Unit
+from ..slave import Edge
+from ..var import Enumeration
 from .faults import Fault, Refusal
-from .transition import Curve, Transition
-
-LEAST_PHASING = 1e-9
-GREATEST_PHASING = 1e12
+from .interface import GREATEST_PHASING, LEAST_PHASING, State, SynchronizerInterface
+from .transition import Transition
 
 
-class State(Enumeration):
-    """What becomes of the last command"""
+class Stage(Enumeration):
+    """What drives the slave"""
 
-    READY = 0, "the last command has been completed, refused or ignored"
-    EXECUTING = 1, "a command waits for its ramp or ramps the slave"
-    STACKED = 2, "as EXECUTING, and the contrary command follows at the ramp's end"
-
-
-@dataclass(slots=True)
-class Local:
-    """What a commissioning engineer would watch."""
-
-    ramp_begin: float = var.local(0.0, "master position at which the ramp begins", Unit.POSITION, discrete=True)
-    ramp_end: float = var.local(0.0, "master position at which the ramp ends", Unit.POSITION, discrete=True)
-    progress: float = var.local(0.0, "share of the ramp's master travel that is done", min=0.0, max=1.0)
-    distance_to_begin: float = var.local(0.0, "master travel missing to the ramp's beginning", Unit.POSITION)
-    distance_to_end: float = var.local(0.0, "master travel missing to the ramp's end", Unit.POSITION)
-    transition_distance: float = var.local(0.0, "master travel of the whole ramp", Unit.POSITION, discrete=True)
-    peak_acceleration_per_v2: float = var.local(
-        0.0,
-        "peak slave acceleration over the square of a constant master velocity",
-        Unit.PER_POSITION,
-        discrete=True,
-    )
-    peak_jerk_per_v3: float = var.local(
-        0.0,
-        "peak slave jerk over the cube of a constant master velocity; 0: an impulse",
-        Unit.PER_POSITION2,
-        discrete=True,
-    )
+    SYNCHRONIZED = 1, "the slave is the master; no command is under way"
+    RESTING = 2, "the slave rests; no command is under way"
+    WAITING = 3, "a command waits for its ramp; until then a slave that shall start rests, one that shall stop goes on"
+    RAMPING = 4, "the slave follows the ramp of a command"
 
 
 @dataclass(slots=True)
-class Synchronizer:
+class Synchronizer(SynchronizerInterface):
     """Switches a slave on to and off from its master without a step in position or velocity.
 
     The software form of a clutch. Synchronized, the slave is the master; unsynchronized, it rests. A rising edge of
@@ -75,73 +46,42 @@ class Synchronizer:
     until the first is completed. While active is false commands act at once, and the slave jumps.
     """
 
-    master: Master = var.part(Master)
-    curve: Curve = var.parameter(Curve.POLYNOMIAL_3_4_5, "law of the transition")
-    output_phasing: float = var.parameter(
-        90.0,
-        "the slave's travel in a transition, not 0; its sign is the direction of travel in which commands are executed",
-        Unit.POSITION,
-        tunable=True,
-        min=-GREATEST_PHASING,
-        max=GREATEST_PHASING,
-        smallest=LEAST_PHASING,
-        zero=False,
-    )
-    active: bool = var.input(True, "the block is part of a running pipe; inactive, commands act at once")
-    start: bool = var.input(False, "rising edge: synchronize")
-    stop: bool = var.input(False, "rising edge: unsynchronize and come to rest at rest_value")
-    rest_value: float = var.input(
-        0.0, "where the slave comes to rest; read at the edge of stop", Unit.POSITION, discrete=True
-    )
-    slave: Slave = var.part(
-        Slave,
-        depends={
-            "position": ("master.position", "master.period"),
-            "velocity": ("master.velocity", "master.input_mode"),
-            "acceleration": ("master.acceleration", "master.input_mode"),
-        },
-    )
-    state: State = var.output(State.READY, "what becomes of the last command")
-    state_code: int = var.output(0, "the state as a plain integer")
-    ready: bool = var.output(True, "the last command has been completed, refused or ignored")
-    synchronized: bool = var.output(True, "the last completed transition was a start")
-    status: int = var.output(1, "status word: 1 syn_synchronized, 2 syn_ramp_on")
-    syn_synchronized: bool = var.output(True, "the slave is the master")
-    syn_ramp_on: bool = var.output(False, "the ramp generator drives the slave")
-    error: bool = var.output(False, "the last command was refused")
-    error_id: int = var.output(0, "why: 1, output_phasing out of its range", codes=Fault)
-    local: Local = var.part(Local)
-
+    stage: Stage = Stage.SYNCHRONIZED
+    stacked: bool = False
     was_active: bool = True
     start_edge: Edge = var.part(Edge)
     stop_edge: Edge = var.part(Edge)
-    running: Transition = var.part(Transition)
+    transition: Transition = var.part(Transition)
     stacked_phasing: float = 0.0
     stacked_rest: float = 0.0
     rest: float = 0.0
+    place: float = 0.0
 
     def initialize(self) -> Refusal:
-        """READY and synchronized at the master; may be called again while parameters and inputs still change."""
+        """Synchronized at the master; may be called again while parameters and inputs still change."""
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.was_active = self.active
         self.start_edge.hold(self.start)
         self.stop_edge.hold(self.stop)
+        self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
         return Refusal.NONE
 
     def step(self, h: float) -> Refusal:
-        """From t to t+h: the seam to the present input, the commands, then the path of the step."""
+        """From t to t+h: the correction to the present input, the commands, then the path of the step."""
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
-        self.travel(self.master.path.places[0], self.master.begin)
+        self.travel(0)
         self.obey()
-        for i in range(1, self.master.path.pieces):
-            self.travel(self.master.path.places[i], self.master.path.places[i + 1])
+        for piece in range(1, self.master.path.pieces):
+            self.travel(piece)
+        self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
-        if self.state == State.READY or not self.running.ramping:
-            self.master.rebase()
+        self.rebase()
         return Refusal.NONE
+
+    # --- the commands ---
 
     def obey(self) -> None:
         """A change of `active`, then start, then stop; each with the master at the path's beginning."""
@@ -154,105 +94,172 @@ class Synchronizer:
             self.command(False)
 
     def deactivate(self) -> None:
-        """At once what all pending commands would have led to."""
-        if self.state == State.STACKED:
-            self.settle(self.running.starting, self.running.direction * self.running.origin)
-            self.settle(not self.running.starting, self.stacked_rest)
-        elif self.state == State.EXECUTING:
-            self.settle(self.running.starting, self.running.direction * self.running.origin)
-        self.state = State.READY
-
-    def settle(self, synchronized: bool, rest: float) -> None:
-        """A transition is over: the slave is the master, or rests."""
-        self.synchronized = synchronized
-        if not synchronized:
-            self.rest = rest
+        """All pending commands are completed at once; the slave may jump."""
+        if self.has_command():
+            starting = self.transition.starting
+            self.complete_at(starting, self.transition.commanded_rest())
+            if self.stacked:
+                self.complete_at(not starting, self.stacked_rest)
+        self.stacked = False
 
     def command(self, starting: bool) -> None:
-        """The edge of start or stop; what is neither ignored nor refused is taken up or stacked."""
+        """The edge of start or stop. A command that is neither ignored nor refused is taken up or stacked."""
         rest = self.rest if starting else wrap(self.rest_value, self.master.period)
         self.error_id = Fault.NONE
         if not self.active:
-            self.settle(starting, rest)
+            self.complete_at(starting, rest)
         elif self.ignores(starting):
             return
         elif not LEAST_PHASING <= abs(self.output_phasing) <= GREATEST_PHASING:
             self.error_id = Fault.PHASING
-        elif self.state == State.READY:
+        elif not self.has_command():
             self.take_up(starting, self.output_phasing, rest)
         else:
-            self.state = State.STACKED
+            self.stacked = True
             self.stacked_phasing = self.output_phasing
             self.stacked_rest = rest
 
     def ignores(self, starting: bool) -> bool:
-        match self.state:
-            case State.READY:
-                return self.synchronized == starting
-            case State.EXECUTING:
-                return self.running.starting == starting
-            case _:
+        """Whether the block is there already or on its way there, or has no place left for a command."""
+        if self.has_command():
+            return self.stacked or self.transition.starting == starting
+        return self.is_synchronized() == starting
+
+    def has_command(self) -> bool:
+        """Whether a command is under way."""
+        return self.stage in (Stage.WAITING, Stage.RAMPING)
+
+    def is_synchronized(self) -> bool:
+        """Whether the last completed transition was a start; the command under way is always the contrary one."""
+        match self.stage:
+            case Stage.SYNCHRONIZED:
                 return True
+            case Stage.RESTING:
+                return False
+            case _:
+                return not self.transition.starting
 
     def take_up(self, starting: bool, phasing: float, rest: float) -> None:
-        self.state = State.EXECUTING
-        self.running.command(starting, self.curve, phasing, rest)
-        self.local.transition_distance = self.running.distance
-        self.local.peak_acceleration_per_v2 = self.running.peak_acceleration()
-        self.local.peak_jerk_per_v3 = self.running.peak_jerk()
+        """A command gets under way: it waits for its ramp, if only until the next piece of the path."""
+        self.transition.command(starting, self.curve, phasing, rest)
+        self.local.transition_distance = self.transition.distance
+        self.local.peak_acceleration_per_v2 = self.transition.peak_acceleration()
+        self.local.peak_jerk_per_v3 = self.transition.peak_jerk()
+        self.enter_waiting()
 
-    def travel(self, begin: float, end: float) -> None:
-        """A monotone piece of the master's path; where a transition ends, the stacked command goes on from there."""
-        while self.state != State.READY and self.running.travel(begin, end, self.master.period):
-            begin = self.running.direction * self.running.end
+    # --- the path ---
+
+    def travel(self, piece: int) -> None:
+        """The master moves along a piece of its path; where a command ends, the stacked one goes on from there."""
+        self.place = self.master.path.places[piece]
+        end = self.master.path.places[piece + 1]
+        while self.try_event(end):
+            pass
+
+    def try_event(self, end: float) -> bool:
+        """Carry out the next event up to the end of the piece; False if there is none."""
+        match self.stage:
+            case Stage.WAITING:
+                return self.try_event_waiting(end)
+            case Stage.RAMPING:
+                return self.try_event_ramping(end)
+            case _:
+                return False
+
+    def try_event_waiting(self, end: float) -> bool:
+        """A waiting command aims anew from where the master is. From there on the ramp may begin, and even end."""
+        self.transition.aim(self.place, self.master.period)
+        return self.try_event_ramping(end)
+
+    def try_event_ramping(self, end: float) -> bool:
+        """The end of the ramp. If it lies farther on, the end of the piece tells whether the slave is on the ramp."""
+        if self.transition.is_complete_at(end):
             self.complete()
+            return True
+        if not self.transition.is_on_ramp_at(end):
+            self.transition.aim(end, self.master.period)
+        if self.transition.is_on_ramp_at(end):
+            self.enter_ramping()
+        else:
+            self.enter_waiting()
+        return False
 
     def complete(self) -> None:
-        """The running command's transition has ended."""
+        """The command's transition has ended."""
+        starting = self.transition.starting
         self.mark()
         self.local.progress = 1.0
-        self.settle(self.running.starting, self.running.direction * self.running.origin)
-        if self.state == State.STACKED:
-            starting = not self.running.starting
-            self.take_up(starting, self.stacked_phasing, self.rest if starting else self.stacked_rest)
-        else:
-            self.state = State.READY
+        self.place = self.transition.direction * self.transition.end
+        self.complete_at(starting, self.transition.commanded_rest())
+        if self.stacked:
+            self.stacked = False
+            self.take_up(not starting, self.stacked_phasing, self.stacked_rest if starting else self.rest)
 
-    def mark(self) -> None:
-        """Where the ramp lies that is aimed at."""
-        self.local.ramp_begin = wrap(self.running.direction * self.running.begin, self.master.period)
-        self.local.ramp_end = wrap(self.running.direction * self.running.end, self.master.period)
+    def complete_at(self, starting: bool, rest: float) -> None:
+        """After a start the slave is the master; after a stop it is at rest at `rest`."""
+        if starting:
+            self.enter_synchronized()
+        else:
+            self.enter_resting(rest)
+
+    def enter_synchronized(self) -> None:
+        self.stage = Stage.SYNCHRONIZED
+
+    def enter_resting(self, rest: float) -> None:
+        self.stage = Stage.RESTING
+        self.rest = rest
+
+    def enter_waiting(self) -> None:
+        self.stage = Stage.WAITING
+
+    def enter_ramping(self) -> None:
+        self.stage = Stage.RAMPING
+
+    # --- what is put out ---
+
+    def set_slave_at(self, place: float, velocity: float, acceleration: float) -> None:
+        """The setpoint that belongs to this motion of the master, whose jerk is taken as 0 on the ramp."""
+        if self.stage == Stage.RAMPING:
+            position, d1, d2, d3 = self.transition.follow(place)
+            v, a, j = chain_rule(d1, d2, d3, velocity, acceleration)
+            self.slave.put(wrap(position, self.master.period), v, a, j)
+        elif self.is_synchronized():
+            self.slave.put(wrap(place, self.master.period), velocity, acceleration, 0.0)
+        else:
+            self.slave.put(self.rest, 0.0, 0.0, 0.0)
 
     def show(self) -> None:
-        """Everything that is put out, at the step's end; periods are applied last."""
-        executing = self.state != State.READY
-        ramping = executing and self.running.ramping
-        self.drive(ramping)
+        """Everything that is put out but the slave's setpoint; periods are applied last."""
+        ramping = self.stage == Stage.RAMPING
+        self.state = self.shown_state()
         self.state_code = self.state
-        self.ready = not executing
+        self.ready = not self.has_command()
+        self.synchronized = self.is_synchronized()
         self.syn_synchronized = self.synchronized and not ramping
         self.syn_ramp_on = ramping
         self.status = (1 if self.syn_synchronized else 0) + (2 if ramping else 0)
         self.error = self.error_id != Fault.NONE
-        if executing:
+        if self.has_command():
             self.mark()
-            self.local.progress = self.running.progress(self.master.end)
-            self.local.distance_to_begin = self.running.distance_to_begin(self.master.end)
-            self.local.distance_to_end = self.running.distance_to_end(self.master.end)
+            self.local.progress = self.transition.progress(self.master.end)
+            self.local.distance_to_begin = self.transition.distance_to_begin(self.master.end)
+            self.local.distance_to_end = self.transition.distance_to_end(self.master.end)
         else:
             self.local.distance_to_begin = 0.0
             self.local.distance_to_end = 0.0
 
-    def drive(self, ramping: bool) -> None:
-        """The slave's setpoint: on the ramp by the chain rule, the master's jerk taken as 0; else master or rest."""
-        position = self.master.end
-        v = self.master.end_velocity
-        a = self.master.end_acceleration
-        if ramping:
-            position, slope, curvature, twist = self.running.follow(position)
-            velocity, acceleration, jerk = chain_rule(slope, curvature, twist, v, a)
-            self.slave.put(wrap(position, self.master.period), velocity, acceleration, jerk)
-        elif self.synchronized:
-            self.slave.put(wrap(position, self.master.period), v, a, 0.0)
-        else:
-            self.slave.put(self.rest, 0.0, 0.0, 0.0)
+    def shown_state(self) -> State:
+        """What becomes of the last command: whether one is under way, and whether another one follows it."""
+        if not self.has_command():
+            return State.READY
+        return State.STACKED if self.stacked else State.EXECUTING
+
+    def mark(self) -> None:
+        """Show where the ramp lies that the command aims at."""
+        self.local.ramp_begin = wrap(self.transition.direction * self.transition.begin, self.master.period)
+        self.local.ramp_end = wrap(self.transition.direction * self.transition.end, self.master.period)
+
+    def rebase(self) -> None:
+        """Whole turns are dropped unless the slave is on a ramp: that one lies in a particular turn."""
+        if self.stage != Stage.RAMPING:
+            self.master.rebase()

@@ -1,7 +1,8 @@
-"""The synchronizer's transition: which way the slave takes between rest and the master, and at which occurrence.
+"""The transition of a Synchronizer: the curve between rest and the master, and the turn of the master in which it lies.
 
-Everything is a function of the master position alone. In mirrored coordinates x = d m, sigma = d s, d the sign of the
-phasing, the master rises; sigma0 is the rest position and D the phasing's magnitude.
+Everything is a function of the master's position m alone. With the sign d of the phasing, the mirrored positions of
+master and slave are x = d m and sigma = d s, so that the master always rises. sigma0 is the mirrored rest position and
+D the magnitude of the phasing.
 
 Source: PAM synchronizer pipe block, "Synchronization curves" (VDI 2143) and "Periodicity". The table of the source
 gives the 3-4-5 law for a start only; a stop is its point mirror, so its ramp lies from sigma0 - D to sigma0 + 7/8 D.
@@ -10,17 +11,9 @@ gives the 3-4-5 law for a start only; a stop is its point mirror, so its ramp li
 from dataclasses import dataclass
 from math import sqrt
 
-from ..grid import floor
+from ..grid import first_at_or_after
 from ..limits import clamp
-from ..var import Enumeration
-
-
-class Curve(Enumeration):
-    """Law of the transition"""
-
-    PARABOLA = 1, "two parabolas: least acceleration, the jerk is an impulse at both ends"
-    POLYNOMIAL_3_4_5 = 2, "polynomial 3-4-5: continuous acceleration, bounded jerk"
-
+from .interface import Curve
 
 GENTLE = 7.0 / 8.0  # of D: from the rest position to a 3-4-5 ramp's rest end; to all other ends it is D
 PEAK_ACCELERATION = 64.0 / 135.0 * sqrt(3.0)  # of the 3-4-5 law, times v^2 / D
@@ -31,11 +24,11 @@ PEAK_JERK = 512.0 / 225.0  # of the 3-4-5 law, times v^3 / D^2, at the ramp's re
 class Transition:
     """One command under way: a start (from rest to the master) or a stop (from the master to rest).
 
-    `origin` is sigma0 as commanded, `rest`, `begin` and `end` are sigma0, x_b and x_e of the occurrence aimed at, a
-    whole number of periods away. `armed`: the ramp begins as soon as x reaches x_b; `ramping`: armed, x_b <= x < x_e.
+    `origin` is sigma0 as commanded. `rest`, `begin` and `end` are sigma0, x_b and x_e of the occurrence aimed at, a
+    whole number of periods away from the commanded one. `armed`: the ramp begins as soon as x reaches x_b.
 
-    The occurrence aimed at is the first one at or ahead of x, so with a period a waiting command is always armed and
-    aims anew wherever the master goes. Without one it is armed once x has been at or below x_b.
+    The occurrence aimed at is the first one at or ahead of x. With a period a waiting command is therefore always armed
+    and aims anew wherever the master goes. Without a period it is armed once x has been at or below x_b.
     """
 
     curve: Curve = Curve.POLYNOMIAL_3_4_5
@@ -48,7 +41,6 @@ class Transition:
     begin: float = 0.0
     end: float = 0.0
     armed: bool = False
-    ramping: bool = False
 
     def command(self, starting: bool, curve: Curve, phasing: float, rest: float) -> None:
         """`phasing`: with its sign; `rest`: where the slave rests (start) or shall rest (stop)."""
@@ -59,28 +51,18 @@ class Transition:
         self.distance = 2.0 * self.phasing if curve == Curve.PARABOLA else (1.0 + GENTLE) * self.phasing
         self.origin = self.direction * rest
         self.armed = False
-        self.ramping = False
 
-    def travel(self, begin: float, end: float, period: float) -> bool:
-        """The master moves monotonously from `begin` to `end`: whether the transition is complete there."""
-        x = self.direction * end
-        if not self.ramping:
-            self.aim(self.direction * begin, period)
-        if self.armed and x >= self.end - self.tolerance(x):
-            return True
-        if not (self.armed and x >= self.begin):
-            self.aim(x, period)
-        self.ramping = self.armed and x >= self.begin
-        return False
+    def commanded_rest(self) -> float:
+        """Where the slave rests as commanded, u."""
+        return self.direction * self.origin
 
-    def aim(self, x: float, period: float) -> None:
-        """Choose the occurrence for a master at x, and see whether the command is armed there."""
+    def aim(self, master: float, period: float) -> None:
+        """Choose the occurrence for a master at this position, and arm the command if it is in time there."""
+        x = self.direction * master
         steep = self.phasing
         gentle = self.distance - self.phasing
         begin = self.origin - (gentle if self.starting else steep)
-        shift = 0.0
-        if period > 0.0:
-            shift = -floor((begin + self.tolerance(x) - x) / period) * period
+        shift = first_at_or_after(0.0, period, x - (begin + self.tolerance(x)))
         self.rest = self.origin + shift
         self.begin = begin + shift
         self.end = self.rest + (steep if self.starting else gentle)
@@ -90,37 +72,47 @@ class Transition:
         """Within it a position counts as reached, so that commands may lie edge to edge at any period."""
         return 1e-9 * self.phasing + 1e-15 * abs(x)
 
-    def follow(self, master: float) -> tuple[float, float, float, float]:
-        """The slave's position (u) and its first three derivatives with respect to the master (1, 1/u, 1/u2).
+    def is_complete_at(self, master: float) -> bool:
+        """Whether a master that has risen to this position has passed the end of the ramp."""
+        x = self.direction * master
+        return self.armed and x >= self.end - self.tolerance(x)
 
-        A start is sigma0 + 2 D f((x - x_b) / (2 Dm)), a stop sigma0 - 2 D f((x_e - x) / (2 Dm)): slope 0 at the rest
-        end and 1 at the master's end; the 3-4-5 law has curvature 0 at both."""
+    def is_on_ramp_at(self, master: float) -> bool:
+        """Whether a master that has not reached the end of the ramp is at its beginning or farther on."""
+        return self.armed and self.direction * master >= self.begin
+
+    def follow(self, master: float) -> tuple[float, float, float, float]:
+        """The slave's position (u) and its first three derivatives by the master's position (1, 1/u, 1/u2).
+
+        A start is sigma0 + 2 D f((x - x_b) / (2 Dm)), Dm being the ramp's `distance`; a stop is the point mirror
+        sigma0 - 2 D f((x_e - x) / (2 Dm)). The first derivative is 0 at the rest end and 1 at the master's end; the
+        second derivative of the 3-4-5 law is 0 at both."""
         side = 1.0 if self.starting else -1.0
         x = self.direction * master
-        way = x - self.begin if self.starting else self.end - x
+        travel = x - self.begin if self.starting else self.end - x
         stretch = 2.0 * self.distance
-        f, f1, f2, f3 = half_law(self.curve, clamp(way / stretch, 0.0, 0.5))
+        f, f1, f2, f3 = half_law(self.curve, clamp(travel / stretch, 0.0, 0.5))
         height = 2.0 * self.phasing
         position = self.rest + side * height * f
-        curvature = side * height * f2 / stretch / stretch
+        d2 = side * height * f2 / stretch / stretch
         return (
             self.direction * position,
             height * f1 / stretch,
-            self.direction * curvature,
+            self.direction * d2,
             height * f3 / stretch / stretch / stretch,
         )
 
     def progress(self, master: float) -> float:
-        """Share of the master's travel along the ramp, 0 to 1; 0 until the command is armed."""
+        """Share of the ramp's distance that the master has travelled, 0 to 1; 0 until the command is armed."""
         return clamp((self.direction * master - self.begin) / self.distance, 0.0, 1.0) if self.armed else 0.0
 
     def distance_to_begin(self, master: float) -> float:
-        """Master travel still missing to x_b; a command given too late, without a period, waits for the way back."""
+        """Master travel still missing to x_b, u; for a command that came too late, without period, the travel back."""
         missing = self.begin - self.direction * master
         return max(missing, 0.0) if self.armed else abs(missing)
 
     def distance_to_end(self, master: float) -> float:
-        """Master travel still missing to x_e, the way back to x_b included where the command is not armed yet."""
+        """Master travel still missing to x_e, u; until the command is armed, the travel back to x_b is part of it."""
         if self.armed:
             return max(self.end - self.direction * master, 0.0)
         return self.distance_to_begin(master) + self.distance
@@ -135,7 +127,9 @@ class Transition:
 
 
 def half_law(curve: Curve, z: float) -> tuple[float, float, float, float]:
-    """The doubled rest-to-rest law f and its first three derivatives, of which 0 <= z <= 1/2 is used: f(1/2) = 1/2."""
+    """First half, 0 <= z <= 1/2, of the rest-to-rest law f, f(1/2) = 1/2, with its first three derivatives.
+
+    The ramp is this half, doubled in height and stretched by two."""
     if curve == Curve.PARABOLA:
         return 2.0 * z * z, 4.0 * z, 4.0, 0.0
     rest = 1.0 - z

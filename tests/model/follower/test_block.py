@@ -26,8 +26,8 @@ from motionsync_fmu.interface.units import axis_label, unit_name
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.report import plots
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.scenario import load
 from tests import ROOT
 from tests.model.follower.harness import Pusher
 

@@ -8,8 +8,10 @@ from typing import Any
 from hypothesis import strategies as st
 
 from motionsync.gearing.block import Gearing
-from motionsync.gearing.choices import Aim, State, Transition
 from motionsync.gearing.faults import Fault
+from motionsync.gearing.interface import State, Transition
+from motionsync.gearing.order import Aim
+from motionsync.gearing.stage import Stage
 from motionsync.master import MasterInput
 from tests.support.runs import EXTREMES, Run, Strategy
 
@@ -116,8 +118,8 @@ def watch(block: Gearing) -> set[Any]:
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
         ("manoeuvre", block.state, order.aim, order.transition),
-        ("inactive", block.state if block.frozen else None),
-        ("pending", block.state if block.pending else None),
+        ("inactive", block.state if block.stage == Stage.FROZEN else None),
+        ("queued edge", block.state if block.edge_queued else None),
     }
 
 
@@ -138,7 +140,7 @@ STRATEGY = Strategy(
             *(("mode", mode) for mode in MasterInput),
             *(("fault", fault) for fault in Fault),
             *(("inactive", state) for state in State),
-            *(("pending", state) for state in (State.GEAR_IN, State.GEAR_OUT)),
+            *(("queued edge", state) for state in (State.GEAR_IN, State.GEAR_OUT)),
             *(
                 ("manoeuvre", state, aim, transition)
                 for state, aims in MANOEUVRES.items()

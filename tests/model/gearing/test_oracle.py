@@ -187,7 +187,7 @@ def test_an_edge_exactly_on_the_trigger_begins_at_once() -> None:
 
 
 def test_on_an_accelerating_master() -> None:
-    """m = 50·t²: 250 at √5; at 300, √6 s: v = 100·√6, slope 1/2, curvature 3/200."""
+    """m = 50·t²: 250 at √5; at 300, √6 s: v = 100·√6, d1 = 1/2, d2 = 3/200."""
     given = scenario([{"duration": 4.0, "acceleration": 100.0}], on(0.5), **REFERENCE)
     assert states(given)[1] == (math.sqrt(5), GEAR_IN)
     row = at(given, math.sqrt(6))
@@ -402,7 +402,7 @@ def test_every_occurrence_of_the_reference_position_counts() -> None:
     assert (before["slave.position"], after["slave.position"]) == (math.nextafter(100.0, 0.0), 0.0)
 
 
-def test_downwards_through_the_seam() -> None:
+def test_downwards_through_the_end_of_a_turn() -> None:
     """P = 360, from 5 downwards: 10 + 50 is crossed at 60 - 360 = -300 after 3.05 s."""
     given = steady(
         -100.0,
@@ -707,7 +707,7 @@ def test_a_new_ratio_while_waiting_and_in_gear_out() -> None:
 
 
 def test_a_new_ratio_in_gear_out_waits_for_the_next_engagement() -> None:
-    """Back on the line, and from there by a rising edge in gear, the slope is still 1; the next change acts."""
+    """Back on the line, and from there by a rising edge in gear, the ratio is still 1; the next change acts."""
     segments = [{"duration": 2.5, "velocity": 100.0}, {"duration": 3.5, "velocity": -100.0}]
     given = scenario(segments, on(0.25), off(2.0), {"at": 2.25, **DOUBLE}, on(3.5), **ENGAGED)
     assert states(given)[4:] == [(3.0, WAITING_STOP), (3.5, ACTIVE)]

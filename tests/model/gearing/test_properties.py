@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from motionsync.gearing.block import Gearing
-from motionsync.gearing.choices import StartMode, State, StopMode, Transition
+from motionsync.gearing.interface import StartMode, State, StopMode, Transition
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.variables import cells, variables
-from tests.model.gearing.harness import Gear
+from tests.model.gearing.harness import GearingHarness
 from tests.model.gearing.strategies import runs
 from tests.support.harness import MOTION, Row, moved
 from tests.support.runs import Run
@@ -64,8 +64,10 @@ def order(rng: Random, engage: bool, place: float, length: float, *, smooth: boo
     return values
 
 
-def story(rng: Random, length: float, *, phases: int = 12, smooth: bool = False, ratio: bool = True) -> list[Phase]:
-    """A master that wanders to and fro over the length, stops and turns, and orders meanwhile."""
+def random_phases(
+    rng: Random, length: float, *, phases: int = 12, smooth: bool = False, ratio: bool = True
+) -> list[Phase]:
+    """A master that wanders to and fro over the length, stops and turns, and edges of start meanwhile."""
     found = []
     place, speed, engaged = 0.0, 0.0, False
     for _ in range(phases):
@@ -86,8 +88,8 @@ def story(rng: Random, length: float, *, phases: int = 12, smooth: bool = False,
     return found
 
 
-def tell(gear: Gear, phases: list[Phase], rng: Random, cuts: int) -> Iterator[dict[float, Row]]:
-    """The story in steps of random sizes."""
+def run_phases(gear: GearingHarness, phases: list[Phase], rng: Random, cuts: int) -> Iterator[dict[float, Row]]:
+    """Run the phases, each in steps of random sizes; the rows of each phase."""
     for phase in phases:
         gear.put(phase.values)
         times = [rng.random() * phase.duration for _ in range(rng.randint(0, cuts))]
@@ -121,11 +123,11 @@ def test_any_two_step_sizes_and_input_modes_agree(
         "slave.period": slave_turn * length,
         "slave.initial_position": length * rng.uniform(-1.0, 1.0),
     }
-    phases = story(rng, length)
-    a = Gear(values, speed=speed, mode=one)
-    b = Gear(values, speed=speed, mode=other)
+    phases = random_phases(rng, length)
+    a = GearingHarness(values, speed=speed, mode=one)
+    b = GearingHarness(values, speed=speed, mode=other)
     sizes = scales(phases, speed, length)
-    for first, second in zip(tell(a, phases, rng, 0), tell(b, phases, rng, 6), strict=True):
+    for first, second in zip(run_phases(a, phases, rng, 0), run_phases(b, phases, rng, 6), strict=True):
         x, y = (list(rows.values())[-1] for rows in (first, second))
         assert x["state_code"] == y["state_code"]
         for name, size in zip(MOTION, sizes, strict=True):
@@ -142,10 +144,10 @@ def test_turns_of_the_axes_do_not_matter(rng: Random) -> None:
     """An unwrapped input and a wrapped one, whole turns away, give the same."""
     length = 3.0
     values = {**ratios(rng), "master.period": 4.0, "slave.period": 1.5}
-    phases = story(rng, length)
-    a = Gear(values, speed=1.0)
-    b = Gear(values, speed=1.0, place=4.0 * rng.randint(-1000, 1000))
-    for first, second in zip(tell(a, phases, rng, 3), tell(b, phases, rng, 3), strict=True):
+    phases = random_phases(rng, length)
+    a = GearingHarness(values, speed=1.0)
+    b = GearingHarness(values, speed=1.0, place=4.0 * rng.randint(-1000, 1000))
+    for first, second in zip(run_phases(a, phases, rng, 3), run_phases(b, phases, rng, 3), strict=True):
         x, y = (list(rows.values())[-1] for rows in (first, second))
         assert x["state_code"] == y["state_code"]
         assert math.remainder(x["slave.position"] - y["slave.position"], 1.5) == pytest.approx(0.0, abs=1e-7)
@@ -159,16 +161,16 @@ def test_turns_of_the_axes_do_not_matter(rng: Random) -> None:
 def test_the_position_never_jumps(rng: Random, mode: MasterInput) -> None:
     """Over a short step it changes by the velocity at most; where that jumps, by the greater of the two."""
     length, h = 10.0, 1e-7
-    phases = story(rng, length)
+    phases = random_phases(rng, length)
     values = {**ratios(rng), "slave.initial_position": rng.uniform(-5.0, 5.0)}
-    gear = Gear(values, speed=length * rng.choice([0.0, 1.0, -1.0]), mode=mode)
+    gear = GearingHarness(values, speed=length * rng.choice([0.0, 1.0, -1.0]), mode=mode)
     for phase in phases:
         gear.put(phase.values)
         position = gear.slave[0]
         for _ in range(5):
             rows = list(gear.rows(h, acceleration=phase.acceleration).values())
-            pace = 10.0 * 7.0 * (abs(gear.speed) + length)
-            assert abs(rows[-1]["slave.position"] - position) <= pace * h + 1e-12
+            highest = 10.0 * 7.0 * (abs(gear.speed) + length)
+            assert abs(rows[-1]["slave.position"] - position) <= highest * h + 1e-12
             position = rows[-1]["slave.position"]
             gear.run(phase.duration / 5 - h, acceleration=phase.acceleration)
             position = gear.slave[0]
@@ -180,7 +182,7 @@ def test_position_velocity_and_acceleration_have_no_step_at_constant_speed(rng: 
     """Each is the next one's integral, over all events, to the rule of trapezoids; the acceleration's change is bounded
     by the greatest jerk."""
     length, h = 10.0, 1e-3
-    gear = Gear(ratios(rng), speed=length * rng.choice([1.0, -1.0]), mode=mode)
+    gear = GearingHarness(ratios(rng), speed=length * rng.choice([1.0, -1.0]), mode=mode)
     rows = [gear.read(MOTION)]
     met = set()
     for engage in (True, False, True, False):
@@ -206,7 +208,7 @@ def test_the_engagement_joins_exactly_at_both_ends(rng: Random, transition: Tran
     """From the tick before to the tick after, with the accelerating master that comes there."""
     length, speed = 10.0, rng.uniform(8.0, 20.0)
     acceleration = rng.uniform(-1.0, 2.0)
-    gear = Gear(ratios(rng), speed=speed, mode=mode)
+    gear = GearingHarness(ratios(rng), speed=speed, mode=mode)
     gear.start(transition=transition, distance=length, time=0.8, reference_position=rng.uniform(6.0, 9.0))
     gear.run(TICK, acceleration=acceleration)
     rate = abs(gear["gearing.numerator"] / gear["gearing.denominator"])
@@ -238,7 +240,7 @@ def test_in_gear_the_slave_is_on_the_line_through_the_reference_position(
 ) -> None:
     """Whatever the master does before and after; and after a stop it rests at exactly the stop position."""
     length, s_a = 10.0, rng.uniform(-5.0, 5.0)
-    gear = Gear({**ratios(rng), "slave.initial_position": s_a}, mode=mode, speed=rng.uniform(-10.0, 10.0))
+    gear = GearingHarness({**ratios(rng), "slave.initial_position": s_a}, mode=mode, speed=rng.uniform(-10.0, 10.0))
     m_a = rng.uniform(-5.0, 5.0)
     gear.start(
         start_mode=StartMode.WITH_CW_CCW_REFERENCE_POSITION,
@@ -249,7 +251,7 @@ def test_in_gear_the_slave_is_on_the_line_through_the_reference_position(
     )
     rate = gear["gearing.numerator"] / gear["gearing.denominator"]
     met = False
-    for phase in story(rng, length, phases=10, ratio=False):
+    for phase in random_phases(rng, length, phases=10, ratio=False):
         gear.rows(phase.duration, acceleration=phase.acceleration, cuts=[rng.random() * phase.duration])
         if gear.state == State.ACTIVE:
             met = True
@@ -265,7 +267,7 @@ def test_in_gear_the_slave_is_on_the_line_through_the_reference_position(
         time=rng.uniform(0.1, 2.0),
         stop_position=stop,
     )
-    for phase in story(rng, length, phases=10, ratio=False):
+    for phase in random_phases(rng, length, phases=10, ratio=False):
         gear.rows(phase.duration, acceleration=phase.acceleration, cuts=[rng.random() * phase.duration])
         if gear.state == State.STOPPED:
             assert gear.slave == (stop, 0.0, 0.0)
@@ -275,10 +277,10 @@ def test_in_gear_the_slave_is_on_the_line_through_the_reference_position(
 @given(rngs, modes)
 def test_a_direct_engagement_in_time_ends_on_the_line_through_its_beginning(rng: Random, mode: MasterInput) -> None:
     length = 10.0
-    gear = Gear(ratios(rng), speed=rng.uniform(-10.0, 10.0), mode=mode)
+    gear = GearingHarness(ratios(rng), speed=rng.uniform(-10.0, 10.0), mode=mode)
     rate = gear["gearing.numerator"] / gear["gearing.denominator"]
     gear.start(start_mode=StartMode.CW_CCW_DIRECT, transition=TIME, time=rng.uniform(0.1, 3.0))
-    for phase in story(rng, length, ratio=False):
+    for phase in random_phases(rng, length, ratio=False):
         gear.rows(phase.duration, acceleration=phase.acceleration, cuts=[rng.random() * phase.duration])
     if gear.state == State.ACTIVE:
         assert gear.slave[0] == pytest.approx(rate * gear.place, abs=1e-8)
@@ -304,12 +306,14 @@ def test_mirrored_axes_do_the_mirrored(rng: Random, mode: MasterInput) -> None:
     length, speed = 10.0, rng.choice([0.0, 10.0, -10.0])
     values = {**ratios(rng), "slave.initial_position": rng.uniform(-5.0, 5.0)}
     defaults = {"gear_in.start_mode": StartMode.WITH_CW_REFERENCE_POSITION}
-    phases = story(rng, length)
+    phases = random_phases(rng, length)
     turned = [Phase(mirrored(p.values), p.duration, -p.acceleration) for p in phases]
-    a = Gear({**defaults, **values}, speed=speed, mode=mode)
-    b = Gear(mirrored({**defaults, **values}), speed=-speed, mode=mode)
+    a = GearingHarness({**defaults, **values}, speed=speed, mode=mode)
+    b = GearingHarness(mirrored({**defaults, **values}), speed=-speed, mode=mode)
     seed = rng.random()
-    for first, second in zip(tell(a, phases, Random(seed), 3), tell(b, turned, Random(seed), 3), strict=True):
+    for first, second in zip(
+        run_phases(a, phases, Random(seed), 3), run_phases(b, turned, Random(seed), 3), strict=True
+    ):
         for x, y in zip(first.values(), second.values(), strict=True):
             assert x["state_code"] == y["state_code"]
             assert [x[name] for name in MOTION] == [-y[name] for name in MOTION]
@@ -348,7 +352,7 @@ def test_whatever_comes_all_numbers_are_finite(run: Run) -> None:
 @repeatable
 @given(rngs)
 def test_many_small_steps_end_a_transition_on_time(rng: Random) -> None:
-    gear = Gear(speed=10.0).start(start_mode=StartMode.CW_CCW_DIRECT, transition=TIME, time=1.0)
+    gear = GearingHarness(speed=10.0).start(start_mode=StartMode.CW_CCW_DIRECT, transition=TIME, time=1.0)
     n = rng.choice([10, 100, 1000])
     gear.run(1.0, cuts=[i / n for i in range(1, n)])
     assert gear.state == State.ACTIVE

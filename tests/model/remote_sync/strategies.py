@@ -7,9 +7,9 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from motionsync.remote_sync.blending import Mode
-from motionsync.remote_sync.block import Estimator, RemoteSync
+from motionsync.remote_sync.block import RemoteSync
 from motionsync.remote_sync.faults import Fault
+from motionsync.remote_sync.interface import Estimator, Mode
 from tests.support.runs import EXTREMES, Run, Strategy
 
 INDICES = (0, 1, -1, 32768, 65535, 65536, 2**31 - 1, -(2**31))

@@ -561,7 +561,7 @@ def clocks(drift: float, phase: float, cycles: int, jitter: float, seed: int) ->
     return indices
 
 
-def course(kind: Callable[..., Beat | Phase], drift: float, jitter: float, **slopes: float) -> tuple[float, float]:
+def recording(kind: Callable[..., Beat | Phase], drift: float, jitter: float, **slopes: float) -> tuple[float, float]:
     """Peak to peak of c against the true index, the largest of |step - 1 - d|, from 91 cycles after the second beat."""
     seed = round(1e6 * drift)
     phase = random.Random(seed).random()
@@ -583,13 +583,13 @@ def course(kind: Callable[..., Beat | Phase], drift: float, jitter: float, **slo
 def test_the_accuracy_of_the_estimators(drift: float, jitter: float) -> None:
     d = abs(drift)
     spread, step = (0.12, 0.0012) if jitter else (0.0, 0.0)
-    peak, uneven = course(Beat, drift, jitter, **UNIFORM)
+    peak, uneven = recording(Beat, drift, jitter, **UNIFORM)
     assert peak <= 93 * d + spread
     assert uneven <= 2.1 * d + step
-    peak, uneven = course(Beat, drift, jitter)
+    peak, uneven = recording(Beat, drift, jitter)
     assert peak <= 0.45 + 93 * d + spread
     assert uneven <= 5 * d + (0.002 if jitter else 0.0)
-    peak, uneven = course(Phase, drift, jitter)
+    peak, uneven = recording(Phase, drift, jitter)
     assert peak <= (0.03 if jitter else 0.05)
     assert uneven <= 0.002
 

@@ -1,6 +1,6 @@
 """Ramps known by hand, in degrees, rest position 180: the examples of the source text and their mirror images."""
 
-from motionsync.synchronizer.transition import Curve
+from motionsync.synchronizer.interface import Curve
 
 # law, phasing, whether it is a start, master at the ramp's beginning and end, slave where the master is at 180
 KNOWN_RAMPS = [

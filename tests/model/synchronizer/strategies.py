@@ -8,9 +8,9 @@ from typing import Any
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
-from motionsync.synchronizer.block import State, Synchronizer
+from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.faults import Fault
-from motionsync.synchronizer.transition import Curve
+from motionsync.synchronizer.interface import Curve, State
 from tests.support.runs import EXTREMES, Run, Strategy
 
 
@@ -76,7 +76,7 @@ def watch(block: Synchronizer) -> set[Any]:
         ("state", block.state),
         ("ramping", block.master.input_mode, block.syn_ramp_on),
         ("fault", block.error_id),
-        ("curve", block.running.curve),
+        ("curve", block.transition.curve),
     }
 
 

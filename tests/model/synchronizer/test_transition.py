@@ -10,7 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from motionsync.grid import floor
-from motionsync.synchronizer.transition import Curve, Transition, half_law
+from motionsync.synchronizer.interface import Curve
+from motionsync.synchronizer.transition import Transition, half_law
 from tests.model.synchronizer.known_ramps import KNOWN_RAMPS
 
 settings.register_profile("transition", derandomize=True, deadline=None, max_examples=100)
@@ -49,7 +50,7 @@ def transition(curve: Curve, starting: bool, phasing: float, rest: float) -> Tra
     """A command aimed at without a period, for a master just at its beginning."""
     made = Transition()
     made.command(starting, curve, phasing, rest)
-    made.aim(-math.inf, 0.0)
+    made.aim(-math.inf * made.direction, 0.0)
     return made
 
 
@@ -86,7 +87,7 @@ def test_the_law_at_its_ends_and_in_the_middle(curve: Curve, z: float, expected:
 def test_the_slave_follows_the_law_and_its_derivatives(
     curve: Curve, starting: bool, sign: float, size: float, rest: float, part: float
 ) -> None:
-    """Errors are those of the master position, whose rounding the law passes on through its slopes."""
+    """Errors are those of the master position, whose rounding the law passes on through its derivatives."""
     rest *= size
     it = transition(curve, starting, sign * size, sign * rest)
     begin, end = limits(curve, starting, rest, size)
@@ -108,13 +109,13 @@ def test_the_ends_join_rest_and_master(curve: Curve, sign: float, size: float, r
     start = transition(curve, True, sign * size, sign * rest)
     stop = transition(curve, False, sign * size, sign * rest)
     for it, slow, fast in [(start, start.begin, start.end), (stop, stop.end, stop.begin)]:
-        position, slope, curvature, _ = it.follow(sign * slow)
-        assert (position, slope) == (sign * rest, 0.0)
-        assert abs(curvature) == (0.0 if curve == POLYNOMIAL else pytest.approx(0.5 / size, rel=1e-15))
-        position, slope, curvature, _ = it.follow(sign * fast)
+        position, d1, d2, _ = it.follow(sign * slow)
+        assert (position, d1) == (sign * rest, 0.0)
+        assert abs(d2) == (0.0 if curve == POLYNOMIAL else pytest.approx(0.5 / size, rel=1e-15))
+        position, d1, d2, _ = it.follow(sign * fast)
         assert position == pytest.approx(sign * fast, rel=4 * EPS)
-        assert slope == pytest.approx(1.0, rel=4 * EPS)
-        assert abs(curvature) == (0.0 if curve == POLYNOMIAL else pytest.approx(0.5 / size, rel=1e-15))
+        assert d1 == pytest.approx(1.0, rel=4 * EPS)
+        assert abs(d2) == (0.0 if curve == POLYNOMIAL else pytest.approx(0.5 / size, rel=1e-15))
 
 
 @repeatable
@@ -137,13 +138,13 @@ def test_a_stop_is_the_point_mirror_of_a_start(
     assert start.begin + stop.end == pytest.approx(2 * rest, abs=rounding)
     assert start.end + stop.begin == pytest.approx(2 * rest, abs=rounding)
     m = sign * (start.begin + part * start.distance)
-    s, slope, curvature, twist = start.follow(m)
+    s, d1, d2, d3 = start.follow(m)
     mirrored = stop.follow(2 * sign * rest - m)
     near = 64 * EPS * (1.0 + abs(rest) / size)
     assert s + mirrored[0] == pytest.approx(2 * sign * rest, abs=rounding)
-    assert slope == pytest.approx(mirrored[1], abs=near)
-    assert curvature == pytest.approx(-mirrored[2], abs=8 * near / size)
-    assert twist == pytest.approx(mirrored[3], abs=64 * near / size**2)
+    assert d1 == pytest.approx(mirrored[1], abs=near)
+    assert d2 == pytest.approx(-mirrored[2], abs=8 * near / size)
+    assert d3 == pytest.approx(mirrored[3], abs=64 * near / size**2)
 
 
 # --- peaks ------------------------------------------------------------------------------------------------------------
@@ -159,8 +160,8 @@ def test_peak_values_are_the_greatest_of_the_law(starting: bool, phasing: float)
     it = transition(POLYNOMIAL, starting, phasing, 0.0)
     peak = (1 - 1 / mp.sqrt(3)) / 2  # the zero of f'''
     assert abs(mp.diff(lambda z: doubled(POLYNOMIAL, z), peak, 3)) < mp.mpf("1e-10")
-    curvature = mp.diff(lambda z: doubled(POLYNOMIAL, z), peak, 2) * 2 / (mp.mpf(15) / 4) ** 2 / mp.mpf(size)
-    assert it.peak_acceleration() == pytest.approx(float(curvature), rel=1e-14)
+    d2 = mp.diff(lambda z: doubled(POLYNOMIAL, z), peak, 2) * 2 / (mp.mpf(15) / 4) ** 2 / mp.mpf(size)
+    assert it.peak_acceleration() == pytest.approx(float(d2), rel=1e-14)
     assert it.peak_jerk() == pytest.approx(float(mp.mpf(512) / 225 / mp.mpf(size) ** 2), rel=1e-14)
 
 
@@ -168,12 +169,12 @@ def test_peak_values_are_the_greatest_of_the_law(starting: bool, phasing: float)
 def test_no_point_of_the_ramp_exceeds_the_peaks_and_one_attains_them(starting: bool) -> None:
     it = transition(POLYNOMIAL, starting, 90.0, 180.0)
     points = [it.begin + i / 1e4 * it.distance for i in range(10001)]
-    curvatures = [abs(it.follow(x)[2]) for x in points]
-    twists = [abs(it.follow(x)[3]) for x in points]
-    assert max(curvatures) == pytest.approx(it.peak_acceleration(), rel=1e-6)
-    assert max(curvatures) <= it.peak_acceleration() * (1 + 1e-12)
-    assert max(twists) == pytest.approx(it.peak_jerk(), rel=1e-12)
-    assert twists.index(max(twists)) == (0 if starting else 10000)
+    d2s = [abs(it.follow(x)[2]) for x in points]
+    d3s = [abs(it.follow(x)[3]) for x in points]
+    assert max(d2s) == pytest.approx(it.peak_acceleration(), rel=1e-6)
+    assert max(d2s) <= it.peak_acceleration() * (1 + 1e-12)
+    assert max(d3s) == pytest.approx(it.peak_jerk(), rel=1e-12)
+    assert d3s.index(max(d3s)) == (0 if starting else 10000)
 
 
 def test_the_ratio_of_the_peak_accelerations() -> None:
@@ -213,7 +214,7 @@ def test_the_occurrence_aimed_at_is_the_first_not_passed(
     for period in (360.0, 0.1, 7.7):
         it = Transition()
         it.command(starting, curve, sign * size, sign * rest)
-        it.aim(x, period)
+        it.aim(sign * x, period)
         begin, end = limits(curve, starting, rest, size)
         turns = (mp.mpf(it.begin) - begin) / mp.mpf(period)
         rounding = 1e-14 * (abs(x) + abs(rest) + size + period)

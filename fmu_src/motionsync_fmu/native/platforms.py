@@ -1,0 +1,57 @@
+"""The platforms that a native FMU runs on: one row each. All else that depends on the platform follows from this table:
+what zig compiles and how, the folders in the FMU, the documentation, and what the tests compare."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from .macho import universal
+
+# Flags for zig's compiler beside those that all platforms have. What can be left out of a library is left out: an FMU
+# holds one library for each platform.
+UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for C++ exceptions
+LINUX = f"-Wl,-z,defs -Wl,--hash-style=gnu {UNWINDING}"
+WINDOWS = "-rtlib=none -Wl,-e,library_main"  # windows.c has what is then missing
+ARM = "-mno-outline"  # functions made of common pieces of code are shorter, but are compressed worse
+
+
+def alone(library: bytes) -> bytes:
+    """The library of the only processor."""
+    return library
+
+
+@dataclass(frozen=True)
+class Platform:
+    """One platform.
+
+    Attributes:
+        folder: its name in FMI, under binaries/.
+        title: its name in the documentation.
+        suffix: of a library's file name.
+        targets: zig's name of each processor and system, with its own flags.
+        join: makes one library of those of all targets, in their order.
+    """
+
+    folder: str
+    title: str
+    suffix: str
+    targets: Mapping[str, str]
+    join: Callable[..., bytes] = alone
+
+    def library(self, block: str) -> str:
+        """The path of a block's library in the FMU."""
+        return f"binaries/{self.folder}/{block}.{self.suffix}"
+
+
+ROWS = (
+    Platform("linux64", "Linux on x86-64", "so", {"x86_64-linux-gnu.2.17": LINUX}),
+    Platform("aarch64-linux", "Linux on 64-bit ARM", "so", {"aarch64-linux-gnu.2.17": f"{LINUX} {ARM}"}),
+    Platform("win64", "Windows on x86-64", "dll", {"x86_64-windows-gnu": WINDOWS}),
+    Platform(
+        "darwin64",
+        "macOS on x86-64 and on 64-bit ARM",
+        "dylib",
+        {"x86_64-macos.11.0": UNWINDING, "aarch64-macos.11.0": f"{UNWINDING} {ARM}"},
+        universal,
+    ),
+)
+PLATFORMS = {platform.folder: platform for platform in ROWS}

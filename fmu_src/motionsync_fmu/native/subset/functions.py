@@ -1,0 +1,211 @@
+"""The rules for functions and methods: the signature, the statements, and that every local has a value where it is
+read."""
+
+import ast
+from typing import TypeAlias
+
+from .expressions import TUPLE, Expressions
+from .package import Kind, Meaning
+
+KINDS = "a float, int, bool, an enumeration, list[float] or a kernel dataclass"
+PATTERN = "match and its patterns: an integer or an enumeration member, several joined with `|`, or `_`"
+
+Bound: TypeAlias = frozenset[str] | None  # the locals that have a value; None: this place is never reached
+
+
+def meet(a: Bound, b: Bound) -> Bound:
+    """What is bound where two paths join."""
+    if a is None or b is None:
+        return b if a is None else a
+    return a & b
+
+
+def without_docstring(body: list[ast.stmt]) -> list[ast.stmt]:
+    match body:
+        case [ast.Expr(value=ast.Constant(value=str())), *rest]:
+            return rest
+    return body
+
+
+class Body(Expressions):
+    """The rules for a function: its signature, its statements, and that every local is bound where it is read."""
+
+    def check(self, node: ast.FunctionDef, owner: ast.ClassDef | None) -> None:
+        self.kinds: dict[str, Kind] = {}
+        self.loops: list[str] = []  # the loop variables of the loops around this place
+        self.ended: set[str] = set()  # the loop variables of earlier loops
+        self.breaks: list[list[Bound]] = []  # for each loop around this place, what was bound at its breaks
+        if node.decorator_list:
+            self.flag(node, "no decorators on functions and methods")
+        parameters = [argument for argument in ast.walk(node.args) if isinstance(argument, ast.arg)]
+        if ast.unparse(node.args) != ", ".join(ast.unparse(argument) for argument in parameters):
+            self.flag(node, "parameters are positional: no defaults, *args, **kwargs, `*` or `/`")
+        for at, argument in enumerate(parameters):
+            kind = self.package.kind(self.file, argument.annotation)
+            is_self = owner is not None and at == 0 and argument.arg == "self"
+            self.kinds[argument.arg] = owner if is_self and owner else kind
+            if not is_self and (kind in ("?", "None") or isinstance(kind, tuple)):
+                self.flag(argument, f"a parameter is {KINDS}")
+        returns = self.package.kind(self.file, node.returns)
+        if returns == "?" or (isinstance(returns, tuple) and "?" in returns):
+            self.flag(node, f"a function says what it returns: {KINDS}, a tuple of these, or None")
+        self.bound: Bound = frozenset(self.kinds)
+        stored = {name.id for name in ast.walk(node) if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)}
+        self.locals = stored | self.bound
+        self.block(without_docstring(node.body))
+        if self.bound is not None and returns not in ("?", "None"):
+            self.flag(node, "every path returns a value (a match without `case _` may fall through)")
+
+    def block(self, body: list[ast.stmt]) -> None:
+        for statement in body:
+            self.visit(statement)
+
+    def meaning(self, node: ast.expr) -> Meaning:
+        root = node.value if isinstance(node, ast.Attribute) else node
+        return None if isinstance(root, ast.Name) and root.id in self.locals else super().meaning(node)
+
+    def visit_Name(self, node: ast.Name) -> Kind:
+        if node.id not in self.locals:
+            return super().visit_Name(node)
+        if self.bound is not None and node.id not in self.bound:
+            late = f"the loop variable {node.id} is not used after its loop"
+            self.flag(node, late if node.id in self.ended else f"{node.id} may be unbound here")
+        return self.kinds.get(node.id, "?")
+
+    def bind(self, node: ast.AST, name: str, kind: Kind) -> None:
+        if name in self.loops:
+            self.flag(node, f"the loop variable {name} is not reassigned")
+        self.kinds[name] = self.either(self.kinds.get(name, kind), kind)
+        self.bound = None if self.bound is None else self.bound | {name}
+
+    def assign(self, target: ast.expr, kind: Kind) -> None:
+        if isinstance(target, ast.Name):
+            self.bind(target, target.id, kind)
+        elif self.is_object(self.visit(target)):
+            self.flag(target, "an object or list is never rebound: assign its fields or elements")
+
+    def visit_Assign(self, node: ast.Assign) -> None:
+        match node:
+            case ast.Assign(targets=[ast.Tuple(elts=parts)], value=ast.Call() as call):
+                kinds = self.visit(call)
+                for at, part in enumerate(parts):
+                    if isinstance(part, ast.Name):
+                        self.bind(part, part.id, kinds[at] if isinstance(kinds, tuple) and at < len(kinds) else "?")
+                    else:
+                        self.flag(part, TUPLE)
+            case _:
+                kind = self.value(node.value)
+                for target in node.targets:
+                    self.assign(target, kind)
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
+        kind = self.package.kind(self.file, node.annotation)
+        if kind in ("?", "None") or isinstance(kind, tuple):
+            self.flag(node, f"a local is {KINDS}")
+        if node.value is not None:
+            self.value(node.value)
+            self.assign(node.target, kind)
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> None:
+        kind = self.value(node.target)
+        if isinstance(node.op, ast.Mod) and kind != "float":
+            self.flag(node, "no `%=` but on floats: write x = x % n")
+        result = self.operate(node, node.op, kind, self.value(node.value))
+        if isinstance(node.target, ast.Name):
+            self.bind(node, node.target.id, result)
+
+    def visit_Expr(self, node: ast.Expr) -> None:
+        self.value(node.value)
+
+    def visit_Pass(self, node: ast.Pass) -> None:
+        pass
+
+    def visit_Return(self, node: ast.Return) -> None:
+        if isinstance(node.value, ast.Tuple):
+            for part in node.value.elts:
+                self.value(part)
+        elif node.value is not None:
+            self.visit(node.value)
+        self.bound = None
+
+    def visit_Break(self, node: ast.Break) -> None:
+        if self.breaks:
+            self.breaks[-1].append(self.bound)
+        self.bound = None
+
+    def visit_Continue(self, node: ast.Continue) -> None:
+        self.bound = None
+
+    def visit_If(self, node: ast.If) -> None:
+        self.condition(node.test)
+        before = self.bound
+        self.block(node.body)
+        after, self.bound = self.bound, before
+        self.block(node.orelse)
+        self.bound = meet(after, self.bound)
+
+    def visit_Match(self, node: ast.Match) -> None:
+        self.selector(node.subject)
+        before, after, complete = self.bound, None, False
+        for case in node.cases:
+            self.bound = before
+            self.pattern(case.pattern)
+            if case.guard is not None:
+                self.condition(case.guard)
+            self.block(case.body)
+            after = meet(after, self.bound)
+            complete |= case.guard is None and isinstance(case.pattern, ast.MatchAs)
+        self.bound = after if complete else meet(after, before)
+
+    def selector(self, node: ast.expr) -> None:
+        kind = self.value(node)
+        if kind not in ("int", "?") and not self.is_enumeration(kind):
+            self.flag(node, PATTERN)
+
+    def pattern(self, pattern: ast.pattern) -> None:
+        match pattern:
+            case ast.MatchOr(patterns=parts):
+                for part in parts:
+                    self.pattern(part)
+            case ast.MatchValue(value=value):
+                self.selector(value)
+            case ast.MatchAs(pattern=None, name=None):
+                pass
+            case _:
+                self.flag(pattern, PATTERN)
+
+    def visit_While(self, node: ast.While) -> None:
+        self.forget_loop_variables(node)
+        self.condition(node.test)
+        endless = isinstance(node.test, ast.Constant) and bool(node.test.value)
+        self.loop(node, None if endless else self.bound)
+
+    def visit_For(self, node: ast.For) -> None:
+        match node:
+            case ast.For(target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="range"), args=limits, keywords=[])):
+                for limit in limits:
+                    self.value(limit)
+                self.forget_loop_variables(node)
+                skipped = self.bound
+                self.bind(node, name, "int")
+                self.loops.append(name)
+                self.loop(node, skipped)
+                self.loops.pop()
+            case _:
+                self.flag(node, "for runs one variable over range")
+
+    def forget_loop_variables(self, loop: ast.While | ast.For) -> None:
+        """In the next round of a loop, a variable that an inner `for` has left behind is not used before that `for`."""
+        targets = [inner.target for inner in ast.walk(loop) if isinstance(inner, ast.For)]
+        names = {target.id for target in targets if isinstance(target, ast.Name)} - set(self.loops)
+        self.ended |= names
+        self.bound = None if self.bound is None else self.bound - names
+
+    def loop(self, node: ast.While | ast.For, skipped: Bound) -> None:
+        if node.orelse:
+            self.flag(node.orelse[0], "a loop has no else")
+        self.breaks.append([])
+        self.block(node.body)
+        self.bound = skipped
+        for bound in self.breaks.pop():
+            self.bound = meet(self.bound, bound)

@@ -1,0 +1,139 @@
+"""What the C files know of a block: model.h, with its memory's start image and the tables of its variables."""
+
+from collections.abc import Iterable
+from math import isinf
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from motionsync.master import MasterInput
+
+from ..interface.variables import LONGEST_STEP, Variable, refusals, spoken_of, variables
+from .memory_layout import dtype, image, offset
+
+# Derivatives that the importer may give and ask for, by order; not of a block that lacks one of the variables.
+MASTER = ("master.position", "master.velocity", "master.acceleration")
+INPUT_MODE = "master.input_mode"
+SLAVE = ("slave.position", "slave.velocity", "slave.acceleration")
+MISSING = -1  # in place of a variable's index
+
+Row = tuple[Any, ...]  # the members of a C struct
+LAST_MESSAGE: Row = (0, 0, 0)
+LAST_CODED: Row = (-1, 0)
+
+
+def model_header(block: Any, guid: str) -> str:
+    """The text of model.h: the block's memory, its variables, what it refuses, and what its codes mean."""
+    layout, vs, pool = dtype(block), variables(block), Pool()
+    index = {v.name: i for i, v in enumerate(vs)}
+    rows = [_variable(v, layout, pool) for v in vs]
+    messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
+    for v in vs:
+        if v.declaration.codes:
+            coded.append((index[v.name], len(messages)))
+            messages += [*_messages(v.declaration.codes, index, pool, v.name), LAST_MESSAGE]
+    return TEMPLATE.render(
+        guid=guid,
+        longest_step=repr(LONGEST_STEP),
+        start_of_step=int(MasterInput.START_OF_STEP),
+        end_of_step=int(MasterInput.END_OF_STEP),
+        master=_indices(index, MASTER, INPUT_MODE),
+        slave=_indices(index, SLAVE),
+        input_mode=index.get(INPUT_MODE, MISSING),
+        start=image(block).tobytes(),
+        texts=pool.texts,
+        numbers=[n for numbers in pool.lists for n in numbers],
+        variables=rows,
+        messages=messages,
+        coded=[*coded, LAST_CODED],
+    )
+
+
+def abilities(block: Any) -> dict[str, str]:
+    """What only this flavour can do, as attributes of the description's CoSimulation element."""
+    index = {v.name: i for i, v in enumerate(variables(block))}
+    found = {"maxOutputDerivativeOrder": "2"} if _has(index, *SLAVE) else {}
+    return found | ({"canInterpolateInputs": "true"} if _has(index, *MASTER, INPUT_MODE) else {})
+
+
+def _has(index: dict[str, int], *names: str) -> bool:
+    return index.keys() >= {*names}
+
+
+def _indices(index: dict[str, int], names: Iterable[str], *others: str) -> list[int]:
+    """The indices of these variables; none of them counts if one, or one of the others, is missing."""
+    names = list(names)
+    return [index[name] if _has(index, *names, *others) else MISSING for name in names]
+
+
+class Pool:
+    """Texts and lists of numbers: each is stored once, and is known by the place in the array where it begins."""
+
+    def __init__(self) -> None:
+        self.texts: dict[str, int] = {}
+        self.lists: dict[tuple[int, ...], int] = {}
+
+    def text(self, text: str) -> int:
+        clean = unformatted(text)
+        return self.texts.setdefault(clean, sum(len(other.encode()) + 1 for other in self.texts))
+
+    def numbers(self, *numbers: int) -> int:
+        return self.lists.setdefault(numbers, sum(map(len, self.lists)))
+
+
+def _variable(v: Variable, layout: Any, pool: Pool) -> Row:
+    access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
+    d = v.declaration
+    return (
+        pool.text(v.name),
+        pool.text(f"{v.variability} {v.causality}"),
+        v.kind.upper(),
+        access,
+        offset(layout, v.name),
+        *(number(x) for x in (d.min, d.max, d.above, d.below, d.smallest)),
+        str(d.zero).lower(),
+        pool.numbers(len(v.choices), *(int(m) for m in v.choices)),
+        pool.text(v.allowed_range),
+    )
+
+
+def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool, coded: str = "") -> list[Row]:
+    """What each code means but for 0, in words, and the variables whose values the message shows."""
+    rows: list[Row] = []
+    for m in codes:
+        if m != 0:
+            shown = pool.numbers(*(index[name] for name in spoken_of(m, index, coded)), -1)
+            rows.append((int(m), pool.text(m.description), shown))
+    return rows
+
+
+def number(x: float) -> str:
+    """A number in C, with all its bits."""
+    return ("-" if x < 0 else "") + "INFINITY" if isinf(x) else float(x).hex()
+
+
+def quoted(text: str) -> str:
+    """A text in C, without percent signs."""
+    escaped = unformatted(text).replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
+
+
+def unformatted(text: str) -> str:
+    """Without percent signs, since many an importer takes them for a format."""
+    return text.replace("%", "percent")
+
+
+def _row(items: Iterable[Any]) -> str:
+    """The initializer of a C struct or array."""
+    return "{" + ", ".join(map(str, items)) + "}"
+
+
+ENVIRONMENT = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(Path(__file__).parent),
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    keep_trailing_newline=True,
+)
+ENVIRONMENT.filters |= {"quoted": quoted, "row": _row}
+TEMPLATE = ENVIRONMENT.get_template("model.h.j2")

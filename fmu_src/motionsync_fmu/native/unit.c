@@ -1,0 +1,523 @@
+/* The core of a native unit over one flat block of memory, a table of its variables and two compiled functions.
+ *
+ * This file is the same for all blocks: model.h, which is generated, holds the memory's start image and the tables. */
+#include "unit.h"
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION } Kind;
+typedef enum { OUTPUT, INPUT, TUNABLE, FIXED } Access; /* OUTPUT is never set, FIXED only before stepping */
+
+/* Texts and lists of numbers are given by their places in TEXTS and NUMBERS: pointers would have to be corrected
+ * whenever the library is loaded, and the table of these corrections would be as large as all others. */
+typedef struct {
+    int name, role; /* `role`: such as "fixed parameter" */
+    Kind kind;
+    Access access;
+    size_t offset; /* in the model's memory */
+    double min, max, above, below, smallest; /* of a number: min and max are allowed, above and below are not;
+                                                smallest: the least magnitude but for 0 */
+    bool zero; /* whether a number may be 0 */
+    int choices; /* of an enumeration: how many members it has, then their numbers */
+    int range; /* the allowed values in words */
+} Variable;
+
+typedef struct {
+    int64_t code; /* of the last message of a list: 0 */
+    int text;
+    int shown; /* the variables whose values the message shows; the list ends with -1 */
+} Message;
+
+typedef struct {
+    int variable; /* of the last row: -1 */
+    int messages; /* what its values mean: where in MESSAGES their list begins */
+} Coded;
+
+#include "model.h"
+
+static const char *words(int place) { return TEXTS + place; }
+
+enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
+enum { REALS = 1 << REAL, INTEGERS = 1 << INTEGER | 1 << ENUMERATION, BOOLEANS = 1 << BOOLEAN }; /* sets of kinds */
+
+/* Numba's calling convention: the answer and an exception go to the first two addresses; the result is 0 unless there
+ * was an exception. */
+int32_t model_initialize(int64_t *refusal, void **exception, void *model);
+int32_t model_step(int64_t *refusal, void **exception, void *model, double h);
+
+typedef union {
+    double aligned;
+    uint8_t bytes[MODEL_SIZE];
+} Model;
+
+typedef struct { /* no member leaves a gap, so that all bytes of a state are determined */
+    char magic[8], guid[40];
+    uint64_t size, checksum; /* the checksum is that of serialized bytes, otherwise 0 */
+    int64_t mode;
+    int64_t given; /* bit n: the next step has a derivative of order n of the master's position */
+    double derivatives[3]; /* by order; the first is unused */
+    double time;
+    Model model;
+} State;
+
+_Static_assert(sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 8 * 8 + sizeof(Model), "State has gaps");
+
+struct Unit {
+    State now;
+    int unfit; /* how many Real inputs have values with which no step is done */
+    int logged; /* a set of Category */
+    Write *write;
+    void *importer[]; /* of the size given to unit_new, aligned for pointers */
+};
+
+/* --- messages: no text has a percent sign, since many an importer takes it for a format --- */
+
+typedef struct {
+    char bytes[2048];
+    size_t length;
+} Text;
+
+static void append(Text *text, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    int more = vsnprintf(text->bytes + text->length, sizeof text->bytes - text->length, format, arguments);
+    va_end(arguments);
+    text->length += more > 0 ? (size_t)more : 0;
+    if (text->length >= sizeof text->bytes) text->length = sizeof text->bytes - 1;
+}
+
+/* The fewest of 6, 15, 16 or 17 digits that read back as the same number, whatever the locale. */
+static void append_real(Text *text, double x) {
+    static const int DIGITS[] = {6, 15, 16, 17};
+    char number[40];
+    if (!__builtin_isfinite(x)) {
+        append(text, "%s", x != x ? "nan" : x > 0.0 ? "inf" : "-inf");
+        return;
+    }
+    for (int i = 0; i < 4; i++) {
+        snprintf(number, sizeof number, "%.*g", DIGITS[i], x);
+        if (strtod(number, NULL) == x) break;
+    }
+    for (char *p = number; *p; p++)
+        if (*p == ',') *p = '.';
+    append(text, "%s", number);
+}
+
+void unit_log(Unit *u, int categories) { u->logged = categories; }
+
+void unit_say(const Unit *u, Status status, const char *text) {
+    if (u->logged & (status == UNIT_WARNING ? LOG_WARNING : LOG_ERROR)) u->write(u->importer, status, text);
+}
+
+Status unit_fail(const Unit *u, const char *format, ...) {
+    Text text = {.length = 0};
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text.bytes, sizeof text.bytes, format, arguments);
+    va_end(arguments);
+    unit_say(u, UNIT_ERROR, text.bytes);
+    return UNIT_ERROR;
+}
+
+static const char *name_of(int64_t mode) {
+    switch (mode) {
+    case INSTANTIATED: return "is instantiated";
+    case INITIALIZING: return "is in initialization mode";
+    case STEPPING: return "is in step mode";
+    default: return "has been terminated";
+    }
+}
+
+bool unit_may(const Unit *u, int modes, const char *call) {
+    if (!u) return false;
+    if (!(u->now.mode & modes)) unit_fail(u, "%s is not allowed now: the unit %s", call, name_of(u->now.mode));
+    return u->now.mode & modes;
+}
+
+bool unit_given(const Unit *u, const void *pointer, const char *call) {
+    if (!pointer) unit_fail(u, "%s: a pointer is missing", call);
+    return pointer;
+}
+
+/* --- one value --- */
+
+static void *at(Model *model, const Variable *v) { return model->bytes + v->offset; }
+static double *real(Unit *u, int variable) { return at(&u->now.model, VARIABLES + variable); }
+static int64_t *integer(Unit *u, int variable) { return at(&u->now.model, VARIABLES + variable); }
+
+static void append_value(Text *text, Unit *u, const Variable *v) {
+    append(text, "%s = ", words(v->name));
+    switch (v->kind) {
+    case REAL: append_real(text, *(double *)at(&u->now.model, v)); break;
+    case BOOLEAN: append(text, "%s", *(uint8_t *)at(&u->now.model, v) ? "True" : "False"); break;
+    default: append(text, "%lld", (long long)*(int64_t *)at(&u->now.model, v));
+    }
+}
+
+/* Whether a number is in its variable's range; NaN fails every comparison. */
+static bool fits(const Variable *v, double x) {
+    bool sized = x != 0.0 ? fabs(x) >= v->smallest : v->zero;
+    return sized & (fabs(x) <= DBL_MAX) & (x >= v->min) & (x <= v->max) & (x > v->above) & (x < v->below);
+}
+
+static bool allows(Unit *u, const Variable *v) {
+    if (v->kind == REAL) return fits(v, *(double *)at(&u->now.model, v));
+    if (v->kind == INTEGER) return fits(v, (double)*(int64_t *)at(&u->now.model, v));
+    if (v->kind == BOOLEAN) return true;
+    const int32_t *choices = NUMBERS + v->choices;
+    for (int32_t i = 1; i <= choices[0]; i++)
+        if (choices[i] == *(int64_t *)at(&u->now.model, v)) return true;
+    return false;
+}
+
+/* Whether a variable has an allowed value; if not, an error is logged. */
+static bool judge(Unit *u, const Variable *v) {
+    if (allows(u, v)) return true;
+    Text text = {.length = 0};
+    append_value(&text, u, v);
+    append(&text, " is not allowed: it must be %s", words(v->range));
+    unit_say(u, UNIT_ERROR, text.bytes);
+    return false;
+}
+
+/* No step is done while a Real input is unfit. Unfit inputs are counted where they are set, so that a step need not
+ * look at each. An input has no limits but min and max; NaN fails both. */
+static bool unfit(const Variable *v, double x) { return v->access == INPUT && !(x >= v->min && x <= v->max); }
+
+static void count_unfit(Unit *u) {
+    u->unfit = 0;
+    for (int i = 0; i < COUNT; i++)
+        if (VARIABLES[i].kind == REAL) u->unfit += unfit(VARIABLES + i, *real(u, i));
+}
+
+/* Log what a code means, with the values of the variables that its message shows. `of`: the name of the variable that
+ * holds the code; the group in which this variable lies comes first. */
+static void explain(Unit *u, Status status, const char *of, int messages, int64_t code) {
+    const char *group = strrchr(of, '.');
+    for (const Message *m = MESSAGES + messages; m->code; m++) {
+        if (m->code != code) continue;
+        Text text = {.length = 0};
+        if (group) append(&text, "%.*s: ", (int)(group - of), of);
+        append(&text, "%s", words(m->text));
+        const int32_t *shown = NUMBERS + m->shown;
+        for (const int32_t *v = shown; *v >= 0; v++) {
+            append(&text, v == shown ? " (" : ", ");
+            append_value(&text, u, VARIABLES + *v);
+        }
+        if (*shown >= 0) append(&text, ")");
+        unit_say(u, status, text.bytes);
+    }
+}
+
+/* --- life --- */
+
+const char *unit_guid(void) { return MODEL_GUID; }
+
+Unit *unit_new(size_t size, Write *write, int logged) {
+    Unit *u = calloc(1, sizeof *u + size);
+    if (!u) return NULL;
+    u->write = write;
+    u->logged = logged;
+    return u;
+}
+
+void *unit_importer(Unit *u) { return u->importer; }
+
+void unit_reset(Unit *u) {
+    memset(&u->now, 0, sizeof u->now);
+    memcpy(u->now.magic, "motsync1", sizeof u->now.magic);
+    memcpy(u->now.guid, MODEL_GUID, sizeof MODEL_GUID);
+    u->now.size = sizeof(State);
+    u->now.mode = INSTANTIATED;
+    memcpy(u->now.model.bytes, START, MODEL_SIZE);
+    count_unfit(u);
+}
+
+Mode unit_mode(const Unit *u) { return (Mode)u->now.mode; }
+double unit_time(const Unit *u) { return u->now.time; }
+void unit_set_time(Unit *u, double time) { u->now.time = time; }
+void unit_enter_initialization(Unit *u) { u->now.mode = INITIALIZING; }
+void unit_terminate(Unit *u) { u->now.mode = TERMINATED; }
+
+static Status initialize(Unit *u) {
+    for (const Variable *v = VARIABLES; v < VARIABLES + COUNT; v++)
+        if (v->access != OUTPUT && !judge(u, v)) return UNIT_ERROR;
+    Model before = u->now.model;
+    int64_t refusal = 0;
+    void *exception = NULL;
+    int32_t failed = model_initialize(&refusal, &exception, &u->now.model);
+    if (!failed && !refusal) return UNIT_OK;
+    if (failed) unit_fail(u, "an arithmetic error: these values lead to no result");
+    else explain(u, UNIT_ERROR, "", REFUSALS, refusal);
+    u->now.model = before;
+    return UNIT_ERROR;
+}
+
+/* In initialization mode, outputs follow parameters and inputs; errors are logged when that mode is left. */
+static void follow(Unit *u) {
+    if (u->now.mode != INITIALIZING) return;
+    int logged = u->logged;
+    u->logged = LOG_NOTHING;
+    initialize(u);
+    u->logged = logged;
+}
+
+Status unit_exit_initialization(Unit *u) {
+    if (initialize(u)) return UNIT_ERROR;
+    u->now.mode = STEPPING;
+    return UNIT_OK;
+}
+
+/* --- steps --- */
+
+/* The inputs that a step replaces where derivatives of the master's position are given: the master's velocity and
+ * acceleration, and the mode, since the inputs then hold the master at the step's beginning. */
+typedef struct {
+    double values[2];
+    int64_t mode;
+} Replaced;
+
+static Replaced replace(Unit *u) {
+    Replaced inputs = {{*real(u, MASTER[1]), *real(u, MASTER[2])}, *integer(u, INPUT_MODE)};
+    for (int order = 1; order <= 2; order++)
+        if (u->now.given & 1 << order) *real(u, MASTER[order]) = u->now.derivatives[order];
+    *integer(u, INPUT_MODE) = START_OF_STEP;
+    return inputs;
+}
+
+static void put_back(Unit *u, const Replaced *inputs) {
+    for (int order = 1; order <= 2; order++) *real(u, MASTER[order]) = inputs->values[order - 1];
+    *integer(u, INPUT_MODE) = inputs->mode;
+}
+
+/* A refused step has changed nothing: the block guarantees that, so no copy is made. After an arithmetic error, which
+ * no block should have, the state is undefined: the unit must be reset. */
+static Status run(Unit *u, double h) {
+    int64_t refusal = 0;
+    void *exception = NULL;
+    if (model_step(&refusal, &exception, &u->now.model, h)) {
+        u->now.mode = TERMINATED;
+        return unit_fail(u, "an arithmetic error: these values lead to no result, and the unit must be reset");
+    }
+    if (refusal) explain(u, UNIT_ERROR, "", REFUSALS, refusal);
+    return refusal ? UNIT_ERROR : UNIT_OK;
+}
+
+static bool ready(Unit *u, double h) {
+    if (!(h > 0.0 && h <= LONGEST_STEP)) {
+        Text text = {.length = 0};
+        append(&text, "step size = ");
+        append_real(&text, h);
+        append(&text, " is not allowed: it must be > 0 and <= %g", LONGEST_STEP);
+        unit_say(u, UNIT_ERROR, text.bytes);
+        return false;
+    }
+    for (int i = 0; u->unfit && i < COUNT; i++)
+        if (VARIABLES[i].access == INPUT && !judge(u, VARIABLES + i)) return false;
+    return true;
+}
+
+/* A step with the derivatives of the master's position that were given for it. */
+static Status run_with_derivatives(Unit *u, double h) {
+    Replaced inputs = replace(u);
+    bool fit = judge(u, VARIABLES + MASTER[1]) && judge(u, VARIABLES + MASTER[2]);
+    Status status = fit ? run(u, h) : UNIT_ERROR;
+    put_back(u, &inputs);
+    return status;
+}
+
+Status unit_step(Unit *u, double time, double h) {
+    if (!ready(u, h)) return UNIT_ERROR;
+    int64_t codes[sizeof CODED / sizeof *CODED];
+    for (int i = 0; CODED[i].variable >= 0; i++) codes[i] = *integer(u, CODED[i].variable);
+    bool derived = u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
+    if (derived ? run_with_derivatives(u, h) : run(u, h)) return UNIT_ERROR;
+    u->now.given = 0;
+    u->now.time = time + h;
+    for (int i = 0; CODED[i].variable >= 0; i++) {
+        int64_t code = *integer(u, CODED[i].variable);
+        if (code && code != codes[i])
+            explain(u, UNIT_WARNING, words(VARIABLES[CODED[i].variable].name), CODED[i].messages, code);
+    }
+    return UNIT_OK;
+}
+
+/* --- getters and setters --- */
+
+static const Variable *find(const Unit *u, uint32_t r, int kinds) {
+    if (r < COUNT && kinds & 1 << VARIABLES[r].kind) return VARIABLES + r;
+    const char *what = kinds == REALS ? "Real" : kinds == INTEGERS ? "Integer or Enumeration" : "Boolean";
+    unit_fail(u, "no %s has the value reference %u", what, (unsigned)r);
+    return NULL;
+}
+
+static bool may_get(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
+    if (n && !(unit_given(u, r, call) && unit_given(u, values, call))) return false;
+    for (size_t i = 0; i < n; i++)
+        if (!find(u, r[i], kinds)) return false;
+    return true;
+}
+
+static bool may_set(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
+    if (n && !(unit_given(u, r, call) && unit_given(u, values, call))) return false;
+    for (size_t i = 0; i < n; i++) {
+        const Variable *v = find(u, r[i], kinds);
+        if (!v) return false;
+        if (v->access == OUTPUT || (v->access == FIXED && u->now.mode == STEPPING)) {
+            unit_fail(u, "%s (%s) cannot be set now", words(v->name), words(v->role));
+            return false;
+        }
+    }
+    return true;
+}
+
+static void put_real(Unit *u, const Variable *v, double x) {
+    double *place = at(&u->now.model, v);
+    u->unfit += unfit(v, x) - (u->unfit && unfit(v, *place));
+    *place = x;
+}
+static void put_integer(Unit *u, const Variable *v, int32_t x) { *(int64_t *)at(&u->now.model, v) = x; }
+static void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(&u->now.model, v) = x != 0; }
+
+#define ACCESS(name, KINDS, Given, Held)                                                                             \
+    Status unit_get_##name##s(Unit *u, const uint32_t r[], size_t n, Given values[], const char *call) {             \
+        if (!may_get(u, KINDS, r, n, values, call)) return UNIT_ERROR;                                               \
+        follow(u);                                                                                                   \
+        for (size_t i = 0; i < n; i++) values[i] = (Given)*(Held *)at(&u->now.model, VARIABLES + r[i]);              \
+        return UNIT_OK;                                                                                              \
+    }                                                                                                                \
+    Status unit_set_##name##s(Unit *u, const uint32_t r[], size_t n, const Given values[], const char *call) {       \
+        if (!may_set(u, KINDS, r, n, values, call)) return UNIT_ERROR;                                               \
+        for (size_t i = 0; i < n; i++) put_##name(u, VARIABLES + r[i], values[i]);                                   \
+        return UNIT_OK;                                                                                              \
+    }
+ACCESS(real, REALS, double, double)
+ACCESS(integer, INTEGERS, int32_t, int64_t)
+ACCESS(boolean, BOOLEANS, int32_t, uint8_t)
+
+/* --- derivatives --- */
+
+static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n, const int32_t orders[],
+                                const double values[], const char *call) {
+    if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return false;
+    for (size_t i = 0; i < n; i++) {
+        const Variable *v = find(u, r[i], REALS);
+        if (!v) return false;
+        if (v->access != INPUT) {
+            unit_fail(u, "%s: %s (%s) is no input", call, words(v->name), words(v->role));
+            return false;
+        }
+        if (orders[i] < 1) {
+            unit_fail(u, "%s: order = %d is not allowed: it must be >= 1", call, (int)orders[i]);
+            return false;
+        }
+    }
+    return true;
+}
+
+Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],
+                                  const char *call) {
+    if (!may_set_derivatives(u, r, n, orders, values, call)) return UNIT_ERROR;
+    bool ignored = false;
+    for (size_t i = 0; i < n; i++) {
+        if ((int)r[i] == MASTER[0] && orders[i] <= 2 && *integer(u, INPUT_MODE) != END_OF_STEP) {
+            u->now.derivatives[orders[i]] = values[i];
+            u->now.given |= 1 << orders[i];
+        } else {
+            ignored = true;
+        }
+    }
+    if (!ignored) return UNIT_OK;
+    Text text = {.length = 0};
+    append(&text, "%s: ignored but for orders 1 and 2 of the master's position where it is the one at the step's "
+                  "beginning", call);
+    unit_say(u, UNIT_WARNING, text.bytes);
+    return UNIT_WARNING;
+}
+
+Status unit_get_output_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], double values[],
+                                   const char *call) {
+    if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return UNIT_ERROR;
+    for (size_t i = 0; i < n; i++) {
+        if (!find(u, r[i], REALS)) return UNIT_ERROR;
+        if ((int)r[i] != SLAVE[0] || orders[i] < 1 || orders[i] > 2)
+            return unit_fail(u, "%s: only orders 1 and 2 of the slave's position are known", call);
+    }
+    for (size_t i = 0; i < n; i++) values[i] = *real(u, SLAVE[orders[i]]);
+    return UNIT_OK;
+}
+
+/* --- states --- */
+
+static uint64_t checksum(const State *s) { /* FNV-1a: every change of one byte changes the sum */
+    State bare = *s;
+    bare.checksum = 0;
+    uint64_t sum = 14695981039346656037u;
+    for (size_t i = 0; i < sizeof bare; i++) sum = (sum ^ ((const uint8_t *)&bare)[i]) * 1099511628211u;
+    return sum;
+}
+
+static bool ours(const Unit *u, const void *state, const char *call) {
+    if (!unit_given(u, state, call)) return false;
+    bool same = !memcmp(state, &u->now, offsetof(State, checksum)); /* magic, GUID and size */
+    if (!same) unit_fail(u, "%s: this FMU state belongs to another FMU", call);
+    return same;
+}
+
+Status unit_save(const Unit *u, void **state, const char *call) {
+    if (!unit_given(u, state, call) || (*state && !ours(u, *state, call))) return UNIT_ERROR;
+    if (!*state && !(*state = malloc(sizeof(State)))) return unit_fail(u, "%s: out of memory", call);
+    memcpy(*state, &u->now, sizeof(State));
+    return UNIT_OK;
+}
+
+Status unit_restore(Unit *u, const void *state, const char *call) {
+    if (!ours(u, state, call)) return UNIT_ERROR;
+    memcpy(&u->now, state, sizeof(State));
+    count_unfit(u);
+    return UNIT_OK;
+}
+
+Status unit_free_state(const Unit *u, void **state, const char *call) {
+    if (!state || !*state) return UNIT_OK; /* the standard: nothing to do */
+    if (!ours(u, *state, call)) return UNIT_ERROR;
+    free(*state);
+    *state = NULL;
+    return UNIT_OK;
+}
+
+Status unit_serialized_size(const Unit *u, const void *state, size_t *n, const char *call) {
+    if (!ours(u, state, call) || !unit_given(u, n, call)) return UNIT_ERROR;
+    *n = sizeof(State);
+    return UNIT_OK;
+}
+
+Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], size_t n, const char *call) {
+    if (!ours(u, state, call) || !unit_given(u, bytes, call)) return UNIT_ERROR;
+    if (n < sizeof(State)) return unit_fail(u, "%s: there must be room for %u bytes", call, (unsigned)sizeof(State));
+    State packed;
+    memcpy(&packed, state, sizeof packed);
+    packed.checksum = checksum(&packed);
+    memcpy(bytes, &packed, sizeof packed);
+    return UNIT_OK;
+}
+
+Status unit_deserialize(const Unit *u, const uint8_t bytes[], size_t n, void **state, const char *call) {
+    if (!unit_given(u, bytes, call) || !unit_given(u, state, call)) return UNIT_ERROR;
+    if (n != sizeof(State))
+        return unit_fail(u, "%s: an FMU state of this unit has %u bytes", call, (unsigned)sizeof(State));
+    State packed;
+    memcpy(&packed, bytes, sizeof packed);
+    if (!ours(u, &packed, call)) return UNIT_ERROR;
+    if (packed.checksum != checksum(&packed)) return unit_fail(u, "%s: this FMU state is damaged", call);
+    packed.checksum = 0;
+    State *made = malloc(sizeof *made);
+    if (!made) return unit_fail(u, "%s: out of memory", call);
+    memcpy(made, &packed, sizeof packed);
+    *state = made;
+    return UNIT_OK;
+}

@@ -1,0 +1,76 @@
+/* The core of a native unit: a block's values, steps, messages and states, for the FMI functions above it.
+ *
+ * The core knows no version of FMI: a file such as fmi2.c gives the standard's functions their names and types, says
+ * what may be called when, and hands the rest on. `call` is the name of the standard's function, for the messages.
+ * A call that fails changes nothing, logs why, and may be repeated. */
+#ifndef UNIT_H
+#define UNIT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct Unit Unit; /* one instance: all that changes lies in it, there are no globals */
+
+typedef enum { UNIT_OK, UNIT_WARNING, UNIT_DISCARD, UNIT_ERROR } Status; /* with the numbers of FMI 2 and 3 */
+
+/* One phase of a unit's life, or a set of them. */
+typedef enum { INSTANTIATED = 1, INITIALIZING = 2, STEPPING = 4, TERMINATED = 8, ANY = 15 } Mode;
+
+/* What is logged: a set of these. An error is logged, too, where a call answers UNIT_DISCARD. */
+typedef enum { LOG_NOTHING = 0, LOG_WARNING = 1, LOG_ERROR = 2, LOG_ALL = 3 } Category;
+
+/* Hands a text to the importer; `importer`: what the FMI functions keep with the unit. */
+typedef void Write(const void *importer, Status status, const char *text);
+
+/* --- life --- */
+
+const char *unit_guid(void);
+
+/* A unit with `size` bytes, all 0, for what the FMI functions keep with it; NULL if memory is lacking. It must be reset
+ * before anything but unit_importer, unit_fail and free is called with it. */
+Unit *unit_new(size_t size, Write *write, int logged);
+void *unit_importer(Unit *u);
+void unit_reset(Unit *u);
+
+Mode unit_mode(const Unit *u);
+double unit_time(const Unit *u); /* the start time, or the end of the last step */
+void unit_set_time(Unit *u, double time);
+void unit_enter_initialization(Unit *u);
+Status unit_exit_initialization(Unit *u);
+Status unit_step(Unit *u, double time, double h);
+void unit_terminate(Unit *u);
+
+/* --- messages --- */
+
+void unit_log(Unit *u, int categories);
+void unit_say(const Unit *u, Status status, const char *text);
+Status unit_fail(const Unit *u, const char *format, ...); /* logs an error, and answers UNIT_ERROR */
+bool unit_may(const Unit *u, int modes, const char *call); /* false, and an error is logged, in any other mode */
+bool unit_given(const Unit *u, const void *pointer, const char *call); /* false, and an error is logged, for NULL */
+
+/* --- values, by the places `r` of their variables in the description --- */
+
+Status unit_get_reals(Unit *u, const uint32_t r[], size_t n, double values[], const char *call);
+Status unit_get_integers(Unit *u, const uint32_t r[], size_t n, int32_t values[], const char *call);
+Status unit_get_booleans(Unit *u, const uint32_t r[], size_t n, int32_t values[], const char *call);
+Status unit_set_reals(Unit *u, const uint32_t r[], size_t n, const double values[], const char *call);
+Status unit_set_integers(Unit *u, const uint32_t r[], size_t n, const int32_t values[], const char *call);
+Status unit_set_booleans(Unit *u, const uint32_t r[], size_t n, const int32_t values[], const char *call);
+
+/* Derivatives of inputs act in the next step only; those of the slave's position are always there. */
+Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],
+                                  const char *call);
+Status unit_get_output_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], double values[],
+                                   const char *call);
+
+/* --- states: copies of all that steps and setters change; each is good for all instances of this unit --- */
+
+Status unit_save(const Unit *u, void **state, const char *call); /* into a new state, or over the one given */
+Status unit_restore(Unit *u, const void *state, const char *call);
+Status unit_free_state(const Unit *u, void **state, const char *call);
+Status unit_serialized_size(const Unit *u, const void *state, size_t *n, const char *call);
+Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], size_t n, const char *call);
+Status unit_deserialize(const Unit *u, const uint8_t bytes[], size_t n, void **state, const char *call);
+
+#endif

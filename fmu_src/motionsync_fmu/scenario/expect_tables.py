@@ -1,0 +1,75 @@
+"""The tables [[expect]] of a scenario file."""
+
+import math
+import re
+
+from .scenario import AtTime, Expectation, When, Within
+from .toml_tables import Table, literal
+from .variable_tables import OutputTable, Subject
+
+CONDITION = re.compile(r"\s*([\w.]+)\s*(?:(==|<|>)\s*(\S+)\s*)?")
+
+
+def read_expectation(table: Table, block: Subject, stop_time: float) -> Expectation:
+    """One expectation; which of the three kinds it is, its keys tell.
+
+    Raises:
+        UserError: the first mistake in it.
+    """
+    kinds = [key for key in ("at", "when", "from") if key in table]
+    if len(kinds) != 1:
+        table.fail("", "needs exactly one of at, when, from")
+    outputs = OutputTable(table, block)
+    match kinds[0]:
+        case "at":
+            return _at_time(outputs, stop_time)
+        case "when":
+            return _when(outputs, stop_time)
+        case _:
+            return _within(outputs, stop_time)
+
+
+def _at_time(outputs: OutputTable, stop_time: float) -> AtTime:
+    table = outputs.table
+    at = table.number("at", least=0.0, most=stop_time)
+    values = {name: float(value) for name, value in outputs.values("at", "tolerance").items()}
+    if not values:
+        table.fail("at", "expects nothing")
+    return AtTime(at, values, table.number("tolerance", default=1e-6, least=0.0))
+
+
+def _when(outputs: OutputTable, stop_time: float) -> When:
+    table = outputs.table
+    table.allow_only("when", "time", "tolerance")
+    text = table.values["when"]
+    match = CONDITION.fullmatch(text) if isinstance(text, str) else None
+    if not match:
+        table.fail("when", f"{text!r} is not NAME, NAME == VALUE, NAME < VALUE or NAME > VALUE")
+    name, comparison, value = match[1], match[2] or "==", match[3]
+    v = outputs.variable(name, "when")
+    if value is None and v.kind != "Boolean":
+        table.fail("when", f"{name} is a {v.kind}: compare it, as in {name!r} == VALUE")
+    wanted = 1.0 if value is None else float(outputs.value(name, literal(value), "when"))
+    time = table.number("time", least=0.0, most=stop_time)
+    tolerance = table.number("tolerance", least=0.0) if "tolerance" in table else None
+    return When(text, name, comparison, wanted, time, tolerance)
+
+
+def _within(outputs: OutputTable, stop_time: float) -> Within:
+    table = outputs.table
+    begin = table.number("from", least=0.0, most=stop_time)
+    end = table.number("to", least=begin, most=stop_time)
+    limits: dict[str, tuple[float, float]] = {}
+    for name in table.values:
+        if name in ("from", "to", "tolerance"):
+            continue
+        outputs.variable(name)
+        bounds = table.inline(name)
+        if bounds is None or not bounds.values:
+            table.fail(name, "must be { min = ..., max = ... }, or one of them")
+        bounds.allow_only("min", "max")
+        low = bounds.number("min", default=-math.inf)
+        limits[name] = (low, bounds.number("max", default=math.inf, least=low))
+    if not limits:
+        table.fail("from", "expects nothing")
+    return Within(begin, end, limits, table.number("tolerance", default=1e-9, least=0.0))

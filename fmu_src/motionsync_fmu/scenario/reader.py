@@ -1,0 +1,209 @@
+"""Scenario files, read from TOML and checked against the block.
+
+Every mistake is one `UserError` that begins with file and line and names the key.
+"""
+
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from motionsync.blocks import BLOCKS
+
+from ..errors import UserError
+from ..interface.recipe import Recipe, check_slave_unit
+from ..interface.roles import remote_axis
+from ..interface.units import BASES
+from .cuts import CutSpec
+from .expect_tables import read_expectation
+from .remote_table import KEYS as TELEGRAMS
+from .remote_table import LISTS, read_remote
+from .scenario import Expectation, Picture, Scenario, Setting
+from .script import Script, Segment
+from .telegrams import Remote
+from .toml_tables import Table, read_toml
+from .variable_tables import FlagTable, SetTable, StartTable, Subject
+
+FILE = "scenario.toml"
+SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
+TABLES = ("start", "master", "remote", "set", "expect", "cuts", "picture")
+SCRIPT = ("position", "velocity", "acceleration", "segments")
+HELD = ("velocity", "acceleration", "jerk")  # what a segment may hold
+MOST_STEPS = 1_000_000  # their results still fit into memory
+
+
+def find(path: Path, pattern: str = FILE) -> list[Path]:
+    """The files at a path: the file itself, or all below a folder whose names match the pattern.
+
+    Raises:
+        UserError: there is none.
+    """
+    if path.is_file():
+        return [path]
+    found = sorted(path.rglob(pattern))
+    if not found:
+        raise UserError(f"{path}: {f'no {pattern} below it' if path.is_dir() else 'no such file or folder'}")
+    return found
+
+
+def load(file: Path) -> Scenario:
+    """Read and check a scenario file.
+
+    Raises:
+        UserError: the first mistake in it, with file, line and key.
+    """
+    top = read_file(file)
+    top.allow_only(*SCALARS, *TABLES)
+    name, unit, slave_unit = read_block(top)
+    stop_time, step_size = read_times(top)
+    reader = Reader(top, name, stop_time)
+    reader.check_axis()
+    start, script, settings = reader.start(), reader.script(), tuple(reader.settings())
+    return Scenario(
+        file,
+        top.string("title"),
+        top.string("source"),
+        reader.recipe,
+        unit,
+        slave_unit,
+        stop_time,
+        step_size,
+        top.number("tolerance", default=1e-9, above=0.0),
+        start,
+        script,
+        reader.remote(script, start, settings) if reader.axis else None,
+        settings,
+        tuple(reader.expectations()),
+        reader.cuts() if "cuts" in top else None,
+        reader.picture() if "picture" in top else None,
+    )
+
+
+def read_file(file: Path) -> Table:
+    """The top level of a scenario file, or of a file with the same tables."""
+    return read_toml(file, ("segments", *LISTS))
+
+
+def read_block(top: Table) -> tuple[str, str, str]:
+    """The block's name, the unit of positions, and that of the slave's positions (empty: the same)."""
+    name = top.string("fmu")
+    if name not in BLOCKS:
+        top.fail("fmu", f"no block is named {name!r}; there is {', '.join(BLOCKS)}")
+    unit = top.string("unit", "mm")
+    if unit not in BASES:
+        top.fail("unit", f"{unit!r} is not one of {', '.join(BASES)}")
+    slave_unit = top.string("slave_unit", "")
+    try:
+        check_slave_unit(BLOCKS[name].type(), slave_unit)
+    except UserError as e:
+        top.fail("slave_unit", str(e))
+    return name, unit, slave_unit
+
+
+def read_times(top: Table) -> tuple[float, float]:
+    """stop_time and step_size, in s."""
+    stop_time = top.number("stop_time", above=0.0)
+    step_size = top.number("step_size", above=0.0, most=stop_time)
+    if stop_time / step_size > MOST_STEPS:
+        top.fail("step_size", f"{step_size:g} makes more than {MOST_STEPS:,} steps up to {stop_time:g}")
+    return stop_time, step_size
+
+
+class Reader:
+    """Reads the tables of a file that speak of one block.
+
+    Attributes:
+        recipe: the block's FMU.
+        axis: the variables of its remote axis; None: the block has a master.
+    """
+
+    def __init__(self, top: Table, name: str, stop_time: float, origin: str = "") -> None:
+        """`origin`: from where the inputs of the scripted axis come, in words; empty: from its script."""
+        self.top = top
+        self.stop_time = stop_time
+        self.recipe = Recipe(name)
+        self.axis = remote_axis(self.recipe.variables.values())
+        self.scripted = "remote" if self.axis else "master"
+        part = self.axis.part if self.axis else "master"
+        self.block = Subject(name, self.recipe.variables, part, origin or f"the script in [{self.scripted}]")
+
+    def check_axis(self) -> None:
+        """Refuse the script of an axis that the block does not have."""
+        other = "master" if self.axis else "remote"
+        if other in self.top:
+            inputs = f"{self.block.name} has no inputs {other}.*"
+            self.top.fail(other, f"{inputs}: its axis is scripted in [{self.scripted}]")
+
+    def start(self, key: str = "start") -> dict[str, Any]:
+        """The start values in the table of this name."""
+        return StartTable(self.top.table(key, required=False), self.block).values()
+
+    @cached_property
+    def axis_table(self) -> Table:
+        """The table that scripts the axis."""
+        return self.top.table(self.scripted)
+
+    def script(self) -> Script:
+        table = self.axis_table
+        table.allow_only(*SCRIPT, *(TELEGRAMS if self.axis else ()))
+        p, v, a = (table.number(key, default=0.0) for key in ("position", "velocity", "acceleration"))
+        return Script(p, v, a, [_segment(t) for t in table.tables("segments", "{ duration = ..., ... }")])
+
+    def remote(self, script: Script, start: dict[str, Any], settings: tuple[Setting, ...]) -> Remote:
+        """How the block sees the scripted axis; `start`: the block's start values."""
+        assert self.axis
+        values = {name: v.start for name, v in self.recipe.variables.items()} | start
+        return read_remote(self.axis_table, script, self.axis, values, settings, self.stop_time)
+
+    def settings(self) -> Iterator[Setting]:
+        for table in self.top.tables("set"):
+            at = table.number("at")
+            if at <= 0.0:
+                table.fail("at", f"{at:g}: what is set at 0 is a start value (no edge); write it in [start]")
+            if at >= self.stop_time:
+                table.fail("at", f"{at:g} is not before stop_time = {self.stop_time:g}: no step would show it")
+            values = SetTable(table, self.block).values("at")
+            if not values:
+                table.fail("at", "sets nothing")
+            yield Setting(at, values)
+
+    def expectations(self) -> Iterator[Expectation]:
+        for table in self.top.tables("expect"):
+            yield read_expectation(table, self.block, self.stop_time)
+
+    def cuts(self) -> CutSpec:
+        table = self.top.table("cuts")
+        table.allow_only("while", "length", "offset", "ratio", "tolerance", "count")
+        name = table.string("while")
+        FlagTable(table, self.block).variable(name, "while")
+        if period := self.top.table("start", required=False).values.get("master.period"):
+            table.fail("", f"the material is a linear axis, but master.period is {period:g}")
+        count = table.whole("count") if "count" in table else None
+        if (ratio := table.number("ratio", default=1.0)) == 0.0:
+            table.fail("ratio", "0 is not allowed: the saw goes along with the material")
+        return CutSpec(
+            name,
+            table.number("length", above=0.0),
+            table.number("offset", default=0.0),
+            ratio,
+            table.number("tolerance", least=0.0) if "tolerance" in table else None,
+            count,
+        )
+
+    def picture(self) -> Picture:
+        table = self.top.table("picture")
+        table.allow_only("caption", "shaded", "variants")
+        if shaded := table.string("shaded", ""):
+            FlagTable(table, self.block).variable(shaded, "shaded")
+        variants = table.table("variants", required=False)
+        starts = {name: StartTable(variants.table(name), self.block).values() for name in variants.values}
+        return Picture(" ".join(table.string("caption").split()), shaded, starts)
+
+
+def _segment(table: Table) -> Segment:
+    table.allow_only("duration", *HELD)
+    duration = table.number("duration", above=0.0)
+    held = [key for key in HELD if key in table]
+    if len(held) > 1:
+        table.fail(held[1], f"a segment holds at most one of {', '.join(HELD)}, not {held}")
+    return Segment(duration, **{key: table.number(key) for key in held})

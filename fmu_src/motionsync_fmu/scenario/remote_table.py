@@ -1,0 +1,96 @@
+"""The table [remote] of a scenario file: the clocks and telegrams by which a block knows its scripted axis."""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from ..interface.roles import RemoteAxis
+from .clocks import Clocks, Rate
+from .scenario import Setting
+from .script import Script
+from .telegrams import Accuracy, Remote
+from .toml_tables import Table
+
+KEYS = ("sender_cycle", "phase", "jitter", "seed", "lost", "first_index", "accuracy")  # beside the script's
+LISTS = ("sender_cycle",)  # of tables, each on a line of its own or not
+MOST_CYCLES = 1_000_000  # their results still fit into memory
+MOST_JITTER = 0.15  # of a cycle: nearly all of it is then less than what keeps the order of cycles
+
+
+def read_remote(
+    table: Table,
+    script: Script,
+    axis: RemoteAxis,
+    values: Mapping[str, Any],
+    settings: Iterable[Setting],
+    stop_time: float,
+) -> Remote:
+    """How a block sees the scripted axis.
+
+    `values`: of the block's variables at the start; they tell its cycles, and `settings` what its outputs describe.
+
+    Raises:
+        UserError: the first mistake in the table.
+    """
+    cycle, data_cycle, delay = (values[name] for name in (axis.task_cycle, axis.data_cycle, axis.delay))
+    rates = list(_rates(table))
+    if max(stop_time / cycle, *(stop_time / rate.cycle for rate in rates)) > MOST_CYCLES:
+        table.fail("", f"makes more than {MOST_CYCLES:,} cycles up to {stop_time:g}")
+    first_index = table.whole("first_index", default=0, most=axis.wraps_at - 1)
+    clocks = Clocks(
+        cycle,
+        rates,
+        table.number("phase", default=0.0, least=0.0, below=1.0),
+        table.number("jitter", default=0.0, least=0.0, most=MOST_JITTER),
+        table.whole("seed", default=0),
+        list(_lost(table, first_index)),
+        first_index,
+        axis.wraps_at,
+    )
+    later = ((s.at, s.values[axis.delay]) for s in settings if axis.delay in s.values)
+    accuracy = _accuracy(table.table("accuracy"), stop_time) if "accuracy" in table else None
+    delays = [(0.0, delay), *sorted(later)]
+    return Remote(axis, script, clocks, clocks.acted(stop_time), data_cycle or cycle, delays, accuracy)
+
+
+def _rates(table: Table) -> Iterator[Rate]:
+    """The sender's cycles: one for ever, or each from a time on."""
+    if not isinstance(table.values.get("sender_cycle"), list):
+        yield Rate(0.0, table.number("sender_cycle", above=0.0))
+        return
+    before = -math.inf
+    rates = table.tables("sender_cycle", "{ at = ..., cycle = ... }")
+    if not rates:
+        table.fail("sender_cycle", "is empty")
+    for i, rate in enumerate(rates):
+        rate.allow_only("at", "cycle")
+        at = rate.number("at", above=before)
+        if i == 0 and at != 0.0:
+            rate.fail("at", f"{at:g}: the first cycle is that from 0 on")
+        yield Rate(at, rate.number("cycle", above=0.0))
+        before = at
+
+
+def _lost(table: Table, first_index: int) -> Iterator[tuple[int, int]]:
+    """Ranges of lost telegrams; the first one that is sent may be among them."""
+    ranges = table.values.get("lost", [])
+    if not isinstance(ranges, list):
+        table.fail("lost", "must be a list of ranges [first, last]")
+    for pair in ranges:
+        if not isinstance(pair, list) or [type(x) for x in pair] != [int, int]:
+            table.fail("lost", f"{pair!r} is not a range [first, last] of whole numbers")
+        first, last = pair
+        if last < first:
+            table.fail("lost", f"[{first}, {last}] is backwards: the last is at least the first")
+        if first < first_index:
+            table.fail("lost", f"[{first}, {last}] is before the first telegram, {first_index}")
+        yield first, last
+
+
+def _accuracy(table: Table, stop_time: float) -> Accuracy:
+    table.allow_only("from", "index", "position", "behind")
+    if not table.values.keys() & {"index", "position"}:
+        table.fail("", "expects nothing: it needs index, position or both")
+    index, position = (table.number(key, least=0.0) if key in table else None for key in ("index", "position"))
+    begin = table.number("from", least=0.0, most=stop_time)
+    return Accuracy(begin, index, position, table.number("behind", default=0.0, least=0.0))

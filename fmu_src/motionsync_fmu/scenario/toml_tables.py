@@ -1,0 +1,201 @@
+"""TOML files whose mistakes are told with file, line and key.
+
+`tomllib` does not tell on which line a key stands; the lines are found here by a look at the text.
+"""
+
+import math
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ..errors import UserError
+
+Place = tuple[str, int, str]
+"""A table's name with dots, which of the tables of this name it is (from 0), and a key; "": the table itself."""
+
+
+def read_toml(file: Path, lists: Iterable[str] = ()) -> "Table":
+    """The top level of a file; `lists`: keys whose values are lists of tables, on a line each or not.
+
+    Raises:
+        UserError: it cannot be read, or is no TOML.
+    """
+    text = ""
+    try:
+        text = file.read_text("utf-8-sig")
+        values = tomllib.loads(text)
+    except (OSError, UnicodeDecodeError) as e:
+        raise UserError(f"{file}: cannot be read: {e}") from None
+    except tomllib.TOMLDecodeError as e:
+        line = re.search(r"line (\d+)", str(e))
+        at = int(line[1]) if line else text.count("\n") + 1
+        raise UserError(f"{file}:{at}: not TOML: {e}") from None
+    except RecursionError:
+        raise UserError(f"{file}:1: not TOML: nested too deeply") from None
+    return Table(_Source(file, _lines(text, tuple(lists))), "", 0, values)
+
+
+def literal(text: str) -> Any:
+    """A value as TOML writes it (true, false, a number); any other text as it is."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def real(value: float) -> float:
+    """As a float; infinite where an integer is beyond all floats."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+@dataclass(frozen=True)
+class _Source:
+    """A file, and the line of each place in it."""
+
+    file: Path
+    lines: dict[Place, int]
+
+
+class Table:
+    """One table of a file. Its methods read a key's value, or fail with one `UserError` that names file, line and key.
+
+    Attributes:
+        name: with dots; empty: the top level.
+        values: what the table holds.
+    """
+
+    def __init__(self, source: _Source, name: str, i: int, values: dict[str, Any]) -> None:
+        self.name = name
+        self.values = values
+        self._source = source
+        self._i = i
+
+    @property
+    def file(self) -> Path:
+        return self._source.file
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.values
+
+    def allow_only(self, *known: str) -> None:
+        for key in self.values:
+            if key not in known:
+                self.fail(key, f"unknown key; there is {', '.join(known)}")
+
+    def number(
+        self,
+        key: str,
+        *,
+        default: float | None = None,
+        above: float = -math.inf,
+        least: float = -math.inf,
+        most: float = math.inf,
+        below: float = math.inf,
+    ) -> float:
+        """A finite number within these limits; the default need not be."""
+        value, given = self.values.get(key, default), key in self.values
+        if value is None:
+            self.fail(key, "is missing")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            self.fail(key, f"{value!r} is not a number")
+        value = real(value)
+        if given and not math.isfinite(value):
+            self.fail(key, f"{value} is not allowed: it must be finite")
+        limits = (
+            (value > above, above > -math.inf, f"> {above:g}"),
+            (value >= least, least > -math.inf, f">= {least:g}"),
+            (value <= most, most < math.inf, f"<= {most:g}"),
+            (value < below, below < math.inf, f"< {below:g}"),
+        )
+        if given and not all(kept for kept, _, _ in limits):
+            text = " and ".join(text for _, stated, text in limits if stated)
+            self.fail(key, f"{value:g} is not allowed: it must be {text}")
+        return value
+
+    def whole(self, key: str, *, default: int | None = None, most: float = math.inf) -> int:
+        """A number >= 0 without a fraction."""
+        value = self.number(key, default=default, least=0.0, most=most)
+        if not value.is_integer():
+            self.fail(key, f"{value:g} is not a whole number")
+        return int(value)
+
+    def string(self, key: str, default: str | None = None) -> str:
+        value = self.values.get(key, default)
+        if value is None:
+            self.fail(key, "is missing")
+        if not isinstance(value, str):
+            self.fail(key, f"{value!r} is not a text")
+        return value
+
+    def table(self, key: str, *, required: bool = True) -> "Table":
+        """The table [key]; an empty one if it is missing and not required."""
+        name = f"{self.name}.{key}".strip(".")
+        value = self.values.get(key, None if required else {})
+        if not isinstance(value, dict):
+            self.fail(key, "is missing" if value is None else f"must be a table: [{name}]")
+        return Table(self._source, name, 0, value)
+
+    def tables(self, key: str, form: str = "") -> "list[Table]":
+        """The tables [[key]], none if they are missing; `form`: how they are written instead, for the message."""
+        name = f"{self.name}.{key}".strip(".")
+        value = self.values.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(t, dict) for t in value):
+            self.fail(key, f"must be a list of tables{f' {form}' if form else f': [[{name}]]'}")
+        return [Table(self._source, name, i, t) for i, t in enumerate(value)]
+
+    def inline(self, key: str) -> "InlineTable | None":
+        """The table in braces that is this key's value; None if the value is something else."""
+        value = self.values[key]
+        return InlineTable(self, key, value) if isinstance(value, dict) else None
+
+    def fail(self, key: str, message: str) -> NoReturn:
+        """A mistake at a key, or with "" in the whole table.
+
+        Raises:
+            UserError: always.
+        """
+        outer, _, last = self.name.rpartition(".")
+        inner = f"{self.name}.{key}".strip(".")
+        places = [(self.name, self._i, key), (inner, 0, ""), (self.name, self._i, ""), (outer, 0, last)]
+        line = next((self._source.lines[place] for place in places if place in self._source.lines), 1)
+        raise UserError(f"{self.file}:{line}: {key or self.name}: {message}")
+
+
+class InlineTable(Table):
+    """A table in braces: its mistakes stand at its own key in the table around it."""
+
+    def __init__(self, around: Table, key: str, values: dict[str, Any]) -> None:
+        super().__init__(around._source, f"{around.name}.{key}", 0, values)
+        self._around, self._key = around, key
+
+    def fail(self, key: str, message: str) -> NoReturn:
+        self._around.fail(self._key, f"{key}: {message}" if key else message)
+
+
+def _lines(text: str, lists: tuple[str, ...]) -> dict[Place, int]:
+    """On which line each table and each key begins."""
+    found: dict[Place, int] = {}
+    tables: Counter[str] = Counter()
+    table, i, listing = "", 0, ""
+    for n, line in enumerate(text.split("\n"), 1):
+        if header := re.match(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?\s*(#.*)?$", line):
+            table, listing = header[1], ""
+            i = tables[table]
+            tables[table] += 1
+            found[table, i, ""] = n
+        elif key := re.match(r"""\s*(["']?)([\w.-]+)\1\s*=""", line):
+            found.setdefault((table, i, key[2]), n)
+            if not key[1]:  # a.b = ... is a table a to TOML
+                found.setdefault((table, i, key[2].partition(".")[0]), n)
+            listing = f"{table}.{key[2]}" if key[2] in lists else ""
+        for _ in range(line.count("{") if listing else 0):
+            found[listing, tables[listing], ""] = n
+            tables[listing] += 1
+    return found

@@ -1,0 +1,90 @@
+"""When a command of the Synchronizer is armed, and in which turn of the master its ramp begins."""
+
+import pytest
+
+from motionsync.synchronizer.interface import Curve
+from tests.model.synchronizer.harness import END, EXECUTING, PARABOLA, POLYNOMIAL, READY, Harness
+
+
+@pytest.mark.parametrize("curve", [PARABOLA, POLYNOMIAL])
+@pytest.mark.parametrize("period", [0.0, 360.0])
+@pytest.mark.parametrize(("beyond", "ramps"), [(0.0, True), (5e-9, True), (2e-8, False)])
+def test_a_command_given_at_its_begin_starts_at_once(curve: Curve, period: float, beyond: float, ramps: bool) -> None:
+    """The begin may be passed by 1e-9 of the phasing of 10."""
+    rig = Harness(20.0 + beyond, curve=curve, period=period).go(22.0, stop=True, rest_value=30.0)
+    rig.shows(EXECUTING, s=True, ramp=ramps)
+    if ramps and curve == PARABOLA:
+        rig.slave(30.0 - 18.0**2 / 40.0)
+    elif not ramps:
+        rig.slave(22.0)
+
+
+def test_at_exactly_its_ends_the_slave_is_on_the_ramp_or_beyond_it() -> None:
+    rig = Harness(0.0).go(20.0, stop=True, rest_value=30.0).shows(EXECUTING, s=True, ramp=True).slave(20.0, 20.0)
+    assert rig.block.slave.acceleration == -(20.0**2) / 20.0
+    assert rig.block.local.progress == 0.0
+    rig.go(40.0).shows(READY, s=False).slave(30.0, 0.0)
+    assert (rig.block.slave.acceleration, rig.block.local.progress) == (0.0, 1.0)
+
+
+def test_a_command_given_too_late_waits_a_turn() -> None:
+    rig = Harness(25.0, period=360.0).pulse(stop=True, rest_value=30.0).shows(EXECUTING, s=True)
+    local = rig.block.local
+    assert (local.distance_to_begin, local.distance_to_end, local.progress) == (355.0, 375.0, 0.0)
+    rig.go(45.0, 200.0, 379.0).shows(EXECUTING, s=True).slave(19.0)
+    rig.go(390.0).shows(EXECUTING, s=True, ramp=True).slave(27.5)
+    rig.go(500.0).shows(READY, s=False).slave(30.0)
+
+
+def test_a_command_given_too_late_without_a_period_waits_for_the_master_to_come_back() -> None:
+    rig = Harness(25.0).pulse(stop=True, rest_value=30.0).go(100.0).shows(EXECUTING, s=True).slave(100.0)
+    local = rig.block.local
+    assert (local.distance_to_begin, local.distance_to_end, local.progress) == (80.0, 100.0, 0.0)
+    rig.go(20.5, 100.0).shows(EXECUTING, s=True)
+    rig.go(-40.0).shows(EXECUTING, s=True).slave(-40.0)
+    assert (local.distance_to_begin, local.distance_to_end) == (60.0, 80.0)
+    rig.go(30.0).shows(EXECUTING, s=True, ramp=True).slave(27.5)
+    rig.go(40.0).shows(READY, s=False)
+
+
+def test_once_armed_a_command_stays_armed() -> None:
+    rig = Harness(30.0).rest_at(50.0).go(30.0, 35.0, start=True).go(-1000.0, 39.0)
+    rig.shows(EXECUTING, s=False).slave(50.0).go(50.0).shows(EXECUTING, s=False, ramp=True).slave(52.5)
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_command_against_the_master_s_direction_waits_for_ever_and_deactivation_ends_it(direction: float) -> None:
+    """With a period: never on a ramp but for instants, although the master passes 99 of them."""
+    rig = Harness(3.0, period=50.0, output_phasing=direction * 10.0).pulse(stop=True, rest_value=30.0)
+    for _ in range(700):
+        rig.go(rig.at - direction * 7.0710678).shows(EXECUTING, s=True)
+        rig.slave(rig.at % 50.0)
+    rig.go(rig.at, active=False).shows(READY, s=False).slave(30.0)
+
+
+@pytest.mark.parametrize(("lowest", "ramps"), [(20.0, True), (20.0 + 5e-9, True), (20.0 + 3e-8, False), (19.0, True)])
+@pytest.mark.parametrize("h", [4.0, 1.0, 0.25])
+def test_a_turning_point_at_the_begin_arms_a_late_command(lowest: float, ramps: bool, h: float) -> None:
+    """m = lowest + (t - 2)²: given at 24, turning at 2 s, within the step or at its end; 29 at 5 s."""
+    rig = Harness(lowest + 4.0)
+    rig.go(rig.at, stop=True, rest_value=30.0).shows(EXECUTING, s=True)
+    for i in range(int(4.0 / h)):
+        rig.move(2.0 * (i * h - 2.0), 2.0, h)
+    rig.shows(EXECUTING, s=True, ramp=ramps)
+    rig.slave(30.0 - (16.0 - (lowest - 20.0)) ** 2 / 40.0 if ramps else lowest + 4.0)
+
+
+def test_a_turning_point_inside_a_step_completes_a_command() -> None:
+    """m = 50 - 10 (t - 1)²... up past the end at 40 and back below it within one step of 2 s."""
+    rig = Harness(15.0).pulse(stop=True, rest_value=30.0)
+    rig.move(60.0, -60.0, 2.0).shows(READY, s=False).slave(30.0)
+    assert rig.at == 15.0
+    rig = Harness(15.0).pulse(stop=True, rest_value=30.0)
+    rig.move(48.0, -48.0, 2.0).shows(EXECUTING, s=True).slave(15.0)  # only up to 39
+
+
+def test_a_turning_point_on_the_cubic_completes_a_command() -> None:
+    """From 15 and back in 2 s, with velocities of 60 and -60 at the ends: up to 45."""
+    rig = Harness(15.0, mode=END, **{"master.velocity": 60.0})
+    rig.move(60.0, -60.0, 2.0, stop=True, rest_value=30.0).shows(READY, s=False).slave(30.0)
+    assert rig.at == 15.0

@@ -1,0 +1,47 @@
+"""A block's GUID depends on its own sources and on the tool, not on other blocks."""
+
+import shutil
+from pathlib import Path
+
+from motionsync.blocks import BLOCKS
+from tests import ROOT
+from tests.fmu.test_packages import python
+
+REGISTRATION = """
+from dataclasses import replace
+from .nested.block import Nested
+
+BLOCKS = {**BLOCKS, "Nested": replace(BLOCKS["Synchronizer"], type=Nested)}
+"""
+GUIDS = """
+from motionsync.blocks import BLOCKS
+from motionsync_fmu.build import Recipe
+
+for name in BLOCKS:
+    print(name, Recipe(name).guid())
+"""
+
+
+def guids(root: Path) -> dict[str, str]:
+    """The GUIDs of all blocks that are registered in a copy of the sources."""
+    return dict(line.split() for line in python(root, GUIDS))
+
+
+def test_a_new_block_with_refusals_and_faults_changes_no_other_guid(tmp_path: Path) -> None:
+    junk = shutil.ignore_patterns("__pycache__")
+    for folder in ("model", "fmu_src"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=junk)
+    before = guids(tmp_path)
+    assert before.keys() == BLOCKS.keys()
+    model = tmp_path / "model" / "motionsync"
+    shutil.copytree(ROOT / "tests" / "support" / "nested", model / "nested", ignore=junk)
+    with (model / "blocks.py").open("a") as registry:
+        registry.write(REGISTRATION)
+    after = guids(tmp_path)
+    assert after == before | {"Nested": after["Nested"]}
+    assert len({*after.values()}) == len(BLOCKS) + 1
+    faults = model / "nested" / "faults.py"
+    faults.write_text(faults.read_text().replace('"done"', '"done", "angle"'))
+    last = guids(tmp_path)
+    assert last == before | {"Nested": last["Nested"]}
+    assert last["Nested"] != after["Nested"]
