@@ -4,8 +4,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
 FLAGSHIP := scenarios/FlyingSaw/cyclic_cut
+BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
-.PHONY: run line test build lint format references pictures benchmark clean
+.PHONY: run line quick check test build lint format references pictures benchmark clean help
 
 run: build ## build the FMUs and simulate the flagship scenario
 	$(BIN)/motionsync run $(FLAGSHIP)
@@ -13,7 +14,16 @@ run: build ## build the FMUs and simulate the flagship scenario
 line: $(READY) ## wire a remote axis through RemoteSync into its followers, and tell the errors
 	$(BIN)/motionsync line scenarios/line
 
-test: lint ## everything that proves the project
+quick: $(READY) ## what the blocks do, without an FMU: about a minute
+	$(BIN)/python -m pytest --quick --numprocesses 2 --dist worksteal tests/model tests/native/test_subset.py \
+		tests/native/test_memory_layout.py $(PYTEST)
+
+check: $(READY) ## one block, B=gearing say: its tests, its scenarios in this process, its compiled code
+	@$(if $(filter $(B),$(BLOCKS)),:,echo "make check B=<block>: the blocks are $(BLOCKS)" >&2; exit 2)
+	$(BIN)/python -m pytest --block $(B) tests/model/$(B) tests/model/test_scenarios.py \
+		tests/native/test_same_bits.py::test_the_drawn_runs_meet_all_that_can_happen $(PYTEST)
+
+test: lint ## everything that proves the project; PYTEST="-k edge" passes options on
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal $(PYTEST)
 
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
@@ -24,7 +34,7 @@ lint: $(READY) ## style and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-format: $(READY)
+format: $(READY) ## repair the style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
@@ -34,17 +44,20 @@ references: $(READY) ## the cross-check files of all scenarios, from the scripts
 pictures: $(READY) ## the README's pictures
 	$(BIN)/python -m motionsync_fmu.pages.pictures docs
 
-benchmark: $(READY)
+benchmark: $(READY) ## what a step costs, what plans and accuracy are like
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/accuracy.py
 
-clean:
+clean: ## remove whatever was made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find build -mindepth 1 ! -name README.md -delete
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+help: ## these lines
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
 
 $(READY): pyproject.toml
 	$(PYTHON) -m venv $(VENV)

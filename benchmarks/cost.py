@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases import VELOCITY, Axis, H, Steady, counted
+from cases.measured import VELOCITY, Axis, H, Steady, counted
 from rich.table import Table
 
 from motionsync_fmu.native.libraries import HEADERS

@@ -25,7 +25,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from cases import CASES, VELOCITY, Axis, H, Steady, Worst
+from cases import cases_of
+from cases.measured import VELOCITY, Axis, H, Steady, Worst
 from cost import (
     OUTPUTS,
     ROUNDS,
@@ -41,6 +42,7 @@ from cost import (
 from rich.console import Console
 from rich.table import Table
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu.archive import write
 from motionsync_fmu.build import build_native, build_python
 from motionsync_fmu.interface.recipe import Recipe
@@ -266,7 +268,7 @@ def target_table(
 
 def report(block: str, n: int, program: Path, folder: Path, console: Console, *, cold: bool) -> None:
     """Build a block's FMUs, measure them, print the tables."""
-    recipe, cases = Recipe(block), CASES[block]
+    recipe, cases = Recipe(block), cases_of(block)
     first, axis = cases.steady[0], cases.axis
     fmus = {
         NATIVE: build_native(recipe, folder / "native.fmu", console.print),
@@ -314,7 +316,7 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--block", choices=CASES, help="all of them, if none is named")
+    parser.add_argument("--block", choices=BLOCKS, help="all of them, if none is named")
     parser.add_argument("--steps", type=int, default=20_000, help=f"steps a round; {IN_C} times that in C")
     parser.add_argument("--cold", action="store_true", help="also build with an empty zig cache: minutes")
     options = parser.parse_args()
@@ -323,7 +325,7 @@ def main() -> None:
     console = Console(highlight=False, width=120)
     with tempfile.TemporaryDirectory() as root:
         program = compile_c(HERE / "host.c", Path(root) / "host")
-        for block in [options.block] if options.block else CASES:
+        for block in [options.block] if options.block else BLOCKS:
             console.rule(block)
             folder = Path(root) / block
             folder.mkdir()

@@ -12,7 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cases import CASES, VELOCITY, Axis, H, Steady, counted
+from cases import cases_of
+from cases.measured import VELOCITY, Axis, H, Steady, counted
 from cost import begun, cost_table, measure, through_fmpy, timed
 from rich.console import Console
 
@@ -64,11 +65,10 @@ def idle(fmu: Path, block: str, target: Path) -> Path:
     return target
 
 
-def bare(block_type: type[Any], case: Steady, axis: Axis) -> Callable[[int], None]:
+def bare(block: Any, case: Steady, axis: Axis) -> Callable[[int], None]:
     """Steps of the block in plain Python."""
-    stepper = Stepper(block_type()).initialize(case.start)
+    stepper = Stepper(block).initialize(case.start)
     stepper.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
-    block = stepper.block
     moving, counter = getattr(block, axis.group), axis.counter.rpartition(".")[2]
     moving.position = 0.0
     done = 0
@@ -91,7 +91,7 @@ def bare(block_type: type[Any], case: Steady, axis: Axis) -> Callable[[int], Non
 
 
 def report(block: str, n: int, folder: Path) -> Any:
-    cases, axis = CASES[block].steady, CASES[block].axis
+    cases, axis = cases_of(block).steady, cases_of(block).axis
     fmu = build_python(Recipe(block), folder / f"{block}.fmu")
     with FmuInstance(fmu) as whole, FmuInstance(idle(fmu, block, folder / f"{block} idle.fmu")) as nothing:
 
@@ -99,7 +99,7 @@ def report(block: str, n: int, folder: Path) -> Any:
             return through_fmpy(begun(host, cases[0], axis), cases[0], axis)
 
         subjects = {
-            **{f"{block} bare, {case.name}": timed(bare(BLOCKS[block], case, axis)) for case in cases},
+            **{f"{block} bare, {case.name}": timed(bare(Recipe(block).block(), case, axis)) for case in cases},
             f"its FMU through FMPy, {cases[0].name}": timed(steps(whole)),
             NOTHING: timed(steps(nothing)),
         }
@@ -108,12 +108,12 @@ def report(block: str, n: int, folder: Path) -> Any:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--block", choices=CASES, help="all of them, if none is named")
+    parser.add_argument("--block", choices=BLOCKS, help="all of them, if none is named")
     parser.add_argument("--steps", type=int, default=20_000, help="steps a round")
     options = parser.parse_args()
     console = Console(highlight=False, width=120)
     with tempfile.TemporaryDirectory() as folder:
-        for block in [options.block] if options.block else CASES:
+        for block in [options.block] if options.block else BLOCKS:
             console.print(report(block, options.steps, Path(folder)))
             console.print()
 

@@ -1,16 +1,75 @@
 """What all tests have in common: the built FMUs, and the rule that CI accepts no skipped test."""
 
 import os
+import re
 from pathlib import Path
 
 import pytest
+from hypothesis import is_hypothesis_test, settings
+from hypothesis.internal.conjecture import providers
 
 from motionsync.blocks import BLOCKS
+from tests.support.by_block import folder
 from tests.support.fmus import Fmus, Shared
+
+HERE = Path(__file__).parent
+
+
+# Hypothesis mixes numbers from the project's loaded modules into what it draws. Without them, runs that are drawn the
+# same every time depend neither on which tests run together nor on the numbers in the source.
+providers._get_local_constants = lambda: providers._local_constants
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--no-skips", action="store_true", help="a skipped test fails the run: for machines that have all")
+    parser.addoption("--quick", action="store_true", help="no FMU, no slow test, a tenth of the random examples")
+    parser.addoption("--block", metavar="FOLDER", help="the tests of one block that need no FMU: gearing, say")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    for room in sorted(path.parent.name for path in HERE.glob("*/__init__.py")):
+        config.addinivalue_line("markers", f"{room}: a test in tests/{room}")
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        item.add_marker(item.path.relative_to(HERE).parts[0])
+    chosen = items
+    if config.getoption("--quick"):
+        chosen = [item for item in chosen if not slow(item) and not needs_fmu(item)]
+        for item in chosen:
+            fewer_examples(item)
+    if block := config.getoption("--block"):
+        named = {folder(name): name for name in BLOCKS}
+        if block not in named:
+            raise pytest.UsageError(f"no block has the folder {block!r}: choose one of {', '.join(sorted(named))}")
+        chosen = [item for item in chosen if belongs(item, block, named[block]) and not needs_fmu(item)]
+    kept = set(chosen)
+    config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+    items[:] = chosen
+
+
+def slow(item: pytest.Item) -> bool:
+    """Whether a test is marked so, or is one of an oracle itself, which no change of a block concerns."""
+    return item.get_closest_marker("slow") is not None or item.path.name == "test_oracle.py"
+
+
+def needs_fmu(item: pytest.Item) -> bool:
+    return "shared" in getattr(item, "fixturenames", ())
+
+
+def belongs(item: pytest.Item, block: str, name: str) -> bool:
+    """Whether a test is of this block: it stands in the block's folder, or has the block's name as a parameter."""
+    return item.path.parent == HERE / "model" / block or re.search(rf"\[.*\b{name}\b", item.name) is not None
+
+
+def fewer_examples(item: pytest.Item) -> None:
+    """A tenth of the random examples, at least 5: hypothesis has profiles for this, which a test's own number beats."""
+    test = getattr(item, "obj", None)
+    if is_hypothesis_test(test):
+        full = test._hypothesis_internal_use_settings
+        test._hypothesis_internal_use_settings = settings(full, max_examples=max(full.max_examples // 10, 5))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

@@ -119,6 +119,7 @@ def beyond_speed(move: Move) -> bool:
     return max(abs(move.velocity), abs(direct)) > move.speed
 
 
+@pytest.mark.slow
 def test_no_move_is_slower_than_ruckigs() -> None:
     rng = Random(5055)
     count: Counter[str] = Counter()

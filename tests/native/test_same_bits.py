@@ -19,7 +19,9 @@ from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.interface.variables import cells, variables
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.stepper import Stepper
+from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.python.slave import LONGEST_STEP
@@ -42,8 +44,8 @@ class Pair:
     """A block in Python and in compiled code, driven as the FMU's slave drives it."""
 
     def __init__(self, name: str, start: dict[str, Any]) -> None:
-        self.block = BLOCKS[name]()
-        self.cells = {c.name: c for c in cells(self.block)}
+        self.stepper = Stepper(Recipe(name).block())
+        self.block = self.stepper.block
         self.inputs = [v for v in variables(self.block) if v.causality == "input"]
         self.compiled = Compiled(self.block)
         self.set(start)
@@ -51,13 +53,13 @@ class Pair:
         assert equal(self.block, self.compiled)
 
     def set(self, values: dict[str, Any]) -> None:
+        self.stepper.set(values)
         for name, value in values.items():
-            self.cells[name].set(value)
             self.compiled.set(name, value)
 
     def step(self, h: float, values: dict[str, Any]) -> int | None:
         """What the block answers; None if the step has a bad input or size and is not begun, as in the FMU."""
-        before = {name: self.cells[name].get() for name in values}
+        before = self.stepper.get(values)
         self.set(values)
         if not 0.0 < h <= LONGEST_STEP or any(v.refusal(v.cell.get()) for v in self.inputs):
             self.set(before)

@@ -5,7 +5,7 @@ from importlib.util import find_spec
 from types import ModuleType
 from typing import Any
 
-from motionsync_fmu.build import Recipe
+from motionsync_fmu.interface.recipe import Recipe
 
 
 def folder(name: str) -> str:

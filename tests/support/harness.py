@@ -1,13 +1,12 @@
 """A block along a scripted master that is exact at constant acceleration, for tests of the block alone."""
 
 from collections.abc import Iterable, Mapping
-from copy import copy, deepcopy
-from dataclasses import replace
+from copy import copy
 from itertools import pairwise
 from typing import Any, ClassVar, Self
 
 from motionsync.master import MasterInput
-from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.interface.stepper import Stepper
 
 MOTION = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 Row = dict[str, float]
@@ -31,27 +30,28 @@ class BlockHarness:
         speed: float = 0.0,
         mode: MasterInput = MasterInput.START_OF_STEP,
     ) -> None:
-        self.block = self.TYPE()
-        self.cells = {v.name: v.cell for v in variables(self.block)}
+        self.stepper = Stepper(self.TYPE())
         self.place, self.speed, self.time = place, speed, 0.0
         self.put({"master.input_mode": mode, **(values or {})})
         self._show_master(place, speed, 0.0)
-        assert self.block.initialize() == 0
+        self.stepper.initialize()
         self.stepped()
+
+    @property
+    def block(self) -> Any:
+        return self.stepper.block
 
     def stepped(self) -> None:
         """What a block's own class does after a step."""
 
     def twin(self) -> Self:
-        """Another one in the same state."""
+        """Another harness whose block is in the same state."""
         other = copy(self)
-        other.block = deepcopy(self.block)
-        other.cells = {name: replace(cell, owner=_owner(other.block, name)) for name, cell in self.cells.items()}
+        other.stepper = self.stepper.twin()
         return other
 
     def put(self, values: Mapping[str, Any]) -> Self:
-        for name, value in values.items():
-            self.cells[name].set(value)
+        self.stepper.set(values)
         return self
 
     def run(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> Self:
@@ -73,7 +73,7 @@ class BlockHarness:
         for first, last in pairwise(sorted({0.0, duration, *(cut for cut in cuts if 0.0 < cut < duration)})):
             seen = last if self.block.master.input_mode == MasterInput.END_OF_STEP else first
             self._show_master(*moved(place, speed, acceleration, seen), acceleration)
-            assert self.block.step(last - first) == 0
+            self.stepper.step(last - first)
             self.stepped()
             self.time = begin + last
             self.place, self.speed = moved(place, speed, acceleration, last)
@@ -81,10 +81,10 @@ class BlockHarness:
         return found
 
     def read(self, names: Iterable[str]) -> Row:
-        return {name: self.cells[name].get() for name in names}
+        return self.stepper.get(names)
 
     def __getitem__(self, name: str) -> Any:
-        return self.cells[name].get()
+        return self.stepper[name]
 
     @property
     def slave(self) -> tuple[float, float, float]:
@@ -113,11 +113,3 @@ def moved(place: float, speed: float, acceleration: float, time: float) -> tuple
 def grid(duration: float, h: float) -> list[float]:
     """Cuts of a run into steps of h."""
     return [i * h for i in range(1, int(duration / h) + 1)]
-
-
-def _owner(block: Any, name: str) -> Any:
-    """The part of the block in which the variable of that name lies."""
-    part: Any = block
-    for step in name.split(".")[:-1]:
-        part = getattr(part, step)
-    return part

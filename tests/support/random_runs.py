@@ -5,8 +5,8 @@ from typing import Any
 
 from hypothesis import Phase, given, settings
 
-from motionsync.blocks import BLOCKS
-from motionsync_fmu.interface.variables import cells, variables
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from tests.support.by_block import own
 from tests.support.runs import Run, Strategy
 
@@ -37,7 +37,7 @@ def drawn(name: str, steps: int, count: int) -> list[Run]:
 @cache
 def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
     """A run with steps of size h of which none is refused: of those drawn, the one that meets most."""
-    allows = {v.name: v.allows for v in variables(BLOCKS[name]())}
+    allows = {v.name: v.allows for v in Recipe(name).variables.values()}
     runs = [
         Run(run.start, [(h, {n: x for n, x in values.items() if allows[n](x)}) for _, values in run.steps])
         for run in drawn(name, steps, count)
@@ -49,18 +49,13 @@ def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
 
 def _met(name: str, run: Run) -> int:
     """How many different things a run meets; 0 if anything is refused."""
-    block = BLOCKS[name]()
-    by_name = {c.name: c for c in cells(block)}
+    stepper = Stepper(Recipe(name).block())
     watch = strategy(name).watch
     seen: set[Any] = set()
-    for n, value in run.start.items():
-        by_name[n].set(value)
-    refused = block.initialize()
-    for h, values in run.steps:
-        for n, value in values.items():
-            by_name[n].set(value)
-        refused = refused or block.step(h)
-        if refused:
-            return 0
-        seen |= watch(block)
+    try:
+        stepper.initialize(run.start)
+        for h, values in run.steps:
+            seen |= watch(stepper.step(h, values).block)
+    except RefusedError:
+        return 0
     return len(seen)

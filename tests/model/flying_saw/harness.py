@@ -36,10 +36,8 @@ class FlyingSawHarness(BlockHarness):
 
     def modes(self, *names: str) -> Self:
         """These bits of sync_mode, and no other."""
-        for name, cell in self.cells.items():
-            if name.startswith("sync_mode."):
-                cell.set(name.removeprefix("sync_mode.") in names)
-        return self
+        bits = (name for name in self.stepper.cells if name.startswith("sync_mode."))
+        return self.put({name: name.removeprefix("sync_mode.") in names for name in bits})
 
     def order(self, group: str, **values: Any) -> Self:
         """The group's inputs, and a rising edge of its `execute` with the next run."""
@@ -55,7 +53,7 @@ class FlyingSawHarness(BlockHarness):
 
     def results(self, group: str) -> set[str]:
         """The names of the group's outputs that are true."""
-        return {name for name in RESULTS if f"{group}.{name}" in self.cells and self[f"{group}.{name}"]}
+        return {name for name in RESULTS if f"{group}.{name}" in self.stepper.cells and self[f"{group}.{name}"]}
 
 
 def near(*values: float, tolerance: float = 1e-9) -> Any:

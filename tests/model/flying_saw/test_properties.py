@@ -676,7 +676,7 @@ def test_own_motions_keep_their_limits_and_come_to_their_ends(rng: Random) -> No
 
 
 RESULT = {"gear_in_velo": "in_sync", "gear_in_pos": "in_sync", "move_velocity": "in_velocity"}
-MODES = [name.removeprefix("sync_mode.") for name in FlyingSawHarness().cells if name.startswith("sync_mode.")]
+MODES = [name.removeprefix("sync_mode.") for name in FlyingSawHarness().stepper.cells if name.startswith("sync_mode.")]
 
 
 def commanded(saw: FlyingSawHarness, rng: Random, group: str) -> dict[str, Any]:

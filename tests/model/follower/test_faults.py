@@ -193,11 +193,11 @@ def test_back_and_forth_at_the_park_the_meeting_is_chosen_anew() -> None:
 @pytest.mark.parametrize("mode", [START, END, ONLY])
 def test_a_step_over_too_many_cycles_is_refused(mode: MasterInput) -> None:
     follower = parked(**CYCLIC, mode=mode).to(100.0).to(200.0)
-    before = [cell.get() for cell in follower.cells.values()]
+    before = [cell.get() for cell in follower.stepper.cells.values()]
     last = dict(follower.read(("master.position", "master.velocity")))
     follower.put({"master.position": 1.1e9, "master.velocity": 1.1e9})
     assert follower.block.step(1.0) == Refusal.CYCLES
-    assert [cell.get() for cell in follower.put(last).cells.values()] == before
+    assert [cell.get() for cell in follower.put(last).stepper.cells.values()] == before
     assert follower.to(900.0).position == near(18.75)
 
 

@@ -29,6 +29,7 @@ def test_what_is_allowed_is_what_the_description_says(
     assert [column.step(1e-6 * ppm, jitter > 0.0) for column in COLUMNS] == pytest.approx(steps)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jitter", JITTERS)
 @pytest.mark.parametrize("ppm", DRIFTS)
 def test_the_corrected_index_is_as_accurate_as_described(ppm: int, jitter: float) -> None:

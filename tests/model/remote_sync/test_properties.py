@@ -197,10 +197,11 @@ def order(r: Random, telegrams: list[dict[str, Any]], start: dict[str, Any]) -> 
             values["max_position_difference"] = start["max_position_difference"]
 
 
+@pytest.mark.slow
 def test_the_lines_meet_what_is_to_be_proven_on_them() -> None:
     met: set[Any] = set()
 
-    @settings(repeatable, phases=[Phase.generate], database=None)
+    @settings(repeatable, max_examples=180, phases=[Phase.generate], database=None)
     @given(lines())
     def draw(line: Line) -> None:
         kind = line.start["estimator"]

@@ -1,0 +1,23 @@
+"""What each block is measured in: steps that are all alike, and the longest ones, in which commands are planned.
+
+What is a block's own stands in the module of its folder's name; the measuring is the same for all.
+"""
+
+from importlib import import_module
+from importlib.util import find_spec
+
+from cases.measured import Cases
+from motionsync_fmu.interface.recipe import Recipe
+
+
+def cases_of(name: str) -> Cases:
+    """The cases of the block of that name.
+
+    Raises:
+        LookupError: the block has none; the text says which file is missing.
+    """
+    folder = type(Recipe(name).block()).__module__.split(".")[1]
+    if not find_spec(f"cases.{folder}"):
+        raise LookupError(f"{name} needs benchmarks/cases/{folder}.py")
+    found: Cases = import_module(f"cases.{folder}").CASES
+    return found

@@ -1,0 +1,96 @@
+"""What a block is measured in, and how the axis that moves is set."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+VELOCITY = 90.0  # of the axis that moves, u/s
+H = 1e-3  # s a step
+PERIOD = 360.0  # of a rotary axis, u
+TURNS_A_STEP = 5.0  # of a rotary master, so that much happens in each step
+FAR = 1e9  # no benchmark gets there
+
+Values = Mapping[str, Any]
+Bounds = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The axis that moves: what is set at each step.
+
+    Attributes:
+        group: of position, velocity and acceleration.
+        counter: an Integer, the count of the axis' cycles; empty if it has none.
+    """
+
+    group: str = "master"
+    counter: str = ""
+
+    @property
+    def motion(self) -> tuple[str, str, str]:
+        return f"{self.group}.position", f"{self.group}.velocity", f"{self.group}.acceleration"
+
+
+@dataclass(frozen=True)
+class Steady:
+    """A motion without events, over a master at constant velocity.
+
+    Attributes:
+        start: parameters and inputs at the initialization.
+        begin: what is set before the one step that leads there, with the master at 0 unless told.
+        first: how long that step is, s.
+        holds: what variables are as long as it lasts.
+        counts: what the axis' counter gains a second.
+    """
+
+    name: str
+    start: Values = field(default_factory=dict)
+    begin: Values = field(default_factory=dict)
+    first: float = H
+    holds: Values = field(default_factory=dict)
+    counts: float = 0.0
+
+
+@dataclass(frozen=True)
+class Worst:
+    """Steps at whose beginning commands are given, each from a state that differs from the one before.
+
+    Attributes:
+        start: parameters and inputs at the initialization.
+        commands: the Booleans that rise at the steps' beginnings.
+        velocity: of the master, u/s.
+        pause: how long the step between two of them is, s; then the commands are low.
+        between: Booleans that are raised in it.
+        draws: Real inputs, drawn from these bounds before it.
+        ahead: Real inputs, drawn from these bounds after it and added to the variable of that name.
+        watch: integers and enumerations that tell after the step whether the command was planned.
+        planned: what they are then, one value each; any of these.
+        counts: what the axis' counter gains a second.
+    """
+
+    name: str
+    commands: tuple[str, ...]
+    start: Values = field(default_factory=dict)
+    velocity: float = 500.0
+    pause: float = H
+    between: tuple[str, ...] = ()
+    draws: Mapping[str, Bounds] = field(default_factory=dict)
+    ahead: Mapping[str, tuple[str, Bounds]] = field(default_factory=dict)
+    watch: tuple[str, ...] = ()
+    planned: tuple[tuple[int, ...], ...] = ()
+    counts: float = 0.0
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Of a block; the first steady case is the one in which all flavours and hosts are compared."""
+
+    steady: tuple[Steady, ...]
+    worst: tuple[Worst, ...]
+    axis: Axis = Axis()
+
+
+def counted(counts: float, time: float) -> int:
+    """The axis' counter at a time. It never steps just where a step of a run begins, for such a time is inexact."""
+    return math.floor(counts * time + 0.25)

@@ -1,0 +1,27 @@
+"""Every block is measured in cases of its own, in which it does what they say."""
+
+from cases import cases_of
+from cases.measured import H
+from step_cost import LEAD, bare
+
+from motionsync_fmu.interface.recipe import Recipe
+
+
+def test_every_case_of_a_block_names_its_variables(block: str) -> None:
+    cases, known = cases_of(block), Recipe(block).variables
+    assert cases.steady
+    assert cases.worst
+    named = {*cases.axis.motion, *filter(None, [cases.axis.counter])}
+    for steady in cases.steady:
+        named |= {*steady.start, *steady.begin, *steady.holds}
+    for worst in cases.worst:
+        named |= {*worst.commands, *worst.start, *worst.between, *worst.draws, *worst.ahead, *worst.watch}
+        named |= {name for name, _ in worst.ahead.values()}
+    assert named <= set(known)
+
+
+def test_a_block_goes_on_in_its_steady_motions(block: str) -> None:
+    """The benchmark itself asserts what holds, after so many steps."""
+    cases = cases_of(block)
+    for case in cases.steady:
+        bare(Recipe(block).block(), case, cases.axis)(LEAD + round(1.0 / H))
