@@ -197,7 +197,8 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     for name in names:
         with monkeypatch.context() as changed:
             files = archive.compilers()
-            changed.setattr(build, "compilers", lambda files=files, name=name: files | {name: files[name] + b"\n"})
+            more = files | {name: files[name] + b"\n"}
+            changed.setattr("motionsync_fmu.interface.recipe.compilers", lambda more=more: more)
             assert RECIPE.guid() != before
             assert outdated(target, RECIPE) == "stale"
 
