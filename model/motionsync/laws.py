@@ -1,9 +1,37 @@
-"""Polynomial curves that several blocks lay through their boundary conditions.
+"""Motion laws: ramps between rest and the slope 1, curves through given ends, and how a slave follows a curve.
 
-The variable x is the master's travel or time, whatever drives the block; derivatives are with respect to it.
+A ramp's law is normalised (VDI 2143) and has its first three derivatives with it. `parabola` and `polynomial_3_4_5` are
+the first halves, 0 <= z <= 1/2, of rest-to-rest laws f with f(1/2) = 1/2; doubled in height and stretched by two they
+are ramps. Beside each stand the master's travel over such a ramp, in units D of the slave's travel, and the greatest
+acceleration and jerk at the constant master velocity v.
 """
 
 from dataclasses import dataclass
+from math import sqrt
+
+PARABOLA_TRAVEL = 2.0  # D
+PARABOLA_PEAK_ACCELERATION = 0.5  # v^2 / D; the jerk is an impulse at both ends
+
+
+def parabola(z: float) -> tuple[float, float, float, float]:
+    """f(z) = 2 z^2: the least acceleration, constant along the ramp."""
+    return 2.0 * z * z, 4.0 * z, 4.0, 0.0
+
+
+POLYNOMIAL_3_4_5_TRAVEL = 15.0 / 8.0  # D
+POLYNOMIAL_3_4_5_PEAK_ACCELERATION = 64.0 / 135.0 * sqrt(3.0)  # v^2 / D
+POLYNOMIAL_3_4_5_PEAK_JERK = 512.0 / 225.0  # v^3 / D^2, at the ramp's rest end
+
+
+def polynomial_3_4_5(z: float) -> tuple[float, float, float, float]:
+    """f(z) = 10 z^3 - 15 z^4 + 6 z^5: continuous acceleration, 0 at both ends of the ramp, and bounded jerk."""
+    rest = 1.0 - z
+    return (
+        z * z * z * (10.0 + z * (6.0 * z - 15.0)),
+        30.0 * z * z * rest * rest,
+        60.0 * z * rest * (1.0 - 2.0 * z),
+        60.0 + 360.0 * z * (z - 1.0),
+    )
 
 
 def half_ramp(u: float) -> tuple[float, float, float, float]:

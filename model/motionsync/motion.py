@@ -41,7 +41,7 @@ class Motion:
         """Constant velocity (u/s) for ever; 0 is standstill."""
         self.start(position, velocity, 0.0)
 
-    def change(
+    def try_change(
         self,
         position: float,
         velocity: float,
@@ -59,11 +59,11 @@ class Motion:
         to that limit and stays there for ever.
         """
         self.start(position, velocity, acceleration)
-        return self.approach(target, drift, low, high, jerk)
+        return self.try_approach(target, drift, low, high, jerk)
 
     def halt(self, position: float, velocity: float, acceleration: float, down: float, jerk: float) -> None:
         """The time-optimal stop; `down` is the limit of |a|."""
-        self.change(position, velocity, acceleration, 0.0, 0.0, -down, down, jerk)
+        self.try_change(position, velocity, acceleration, 0.0, 0.0, -down, down, jerk)
 
     def move(
         self,
@@ -91,7 +91,7 @@ class Motion:
         self.start(0.0, velocity, acceleration)
         direction = 1.0 if distance >= stopping_distance(velocity, acceleration, down, jerk) else -1.0
         limit = acceleration_limit(velocity, direction * speed, up, down)
-        self.approach(direction * speed, 0.0, -limit, limit, jerk)
+        self.try_approach(direction * speed, 0.0, -limit, limit, jerk)
         passed = 1
         while passed < self.pieces and direction * (self.stop_at(passed, 0.0, down, jerk) - distance) <= 0.0:
             passed += 1
@@ -100,7 +100,7 @@ class Motion:
             self.split_at(last, self.stop_begin(last, direction, distance, down, jerk))
         else:
             self.split_at(last, max(direction * (distance - self.stop_at(last, 0.0, down, jerk)), 0.0) / speed)
-        self.approach(0.0, 0.0, -down, down, jerk)
+        self.try_approach(0.0, 0.0, -down, down, jerk)
         for i in range(self.pieces):
             self.positions[i] += position
         self.positions[self.pieces - 1] = target
@@ -173,7 +173,7 @@ class Motion:
         self.jerks[piece] = 0.0  # should the time be 0
         self.extend(time, jerk, acceleration)
 
-    def approach(self, target: float, drift: float, low: float, high: float, jerk: float) -> bool:
+    def try_approach(self, target: float, drift: float, low: float, high: float, jerk: float) -> bool:
         """As `change`, from the state in which the last piece begins; t counts from the beginning of the motion.
 
         The velocity relative to the target, w = v - target - drift t, and its derivative, b = a - drift, are brought

@@ -33,8 +33,8 @@ class Edge:
         """The input has this level at the initialization: the level itself is no edge, only a later change is."""
         self.before = level
 
-    def rising(self, now: bool) -> bool:
-        """Whether the input rises to the level `now`, which is remembered; asked once a step."""
+    def try_rise(self, now: bool) -> bool:
+        """Take the input's level of this step, and answer whether that is a rising edge (IEC 61131: R_TRIG)."""
         rising = now and not self.before
         self.before = now
         return rising

@@ -51,7 +51,7 @@ def moved(move: Move) -> Motion:
 
 def changed(*arguments: float) -> Motion:
     motion = Motion()
-    assert motion.change(*arguments)
+    assert motion.try_change(*arguments)
     return motion
 
 
@@ -366,7 +366,7 @@ def test_a_target_that_runs_away_is_followed_at_the_limit(
 ) -> None:
     """From 3 u/s on, the limits ±1 u/s2: one that just keeps the limit is met from the side it moves to."""
     motion = Motion()
-    assert motion.change(0.0, velocity, acceleration, 3.0, slope, -1.0, 1.0, 1.0) == reached
+    assert motion.try_change(0.0, velocity, acceleration, 3.0, slope, -1.0, 1.0, 1.0) == reached
     limit = math.copysign(1.0, slope)
     assert (motion.accelerations[motion.pieces - 1], motion.jerks[motion.pieces - 1]) == (limit, 0.0)
     assert_continuous(motion, (0.0, velocity, acceleration))
@@ -416,7 +416,7 @@ def test_no_number_breaks_a_plan(move: Move, slope: float) -> None:
     motion.halt(*move[:3], move.down, move.jerk)
     assert_finite(motion)
     assert rows(motion)[-1][2:] == (0.0, 0.0, 0.0)
-    reached = motion.change(*move[:4], slope, -move.down, move.up, move.jerk)
+    reached = motion.try_change(*move[:4], slope, -move.down, move.up, move.jerk)
     assert_finite(motion)
     limit = move.up if slope > 0.0 else -move.down
     assert motion.accelerations[motion.pieces - 1] == (slope if reached else limit)

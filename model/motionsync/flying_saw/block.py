@@ -145,19 +145,19 @@ class FlyingSaw(FlyingSawInterface):
         """Carry out the commands that have an edge in this step, in the order of urgency."""
         if self.locked and not self.stop.execute and not self.is_moving():
             self.locked = False
-        if self.reset.edge.rising(self.reset.execute):
+        if self.reset.edge.try_rise(self.reset.execute):
             self.reset.done = True
             self.error_id = Fault.NONE
-        if self.stop.edge.rising(self.stop.execute):
+        if self.stop.edge.try_rise(self.stop.execute):
             self.command_halt(self.stop, Owner.STOP)
-        if self.halt.edge.rising(self.halt.execute):
+        if self.halt.edge.try_rise(self.halt.execute):
             self.command_halt(self.halt, Owner.HALT)
-        if self.gear_out.edge.rising(self.gear_out.execute):
+        if self.gear_out.edge.try_rise(self.gear_out.execute):
             self.command_gear_out()
-        if self.gear_in_velo.edge.rising(self.gear_in_velo.execute):
+        if self.gear_in_velo.edge.try_rise(self.gear_in_velo.execute):
             self.requested_order.sample(self.gear_in_velo, self.axis, self.sync_mode, self.cosine)
             self.command_gear_in(self.gear_in_velo, Owner.GEAR_IN_VELO)
-        if self.gear_in_pos.edge.rising(self.gear_in_pos.execute):
+        if self.gear_in_pos.edge.try_rise(self.gear_in_pos.execute):
             self.requested_order.sample(self.gear_in_pos, self.axis, self.sync_mode, self.cosine)
             self.requested_order.aim(
                 self.sync_place(self.gear_in_pos.master_sync_position),
@@ -165,9 +165,9 @@ class FlyingSaw(FlyingSawInterface):
                 self.gear_in_pos.master_start_distance,
             )
             self.command_gear_in(self.gear_in_pos, Owner.GEAR_IN_POS)
-        if self.move_velocity.edge.rising(self.move_velocity.execute):
+        if self.move_velocity.edge.try_rise(self.move_velocity.execute):
             self.command_move_velocity()
-        if self.move_absolute.edge.rising(self.move_absolute.execute):
+        if self.move_absolute.edge.try_rise(self.move_absolute.execute):
             self.command_move_absolute()
 
     def command_halt(self, command: Halt, owner: Owner) -> None:
@@ -198,7 +198,7 @@ class FlyingSaw(FlyingSawInterface):
             fault = Fault.LIMIT
         if self.try_accept(self.move_velocity, Owner.MOVE_VELOCITY, fault):
             limit = acceleration_limit(self.slave.velocity, target, acceleration, deceleration)
-            self.motion.change(
+            self.motion.try_change(
                 self.slave.position, self.slave.velocity, self.slave.acceleration, target, 0.0, -limit, limit, jerk
             )
             self.enter_continuous_motion()

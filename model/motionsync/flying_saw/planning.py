@@ -120,7 +120,7 @@ class Plan:
         if self.slave.acceleration == 0.0 and velocity == self.synchronous:
             return Fault.NONE
         limit = acceleration_limit(velocity, self.synchronous, order.acceleration, order.deceleration)
-        self.nominal.change(
+        self.nominal.try_change(
             self.slave.position, velocity, self.slave.acceleration, self.synchronous, 0.0, -limit, limit, order.jerk
         )
         for i in range(self.nominal.pieces - 1):

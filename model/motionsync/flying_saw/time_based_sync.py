@@ -48,7 +48,7 @@ class TimeBasedSync:
     def plan(self, order: Order, motion: Motion, position: float, velocity: float, acceleration: float) -> None:
         """Plan the slave's motion to the target from its present state (u, u/s, u/s2)."""
         limit = acceleration_limit(velocity, self.target, order.acceleration, order.deceleration)
-        self.reachable = motion.change(
+        self.reachable = motion.try_change(
             position, velocity, acceleration, self.target, self.acceleration, -limit, limit, order.jerk
         )
 

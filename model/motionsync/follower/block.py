@@ -126,15 +126,15 @@ class Follower(FollowerInterface):
             self.try_join(self.master.begin, 0.0)
         if self.current.stage == Stage.HOLDING and not self.stay_forward:
             self.current.release(max(self.master.begin, self.current.highest), self.variable_cycle)
-        if self.park_edge.rising(self.position_to_park):
+        if self.park_edge.try_rise(self.position_to_park):
             self.command_to_park()
-        if self.cycle_edge.rising(self.position_to_cycle):
+        if self.cycle_edge.try_rise(self.position_to_cycle):
             self.command_to_cycle()
-        if self.end_edge.rising(self.end_synchronism) and self.current.stage == Stage.SYNCHRONIZED:
+        if self.end_edge.try_rise(self.end_synchronism) and self.current.stage == Stage.SYNCHRONIZED:
             self.error_id = Fault.NONE
             self.current.end_synchronized_at(max(self.master.begin, self.current.highest))
             self.leave_synchronized(0.0)
-        if self.reset_edge.rising(self.reset):
+        if self.reset_edge.try_rise(self.reset):
             self.command_reset()
 
     def read_levels(self) -> None:

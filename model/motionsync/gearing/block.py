@@ -254,7 +254,7 @@ class Gearing(GearingInterface):
 
     def obey_reset(self) -> None:
         """A rising edge of reset clears the fault; a frozen block then shows STOPPED."""
-        if self.reset_edge.rising(self.reset):
+        if self.reset_edge.try_rise(self.reset):
             self.error_id = Fault.NONE
             if self.stage == Stage.FROZEN:
                 self.state_when_frozen = State.STOPPED
@@ -263,10 +263,10 @@ class Gearing(GearingInterface):
     def obey_synchronous_point(self) -> None:
         """Rising edges set the halves of the synchronous point while the block is not active; the slave's half sets the
         slave's position, too."""
-        if self.set_master_edge.rising(self.set_master.execute) and not self.activate:
+        if self.set_master_edge.try_rise(self.set_master.execute) and not self.activate:
             self.synchronous_master = self.set_master.value
             self.error_id = Fault.NONE
-        if self.set_slave_edge.rising(self.set_slave.execute) and not self.activate:
+        if self.set_slave_edge.try_rise(self.set_slave.execute) and not self.activate:
             self.synchronous_slave = self.set_slave.value
             self.rest_position = self.set_slave.value
             self.error_id = Fault.NONE

@@ -88,9 +88,9 @@ class Synchronizer(SynchronizerInterface):
         if self.was_active and not self.active:
             self.deactivate()
         self.was_active = self.active
-        if self.start_edge.rising(self.start):
+        if self.start_edge.try_rise(self.start):
             self.command(True)
-        if self.stop_edge.rising(self.stop):
+        if self.stop_edge.try_rise(self.stop):
             self.command(False)
 
     def deactivate(self) -> None:

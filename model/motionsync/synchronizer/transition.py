@@ -9,15 +9,19 @@ gives the 3-4-5 law for a start only; a stop is its point mirror, so its ramp li
 """
 
 from dataclasses import dataclass
-from math import sqrt
 
 from ..grid import first_at_or_after
+from ..laws import (
+    PARABOLA_PEAK_ACCELERATION,
+    PARABOLA_TRAVEL,
+    POLYNOMIAL_3_4_5_PEAK_ACCELERATION,
+    POLYNOMIAL_3_4_5_PEAK_JERK,
+    POLYNOMIAL_3_4_5_TRAVEL,
+    parabola,
+    polynomial_3_4_5,
+)
 from ..limits import clamp
 from .interface import Curve
-
-GENTLE = 7.0 / 8.0  # of D: from the rest position to a 3-4-5 ramp's rest end; to all other ends it is D
-PEAK_ACCELERATION = 64.0 / 135.0 * sqrt(3.0)  # of the 3-4-5 law, times v^2 / D
-PEAK_JERK = 512.0 / 225.0  # of the 3-4-5 law, times v^3 / D^2, at the ramp's rest end
 
 
 @dataclass(slots=True)
@@ -48,7 +52,7 @@ class Transition:
         self.curve = curve
         self.direction = 1.0 if phasing > 0.0 else -1.0
         self.phasing = abs(phasing)
-        self.distance = 2.0 * self.phasing if curve == Curve.PARABOLA else (1.0 + GENTLE) * self.phasing
+        self.distance = (PARABOLA_TRAVEL if curve == Curve.PARABOLA else POLYNOMIAL_3_4_5_TRAVEL) * self.phasing
         self.origin = self.direction * rest
         self.armed = False
 
@@ -119,23 +123,19 @@ class Transition:
 
     def peak_acceleration(self) -> float:
         """Greatest |a| / v^2 at constant master speed, 1/u."""
-        return (0.5 if self.curve == Curve.PARABOLA else PEAK_ACCELERATION) / self.phasing
+        if self.curve == Curve.PARABOLA:
+            return PARABOLA_PEAK_ACCELERATION / self.phasing
+        return POLYNOMIAL_3_4_5_PEAK_ACCELERATION / self.phasing
 
     def peak_jerk(self) -> float:
         """Greatest |j| / |v|^3 at constant master speed, 1/u2; 0 for the parabola, whose jerk is an impulse."""
-        return 0.0 if self.curve == Curve.PARABOLA else PEAK_JERK / self.phasing / self.phasing
+        return 0.0 if self.curve == Curve.PARABOLA else POLYNOMIAL_3_4_5_PEAK_JERK / self.phasing / self.phasing
 
 
 def half_law(curve: Curve, z: float) -> tuple[float, float, float, float]:
-    """First half, 0 <= z <= 1/2, of the rest-to-rest law f, f(1/2) = 1/2, with its first three derivatives.
-
-    The ramp is this half, doubled in height and stretched by two."""
+    """First half, 0 <= z <= 1/2, of the chosen law: the ramp is this half, doubled in height and stretched by two."""
     if curve == Curve.PARABOLA:
-        return 2.0 * z * z, 4.0 * z, 4.0, 0.0
-    rest = 1.0 - z
-    return (
-        z * z * z * (10.0 + z * (6.0 * z - 15.0)),
-        30.0 * z * z * rest * rest,
-        60.0 * z * rest * (1.0 - 2.0 * z),
-        60.0 + 360.0 * z * (z - 1.0),
-    )
+        f, f1, f2, f3 = parabola(z)
+    else:
+        f, f1, f2, f3 = polynomial_3_4_5(z)
+    return f, f1, f2, f3

@@ -35,7 +35,7 @@ class Planner:
             case 1:
                 self.motion.move(x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7])
             case 2:
-                self.reached = self.motion.change(x[0], x[1], x[2], x[3], x[4], -x[5], x[6], x[7])
+                self.reached = self.motion.try_change(x[0], x[1], x[2], x[3], x[4], -x[5], x[6], x[7])
             case 3:
                 self.motion.halt(x[0], x[1], x[2], x[6], x[7])
             case _:

@@ -56,7 +56,7 @@ class Nested:
     def step(self, h: float) -> Refusal:
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
-        if self.keep.edge.rising(self.keep.execute):
+        if self.keep.edge.try_rise(self.keep.execute):
             self.take()
         self.age += h
         velocity = self.factor * self.master.end_velocity

@@ -38,7 +38,7 @@ class Shifter(ShifterInterface):
 
     def obey(self) -> None:
         """An edge takes the offset, or refuses it."""
-        if self.apply_edge.rising(self.apply):
+        if self.apply_edge.try_rise(self.apply):
             if self.least_offset <= self.offset <= self.greatest_offset:
                 self.shift = self.offset
                 self.error_id = Fault.NONE
