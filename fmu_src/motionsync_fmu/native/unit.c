@@ -132,10 +132,15 @@ static const char *name_of(int64_t mode) {
     }
 }
 
-bool unit_may(const Unit *u, int modes, const char *call) {
+__attribute__((noinline)) bool unit_may(const Unit *u, int modes, const char *call) {
     if (!u) return false;
     if (!(u->now.mode & modes)) unit_fail(u, "%s is not allowed now: the unit %s", call, name_of(u->now.mode));
     return u->now.mode & modes;
+}
+
+/* The same for the functions that are called most: only where the call is not allowed does it cost a call. */
+static bool may(const Unit *u, int modes, const char *call) {
+    return (u && u->now.mode & modes) || unit_may(u, modes, call);
 }
 
 bool unit_given(const Unit *u, const void *pointer, const char *call) {
@@ -331,7 +336,7 @@ static Status run_with_derivatives(Unit *u, double h) {
 }
 
 Status unit_step(Unit *u, double time, double h, const char *call) {
-    if (!unit_may(u, STEPPING, call) || !ready(u, h)) return UNIT_ERROR;
+    if (!may(u, STEPPING, call) || !ready(u, h)) return UNIT_ERROR;
     int64_t codes[sizeof CODED / sizeof *CODED];
     for (int i = 0; CODED[i].variable >= 0; i++) codes[i] = *integer(u, CODED[i].variable);
     bool derived = u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
@@ -385,14 +390,14 @@ static void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(
 
 #define ACCESS(name, KINDS, Given, Held)                                                                             \
     Status unit_get_##name##s(Unit *u, int modes, const uint32_t r[], size_t n, Given values[], const char *call) {  \
-        if (!unit_may(u, modes, call) || !may_get(u, KINDS, r, n, values, call)) return UNIT_ERROR;                  \
+        if (!may(u, modes, call) || !may_get(u, KINDS, r, n, values, call)) return UNIT_ERROR;                       \
         follow(u);                                                                                                   \
         for (size_t i = 0; i < n; i++) values[i] = (Given)*(Held *)at(&u->now.model, VARIABLES + r[i]);              \
         return UNIT_OK;                                                                                              \
     }                                                                                                                \
     Status unit_set_##name##s(Unit *u, int modes, const uint32_t r[], size_t n, const Given values[],                \
                               const char *call) {                                                                    \
-        if (!unit_may(u, modes, call) || !may_set(u, KINDS, r, n, values, call)) return UNIT_ERROR;                  \
+        if (!may(u, modes, call) || !may_set(u, KINDS, r, n, values, call)) return UNIT_ERROR;                       \
         for (size_t i = 0; i < n; i++) put_##name(u, VARIABLES + r[i], values[i]);                                   \
         return UNIT_OK;                                                                                              \
     }
