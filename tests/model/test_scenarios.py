@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.scenario.judge import check, compare
+from motionsync_fmu.scenario.reader import find, load
 from motionsync_fmu.scenario.run import run_in_process
-from motionsync_fmu.scenario.scenario import find, load
 from tests import ROOT
 
 

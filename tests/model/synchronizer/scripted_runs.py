@@ -160,7 +160,8 @@ PERIODS = [0.0, 0.0, 0.0, 0.1, 0.7, 6.2, 7.7, 31.4, 360.0]
 
 
 def scripted(rng: Random, *, jumps: bool = True, single: bool = False, sound: bool = False) -> dict[str, Any]:
-    """A master that mostly moves in one direction, and commands that are mostly for this direction; evenly spread, so that much happens.
+    """A master that mostly moves in one direction, and commands that are mostly for this direction; evenly spread, so
+    that much happens.
 
     `jumps`: of the velocity; `single`: one acceleration throughout; `sound`: no command is refused and nothing
     deactivated. Most stops are given in time.
