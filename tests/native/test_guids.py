@@ -33,7 +33,7 @@ def test_a_new_block_with_refusals_and_faults_changes_no_other_guid(tmp_path: Pa
     before = guids(tmp_path)
     assert before.keys() == BLOCKS.keys()
     model = tmp_path / "model" / "motionsync"
-    shutil.copytree(ROOT / "tests" / "support" / "nested", model / "nested", ignore=junk)
+    shutil.copytree(ROOT / "tests" / "support" / "fake_blocks" / "nested", model / "nested", ignore=junk)
     with (model / "blocks.py").open("a") as registry:
         registry.write(REGISTRATION)
     after = guids(tmp_path)
