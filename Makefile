@@ -42,7 +42,7 @@ references: $(READY) ## the cross-check files of all scenarios, from the scripts
 	$(BIN)/python -m tests.regenerate
 
 pictures: $(READY) ## the README's pictures
-	$(BIN)/python -m motionsync_fmu.pages.block_page docs
+	$(BIN)/python -m motionsync_fmu.pages.pictures docs
 
 benchmark: $(READY) ## what a step costs, what plans and accuracy are like
 	$(BIN)/python benchmarks/step_cost.py

@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from motionsync.flying_saw.block import FlyingSaw, State
+from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
+from motionsync.flying_saw.interface import State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.var import LARGEST_INPUT
 from motionsync_fmu.interface.variables import variables

@@ -1,7 +1,7 @@
 """What the FlyingSaw is measured in."""
 
 from cases.measured import FAR, VELOCITY, Bounds, Cases, Steady, Values, Worst
-from motionsync.flying_saw.block import PlcopenState, State
+from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 
 P5, P5_P1_P5 = ProfileKind.P5, ProfileKind.P5_P1_P5

@@ -1,7 +1,7 @@
 """What the Follower is measured in."""
 
 from cases.measured import FAR, Cases, H, Steady, Worst
-from motionsync.follower.block import State
+from motionsync.follower.interface import State
 
 CYCLES_A_STEP = 5.0
 LONG_CYCLE = {"master_cycle": 1e12}

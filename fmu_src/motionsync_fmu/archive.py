@@ -4,10 +4,12 @@ import ast
 import hashlib
 import importlib
 import os
+import sys
 import time
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from .errors import UserError
 
@@ -16,7 +18,7 @@ Files = dict[str, bytes]
 
 
 def sources(module: str) -> Files:
-    """The module and all it imports from its own package, by their paths in the package, with forward slashes.
+    """A module and all that it imports from its own package: contents by paths in the package, with forward slashes.
 
     The `__init__` of the packages that a module lies in, and what these import, are among them."""
     package, *parts = module.split(".")
@@ -35,13 +37,18 @@ def sources(module: str) -> Files:
 
 
 def _imported(tree: ast.Module, path: Path) -> Iterator[Path]:
-    """Modules and packages that relative imports name, without suffix."""
+    """The modules and packages that relative imports name, as paths without suffix."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level:
             origin = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
             yield origin
             modules = (origin / alias.name for alias in node.names)  # a name of a package may be a module in it
             yield from (m for m in modules if m.is_dir() or m.with_name(f"{m.name}.py").is_file())
+
+
+def beside(block_type: type[Any], name: str) -> Path:
+    """The place of the file of this name in the folder of a block."""
+    return Path(str(sys.modules[block_type.__module__].__file__)).with_name(name)
 
 
 def runtime() -> Files:

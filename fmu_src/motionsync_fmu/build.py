@@ -1,4 +1,4 @@
-"""Builds the FMUs of a block, and tells whether a built one is up to date."""
+"""Builds the FMUs of a recipe, and answers whether a built one is up to date."""
 
 import zipfile
 import zlib
@@ -16,7 +16,6 @@ from .interface.fmi2_xml import describe, finish
 from .interface.recipe import Recipe
 from .interface.variables import variables
 from .native.subset.modules import check
-from .pages.block_page import pages, picture
 
 SCRIPT = """from {package}_{tag}.{module} import {name}
 from motionsync_fmu_{tag}.python.slave import BlockSlave, keep
@@ -38,14 +37,15 @@ class Flavour(StrEnum):
     PYTHON = "python"
 
 
-def build(flavour: Flavour, recipe: Recipe, target: Path, told: Callable[[str], None] = lambda text: None) -> Path:
-    """The FMU of a recipe; `told` is told what takes long."""
-    return build_native(recipe, target, told) if flavour == Flavour.NATIVE else build_python(recipe, target)
+def build(flavour: Flavour, recipe: Recipe, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
+    """The FMU of a recipe; `progress` gets a line about what takes long."""
+    return build_native(recipe, target, progress) if flavour == Flavour.NATIVE else build_python(recipe, target)
 
 
 def build_python(recipe: Recipe, target: Path) -> Path:
-    """PythonFMU's library, PythonFMU itself, and our sources under names that carry their hash: all the FMUs of a
-    process share one interpreter, and so one `sys.modules`."""
+    """The FMU with PythonFMU's library, PythonFMU itself, and our sources.
+
+    All FMUs of a process share one interpreter, and so one `sys.modules`: the names of our modules carry their hash."""
     block, guid, name = recipe.block(), recipe.guid(), recipe.name
     tag = guid[1:9] + guid[10:14]
     package, _, module = type(block).__module__.partition(".")
@@ -66,8 +66,8 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     return _write(target, recipe, Flavour.PYTHON, files)
 
 
-def build_native(recipe: Recipe, target: Path, told: Callable[[str], None] = lambda text: None) -> Path:
-    """One library for each platform, and no Python; `told` is told once if compiling them will take minutes.
+def build_native(recipe: Recipe, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
+    """The FMU with a library for each platform, without Python; `progress` gets a line if compiling takes minutes.
 
     Raises:
         UserError: the compilers are not installed or failed, or the block is outside the kernel subset.
@@ -81,14 +81,14 @@ def build_native(recipe: Recipe, target: Path, told: Callable[[str], None] = lam
             f"the native flavour is compiled with {e.name}, which is not installed: install it with "
             "pip install 'motionsync[native]', or take --flavour python"
         ) from None
-    files = libraries.libraries(block, recipe.guid(), told)
+    files = libraries.libraries(block, recipe.guid(), progress)
     texts = licences("motionsync", "numba", "ziglang") | libraries.linked_licences()
     files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
     return _write(target, recipe, Flavour.NATIVE, files, tables.abilities(block))
 
 
 def check_kernel(module: str) -> None:
-    """Refuse a block that does not keep to the kernel subset, and would do something else when compiled.
+    """Refuse a block outside the kernel subset: compiled, it would do something else than in Python.
 
     Raises:
         UserError: file, line and rule of each violation.
@@ -101,14 +101,18 @@ def check_kernel(module: str) -> None:
 def _write(
     target: Path, recipe: Recipe, flavour: Flavour, files: Files, abilities: Mapping[str, str] | None = None
 ) -> Path:
-    """The FMU with what both flavours hold: documentation, picture and modelDescription."""
-    epoch()  # Matplotlib reads it too, and says nothing useful to a bad one
-    block = recipe.block()
+    """Write the FMU with these files and with what both flavours hold: documentation, picture, modelDescription."""
+    from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
+    from .pages.pictures import icon  # noqa: PLC0415
+    from .scenario.example import example_of  # noqa: PLC0415 (NumPy)
+
+    epoch()  # refuses a bad SOURCE_DATE_EPOCH before Matplotlib reads it, whose message does not help
+    block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
-    texts = pages(recipe.name, block, recipe.unit, flavour, platforms, recipe.slave_unit)
+    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit)
     files = files | {f"documentation/{n}": text for n, text in texts.items()}
     files |= {
-        "model.png": picture(recipe.name),
+        "model.png": icon(example),
         "modelDescription.xml": finish(describe(block, recipe.unit, recipe.slave_unit), recipe.guid(), abilities),
     }
     write(target, files)
@@ -116,12 +120,12 @@ def _write(
 
 
 def plain(value: Any) -> Any:
-    """The number behind an enumeration's member: a script shows its value, not its name."""
+    """A value as a script can have it: an enumeration's member as its number."""
     return int(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 def licences(*distributions: str) -> Files:
-    """The licence texts of installed distributions, by file name; not those of what they have in subfolders."""
+    """The licence texts of installed distributions by file name, without those of what lies in their subfolders."""
     found: Files = {}
     for name in distributions:
         texts = [file for file in metadata.files(name) or [] if "LICEN" in file.name.upper()]
@@ -137,9 +141,9 @@ def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:
 
 
 def outdated(fmu: Path, recipe: Recipe) -> str:
-    """Why a built FMU cannot be used as it is: "missing", "stale" (its sources have changed); empty if it can.
+    """Why a built FMU cannot be used as it is: "missing" or "stale"; empty if it can be used.
 
-    A damaged file, or one that is no FMU of this block, is stale too."""
+    An FMU is stale if its sources have changed. A damaged file, or one that is no FMU of this block, is stale too."""
     if not fmu.exists():
         return "missing"
     try:

@@ -1,42 +1,35 @@
-"""The command line: build FMUs, tell what there is, run scenarios and report."""
+"""The command line: build FMUs, tell what there is, run scenarios and report.
+
+Each command imports what it needs: the libraries of all of them together take a second to load.
+"""
 
 import io
 import json
-import math
 import sys
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import fmpy
 import typer
-from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from motionsync.blocks import BLOCKS
-from motionsync.var import Unit
 
 from .build import Flavour, fmu_path, outdated
 from .build import build as build_fmu
-from .errors import UserError, choose
-from .interface.recipe import Recipe, check_slave_unit
-from .interface.table import groups
-from .interface.units import BASES, unit_name
-from .interface.variables import members, summary, variables
-from .line.judge import Result, examine
-from .line.line import Line
-from .line.package import Package, write_package
-from .line.reader import PATTERN, load_line
-from .line.report import write_line_report
-from .pages.report import write_report
-from .scenario.crosscheck import command_line, csv_text, inputs_csv, inputs_file
-from .scenario.cuts import find_cuts
-from .scenario.judge import check, compare
-from .scenario.reader import FILE, MOST_STEPS, find, load
-from .scenario.run import simulate
-from .scenario.scenario import Scenario
+from .errors import UserError
+from .interface.recipe import Recipe
+from .interface.units import BASES
+from .interface.variables import summary
+from .pages.console import err, out, print_outcome, print_variables, wide
+
+if TYPE_CHECKING:
+    from .line.judge import Result
+    from .line.line import Line
+    from .line.package import Package
+    from .scenario.outcome import Outcome
+    from .scenario.scenario import Scenario
 
 app = typer.Typer(
     name="motionsync",
@@ -51,9 +44,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-out = Console(highlight=False, soft_wrap=True)
-wide = Console(highlight=False, markup=False, width=1000)  # for tables: a terminal breaks lines, it cuts nothing
-err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 UNITS = "|".join(BASES)
 USAGE: Any = typer.BadParameter.__base__  # what typer raises at wrong usage; it has no public name of its own
 
@@ -140,9 +130,12 @@ def list_all(
 
     Example: motionsync list --scenarios scenarios/Synchronizer
     """
+    from .line.reader import PATTERN, load_line
+    from .scenario.reader import FILE, load
+
     blocks = Table("block", "what it does", title="Blocks", title_justify="left", box=None)
-    for name, registered in BLOCKS.items():
-        blocks.add_row(name, summary(registered.type))
+    for name, block_type in BLOCKS.items():
+        blocks.add_row(name, summary(block_type))
     wide.print(blocks)
     if not scenarios.is_dir():
         out.print(f"\nNo scenarios: there is no folder {escape(str(scenarios))}")
@@ -174,37 +167,14 @@ def describe(
 
         motionsync describe build/python/Synchronizer.fmu
     """
-    name, symbol, of_slave, starts = _built(Path(fmu)) if fmu.endswith(".fmu") else (fmu, unit, slave_unit, {})
-    registered = choose(BLOCKS, name, "block")
-    choose(BASES, symbol, "unit")
-    out.print(f"{name}: {summary(registered.type)}\n")
-    columns = ("name", "causality", "type", "unit", "start", "allowed_range", "description")
-    table = Table(*(column.removeprefix("allowed_") for column in columns), box=None)
-    table.columns[0].no_wrap = True
-    block = registered.type()
-    check_slave_unit(block, of_slave)
-    for i, group in enumerate(groups(block, symbol, of_slave)):
-        if i:
-            table.add_row()
-        for row in group.rows:
-            shown = replace(row, start=starts.get(row.name, row.start))
-            table.add_row(*(getattr(shown, column) for column in columns))
-    wide.print(table)
-    for choice in dict.fromkeys(v.cell.type for v in variables(block) if v.choices):
-        out.print(f"\n{choice.__name__}: {summary(choice)}")
-        for member in members(choice):
-            out.print(f"  {member.value:3d} {member.name}: {member.description}")
+    recipe = Recipe(fmu, unit, {}, slave_unit)
+    if fmu.endswith(".fmu"):
+        from .scenario.fmu_instance import recipe_of
 
-
-def _built(fmu: Path) -> tuple[str, str, str, dict[str, str]]:
-    """A built FMU's block, the unit of its positions, that of its slave's (empty: the same), and its start values."""
-    try:
-        description = fmpy.read_model_description(str(fmu))
-    except Exception as e:  # FMPy raises whatever it meets in a file that is no FMU
-        raise UserError(f"{fmu}: not an FMU that can be read: {str(e).strip().splitlines()[0]}") from None
-    units = {t.name: t.unit for t in description.typeDefinitions}
-    starts = {v.name: v.start for v in description.modelVariables if v.start is not None}
-    return description.modelName, units.get("Position") or "1", units.get("SlavePosition") or "", starts
+        recipe = recipe_of(Path(fmu))
+    block = replace(recipe, starts={}).block()
+    out.print(f"{recipe.name}: {summary(type(block))}\n")
+    print_variables(block, recipe.unit, recipe.slave_unit, recipe.starts)
 
 
 @app.command()
@@ -228,12 +198,14 @@ def run(
 
         motionsync run scenarios --step-size 0.007 --no-report
     """
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
     scenarios = _loaded(path, step_size)
     for target, recipe in {fmu_path(s.recipe, Path("build"), flavour): s.recipe for s in scenarios}.items():
         if why := outdated(target, recipe):
             build_fmu(flavour, recipe, target, err.print)
             err.print(f"{target} was {why}: built")
-    results: list[tuple[Scenario, dict[str, Any]]] = []
+    outcomes: list[tuple[Scenario, Outcome]] = []
     refused: list[UserError] = []
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with Progress(*columns, console=err, transient=True, disable=len(scenarios) < 2 or not err.is_terminal) as progress:
@@ -241,23 +213,25 @@ def run(
         for s in scenarios:
             progress.update(task, description=s.name)
             try:
-                results.append((s, _run(s, flavour, step_size or s.step_size, output, report=not no_report)))
+                outcomes.append((s, _run(s, flavour, step_size or s.step_size, output, report=not no_report)))
             except UserError as e:  # told at the end: the other scenarios' results are not lost
                 refused.append(e)
             progress.advance(task)
     if as_json:
-        print(json.dumps([result for _, result in results], indent=2))
+        print(json.dumps([outcome.as_json() for _, outcome in outcomes], indent=2))
     else:
-        for s, result in results:
-            _show(s, result)
+        for s, outcome in outcomes:
+            print_outcome(s, outcome)
     if refused:
         raise UserError("; ".join(map(str, refused)))
-    if not all(result["passed"] for _, result in results):
+    if not all(outcome.passed for _, outcome in outcomes):
         raise typer.Exit(1)
 
 
-def _loaded(paths: list[Path], step_size: float | None) -> list[Scenario]:
+def _loaded(paths: list[Path], step_size: float | None) -> "list[Scenario]":
     """The scenarios at these paths; every mistake is told before anything runs."""
+    from .scenario.reader import MOST_STEPS, find, load
+
     scenarios = [load(file) for path in paths for file in find(path)]
     if step_size is not None and not 0.0 < step_size <= min(s.stop_time for s in scenarios):
         raise UserError(f"--step-size {step_size:g} is not allowed: it must be > 0 and at most the stop time")
@@ -270,68 +244,13 @@ def _loaded(paths: list[Path], step_size: float | None) -> list[Scenario]:
     return scenarios
 
 
-def _run(s: Scenario, flavour: Flavour, step_size: float, output: Path, *, report: bool) -> dict[str, Any]:
-    """One scenario: what was found, and where it was written."""
+def _run(s: "Scenario", flavour: Flavour, step_size: float, output: Path, *, report: bool) -> "Outcome":
+    from .pages.results import write_outcome
+    from .scenario.run import simulate
+
     fmu = fmu_path(s.recipe, Path("build"), flavour)
     recording = simulate(s, fmu, step_size)
-    checks, deviations = check(s, recording), compare(s, recording)
-    folder = output / s.recipe.name / s.name
-    folder.mkdir(parents=True, exist_ok=True)
-    results = folder / f"{s.recipe.name}_out.csv"
-    results.write_text(csv_text(["time", *recording.values], recording.rows()))
-    inputs = inputs_file(s)
-    if not inputs.exists():  # a scenario of the user's own
-        inputs = folder / inputs.name
-        inputs.write_text(inputs_csv(s))
-    page = folder / "report.html"
-    if report:
-        write_report(page, s, recording, checks, deviations, step_size)
-    return {
-        "scenario": str(s.file.parent),
-        "title": s.title,
-        "fmu": s.recipe.name,
-        "step_size": step_size,
-        "passed": all(c.passed for c in checks) and all(d.passed for d in deviations),
-        "expectations": [{"expected": c.expected, "found": c.found, "passed": c.passed} for c in checks],
-        "reference": [
-            {"variable": d.name, "max_difference": d.greatest, "at": d.at, "allowed": d.allowed, "passed": d.passed}
-            for d in deviations
-        ],
-        "cuts": [asdict(c) for c in find_cuts(s.cuts, recording)] if s.cuts else [],
-        "messages": recording.messages,
-        "result": str(results),
-        "report": str(page) if report else None,
-        "fmpy": command_line(s, fmu, inputs),
-    }
-
-
-def _cuts_told(cuts: list[dict[str, float]], unit: str) -> str:
-    """How many cuts there were, and how far the worst one is from its mark."""
-    if not cuts:
-        return "cuts: none"
-    worst = max(range(len(cuts)), key=lambda i: abs(cuts[i]["error"]))
-    error, mark = f"{abs(cuts[worst]['error']):.2g} {unit}".strip(), f"{cuts[worst]['mark']:.10g} {unit}".strip()
-    return f"cuts: {len(cuts)}, the worst {error} from its mark: cut {worst + 1}, mark {mark}"
-
-
-def _show(s: Scenario, result: dict[str, Any]) -> None:
-    mark = "[green]as expected[/]" if result["passed"] else "[red]NOT as expected[/]"
-    out.print(f"[bold]{escape(s.title)}[/] ({escape(result['scenario'])}): {mark}")
-    for c in result["expectations"]:
-        out.print(f"  {'kept  ' if c['passed'] else '[red]broken[/]'}  {escape(c['expected'])}: found {c['found']}")
-    for d in result["reference"]:
-        out.print(
-            f"  {'kept  ' if d['passed'] else '[red]broken[/]'}  {d['variable']}: max |difference| "
-            f"{d['max_difference']:.2g} from the reference, {d['allowed']:.2g} allowed"
-        )
-    if s.cuts:
-        out.print(f"  {_cuts_told(result['cuts'], unit_name(Unit.POSITION, s.unit))}")
-    for message in result["messages"]:
-        out.print(f"  the FMU logged: {escape(message)}")
-    out.print(f"  result: {escape(result['result'])}")
-    if result["report"]:
-        out.print(f"  report: {escape(result['report'])}")
-    out.print(f"  the same with FMPy alone: {escape(result['fmpy'])}\n")
+    return write_outcome(s, fmu, recording, step_size, output / s.recipe.name / s.name, report=report)
 
 
 @app.command()
@@ -359,87 +278,43 @@ def line(
 
         motionsync line scenarios/line/line.toml --output elsewhere
     """
-    lines = [load_line(file) for p in path or [Path("scenarios/line")] for file in find(p, PATTERN)]
-    files: dict[str, Path] = {}
-    for each in lines:
-        if (other := files.setdefault(each.name, each.follower.file)) != each.follower.file:
-            raise UserError(f"{other} and {each.follower.file} would write to the same package {each.name}.ssp")
-    results = []
-    for each in lines:
+    from .line.console import print_line
+    from .line.outcome import write_outcome
+    from .line.package import write_package
+
+    outcomes = []
+    for each in _lines(path or [Path("scenarios/line")]):
         package = write_package(each, output, err.print)
         result = _examined(each, package)
-        results.append(_line_written(each, package, result, output / "reports" / "line" / each.name, no_report))
+        folder = output / "reports" / "line" / each.name
+        outcomes.append(write_outcome(each, package, result, folder, report=not no_report))
         if not as_json:
-            _show_line(each, result, results[-1])
+            print_line(each, outcomes[-1], result.settled)
     if as_json:
-        print(json.dumps(results, indent=2))
-    if not all(result["passed"] for result in results):
+        print(json.dumps([outcome.as_json() for outcome in outcomes], indent=2))
+    if not all(outcome.passed for outcome in outcomes):
         raise typer.Exit(1)
 
 
-def _examined(line: Line, package: Package) -> Result:
+def _lines(paths: list[Path]) -> "list[Line]":
+    """The lines at these paths; every mistake is told before anything runs."""
+    from .line.reader import PATTERN, load_line
+    from .scenario.reader import find
+
+    lines = [load_line(file) for path in paths for file in find(path, PATTERN)]
+    files: dict[str, Path] = {}
+    for line in lines:
+        if (other := files.setdefault(line.name, line.follower.file)) != line.follower.file:
+            raise UserError(f"{other} and {line.follower.file} would write to the same package {line.name}.ssp")
+    return lines
+
+
+def _examined(line: "Line", package: "Package") -> "Result":
+    from .line.judge import examine
+
     with err.status(line.name) as status:
         return examine(line, package, lambda text: status.update(f"{line.name}: {text}"))
 
 
-def _line_written(line: Line, package: Package, result: Result, folder: Path, no_report: bool) -> dict[str, Any]:
-    """What was found, and where it was written."""
-    folder.mkdir(parents=True, exist_ok=True)
-    recordings = {"RemoteSync": result.remote, line.follower.recipe.name: result.wired.recording.values}
-    columns = {
-        f"{component}.{n}": values.tolist() for component, given in recordings.items() for n, values in given.items()
-    }
-    file = folder / f"{line.name}_out.csv"
-    file.write_text(csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True)))
-    page = folder / "report.html"
-    if not no_report:
-        write_line_report(page, line, result)
-    return {
-        "line": str(line.follower.file),
-        "title": line.follower.title,
-        "passed": result.passed,
-        "synced": None if math.isinf(result.synced) else result.synced,
-        "before": [asdict(f) for f in result.before],
-        "in_sync": [asdict(f) for f in result.after],
-        "expectations": [asdict(c) for c in result.checks],
-        "agreement": [asdict(a) for a in result.agreements],
-        "libcosim_missing": result.missing,
-        "ssp": str(package.ssp),
-        "osp": str(package.osp),
-        "result": str(file),
-        "report": None if no_report else str(page),
-    }
-
-
-def _show_line(line: Line, result: Result, written: dict[str, Any]) -> None:
-    unit = unit_name(Unit.POSITION, line.unit)
-    mark = "[green]as expected[/]" if result.passed else "[red]NOT as expected[/]"
-    out.print(f"[bold]{escape(line.follower.title)}[/] ({escape(written['line'])}): {mark}")
-    for c in result.checks:
-        out.print(f"  {'kept  ' if c.passed else '[red]broken[/]'}  {escape(c.expected)}: found {c.found}")
-    if result.missing:
-        out.print(f"  [red]not run in libcosim[/]: {escape(result.missing)}")
-    for title, rows in (("before", result.before), (f"in sync, from {result.settled:.5g} s on", result.after)):
-        shown = {  # heading, figure; what has nothing to tell is left out
-            "cuts": [f"{f.cuts}" if f.cuts else "" for f in rows],
-            "worst": [_told(f.worst, unit) for f in rows],
-            "mean": [_told(f.mean, unit) for f in rows],
-            "spread": [_told(f.spread, unit) for f in rows],
-            "worst switch": [_told(f.switches, unit) for f in rows],
-            "slave, worst": [_told(f.away, unit) for f in rows],
-            "jump in a step": [_told(f.jump, unit) for f in rows],
-            "index, spread": [_told(f.index, "cycles") for f in rows],
-        }
-        kept = {heading: texts for heading, texts in shown.items() if any(texts)}
-        table = Table(f"  {title}", *kept, box=None)
-        for i, f in enumerate(rows):
-            table.add_row(f"  {f.name}", *(texts[i] for texts in kept.values()))
-        wide.print(table)
-    for name in ("ssp", "osp", "result", "report"):
-        if written[name]:
-            out.print(f"  {name}: {escape(written[name])}")
-    out.print()
-
-
-def _told(value: float | None, unit: str) -> str:
-    return "" if value is None else f"{value:.2g} {unit}".strip()
+if __name__ == "__main__":
+    main()

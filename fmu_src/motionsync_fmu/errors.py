@@ -1,4 +1,4 @@
-"""Mistakes of the user: told in one line, never as a traceback."""
+"""Mistakes of the user, which are reported in one line and without a traceback."""
 
 from collections.abc import Mapping
 from difflib import get_close_matches
@@ -15,7 +15,7 @@ def choose(known: Mapping[str, T], name: str, what: str) -> T:
     """The entry of that name.
 
     Raises:
-        UserError: there is none; the message names all, of many the nearest ones.
+        UserError: there is none; the message lists all names, or the nearest ones of many.
     """
     if name in known:
         return known[name]

@@ -34,11 +34,24 @@ def chain_rule(d1: float, d2: float, d3: float, velocity: float, acceleration: f
     return d1 * v, d1 * acceleration + d2 * v * v, 3.0 * d2 * v * acceleration + d3 * v * v * v
 
 
+def quintic(
+    c0: float, c1: float, c2: float, c3: float, c4: float, c5: float, u: float
+) -> tuple[float, float, float, float]:
+    """c0 + c1 u + ... + c5 u^5 and its first three derivatives by u."""
+    return (
+        c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
+        c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5))),
+        2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5)),
+        6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5),
+    )
+
+
 @dataclass(slots=True)
 class Quintic:
-    """The polynomial of order 5 with position, slope and curvature given at both ends.
+    """The polynomial of order 5 whose position and first two derivatives are given at both ends.
 
-    c0 to c5 go with u = x / length; `rate` is 1 / length: a division costs more than all of the rest."""
+    The coefficients c0 to c5 belong to the powers of u = x / length. `rate` is 1 / length, kept because a division
+    takes longer than everything else here."""
 
     length: float = 1.0
     rate: float = 1.0
@@ -53,31 +66,29 @@ class Quintic:
         self,
         length: float,
         position: float,
-        slope: float,
-        curvature: float,
+        d1: float,
+        d2: float,
         end: float,
-        end_slope: float,
-        end_curvature: float,
+        end_d1: float,
+        end_d2: float,
     ) -> None:
-        """`length` > 0. With what the start lacks at the end, A in position, B in slope, C in curvature (by u),
+        """Lay the curve over 0 <= x <= length, length > 0, from position, d1, d2 to end, end_d1, end_d2.
+
+        A, B, C are what the first three terms still lack at the end in position, first and second derivative by u. Then
         c3 = 10 A - 4 B + C / 2, c4 = -15 A + 7 B - C, c5 = 6 A - 3 B + C / 2."""
         self.length = length
         self.rate = 1.0 / length
         self.c0 = position
-        self.c1 = slope * length
-        self.c2 = 0.5 * curvature * length * length
+        self.c1 = d1 * length
+        self.c2 = 0.5 * d2 * length * length
         a = end - position - self.c1 - self.c2
-        b = end_slope * length - self.c1 - 2.0 * self.c2
-        c = end_curvature * length * length - 2.0 * self.c2
+        b = end_d1 * length - self.c1 - 2.0 * self.c2
+        c = end_d2 * length * length - 2.0 * self.c2
         self.c3 = 10.0 * a - 4.0 * b + 0.5 * c
         self.c4 = -15.0 * a + 7.0 * b - c
         self.c5 = 6.0 * a - 3.0 * b + 0.5 * c
 
     def at(self, x: float) -> tuple[float, float, float, float]:
-        """Position and its first three derivatives."""
-        u = x / self.length
-        position = self.c0 + u * (self.c1 + u * (self.c2 + u * (self.c3 + u * (self.c4 + u * self.c5))))
-        slope = self.c1 + u * (2.0 * self.c2 + u * (3.0 * self.c3 + u * (4.0 * self.c4 + u * 5.0 * self.c5)))
-        curvature = 2.0 * self.c2 + u * (6.0 * self.c3 + u * (12.0 * self.c4 + u * 20.0 * self.c5))
-        twist = 6.0 * self.c3 + u * (24.0 * self.c4 + u * 60.0 * self.c5)
-        return position, slope * self.rate, curvature * self.rate * self.rate, twist * self.rate * self.rate * self.rate
+        """Position and its first three derivatives by x."""
+        position, d1, d2, d3 = quintic(self.c0, self.c1, self.c2, self.c3, self.c4, self.c5, x / self.length)
+        return position, d1 * self.rate, d2 * self.rate * self.rate, d3 * self.rate * self.rate * self.rate

@@ -1,7 +1,7 @@
-"""The slave's own motion: jerk-limited changes of velocity and moves to a position, planned from any state of motion.
+"""The slave's own motion in time: jerk-limited changes of velocity and moves to a position, from any state of motion.
 
-A motion is a chain of pieces of constant jerk. What is planned at once may last for hours: the state at any time comes
-from the piece it lies in, so it does not depend on the step size.
+A motion is a chain of pieces of constant jerk. It is planned once and may then last for hours: the state at any time
+is computed from the piece in which that time lies, so it does not depend on the step size.
 
 Source: universal flying saw (TS5055), whose axis moves with limits of velocity, acceleration, deceleration and jerk;
 PLCopen's move_velocity, move_absolute and halt.
@@ -23,8 +23,8 @@ class Motion:
     """A motion in time of piecewise constant jerk; its last piece goes on for ever.
 
     Piece i, 0 <= i < pieces, begins at the time begins[i] (s, since the motion began) in the state positions[i],
-    velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock` tells the time since
-    the motion began.
+    velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock.time` is the time
+    since the motion began.
 
     All limits are greater than 0. Nothing overflows for numbers within 1e12 and limits from 1e-12 on.
     """
@@ -39,7 +39,7 @@ class Motion:
 
     def run(self, position: float, velocity: float) -> None:
         """Constant velocity (u/s) for ever; 0 is standstill."""
-        self.begin(position, velocity, 0.0)
+        self.start(position, velocity, 0.0)
 
     def change(
         self,
@@ -47,22 +47,22 @@ class Motion:
         velocity: float,
         acceleration: float,
         target: float,
-        slope: float,
+        drift: float,
         low: float,
         high: float,
         jerk: float,
     ) -> bool:
-        """The time-optimal change of velocity to target + slope t (u/s, u/s2), where it stays, with low <= a <= high.
+        """The time-optimal change to the velocity target + drift t (u/s, u/s2), which is then kept; low <= a <= high.
 
-        An acceleration outside the limits is first brought to the nearer one. False: the target runs away, since its
-        slope lies outside the limits, or on the one that is needed to catch up; then the acceleration goes to that
-        limit and stays there for ever.
+        An acceleration outside the limits is first brought to the nearer limit. False: the target runs away, because
+        its drift lies outside the limits, or on the limit that would be needed to catch up. Then the acceleration goes
+        to that limit and stays there for ever.
         """
-        self.begin(position, velocity, acceleration)
-        return self.approach(target, slope, low, high, jerk)
+        self.start(position, velocity, acceleration)
+        return self.approach(target, drift, low, high, jerk)
 
     def halt(self, position: float, velocity: float, acceleration: float, down: float, jerk: float) -> None:
-        """The time-optimal stop with the deceleration `down`."""
+        """The time-optimal stop; `down` is the limit of |a|."""
         self.change(position, velocity, acceleration, 0.0, 0.0, -down, down, jerk)
 
     def move(
@@ -78,30 +78,38 @@ class Motion:
     ) -> None:
         """From any state to rest at `target`, u; |v| <= speed, |a| <= `up` away from standstill and `down` towards it.
 
-        The ramp to the cruise velocity on that side of the stop where the target lies, then the cruise, both ended by
-        the stop that leads to the target. The end position rises with the time tau at which the stop begins (where the
-        ramp turns round more gently than the stop would, it falls first and then rises): tau is closed form in the
-        cruise and bisected to rounding on the ramp. With equal limits this is time-optimal.
+        If the motion stopped at once it would end somewhere: the target lies on one side of that place. The motion
+        ramps to the cruise velocity towards that side, cruises, and then stops, which begins at a time tau. The later
+        the stop begins, the further away it ends. (Where the ramp turns round more gently than the stop would, the end
+        first comes nearer.) So tau is closed form in the cruise, and bisected to rounding on the ramp. With equal
+        limits the move is time-optimal.
 
-        Positions count from the start until all is planned, so that a short way far out loses nothing.
+        Positions count from the start of the motion until all is planned, so that a short distance far from 0 loses no
+        digits.
         """
-        way = target - position
-        self.begin(0.0, velocity, acceleration)
-        side = 1.0 if way >= stopping_distance(velocity, acceleration, down, jerk) else -1.0
-        limit = acceleration_limit(velocity, side * speed, up, down)
-        self.approach(side * speed, 0.0, -limit, limit, jerk)
+        distance = target - position
+        self.start(0.0, velocity, acceleration)
+        direction = 1.0 if distance >= stopping_distance(velocity, acceleration, down, jerk) else -1.0
+        limit = acceleration_limit(velocity, direction * speed, up, down)
+        self.approach(direction * speed, 0.0, -limit, limit, jerk)
         passed = 1
-        while passed < self.pieces and side * (self.stop_at(passed, 0.0, down, jerk) - way) <= 0.0:
+        while passed < self.pieces and direction * (self.stop_at(passed, 0.0, down, jerk) - distance) <= 0.0:
             passed += 1
         last = passed - 1
         if passed < self.pieces:
-            self.cut(last, self.stop_begin(last, side, way, down, jerk))
+            self.split_at(last, self.stop_begin(last, direction, distance, down, jerk))
         else:
-            self.cut(last, max(side * (way - self.stop_at(last, 0.0, down, jerk)), 0.0) / speed)
+            self.split_at(last, max(direction * (distance - self.stop_at(last, 0.0, down, jerk)), 0.0) / speed)
         self.approach(0.0, 0.0, -down, down, jerk)
         for i in range(self.pieces):
             self.positions[i] += position
         self.positions[self.pieces - 1] = target
+
+    def brake(self, position: float, velocity: float, deceleration: float) -> None:
+        """The stop with constant deceleration, without a limit of jerk; the velocity is not 0."""
+        self.start(position, velocity, -deceleration if velocity > 0.0 else deceleration)
+        self.extend(abs(velocity) / deceleration, 0.0, 0.0)
+        self.velocities[self.pieces - 1] = 0.0
 
     def end(self) -> float:
         """The time at which the last piece begins."""
@@ -129,7 +137,7 @@ class Motion:
         position, velocity = moved(self.positions[piece], self.velocities[piece], acceleration, jerk, time)
         return position, velocity, acceleration + time * jerk, jerk
 
-    def begin(self, position: float, velocity: float, acceleration: float) -> None:
+    def start(self, position: float, velocity: float, acceleration: float) -> None:
         """A motion of one piece, which has no jerk."""
         self.pieces = 1
         self.begins[0] = 0.0
@@ -142,7 +150,7 @@ class Motion:
     def extend(self, time: float, jerk: float, acceleration: float) -> None:
         """The last piece gets this jerk for that time and ends with `acceleration`; there a new one begins.
 
-        A piece too short to be told from its own beginning is passed over, but for what it does to the state."""
+        A time that is lost in rounding beside the piece's beginning makes no new piece, but it changes the state."""
         if time <= 0.0:
             return
         last = self.pieces - 1
@@ -158,36 +166,37 @@ class Motion:
         self.accelerations[last] = acceleration
         self.jerks[last] = 0.0
 
-    def cut(self, piece: int, time: float) -> None:
-        """That piece ends at a time since its beginning; there a new last one begins."""
+    def split_at(self, piece: int, time: float) -> None:
+        """End that piece at a time since its beginning; there a new last piece begins."""
         self.pieces = piece + 1
         _, _, acceleration, jerk = self.state(piece, time)
         self.jerks[piece] = 0.0  # should the time be 0
         self.extend(time, jerk, acceleration)
 
-    def approach(self, target: float, slope: float, low: float, high: float, jerk: float) -> bool:
-        """`change` from the state in which the last piece begins; the target is reckoned from the motion's beginning.
+    def approach(self, target: float, drift: float, low: float, high: float, jerk: float) -> bool:
+        """As `change`, from the state in which the last piece begins; t counts from the beginning of the motion.
 
-        What has to vanish is w = v - c(t) and its derivative b = a - slope, with the limits shifted by the slope."""
-        if not low <= slope <= high:
-            self.hold(low if slope < low else high, jerk)
+        The velocity relative to the target, w = v - target - drift t, and its derivative, b = a - drift, are brought
+        to 0, with the limits shifted by the drift."""
+        if not low <= drift <= high:
+            self.hold(low if drift < low else high, jerk)
             return False
         self.hold(clamp(self.accelerations[self.pieces - 1], low, high), jerk)
         last = self.pieces - 1
-        b = self.accelerations[last] - slope
-        side, way = turn(self.velocities[last] - (target + slope * self.begins[last]), b, jerk)
-        limit = high - slope if side > 0.0 else slope - low
-        if limit == 0.0 and way > 0.0:
-            self.hold(high if side > 0.0 else low, jerk)
+        b = self.accelerations[last] - drift
+        direction, missing = pulse(self.velocities[last] - (target + drift * self.begins[last]), b, jerk)
+        limit = high - drift if direction > 0.0 else drift - low
+        if limit == 0.0 and missing > 0.0:
+            self.hold(high if direction > 0.0 else low, jerk)
             return False
-        rise, steady, fall, peak = ramp(way, side * b, limit, jerk)
-        top = clamp(slope + side * peak, low, high)
-        self.extend(rise, side * jerk, top)
+        rise, steady, fall, peak = ramp(missing, direction * b, limit, jerk)
+        top = clamp(drift + direction * peak, low, high)
+        self.extend(rise, direction * jerk, top)
         self.extend(steady, 0.0, top)
-        self.extend(fall, -side * jerk, slope)
+        self.extend(fall, -direction * jerk, drift)
         last = self.pieces - 1
-        self.velocities[last] = target + slope * self.begins[last]
-        self.accelerations[last] = slope
+        self.velocities[last] = target + drift * self.begins[last]
+        self.accelerations[last] = drift
         return True
 
     def hold(self, acceleration: float, jerk: float) -> None:
@@ -195,15 +204,15 @@ class Motion:
         missing = acceleration - self.accelerations[self.pieces - 1]
         self.extend(abs(missing) / jerk, jerk if missing > 0.0 else -jerk, acceleration)
 
-    def stop_begin(self, piece: int, side: float, way: float, down: float, jerk: float) -> float:
-        """The time since that piece's beginning at which the stop must begin to end at `way`, bisected to rounding."""
+    def stop_begin(self, piece: int, direction: float, distance: float, down: float, jerk: float) -> float:
+        """The time since that piece's beginning at which a stop must begin that ends at `distance`; by bisection."""
         first = 0.0
         last = self.begins[piece + 1] - self.begins[piece]
         for _ in range(BISECTIONS):
             middle = 0.5 * (first + last)
             if middle <= first or middle >= last:
                 break
-            if side * (self.stop_at(piece, middle, down, jerk) - way) <= 0.0:
+            if direction * (self.stop_at(piece, middle, down, jerk) - distance) <= 0.0:
                 first = middle
             else:
                 last = middle
@@ -224,39 +233,40 @@ def acceleration_limit(velocity: float, target: float, acceleration: float, dece
 
 
 def stopping_distance(velocity: float, acceleration: float, down: float, jerk: float) -> float:
-    """The way of the time-optimal stop, `Motion.halt`, u; its sign tells the direction."""
+    """The distance that the time-optimal stop (`Motion.halt`) takes, u; negative where it goes downwards."""
     bounded = clamp(acceleration, -down, down)
     back = jerk if bounded > acceleration else -jerk
     x, v = moved(0.0, velocity, acceleration, back, abs(bounded - acceleration) / jerk)
-    side, way = turn(v, bounded, jerk)
-    rise, steady, fall, peak = ramp(way, side * bounded, down, jerk)
-    x, v = moved(x, v, bounded, side * jerk, rise)
-    x, v = moved(x, v, side * peak, 0.0, steady)
-    x, v = moved(x, v, side * peak, -side * jerk, fall)
+    direction, missing = pulse(v, bounded, jerk)
+    rise, steady, fall, peak = ramp(missing, direction * bounded, down, jerk)
+    x, v = moved(x, v, bounded, direction * jerk, rise)
+    x, v = moved(x, v, direction * peak, 0.0, steady)
+    x, v = moved(x, v, direction * peak, -direction * jerk, fall)
     return x
 
 
-def turn(velocity: float, acceleration: float, jerk: float) -> tuple[float, float]:
-    """To which side the acceleration has to be turned so that velocity and acceleration vanish together, 1 or -1, and
-    how much velocity (>= 0, u/s) is lacking there once the acceleration is brought to 0 directly: v + a |a| / (2 j).
+def pulse(velocity: float, acceleration: float, jerk: float) -> tuple[float, float]:
+    """Sign of the jerk pulse that brings velocity and acceleration to 0 at the same instant, and the speed (>= 0, u/s)
+    that would be left to remove if the acceleration alone were ramped to 0: |v + a |a| / (2 j)|.
 
-    Where nothing is lacking, the way to 0."""
+    Where that speed is 0, the sign is the one that ramps the acceleration to 0."""
     rest = velocity + 0.5 * acceleration * abs(acceleration) / jerk
     towards = rest if rest != 0.0 else acceleration
     return (-1.0 if towards > 0.0 else 1.0), abs(rest)
 
 
-def ramp(way: float, acceleration: float, limit: float, jerk: float) -> tuple[float, float, float, float]:
+def ramp(missing: float, acceleration: float, limit: float, jerk: float) -> tuple[float, float, float, float]:
     """How long, s, the acceleration rises with the jerk, stays, and falls to 0, and its peak, u/s2.
 
-    In mirrored coordinates: `way` >= 0 is the velocity lacking after `turn`, and acceleration <= limit. With
-    a+ = max(a, 0) the two triangles give peak^2 = a+^2 + j way, cut off at the limit."""
+    All is mirrored so that the pulse is positive: `missing` >= 0 is the speed from `pulse`, and acceleration <= limit.
+    With a+ = max(a, 0), the triangles of the rise and the fall give peak^2 = a+^2 + j missing. A higher peak than the
+    limit is cut off there."""
     ahead = max(acceleration, 0.0)
-    peak = sqrt(ahead * ahead + jerk * way)
+    peak = sqrt(ahead * ahead + jerk * missing)
     if peak > limit:
-        steady = (way - (limit - ahead) * (limit + ahead) / jerk) / limit
+        steady = (missing - (limit - ahead) * (limit + ahead) / jerk) / limit
         return (limit - acceleration) / jerk, max(steady, 0.0), limit / jerk, limit
-    rise = way / (peak + ahead) if ahead > 0.0 else (peak - acceleration) / jerk
+    rise = missing / (peak + ahead) if ahead > 0.0 else (peak - acceleration) / jerk
     return rise, 0.0, peak / jerk, peak
 
 

@@ -12,14 +12,15 @@ from . import var
 TERMS = 7  # coefficients of the highest degree
 EPSILON = 1.0 / 4503599627370496.0  # 2^-52
 ROUNDING = 256.0 * EPSILON  # of the coefficients' magnitudes: a sum that should be 0 is not greater
-ITERATIONS = 100  # six as a rule; only for a root that is next to nothing there may be too few, 1e-18 off at most
+ITERATIONS = 100  # six as a rule; a root next to 0 may need more, and is then 1e-18 off at most
 
 
 @dataclass(slots=True)
 class Polynomial:
     """f(u) = sum of coefficients[n] u^n, n = 0 to degree <= 6; its roots, ascending, are roots[0] to roots[count - 1].
 
-    `chain` holds the scaled coefficients of f and, from TERMS k on, those of its k-th derivative.
+    `chain` holds the scaled coefficients of f and, from TERMS k on, those of its k-th derivative; `leading` is the
+    degree of f without leading zeros.
     """
 
     degree: int = 0
@@ -27,9 +28,10 @@ class Polynomial:
     count: int = 0
     roots: list[float] = var.ring(6)
     chain: list[float] = var.ring(49)
+    leading: int = 0
 
     def differentiate(self) -> None:
-        """f becomes its derivative."""
+        """Make f its derivative."""
         for n in range(self.degree):
             self.coefficients[n] = (n + 1.0) * self.coefficients[n + 1]
         self.coefficients[self.degree] = 0.0
@@ -45,34 +47,37 @@ class Polynomial:
     def solve(self) -> None:
         """Find the roots with 0 < u < 1; there are none where f is 0 everywhere or a coefficient is not finite.
 
-        A value at 0 is a coefficient and taken as it is; at 1, and where the derivative is 0, one within rounding of 0
-        counts as 0. So a root at 1 is none inside, and two roots that rounding cannot tell apart are one.
+        f(0) is used exactly. f(1), and f at the derivative's roots, count as 0 within rounding: a root at 1 is not
+        reported, and two roots closer than rounding are reported once.
         """
-        degree = self.differentiate_all()
+        self.fill_chain()
         self.count = 0
-        for order in range(degree - 1, -1, -1):
-            self.descend(order, degree - order)
+        for order in range(self.leading - 1, -1, -1):
+            self.descend(order, self.leading - order)
 
-    def differentiate_all(self) -> int:
-        """Fill the chain; the degree without leading zeros. Scaled where squares would leave a double's range."""
+    def fill_chain(self) -> None:
+        """Fill the chain, scaled where squares would leave a double's range, and find the degree.
+
+        The degree is 0, which means no roots, where f is 0 everywhere or a coefficient is not finite."""
+        self.leading = 0
         size = self.size()
         if not isfinite(size) or size == 0.0:
-            return 0
+            return
         scale = 1.0 if 1e-100 < size < 1e100 else size
-        degree = 0
         for n in range(self.degree + 1):
             self.chain[n] = self.coefficients[n] / scale
             if self.chain[n] != 0.0:
-                degree = n
-        for order in range(1, degree):
+                self.leading = n
+        for order in range(1, self.leading):
             at = TERMS * order
-            for n in range(degree - order + 1):
+            for n in range(self.leading - order + 1):
                 self.chain[at + n] = (n + 1.0) * self.chain[at - TERMS + n + 1]
-        return degree
 
     def descend(self, order: int, degree: int) -> None:
-        """The roots of the derivative of that order, which is of that degree, from those of the next order: they cut
-        (0, 1) into its monotone pieces. Each is read before a new root takes its place."""
+        """Find the roots of the derivative of that order, which has that degree, from those of the next derivative.
+
+        The latter cut (0, 1) into pieces on which the derivative is monotone. Each root is read before a new one takes
+        its place in the list."""
         cuts = self.count
         found = 0
         low = 0.0
@@ -90,8 +95,8 @@ class Polynomial:
         self.count = found
 
     def value(self, order: int, degree: int, u: float) -> float:
-        """The derivative of that order at u, 0 if it is within the rounding of its terms; at 1 the coefficients' own
-        rounding is allowed for."""
+        """The derivative of that order at u, or 0 if it is within the rounding of its terms; at u = 1 the rounding of
+        the coefficients themselves counts too."""
         at = TERMS * order
         value = self.chain[at + degree]
         terms = abs(value)
@@ -103,26 +108,28 @@ class Polynomial:
         return 0.0 if abs(value) <= (ROUNDING if u == 1.0 else degree * EPSILON) * terms else value
 
     def between(self, order: int, degree: int, low: float, high: float, rising: bool) -> float:
-        """The root between two values of opposite signs: Newton's steps as long as they stay inside and halve, else
-        bisection; it ends where the value is within the rounding of its terms, after the step from there."""
+        """The root between two values of opposite signs.
+
+        A Newton step is taken if it stays inside and is at most half as long as the step before, a bisection otherwise.
+        The search ends with the step from where the value is within the rounding of its terms."""
         at = TERMS * order
         step = high - low
         u = low + 0.5 * step
         for _ in range(ITERATIONS):
             value = self.chain[at + degree]
-            slope = 0.0
+            derivative = 0.0
             terms = abs(value)
             n = at + degree
             while n > at:
                 n -= 1
-                slope = slope * u + value
+                derivative = derivative * u + value
                 value = value * u + self.chain[n]
                 terms = terms * u + abs(self.chain[n])
             if (value > 0.0) == rising:
                 high = u
             else:
                 low = u
-            newton = u - value / slope if slope != 0.0 else u
+            newton = u - value / derivative if derivative != 0.0 else u
             inside = low < newton < high
             if abs(value) <= degree * EPSILON * terms:
                 return newton if inside else u

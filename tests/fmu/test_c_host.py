@@ -177,7 +177,7 @@ def test_ecos_gets_the_bits_of_fmpy(
 ) -> None:
     """Start values are baked in; what is set acts with the next step. Ecos neither gets nor sets enumerations: one
     that the run sets has from the beginning the value that it is given first."""
-    chosen = {v.name for v in variables(BLOCKS[block].type()) if v.choices}
+    chosen = {v.name for v in variables(BLOCKS[block]()) if v.choices}
     run = enumerations_at_the_start(run, chosen)
     expected = through_fmpy(block_native, run)
     starts = {name: str(value) for name, value in run.start.items()}

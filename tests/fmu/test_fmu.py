@@ -188,7 +188,7 @@ def test_everything_is_described(block_fmu: Path) -> None:
 def test_the_limits_are_described(block: str, block_fmu: Path) -> None:
     """As numbers of the variable's type; a limit that is itself refused stands there as well."""
     found = {v.name: v for v in read_model_description(str(block_fmu)).modelVariables}
-    for v in variables(BLOCKS[block].type()):
+    for v in variables(BLOCKS[block]()):
         d, told = v.declaration, found[v.name]
         number = {"Real": float, "Integer": int}.get(v.kind, str)
         limits = [x if math.isfinite(x) else None for x in (max(d.min, d.above), min(d.max, d.below))]
@@ -214,20 +214,20 @@ def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
         names = set(z.namelist())
         page = z.read("documentation/index.html").decode()
         assert z.read("model.png").startswith(b"\x89PNG")
-        assert b"<svg" in z.read("documentation/transition.svg")
+        assert b"<svg" in z.read("documentation/example.svg")
         assert all(i.compress_type == zipfile.ZIP_DEFLATED and "\\" not in i.filename for i in z.infolist())
     assert {"documentation/externalDependencies.html", "documentation/licenses/motionsync.txt"} <= names
     assert {"documentation/licenses/pythonfmu.txt", f"binaries/linux64/{block}.so"} <= names
-    assert all(v.name in page for v in variables(BLOCKS[block].type()))
+    assert all(v.name in page for v in variables(BLOCKS[block]()))
 
 
 def test_dependencies_after_initialization_are_the_declared_ones(block: str) -> None:
     """Moving an input or parameter changes exactly the outputs that say so, for at least one start."""
-    declared = {(v.name, source) for v in variables(BLOCKS[block].type()) for source in v.depends}
+    declared = {(v.name, source) for v in variables(BLOCKS[block]()) for source in v.depends}
     found = set()
     for run in drawn(block, 0, 30):
         before = outputs(block, run.start)
-        for v in variables(BLOCKS[block].type()):
+        for v in variables(BLOCKS[block]()):
             if not v.settable or before is None:
                 continue
             for value in moved(v, run.start.get(v.name, v.start)):
@@ -246,7 +246,7 @@ def moved(v: Variable, value: Any) -> list[Any]:
 
 def outputs(block: str, start: dict[str, Any]) -> dict[str, Any] | None:
     """The outputs after initialization; None if it is refused."""
-    instance = BLOCKS[block].type()
+    instance = BLOCKS[block]()
     own = {v.name: v for v in variables(instance)}
     for name, value in start.items():
         own[name].cell.set(value)

@@ -112,7 +112,7 @@ def expected_header(recipe: Recipe) -> str:
     slave = [index[name] for name in derivatives] if index.keys() >= {*derivatives} else [-1] * 3
     rows = ",\n".join(f"    {row(v)}" for v in vs)
     # A step has those refusals that speak of inputs.
-    others = {name for r in refusals(BLOCKS[recipe.name].type) if r.name != "MASTER_TURNS" for name in r.names}
+    others = {name for r in refusals(BLOCKS[recipe.name]) if r.name != "MASTER_TURNS" for name in r.names}
     inputs = {v.name for v in vs if v.causality == "input"}
     return "\n".join(
         [

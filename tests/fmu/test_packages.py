@@ -22,8 +22,7 @@ UNITS = ("mm", "m", "deg", "rad", "1")
 REGISTRATION = """
 from .nested.block import Nested
 
-EXAMPLE = Example("A limit.", 10.0, 1.0, {}, ((0.5, {"keep.execute": True}),))
-BLOCKS = {"Nested": Registered(Nested, EXAMPLE, ("Wire it.",))}
+BLOCKS = {"Nested": Nested}
 """
 BUILDS = """
 from pathlib import Path
@@ -69,7 +68,7 @@ def description(fmu: Path) -> Any:
 
 
 def test_a_block_s_class_names_its_fmu(root: Path) -> None:
-    assert {name: registered.type.__name__ for name, registered in BLOCKS.items()} == {name: name for name in BLOCKS}
+    assert {name: kind.__name__ for name, kind in BLOCKS.items()} == {name: name for name in BLOCKS}
     assert description(root / "mm" / "native" / "Nested.fmu").get("modelName") == "Nested"
 
 

@@ -20,10 +20,11 @@ from motionsync.remote_sync.interface import Estimator
 from motionsync_fmu import cli
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.line.judge import RAW, Result, Way, examine, through
+from motionsync_fmu.line.judge import Result, examine
 from motionsync_fmu.line.line import Line
 from motionsync_fmu.line.package import PARAMETERS, Package, write_package
 from motionsync_fmu.line.reader import load_line
+from motionsync_fmu.line.variants import RAW, Variant, through
 from motionsync_fmu.scenario.clocks import Rate
 from tests import ROOT
 from tests.support.fmus import Fmus, Shared
@@ -39,8 +40,8 @@ class Examined:
     package: Package
     result: Result
 
-    def way(self, name: str) -> Way:
-        return next(way for way in self.result.ways if way.name == name)
+    def variant(self, name: str) -> Variant:
+        return next(v for v in self.result.variants if v.name == name)
 
 
 @pytest.fixture(scope="session")
@@ -202,7 +203,7 @@ def test_the_cuts_are_on_their_marks_with_remote_sync(saw: Examined) -> None:
 
 def test_without_remote_sync_they_are_off_by_the_age_of_the_telegram(saw: Examined) -> None:
     """At 66 m/min, cuts 10 to 12: the telegram in use was sent a share of a cycle ago, that of its index."""
-    raw = saw.way(RAW)
+    raw = saw.variant(RAW)
     for c in raw.cuts[9:12]:
         index = PHASE + (c.end - CYCLE) / CYCLE * (1.0 + PPM)  # at the beginning of the cut's last step
         age = index % 1.0 * CYCLE / (1.0 + PPM)
@@ -246,7 +247,7 @@ def test_a_synchronizer_switches_at_its_places(synchronizer: Examined) -> None:
     late = [abs(s.error) for s in wired.switches if s.time > result.settled]
     assert len(late) == 9
     assert max(late) < 0.01
-    raw = [abs(s.error) for s in synchronizer.way(RAW).switches if s.time > result.settled]
+    raw = [abs(s.error) for s in synchronizer.variant(RAW).switches if s.time > result.settled]
     assert max(raw) > 0.9
     slave = {f.name: f.away for f in result.after}
     assert (slave["RemoteSync, PHASE"] or math.inf) < 0.01

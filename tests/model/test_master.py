@@ -492,8 +492,10 @@ def coefficients(path: Path) -> list[Fraction]:
 
 
 def assert_crossings(path: Path, parts: Sequence[float]) -> None:
-    """At the time told the path is at the place, to the rounding of place, time and the path's own terms."""
-    exact = coefficients(path)
+    """At the time told the path is at the place, to the rounding of place, time and the path's own terms.
+
+    The bound is computed in fractions: as a float it would be 0 in steps of subnormal length."""
+    exact, eps, tiny = coefficients(path), Fraction(EPS), Fraction(TINY)
     for piece in range(1, path.pieces):
         first, last = path.times[piece], path.times[piece + 1]
         low, high = path.places[piece], path.places[piece + 1]
@@ -509,8 +511,8 @@ def assert_crossings(path: Path, parts: Sequence[float]) -> None:
             assert first <= time <= last
             t = Fraction(time)
             size = sum(abs(c) * t**i for i, c in enumerate(exact)) + abs(Fraction(place))
-            speed = abs(value(slope(exact), t)) + 2 * sum(abs(c) for c in slope(exact)) * EPS * min(t, 1)
-            assert abs(value(exact, t) - Fraction(place)) <= 16 * EPS * size + (2 * EPS * t + Fraction(TINY)) * speed
+            speed = abs(value(slope(exact), t)) + 2 * sum(abs(c) for c in slope(exact)) * eps * min(t, 1)
+            assert abs(value(exact, t) - Fraction(place)) <= 16 * eps * size + (2 * eps * t + tiny) * speed
 
 
 @repeatable

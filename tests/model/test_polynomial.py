@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from motionsync.polynomial import EPSILON, ROUNDING, Polynomial
-from tests.model.flying_saw.measurer import Finder
+from tests.model.flying_saw.fake_blocks import RootFinder
 from tests.oracle.roots import at, roots_inside
 from tests.support.compiled import Compiled, equal
 
@@ -178,7 +178,7 @@ any_coefficients = st.floats() | st.floats(-1.0, 1.0) | st.just(0.0)
 @settings(repeatable, max_examples=200)
 @given(st.lists(any_coefficients, min_size=1, max_size=7) | st.lists(inside, min_size=1, max_size=6).map(expand))
 def test_compiled_code_gives_the_bits_of_python_for_any_numbers(coefficients: list[float]) -> None:
-    block = Finder(polynomial(coefficients))
+    block = RootFinder(polynomial(coefficients))
     compiled = Compiled(block)
     assert compiled.initialize() == block.initialize()
     for _ in range(6):

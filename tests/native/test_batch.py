@@ -113,7 +113,7 @@ def test_a_batch_has_the_bits_and_the_failures_of_instances_stepped_alone(seed: 
 def test_a_batch_of_any_block_has_the_bits_and_the_failures_of_instances_stepped_alone(block: str) -> None:
     """Runs as they are drawn; what a run does not set in a step stays as it was."""
     runs, steps = drawn_runs(block, 200, 12), 200
-    own = {v.name: v for v in variables(BLOCKS[block].type())}
+    own = {v.name: v for v in variables(BLOCKS[block]())}
     varied = {name for run in runs for _, values in run.steps for name in values}
     start = {name: np.array([run.start.get(name, own[name].start) for run in runs]) for name in runs[0].start | own}
     start = {name: values for name, values in start.items() if own[name].settable}
@@ -126,7 +126,7 @@ def test_a_batch_of_any_block_has_the_bits_and_the_failures_of_instances_stepped
     names = list(own)
     found = simulate_many(block, h, inputs, names, start=start, threads=2)
     failures = {f.instance: f for f in found.failures}
-    kind = type("AnySlave", (Slave,), {"block_type": BLOCKS[block].type})
+    kind = type("AnySlave", (Slave,), {"block_type": BLOCKS[block]})
     for i in range(len(runs)):
         rows, failed, message = alone(
             {n: x[i].item() for n, x in start.items()}, {n: x[i].tolist() for n, x in inputs.items()}, h[i], names, kind

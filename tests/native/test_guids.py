@@ -8,10 +8,9 @@ from tests import ROOT
 from tests.fmu.test_packages import python
 
 REGISTRATION = """
-from dataclasses import replace
 from .nested.block import Nested
 
-BLOCKS = {**BLOCKS, "Nested": replace(BLOCKS["Synchronizer"], type=Nested)}
+BLOCKS = {**BLOCKS, "Nested": Nested}
 """
 GUIDS = """
 from motionsync.blocks import BLOCKS

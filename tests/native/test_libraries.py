@@ -138,7 +138,7 @@ def test_the_fmu_is_small_and_says_what_it_holds(block_native: Path, folder: Pat
     assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
     page = (folder / "documentation" / "index.html").read_text()
     assert all(text in page for platform in ROWS for text in (platform.folder, platform.title))
-    assert {p.name for p in (folder / "documentation").iterdir()} == {"index.html", "transition.svg", "licenses"}
+    assert {p.name for p in (folder / "documentation").iterdir()} == {"index.html", "example.svg", "licenses"}
     assert all(p.stat().st_size > 500 for p in (folder / "documentation" / "licenses").iterdir())
     assert (folder / "model.png").stat().st_size < 20_000
     assert not (folder / "resources").exists()
@@ -197,7 +197,8 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     for name in names:
         with monkeypatch.context() as changed:
             files = archive.compilers()
-            changed.setattr(build, "compilers", lambda files=files, name=name: files | {name: files[name] + b"\n"})
+            more = files | {name: files[name] + b"\n"}
+            changed.setattr("motionsync_fmu.interface.recipe.compilers", lambda more=more: more)
             assert RECIPE.guid() != before
             assert outdated(target, RECIPE) == "stale"
 
@@ -262,7 +263,7 @@ def test_a_slow_compilation_is_told_once(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(
     block: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module = BLOCKS[block].type.__module__
+    module = BLOCKS[block].__module__
     files: Files = archive.sources(module)
     file = module.partition(".")[2].replace(".", "/") + ".py"
     text = files[file].decode() + "\n\ndef square(x: float) -> float:\n    return x ** 2.0\n"

@@ -202,7 +202,7 @@ def test_a_second_compilation_gives_the_same_text() -> None:
 
 
 def test_nothing_of_this_machine_is_in_the_text(block: str) -> None:
-    block_type = BLOCKS[block].type
+    block_type = BLOCKS[block]
     text = llvm_text(block_type()) + model_header(block_type(), "{0}")
     for trace in (str(Path.home()), str(ROOT), "site-packages", "target-cpu"):
         assert trace not in text

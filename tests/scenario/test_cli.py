@@ -710,6 +710,20 @@ def test_scenarios_of_the_same_name_keep_their_own_results(workshop: Command) ->
 # --- the console script itself ---
 
 
+@pytest.mark.parametrize("arguments", [("list",), ("--help",), ("run", "--help")])
+def test_what_only_tells_loads_no_library_of_runs_and_pictures(arguments: tuple[str, ...]) -> None:
+    """They take a second to load; a fresh interpreter shows what a command has loaded."""
+    script = (
+        f"import sys\nfrom motionsync_fmu import cli\nsys.argv = ['motionsync', *{arguments!r}]\n"
+        "try:\n    cli.main()\nexcept SystemExit as e:\n    assert not e.code, e.code\n"
+        "print('loaded:', *sorted({name.partition('.')[0] for name in sys.modules}))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.splitlines()[-1].split())
+    assert {"motionsync", "motionsync_fmu", "typer"} <= loaded
+    assert not loaded & {"matplotlib", "plotly", "numba", "llvmlite", "fmpy", "PIL"}
+
+
 def test_the_console_script_passes_exit_status_and_streams_on(built: Path, tmp_path: Path) -> None:
     shutil.copytree(built, tmp_path / "build")
     scenario(str(tmp_path / "stop"))

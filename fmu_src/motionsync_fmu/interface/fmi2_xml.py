@@ -15,6 +15,14 @@ from .units import base_unit, unit_name
 from .variables import Variable, members, summary, variables
 
 STEP_SIZE = 0.001  # s, of the default experiment; a block with cycles of its own steps by one of them
+ABILITIES = {  # of both flavours, as attributes of the CoSimulation element
+    "canHandleVariableCommunicationStepSize": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+    "needsExecutionTool": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+}
 CATEGORIES = {
     "logStatusWarning": "refused commands",
     "logStatusError": "refused values and failed calls",
@@ -40,17 +48,7 @@ def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
         generationTool=f"motionsync {__version__}",
         variableNamingConvention="structured",
     )
-    SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=name,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-        needsExecutionTool="false",
-        canBeInstantiatedOnlyOncePerProcess="false",
-        canNotUseMemoryManagementFunctions="true",
-    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": name} | ABILITIES)
     _units(SubElement(root, "UnitDefinitions"), vs, unit, slave_unit or unit)
     _types(SubElement(root, "TypeDefinitions"), vs, unit, slave_unit or unit)
     categories = SubElement(root, "LogCategories")

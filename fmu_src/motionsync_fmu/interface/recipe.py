@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from types import MappingProxyType
 from typing import Any
 from xml.etree.ElementTree import tostring
@@ -40,7 +40,7 @@ class Recipe:
             UserError: an unknown block, unit or variable, a value that the variable does not allow, or a slave unit
                 for a block whose slave is in the master's unit.
         """
-        block = choose(BLOCKS, self.name, "block").type()
+        block = choose(BLOCKS, self.name, "block")()
         choose(BASES, self.unit, "unit")
         check_slave_unit(block, self.slave_unit)
         if self.starts:
@@ -57,7 +57,8 @@ class Recipe:
         They serve for what is declared and for start values. Their cells lie in a block of their own that nobody
         steps: who runs a block takes the cells from `variables(block)`.
         """
-        return MappingProxyType({v.name: v for v in variables(self.block())})
+        block = self.block()
+        return _by_name(block) if self.starts else _declared(block.__class__)
 
     def guid(self) -> str:
         """A hash of the variables and of the source: the same for both flavours, and for every build of them."""
@@ -66,6 +67,17 @@ class Recipe:
         files |= {f"fmu/{name}": text for name, text in (runtime() | compilers()).items()}
         h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit, self.slave_unit))})
         return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+@cache
+def _declared(block_type: type) -> Mapping[str, Variable]:
+    """The variables of a block without baked start values: the same for all its recipes, so that a hundred scenarios
+    share them."""
+    return _by_name(block_type())
+
+
+def _by_name(block: Any) -> Mapping[str, Variable]:
+    return MappingProxyType({v.name: v for v in variables(block)})
 
 
 def check_slave_unit(block: Any, unit: str) -> None:

@@ -1,4 +1,6 @@
-"""A block's variables and cells, read from its declarations. Part of the Python FMU: imports no motionsync."""
+"""A block's variables and cells, read from its declarations.
+
+This module is part of the Python FMU. It must not import motionsync, which the FMU has under another name."""
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
@@ -28,14 +30,14 @@ class Cell:
         return getattr(self.owner, self.attribute)
 
     def set(self, value: Any) -> None:
-        """A number outside an enumeration's list is kept as it is: the end of the initialization refuses it."""
+        """Set the value. A number that is no member of an enumeration is kept: the initialization's end refuses it."""
         fits = self.known is None or value in self.known
         setattr(self.owner, self.attribute, self.type(value) if fits else int(value))
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A declared cell; its index in `variables()` is its value reference, in both flavours."""
+    """A declared cell. Its index in `variables()` is its value reference in both flavours."""
 
     cell: Cell
     declaration: "Declaration"
@@ -67,7 +69,7 @@ class Variable:
 
     @property
     def real_input(self) -> bool:
-        """Whether it is judged at each step; all else that can be set is judged at the initialization only."""
+        """Whether the value is judged at each step; whatever else can be set is judged at the initialization only."""
         return self.causality == "input" and self.kind == "Real"
 
     @property
@@ -138,7 +140,7 @@ def members(kind: Any) -> list[Any]:
 
 
 def shown(value: Any) -> str:
-    """A value in a log line; a Real with the fewest of 6, 15, 16 or 17 digits that read back as the same number."""
+    """A value in a log line: a Real with the fewest of 6, 15, 16 or 17 digits that give the same number again."""
     if not isinstance(value, float):
         return str(value)
     texts = [f"{value:.{digits}g}" for digits in (6, 15, 16, 17)]
@@ -146,14 +148,16 @@ def shown(value: Any) -> str:
 
 
 def refusals(block_type: type[Any]) -> list[Any]:
-    """What a block's `initialize` and `step` may answer: the members of its own enumeration, those that refuse."""
+    """All refusals that a block's `initialize` and `step` may answer: the members of its own enumeration but 0."""
     answers = (get_type_hints(getattr(block_type, name))["return"] for name in ("initialize", "step"))
     return [answer for kind in dict.fromkeys(answers) for answer in members(kind) if answer != 0]
 
 
 def spoken_of(choice: Any, known: Container[str], coded: str = "") -> list[str]:
-    """The names of the variables of which a refusal speaks, or a fault that the variable `coded` tells; of those that
-    lie in the group of `coded` (`.velocity`), only the ones that this group has."""
+    """The names of the variables whose values belong to the message of a refusal or fault.
+
+    `coded`: the variable that holds the fault's code. A name such as `.velocity` lies in the group of `coded`, and is
+    left out if this group has no such variable."""
     group = coded.rpartition(".")[0]
     names = [group + name if name.startswith(".") else name for name in choice.names]
     optional = [name.startswith(".") for name in choice.names]
@@ -161,13 +165,13 @@ def spoken_of(choice: Any, known: Container[str], coded: str = "") -> list[str]:
 
 
 def explained(choice: Any, names: Iterable[str], value_of: Callable[[str], Any]) -> str:
-    """A refusal or fault in words, with the values of the variables of these names."""
+    """A refusal or fault in words, with the values of these variables."""
     values = ", ".join(f"{name} = {shown(value_of(name))}" for name in names)
     return f"{choice.description} ({values})" if values else str(choice.description)
 
 
 def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool = False) -> Iterator[Cell]:
-    """Every cell of the block, in the order of declaration: together they are its whole state."""
+    """Every cell of the block, in the order of declaration. Together the cells are the block's whole state."""
     hints = get_type_hints(type(block))
     for f in fields(block):
         value, name = getattr(block, f.name), prefix + f.name
@@ -188,22 +192,23 @@ def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool =
 
 
 def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
-    """What the outputs depend on after initialization, where a part says so for its fields."""
+    """The inputs and parameters on which outputs depend after the initialization, where a part declares them for its
+    fields."""
     found: dict[str, tuple[str, ...]] = {}
     for f in fields(block):
         value = getattr(block, f.name)
         if is_dataclass(value):
-            told: Mapping[str, tuple[str, ...]] = f.metadata.get("depends", {})
-            found |= {f"{prefix}{f.name}.{name}": names for name, names in told.items()}
+            declared: Mapping[str, tuple[str, ...]] = f.metadata.get("depends", {})
+            found |= {f"{prefix}{f.name}.{name}": names for name, names in declared.items()}
             found |= dependencies(value, f"{prefix}{f.name}.")
     return found
 
 
 def variables(block: Any) -> list[Variable]:
     """The declared variables with the block's present values as start values."""
-    told = dependencies(block)
+    depends = dependencies(block)
     return [
-        Variable(c, c.declaration, told.get(c.name, c.declaration.depends), c.get())
+        Variable(c, c.declaration, depends.get(c.name, c.declaration.depends), c.get())
         for c in cells(block)
         if c.declaration
     ]

@@ -1,8 +1,8 @@
 """The line as files: an SSP package for FMPy and other tools, and an OSP system structure for libcosim.
 
 The package holds SystemStructure.ssd, the FMUs, and their parameters as a parameter set of the whole system, with names
-as `RemoteSync.delay_time_offset`. The system's inputs are the telegram and the follower's commands. libcosim reads
-packages too, but none whose system has connectors: so its structure is a folder of its own, with the same FMUs in it.
+such as `RemoteSync.delay_time_offset`. The inputs of the system are the telegram and the follower's commands. libcosim
+reads packages too, but none whose system has connectors: so it gets a folder with a structure and the same FMUs.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ from ..interface.fmi2_xml import describe
 from ..interface.recipe import Recipe
 from ..interface.roles import MOTION
 from ..interface.units import unit_name
-from ..pages.block_page import TEMPLATES
+from ..pages.style import TEMPLATES
 from .line import REMOTE, Line
 
 PARAMETERS = "resources/parameters.ssv"
@@ -52,7 +52,7 @@ class Connector:
 
 @dataclass(frozen=True)
 class Connection:
-    """From an output to an input; without a component's name, of the system."""
+    """From an output to an input; without the name of a component it is the system's."""
 
     start: str
     output: str
@@ -60,8 +60,8 @@ class Connection:
     input: str
 
 
-def write_package(line: Line, output: Path, told: Callable[[str], None]) -> Package:
-    """Build what is missing or stale, and write OUTPUT/<line>.ssp and OUTPUT/<line>/; `told` is told what was built."""
+def write_package(line: Line, output: Path, progress: Callable[[str], None]) -> Package:
+    """Build missing and stale FMUs, write OUTPUT/<line>.ssp and OUTPUT/<line>/; `progress` gets what is built."""
     folder = output / line.name
     folder.mkdir(parents=True, exist_ok=True)
     fmus = {}
@@ -69,8 +69,8 @@ def write_package(line: Line, output: Path, told: Callable[[str], None]) -> Pack
         shared = recipe == Recipe(name)  # with `motionsync run`
         built = fmu_path(recipe, output, Flavour.NATIVE) if shared else folder / f"{name}.fmu"
         if why := outdated(built, recipe):
-            build_native(recipe, built, told)
-            told(f"{built} was {why}: built")
+            build_native(recipe, built, progress)
+            progress(f"{built} was {why}: built")
         fmus[name] = folder / f"{name}.fmu"
         if shared:
             copyfile(built, fmus[name])
@@ -83,7 +83,8 @@ def write_package(line: Line, output: Path, told: Callable[[str], None]) -> Pack
 
 
 def connections(line: Line) -> list[Connection]:
-    """Telegram and commands come from outside, the axis goes from RemoteSync to the follower, its outputs go out."""
+    """The wires: telegram and commands come from outside, the axis goes from RemoteSync to the follower, and the
+    follower's outputs go out."""
     follower = line.follower.recipe.name
     return [
         *(Connection("", name, REMOTE, name) for name in line.telegrams),

@@ -1,4 +1,4 @@
-"""One self-contained HTML page of a line: the errors on each way, and the outputs on the wired one."""
+"""One self-contained HTML page of a line: the errors of each variant, and the outputs of the wired one."""
 
 from pathlib import Path
 from typing import Any
@@ -10,15 +10,16 @@ from motionsync.var import Unit
 
 from .. import __version__
 from ..interface.units import unit_name
-from ..pages.block_page import SLAVE, TEMPLATES
 from ..pages.report import GREY, RECEIVED, REFERENCE, curve, cut_plots, html, plots
+from ..pages.style import SLAVE, TEMPLATES
 from ..scenario.cuts import Cut
-from .judge import Result, Switch, Way
+from .judge import Result
 from .line import REMOTE, Line
+from .variants import Switch, Variant
 
-HUES = (SLAVE, RECEIVED, REFERENCE, "#17713a")  # of the ways
-ROWS = (("all ways", 260), ("as wired", 185), ("index error", 185))
-ROOM = 1.3  # of the wired way's own row, over its greatest error once in sync
+HUES = (SLAVE, RECEIVED, REFERENCE, "#17713a")  # of the variants
+ROWS = (("all variants", 260), ("as wired", 185), ("index error", 185))
+ROOM = 1.3  # of the wired variant's own row, over its greatest error once in sync
 
 
 def write_line_report(file: Path, line: Line, result: Result) -> None:
@@ -47,25 +48,25 @@ def write_line_report(file: Path, line: Line, result: Result) -> None:
     file.write_text(TEMPLATES.get_template("line.html.j2").render(values), "utf-8")
 
 
-def _hues(result: Result) -> list[tuple[Way, str]]:
-    return [(way, HUES[i % len(HUES)]) for i, way in enumerate(result.ways)]
+def _hues(result: Result) -> list[tuple[Variant, str]]:
+    return [(variant, HUES[i % len(HUES)]) for i, variant in enumerate(result.variants)]
 
 
 def _error_plots(line: Line, result: Result) -> Any:
-    """The slave's error on all ways, that of the wired one, and the index errors, over time."""
+    """The slave's error in all variants, that in the wired one, and the index errors, over time."""
     heights = [height for _, height in ROWS]
     figure = make_subplots(rows=len(ROWS), cols=1, shared_xaxes=True, vertical_spacing=0.04, row_heights=heights)
-    for way, hue in reversed(_hues(result)):
-        width = 2.0 if way is result.wired else 1.0
-        curve(figure, 1, way.name, line.times, way.away, hue, width)
-        curve(figure, 3, way.name, line.times, way.index, hue, width)
+    for variant, hue in reversed(_hues(result)):
+        width = 2.0 if variant is result.wired else 1.0
+        curve(figure, 1, variant.name, line.times, variant.away, hue, width)
+        curve(figure, 3, variant.name, line.times, variant.index, hue, width)
     curve(figure, 2, result.wired.name, line.times, result.wired.away, SLAVE, 2.0)
     if greatest := result.after[0].away:
         figure.update_yaxes(range=[-ROOM * greatest, ROOM * greatest], row=2, col=1)
     unit = unit_name(Unit.POSITION, line.unit)
     for i, ((name, _), of) in enumerate(zip(ROWS, (unit, unit, "cycles"), strict=True), 1):
-        told = name if i == len(ROWS) else f"slave's error,<br>{name}"
-        figure.update_yaxes(title_text=f"{told}<br>{of}", row=i, col=1)
+        title = name if i == len(ROWS) else f"slave's error,<br>{name}"
+        figure.update_yaxes(title_text=f"{title}<br>{of}", row=i, col=1)
     if result.synced <= line.times[-1]:
         figure.add_vline(x=result.synced, line={"color": GREY, "width": 1, "dash": "dash"})
         figure.add_annotation(
@@ -78,19 +79,19 @@ def _error_plots(line: Line, result: Result) -> Any:
 
 
 def _event_plots(line: Line, result: Result) -> Any:
-    """The magnitude of each cut's error, or of each switch's, on each way: from micrometres to millimetres."""
+    """The magnitude of each cut's error, or of each switch's, in each variant: from micrometres to millimetres."""
     unit, what = unit_name(Unit.POSITION, line.unit), "cut" if result.wired.cuts else "switch"
     figure = go.Figure()
-    for way, hue in _hues(result):
-        events: list[Cut] | list[Switch] = way.cuts or way.switches
+    for variant, hue in _hues(result):
+        events: list[Cut] | list[Switch] = variant.cuts or variant.switches
         figure.add_trace(
             go.Bar(
                 x=list(range(1, len(events) + 1)),
                 y=[abs(e.error) for e in events],
-                name=way.name,
+                name=variant.name,
                 marker={"color": hue},
                 customdata=[e.error for e in events],
-                hovertemplate=f"{what} %{{x}}: %{{customdata:.3g}} {unit}<extra>{way.name}</extra>",
+                hovertemplate=f"{what} %{{x}}: %{{customdata:.3g}} {unit}<extra>{variant.name}</extra>",
             )
         )
     figure.update_xaxes(title_text=what, dtick=1)

@@ -1,13 +1,14 @@
 """Runs of a line: by FMPy from the SSP package, by libcosim from the OSP structure, and a follower alone.
 
 Both co-simulations are parallel (Jacobi): in the step from t to t+h each FMU has the inputs that were there at t, and
-what it puts out for t+h another one sees in the next step, from t+h on. RemoteSync's output, shifted by
-delay_time_offset = h, is the axis at t+h; the follower sees it as START_OF_STEP at t+h. Nothing lags.
+what it puts out for t+h reaches another FMU in the next step, from t+h on. RemoteSync's output, shifted by
+delay_time_offset = h, is the axis at t+h; the follower takes it as START_OF_STEP at t+h. So nothing lags.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from fmpy.ssp.ssd import ParameterSet, read_ssd
 from numpy.typing import NDArray
 
 from ..errors import UserError
-from ..interface.variables import variables
 from ..scenario.fmu_instance import FmuError, FmuInstance
 from ..scenario.recording import Reals
 from .line import REMOTE, Line
@@ -30,7 +30,7 @@ BOOLEANS = {"true": True, "false": False}
 
 
 class MissingLibraryError(Exception):
-    """A library is not installed; the text tells how to get it."""
+    """A library is not installed; the text says how to install it."""
 
 
 # --- (a) FMPy ---
@@ -39,21 +39,21 @@ class MissingLibraryError(Exception):
 def run_ssp(line: Line, package: Package) -> dict[str, Values]:
     """FMPy's SSP simulation of the package: of each component, the outputs at the ends of the steps.
 
-    What FMPy does beside the standard: it applies no parameter set of the package but the one it is given; a value at a
-    system's input reaches its component one step later, and in the first step all inputs are zero. So the inputs are
-    fed at t+h.
+    FMPy departs from the standard: it applies no parameter set of the package but the one that it is given; a value at
+    a system's input reaches its component one step later, and in the first step all inputs are zero. So the inputs are
+    given for t+h.
 
     Raises:
         UserError: an FMU refused a value or a step.
     """
-    for name in line.recipes:  # FMPy tells nothing of what an FMU logs
-        with FmuInstance(package.fmus[name]) as host:
-            _initialized(line, host, name)
+    for name in line.recipes:  # alone at first: FMPy's SSP simulation does not show what an FMU logs
+        with FmuInstance(package.fmus[name]) as fmu:
+            _initialize(line, fmu, name)
     h, last = line.step_size, line.steps - 1
 
     def feed(values: NDArray[Any]) -> Any:
-        told = values.tolist()
-        return lambda time: told[min(round(time / h) + 1, last)]
+        later = values.tolist()
+        return lambda time: later[min(round(time / h) + 1, last)]
 
     try:
         table = simulate_ssp(
@@ -90,66 +90,111 @@ def run_cosim(line: Line, package: Package) -> dict[str, Values]:
         MissingLibraryError: libcosimpy is not installed.
         UserError: libcosim refused the structure or a step.
     """
-    try:
-        from libcosimpy.CosimEnums import CosimExecutionState  # noqa: PLC0415 (an optional library)
-        from libcosimpy.CosimExecution import CosimExecution  # noqa: PLC0415
-        from libcosimpy.CosimLogging import CosimLogLevel, log_output_level  # noqa: PLC0415
-        from libcosimpy.CosimManipulator import CosimManipulator  # noqa: PLC0415
-        from libcosimpy.CosimObserver import CosimObserver  # noqa: PLC0415
-    except ModuleNotFoundError:
-        raise MissingLibraryError("libcosimpy is not installed: pip install 'motionsync[line]'") from None
-    log_output_level(CosimLogLevel.ERROR)
-    try:
-        execution = CosimExecution.from_osp_config_file(str(package.osp))
-    except AssertionError as e:
-        raise UserError(f"{package.osp}: libcosim refused it: {e}") from None
-    manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
-    execution.add_manipulator(manipulator)
-    execution.add_observer(observer)
-    inputs: Mapping[str, Inputs] = {REMOTE: line.telegrams, line.follower.recipe.name: line.commands}
-    feeds, reads = [], []
-    for name, recipe in line.recipes.items():
-        slave = execution.slave_index_from_instance_name(name)
-        references = {v.name.decode(): v.reference for v in execution.slave_variables(slave)}
-        for kind in KINDS:
-            chosen = [v.name for v in variables(recipe.block()) if v.kind == kind]
-            put = getattr(manipulator, f"slave_{kind.lower()}_values")
-            get = getattr(observer, f"last_{kind.lower()}_values")
-            if names := [n for n in chosen if n in inputs[name]]:
-                rows = list(zip(*(inputs[name][n].tolist() for n in names), strict=True))
-                feeds.append(_Feed(partial(put, slave, [references[n] for n in names]), rows))
-            if names := [v.name for v in line.outputs[name] if v.name in chosen]:
-                values = np.empty((line.steps, len(names)))
-                reads.append(_Read(partial(get, slave, [references[n] for n in names]), name, names, values))
+    cosim = _Cosim(line, package.osp)
+    for name in line.recipes:
+        cosim.wire(name)
     for i in range(line.steps):
-        for feed in feeds:
+        cosim.step(i)
+    return cosim.values()
+
+
+class _Cosim:
+    """libcosim's execution of an OSP structure."""
+
+    def __init__(self, line: Line, structure: Path) -> None:
+        """Open the structure.
+
+        Raises:
+            MissingLibraryError: libcosimpy is not installed.
+            UserError: libcosim refused the structure.
+        """
+        try:
+            from libcosimpy.CosimEnums import CosimExecutionState  # noqa: PLC0415 (an optional library)
+            from libcosimpy.CosimExecution import CosimExecution  # noqa: PLC0415
+            from libcosimpy.CosimLogging import CosimLogLevel, log_output_level  # noqa: PLC0415
+            from libcosimpy.CosimManipulator import CosimManipulator  # noqa: PLC0415
+            from libcosimpy.CosimObserver import CosimObserver  # noqa: PLC0415
+        except ModuleNotFoundError:
+            raise MissingLibraryError("libcosimpy is not installed: pip install 'motionsync[line]'") from None
+        log_output_level(CosimLogLevel.ERROR)
+        try:
+            self.execution = CosimExecution.from_osp_config_file(str(structure))
+        except AssertionError as e:
+            raise UserError(f"{structure}: libcosim refused it: {e}") from None
+        self.line = line
+        self.structure = structure
+        self.inputs: Mapping[str, Inputs] = {REMOTE: line.telegrams, line.follower.recipe.name: line.commands}
+        self.failed = CosimExecutionState.ERROR.value
+        self.manipulator, self.observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
+        self.execution.add_manipulator(self.manipulator)
+        self.execution.add_observer(self.observer)
+        self.feeds: list[_Feed] = []
+        self.reads: list[_Read] = []
+
+    def wire(self, component: str) -> None:
+        """Prepare how the inputs of a component are overridden and its outputs read, type by type."""
+        slave = self.execution.slave_index_from_instance_name(component)
+        references = {v.name.decode(): v.reference for v in self.execution.slave_variables(slave)}
+        inputs = self.inputs[component]
+        outputs = [v.name for v in self.line.outputs[component]]
+        for kind in KINDS:
+            chosen = [v.name for v in self.line.recipes[component].variables.values() if v.kind == kind]
+            put = getattr(self.manipulator, f"slave_{kind.lower()}_values")
+            get = getattr(self.observer, f"last_{kind.lower()}_values")
+            if names := [n for n in chosen if n in inputs]:
+                rows = list(zip(*(inputs[n].tolist() for n in names), strict=True))
+                self.feeds.append(_Feed(partial(put, slave, [references[n] for n in names]), rows))
+            if names := [n for n in outputs if n in chosen]:
+                values = np.empty((self.line.steps, len(names)))
+                self.reads.append(_Read(partial(get, slave, [references[n] for n in names]), component, names, values))
+
+    def step(self, i: int) -> None:
+        """The step with this number.
+
+        Raises:
+            UserError: it failed.
+        """
+        for feed in self.feeds:
             feed.give(i)
-        if not execution.step() or execution.status().state == CosimExecutionState.ERROR.value:
-            raise UserError(f"{package.osp}: libcosim failed at {i * line.step_size:g} s")
-        for read in reads:
+        if not self.execution.step() or self.execution.status().state == self.failed:
+            raise UserError(f"{self.structure}: libcosim failed at {i * self.line.step_size:g} s")
+        for read in self.reads:
             read.values[i] = read.get()
-    found: dict[str, Values] = {name: {} for name in line.outputs}
-    for read in reads:
-        found[read.component] |= dict(zip(read.names, read.values.T, strict=True))
-    return found
+
+    def values(self) -> dict[str, Values]:
+        """Of each component, the outputs at the ends of the steps."""
+        found: dict[str, Values] = {name: {} for name in self.line.outputs}
+        for read in self.reads:
+            found[read.component] |= dict(zip(read.names, read.values.T, strict=True))
+        return found
 
 
 @dataclass(frozen=True)
 class _Feed:
-    """Inputs of one type of an FMU in libcosim: how to override them, and their values in each step."""
+    """Inputs of one type of an FMU in libcosim.
+
+    Attributes:
+        put: overrides them.
+        rows: their values in each step.
+    """
 
     put: Callable[[list[Any]], Any]
     rows: list[tuple[Any, ...]]
 
     def give(self, i: int) -> None:
-        """An override stays until the next one."""
+        """Override them for the step with this number; an override stays until the next one."""
         if i == 0 or self.rows[i] != self.rows[i - 1]:
             self.put(list(self.rows[i]))
 
 
 @dataclass(frozen=True)
 class _Read:
-    """Outputs of one type of an FMU in libcosim, and room for their values, shape (steps, names)."""
+    """Outputs of one type of an FMU in libcosim.
+
+    Attributes:
+        get: answers their present values.
+        values: those at the ends of the steps, shape (steps, names).
+    """
 
     get: Callable[[], list[Any]]
     component: str
@@ -163,41 +208,40 @@ class _Read:
 def run_alone(
     line: Line, package: Package, name: str, inputs: Inputs, start: Mapping[str, Any] | None = None
 ) -> Values:
-    """A component of the line, driven by these inputs; `start`: in place of some of its start values.
+    """A component of the line alone, driven by these inputs; `start` replaces some of its start values.
 
     Raises:
         UserError: it refused a value or a step; the message has the time and what it logged.
     """
     outputs = {kind: [v.name for v in line.outputs[name] if v.kind == kind] for kind in KINDS}
     found = {kind: np.empty((line.steps, len(names))) for kind, names in outputs.items()}
-    with FmuInstance(package.fmus[name]) as host:
-
-        def references(names: Iterable[str]) -> list[int]:
-            return [host.kinds[n][0] for n in names]
-
-        groups = {kind: [n for n in inputs if host.kinds[n][1] == kind] for kind in KINDS}
+    with FmuInstance(package.fmus[name]) as fmu:
+        given = {kind: [n for n in inputs if fmu.kinds[n][1] == kind] for kind in KINDS}
         puts = [
-            (getattr(host.unit, f"set{kind}"), references(names), np.array([inputs[n] for n in names]).T.tolist())
-            for kind, names in groups.items()
+            (getattr(fmu.unit, f"set{kind}"), fmu.references(names), np.array([inputs[n] for n in names]).T.tolist())
+            for kind, names in given.items()
             if names
         ]
-        gets = [(getattr(host.unit, f"get{kind}"), references(names), found[kind]) for kind, names in outputs.items()]
+        gets = [
+            (getattr(fmu.unit, f"get{kind}"), fmu.references(names), found[kind]) for kind, names in outputs.items()
+        ]
         i = 0
         try:
-            _initialized(line, host, name, start)
+            _initialize(line, fmu, name, start)
             for i in range(line.steps):
-                for put, at, rows in puts:
-                    put(at, rows[i])
-                host.call(host.unit.doStep, i * line.step_size, line.step_size)
-                for get, at, values in gets:
-                    values[i] = get(at)
+                for put, references, rows in puts:
+                    put(references, rows[i])
+                fmu.call(fmu.unit.doStep, i * line.step_size, line.step_size)
+                for get, references, values in gets:
+                    values[i] = get(references)
         except FmuError as e:
             raise UserError(f"{line.follower.file}: at {i * line.step_size:g} s {name} refused: {e}") from None
     return {n: column for kind, names in outputs.items() for n, column in zip(names, found[kind].T, strict=True)}
 
 
-def _initialized(line: Line, host: FmuInstance, name: str, start: Mapping[str, Any] | None = None) -> None:
+def _initialize(line: Line, fmu: FmuInstance, name: str, start: Mapping[str, Any] | None = None) -> None:
+    """Initialize a component with the line's start values, some of them replaced by `start`."""
     try:
-        host.initialize({**line.parameters[name], **(start or {})})
+        fmu.initialize({**line.parameters[name], **(start or {})})
     except FmuError as e:
         raise UserError(f"{line.follower.file}: {name} refused its start values: {e}") from None

@@ -168,7 +168,7 @@ class _Batch:
         steps: int | None,
         instances: int | None,
     ) -> None:
-        self.type: type[Any] = choose(BLOCKS, block, "block").type if isinstance(block, str) else block
+        self.type: type[Any] = choose(BLOCKS, block, "block") if isinstance(block, str) else block
         self.image = image(self.type())
         self.variables = {v.name: v for v in variables(self.type())}
         self.outputs = [choose(self.variables, name, f"variable of {self.type.__name__}") for name in outputs]

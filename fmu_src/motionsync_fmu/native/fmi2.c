@@ -100,8 +100,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
-    ONLY_WHEN(STEPPING);
-    ANSWER(unit_step(c, time, h));
+    ANSWER(unit_step(c, time, h, __func__));
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c) {
@@ -119,12 +118,10 @@ fmi2Status fmi2Terminate(fmi2Component c) {
 
 #define ACCESS(Type, name)                                                                                         \
     fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##Type values[]) {       \
-        ONLY_WHEN(READABLE);                                                                                       \
-        ANSWER(unit_get_##name(c, r, n, values, __func__));                                                        \
+        ANSWER(unit_get_##name(c, READABLE, r, n, values, __func__));                                              \
     }                                                                                                              \
     fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2##Type values[]) { \
-        ONLY_WHEN(SETTABLE);                                                                                       \
-        ANSWER(unit_set_##name(c, r, n, values, __func__));                                                        \
+        ANSWER(unit_set_##name(c, SETTABLE, r, n, values, __func__));                                              \
     }
 ACCESS(Real, reals)
 ACCESS(Integer, integers)

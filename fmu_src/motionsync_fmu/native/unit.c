@@ -330,8 +330,8 @@ static Status run_with_derivatives(Unit *u, double h) {
     return status;
 }
 
-Status unit_step(Unit *u, double time, double h) {
-    if (!ready(u, h)) return UNIT_ERROR;
+Status unit_step(Unit *u, double time, double h, const char *call) {
+    if (!unit_may(u, STEPPING, call) || !ready(u, h)) return UNIT_ERROR;
     int64_t codes[sizeof CODED / sizeof *CODED];
     for (int i = 0; CODED[i].variable >= 0; i++) codes[i] = *integer(u, CODED[i].variable);
     bool derived = u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
@@ -384,14 +384,15 @@ static void put_integer(Unit *u, const Variable *v, int32_t x) { *(int64_t *)at(
 static void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(&u->now.model, v) = x != 0; }
 
 #define ACCESS(name, KINDS, Given, Held)                                                                             \
-    Status unit_get_##name##s(Unit *u, const uint32_t r[], size_t n, Given values[], const char *call) {             \
-        if (!may_get(u, KINDS, r, n, values, call)) return UNIT_ERROR;                                               \
+    Status unit_get_##name##s(Unit *u, int modes, const uint32_t r[], size_t n, Given values[], const char *call) {  \
+        if (!unit_may(u, modes, call) || !may_get(u, KINDS, r, n, values, call)) return UNIT_ERROR;                  \
         follow(u);                                                                                                   \
         for (size_t i = 0; i < n; i++) values[i] = (Given)*(Held *)at(&u->now.model, VARIABLES + r[i]);              \
         return UNIT_OK;                                                                                              \
     }                                                                                                                \
-    Status unit_set_##name##s(Unit *u, const uint32_t r[], size_t n, const Given values[], const char *call) {       \
-        if (!may_set(u, KINDS, r, n, values, call)) return UNIT_ERROR;                                               \
+    Status unit_set_##name##s(Unit *u, int modes, const uint32_t r[], size_t n, const Given values[],                \
+                              const char *call) {                                                                    \
+        if (!unit_may(u, modes, call) || !may_set(u, KINDS, r, n, values, call)) return UNIT_ERROR;                  \
         for (size_t i = 0; i < n; i++) put_##name(u, VARIABLES + r[i], values[i]);                                   \
         return UNIT_OK;                                                                                              \
     }

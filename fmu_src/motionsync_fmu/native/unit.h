@@ -38,7 +38,7 @@ double unit_time(const Unit *u); /* the start time, or the end of the last step 
 void unit_set_time(Unit *u, double time);
 void unit_enter_initialization(Unit *u);
 Status unit_exit_initialization(Unit *u);
-Status unit_step(Unit *u, double time, double h);
+Status unit_step(Unit *u, double time, double h, const char *call); /* in step mode only */
 void unit_terminate(Unit *u);
 
 /* --- messages --- */
@@ -51,12 +51,14 @@ bool unit_given(const Unit *u, const void *pointer, const char *call); /* false,
 
 /* --- values, by the places `r` of their variables in the description --- */
 
-Status unit_get_reals(Unit *u, const uint32_t r[], size_t n, double values[], const char *call);
-Status unit_get_integers(Unit *u, const uint32_t r[], size_t n, int32_t values[], const char *call);
-Status unit_get_booleans(Unit *u, const uint32_t r[], size_t n, int32_t values[], const char *call);
-Status unit_set_reals(Unit *u, const uint32_t r[], size_t n, const double values[], const char *call);
-Status unit_set_integers(Unit *u, const uint32_t r[], size_t n, const int32_t values[], const char *call);
-Status unit_set_booleans(Unit *u, const uint32_t r[], size_t n, const int32_t values[], const char *call);
+/* `modes`: when the call is allowed. These functions are called most, and check the mode themselves. */
+
+Status unit_get_reals(Unit *u, int modes, const uint32_t r[], size_t n, double values[], const char *call);
+Status unit_get_integers(Unit *u, int modes, const uint32_t r[], size_t n, int32_t values[], const char *call);
+Status unit_get_booleans(Unit *u, int modes, const uint32_t r[], size_t n, int32_t values[], const char *call);
+Status unit_set_reals(Unit *u, int modes, const uint32_t r[], size_t n, const double values[], const char *call);
+Status unit_set_integers(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t values[], const char *call);
+Status unit_set_booleans(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t values[], const char *call);
 
 /* Derivatives of inputs act in the next step only; those of the slave's position are always there. */
 Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],

@@ -69,46 +69,52 @@ class Panel:
     shaded: Reals | None = None
 
 
+@dataclass(frozen=True)
+class Run:
+    """A run of the example, and how its lines are drawn."""
+
+    name: str
+    colour: str
+    recording: Recording
+
+
 def panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Panel]:
-    """An example's plots: the main one, then two lower ones.
+    """An example's plots, the main one first.
 
     `unit` and `slave_unit`, empty for the same, are what the plots call the units of positions.
 
     Raises:
         UserError: the block refuses its example.
     """
-    runs = {name: run_in_process(variant, example.step_size) for name, variant in _variants(example).items()}
-    if example.remote:
-        return _remote_panels(example.remote, runs, unit)
-    return _motion_panels(example, runs, unit, slave_unit)
+    runs = [
+        Run(name, colour, run_in_process(variant, example.step_size))
+        for (name, variant), colour in zip(_variants(example).items(), VARIANTS, strict=False)
+    ]
+    motion = _errors(example.remote, runs, unit) if example.remote else _motion(example, runs, unit, slave_unit)
+    return motion + [_curve(example, runs, name, label) for name, label in example.picture.curves.items()]
 
 
 def _variants(example: Scenario) -> dict[str, Scenario]:
-    """The runs that the picture shows beside one another, by the names of their lines."""
-    variants = example.picture.variants if example.picture else {}
-    return {name: replace(example, start={**example.start, **start}) for name, start in variants.items()} or {
-        "slave": example
+    """What the picture shows beside one another, by the names of the lines."""
+    variants = {
+        name: replace(example, start={**example.start, **start}) for name, start in example.picture.variants.items()
     }
+    return variants or {"slave": example}
 
 
-def _motion_panels(example: Scenario, runs: dict[str, Recording], unit: str, slave_unit: str) -> list[Panel]:
+def _motion(example: Scenario, runs: list[Run], unit: str, slave_unit: str) -> list[Panel]:
     """Position and velocity of master and slave, and the slave's acceleration."""
-    first = next(iter(runs.values()))
-    drawn = _thinned(first.time)
-    shaded = example.picture.shaded if example.picture else ""
+    first = runs[0].recording
+    drawn, shaded = _thinned(first.time), example.picture.shaded
     position, velocity = first.master[:, 0], first.master[:, 1]
     master = {Unit.POSITION: position % example.period if example.period else position, Unit.VELOCITY: velocity}
 
     def panel(kind: Unit, name: str) -> Panel:
         followed = [Line("master", MASTER, 1.5, _broken(master[kind][drawn]))] if kind in master else []
         label = axis_label(kind, unit, slave_unit) if followed else unit_name(kind, slave_unit or unit)
-        lines = [
-            Line(run, colour, 2.2, _broken(recording.values[f"slave.{name}"][drawn]))
-            for (run, recording), colour in zip(runs.items(), VARIANTS, strict=False)
-        ]
-        return Panel(
-            _labelled(name, label), first.time[drawn], followed + lines, first.values[shaded][drawn] if shaded else None
-        )
+        lines = [Line(r.name, r.colour, 2.2, _broken(r.recording.values[f"slave.{name}"][drawn])) for r in runs]
+        shade = first.values[shaded][drawn] if shaded else None
+        return Panel(_labelled(name, label), first.time[drawn], followed + lines, shade)
 
     return [
         panel(Unit.POSITION, "position"),
@@ -117,32 +123,38 @@ def _motion_panels(example: Scenario, runs: dict[str, Recording], unit: str, sla
     ]
 
 
-def _remote_panels(remote: Remote, runs: dict[str, Recording], unit: str) -> list[Panel]:
-    """How far the position is from the true one, how far the index is ahead of the receiver's, and the drift.
-
-    Each value belongs to the instant of the receiver's cycle that has put it out.
-    """
-    clocks = remote.clocks
-    found = {name: errors(remote, recording) for name, recording in runs.items()}
-    first = next(iter(found.values()))
-    cycles = np.array([clocks.acted(t) - 1 for t in first.time.tolist()])
+def _errors(remote: Remote, runs: list[Run], unit: str) -> list[Panel]:
+    """How far the position is from the true one, and how far the index is ahead of the receiver's own."""
+    found = [errors(remote, run.recording) for run in runs]
+    cycles = _cycles(remote, found[0].time)
     ahead = remote.telegrams.true_index[cycles] - cycles
-    drawn = _thinned(first.time)
-    colours = dict(zip(runs, VARIANTS, strict=False))
+    drawn = _thinned(cycles)
 
-    def panel(label: str, received: Reals | None, corrected: dict[str, Reals]) -> Panel:
-        lines = [] if received is None else [Line("as received", MASTER, 1.2, received[drawn])]
-        lines += [Line(name, colour, 2.0, corrected[name][drawn]) for name, colour in colours.items()]
-        return Panel(label, cycles[drawn] * clocks.task_cycle, lines)
+    def panel(label: str, received: Reals, corrected: list[Reals]) -> Panel:
+        lines = [Line("as received", MASTER, 1.2, received[drawn])]
+        lines += [Line(r.name, r.colour, 2.0, values[drawn]) for r, values in zip(runs, corrected, strict=True)]
+        return Panel(label, cycles[drawn] * remote.clocks.task_cycle, lines)
 
-    positions = {name: error.corrected_position for name, error in found.items()}
-    indices = {name: error.corrected_index + ahead for name, error in found.items()}
-    drifts = {name: recording.values["drift"][1:] for name, recording in runs.items()}
+    position = _labelled("position - true one", unit_name(Unit.POSITION, unit))
     return [
-        panel(_labelled("position - true one", unit_name(Unit.POSITION, unit)), first.position, positions),
-        panel("index - receiver's", first.index + ahead, indices),
-        panel("drift\nppm", None, drifts),
+        panel(position, found[0].position, [error.corrected_position for error in found]),
+        panel("index - receiver's", found[0].index + ahead, [error.corrected_index + ahead for error in found]),
     ]
+
+
+def _curve(example: Scenario, runs: list[Run], name: str, label: str) -> Panel:
+    """One output, in all runs."""
+    time = runs[0].recording.time[1:]
+    drawn = _thinned(time)
+    lines = [Line(run.name, run.colour, 2.0, run.recording.values[name][1:][drawn]) for run in runs]
+    if example.remote:
+        time = _cycles(example.remote, time) * example.remote.clocks.task_cycle
+    return Panel(label, time[drawn], lines)
+
+
+def _cycles(remote: Remote, time: Reals) -> Reals:
+    """The receiver's cycles whose outputs are seen at these times; what they describe is the axis at their instants."""
+    return np.array([remote.clocks.acted(t) - 1 for t in time.tolist()])
 
 
 def _labelled(name: str, unit: str) -> str:

@@ -7,11 +7,12 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from markupsafe import Markup
 
-from ..archive import folder
+from ..archive import beside
 from ..errors import UserError
 from .state_diagram import drawn
 
 FILE = "README.md"
+FIGURE = Markup('<figure>\n<img src="{file}" alt="{title}">\n<figcaption>{caption}</figcaption>\n</figure>\n')
 ELSEWHERE = ("http://", "https://")  # what a link that works inside an FMU begins with
 
 
@@ -21,33 +22,35 @@ def readme(block_type: type[Any]) -> str:
     Raises:
         UserError: there is none.
     """
-    file = folder(block_type) / FILE
+    file = beside(block_type, FILE)
     try:
         return file.read_text("utf-8")
     except OSError as e:
         raise UserError(f"{file}: cannot be read: {e}: a block's README.md is part of its page") from None
 
 
-def rendered(text: str, picture: Markup) -> Markup:
+def rendered(text: str, picture: str, title: str) -> Markup:
     """A README as HTML below a page's own title.
 
-    The title of the README is left out; `picture` stands in place of its picture; the state diagram is drawn; links
-    that lead to files outside the FMU are only texts.
+    The title of the README is left out; the page's own `picture`, a file beside the page that shows what `title` says,
+    stands with the README's caption in place of the README's picture; the state diagram is drawn; links that lead to
+    files outside the FMU are only texts.
     """
-    markdown = MarkdownIt("commonmark").enable("table")
-    tokens = list(_fitted(markdown.parse(text), picture))
+    markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
+    tokens = list(_fitted(markdown.parse(text), picture, title))
     return Markup(markdown.renderer.render(tokens, markdown.options, {}))
 
 
-def _fitted(tokens: list[Token], picture: Markup) -> Iterator[Token]:
+def _fitted(tokens: list[Token], picture: str, title: str) -> Iterator[Token]:
     """The README's tokens as the page needs them."""
     for before, token, after in zip([None, *tokens], tokens, [*tokens[1:], None], strict=False):
         if token.tag == "h1" or (before and before.tag == "h1" and before.nesting == 1):
             continue  # the title
-        if any(_is_picture(t) for t in (before, after)):
+        if _is_picture(before) or _is_picture(after):
             continue  # the ends of the paragraph that holds nothing but the picture
         if _is_picture(token):
-            yield _html(picture)
+            caption = token.children[0].content if token.children else ""
+            yield _html(FIGURE.format(file=picture, title=title, caption=caption))
         elif token.type == "fence" and token.info.strip() == "mermaid":
             yield _html(drawn(token.content))
         else:

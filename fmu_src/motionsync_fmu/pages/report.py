@@ -1,4 +1,4 @@
-"""One self-contained HTML page per run: interactive courses over time, cuts, and a table of what was expected."""
+"""One self-contained HTML page a run: interactive plots over time, the cuts, and a table of what was expected."""
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
@@ -21,7 +21,7 @@ from ..scenario.judge import Check, Deviation, read_reference
 from ..scenario.recording import Reals, Recording
 from ..scenario.scenario import Scenario
 from ..scenario.telegrams import Errors, errors
-from .block_page import MASTER, SLAVE, TEMPLATES
+from .style import MASTER, SLAVE, TEMPLATES
 
 REFERENCE = "#1f6fb2"
 GREY = "#53616e"
@@ -45,26 +45,26 @@ MOST_SHADES = 500  # stretches that are shaded behind the positions
 def write_report(
     file: Path,
     scenario: Scenario,
-    course: Recording,
+    recording: Recording,
     checks: list[Check],
     deviations: list[Deviation],
     step_size: float,
 ) -> None:
     """The page; nothing in it is loaded from elsewhere."""
     by_name = scenario.recipe.variables
-    cuts = find_cuts(scenario.cuts, course) if scenario.cuts else []
+    cuts = find_cuts(scenario.cuts, recording) if scenario.cuts else []
     text = TEMPLATES.get_template("report.html.j2").render(
         scenario=scenario,
         version=__version__,
         step_size=step_size,
-        points=len(course.time),
+        points=len(recording.time),
         checks=checks,
         deviations=deviations,
-        messages=course.messages,
+        messages=recording.messages,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
-        plots=html(plots(scenario, course, by_name), plotly=True),
+        plots=html(plots(scenario, recording, by_name), plotly=True),
         cuts=cuts,
-        cut_plots=html(cut_plots(scenario.cuts, cuts, scenario, course)) if scenario.cuts and cuts else "",
+        cut_plots=html(cut_plots(scenario.cuts, cuts, scenario, recording)) if scenario.cuts and cuts else "",
         unit=unit_name(Unit.POSITION, scenario.unit),
         by_name=by_name,
     )
@@ -76,26 +76,26 @@ def html(figure: Any, *, plotly: bool = False) -> Markup:
     return Markup(figure.to_html(full_html=False, include_plotlyjs=plotly, config={"displaylogo": False}))
 
 
-# --- courses over time ---
+# --- plots over time ---
 
 
-def plots(scenario: Scenario, course: Recording, by_name: Mapping[str, Variable]) -> Any:
+def plots(scenario: Scenario, recording: Recording, by_name: Mapping[str, Variable]) -> Any:
     """Master and slave over time, the reference over them, a remote axis' errors, lanes of what is discrete, marks of
     the commands."""
-    lanes = list(_lanes(course, by_name))
+    lanes = list(_lanes(recording, by_name))
     rows = [height for *_, height in ROWS] + [height for _, height in ERRORS if scenario.remote]
     heights = [*rows, LANE * (len(lanes) + 1)]
     figure = make_subplots(
         rows=len(heights), cols=1, shared_xaxes=True, vertical_spacing=20.0 / sum(heights), row_heights=heights
     )
     if scenario.remote:
-        found = errors(scenario.remote, course)
+        found = errors(scenario.remote, recording)
         _received(figure, found)
-        _motion(figure, scenario, course, "remote axis")
+        _motion(figure, scenario, recording, "remote axis")
         _errors(figure, found, scenario)
     else:
-        _motion(figure, scenario, course, "master")
-    _discrete(figure, len(heights), lanes)
+        _motion(figure, scenario, recording, "master")
+    _draw_lanes(figure, len(heights), lanes)
     _commands(figure, len(heights), scenario, by_name)
     figure.update_layout(
         height=sum(heights) + 20 * len(heights) + 170,
@@ -110,15 +110,15 @@ def plots(scenario: Scenario, course: Recording, by_name: Mapping[str, Variable]
     return figure
 
 
-def _motion(figure: Any, scenario: Scenario, course: Recording, followed: str) -> None:
+def _motion(figure: Any, scenario: Scenario, recording: Recording, followed: str) -> None:
     """The slave, what it follows, and the reference: a row each for position and its derivatives."""
-    master = dict(zip((name for name, *_ in ROWS), course.master.T, strict=True))
+    master = dict(zip((name for name, *_ in ROWS), recording.master.T, strict=True))
     reference = read_reference(scenario)
     for i, (name, kind, _) in enumerate(ROWS, 1):
         values = master[name] % scenario.period if name == "position" and scenario.period else master[name]
-        curve(figure, i, followed, course.time, _broken(values, scenario, name), MASTER, 1.5)
-        slave = _broken(course.values[f"slave.{name}"], scenario, name)
-        curve(figure, i, "slave", course.time, slave, SLAVE, 2.5)
+        curve(figure, i, followed, recording.time, _broken(values, scenario, name), MASTER, 1.5)
+        slave = _broken(recording.values[f"slave.{name}"], scenario, name)
+        curve(figure, i, "slave", recording.time, slave, SLAVE, 2.5)
         if reference and f"slave.{name}" in reference[0]:
             column = reference[1][:, 1 + reference[0].index(f"slave.{name}")]
             curve(figure, i, "reference", reference[1][:, 0], _broken(column, scenario, name), REFERENCE, 1.5, "dot")
@@ -151,7 +151,7 @@ def curve(
     figure: Any, row: int, name: str, time: Reals, values: Reals, colour: str, width: float, dash: str = "solid"
 ) -> None:
     """A line in a row of a figure; only the first row's is in the legend, and switches those of its name."""
-    chosen = _telling(values)
+    chosen = _places_to_draw(values)
     figure.add_trace(
         go.Scatter(
             x=time[chosen],
@@ -167,7 +167,7 @@ def curve(
     )
 
 
-def _telling(values: Reals) -> NDArray[np.int64]:
+def _places_to_draw(values: Reals) -> NDArray[np.int64]:
     """The places that a line needs: all of few; of many the least and the greatest value of each stretch."""
     if len(values) <= MOST_POINTS:
         return np.arange(len(values))
@@ -189,58 +189,36 @@ def _broken(values: Reals, scenario: Scenario, name: str) -> Reals:
 # --- what is discrete ---
 
 
-Lane = tuple[Variable, list[tuple[float, float, int]]]
-"""A variable and its values, one after the other: from when, until when, which."""
+Stretch = tuple[float, float, int]
+"""From when until when a variable has a value, in s, and which."""
+Lane = tuple[Variable, list[Stretch]]
+"""A variable and its values, one after the other."""
 
 
-def _lanes(course: Recording, by_name: Mapping[str, Variable]) -> Iterator[Lane]:
+def _lanes(recording: Recording, by_name: Mapping[str, Variable]) -> Iterator[Lane]:
     """The state, then whatever else changes in the run: enumerations, then Booleans."""
     for kind in ("Enumeration", "Boolean"):
-        for v in (by_name[name] for name in course.values if by_name[name].kind == kind):
-            stretches = list(_stretches(course, v.name))
+        for v in (by_name[name] for name in recording.values if by_name[name].kind == kind):
+            stretches = list(_stretches(recording, v.name))
             if len(stretches) > 1 or v.name == "state":
                 yield v, stretches
 
 
-def _stretches(course: Recording, name: str) -> Iterator[tuple[float, float, int]]:
-    values = course.values[name].astype(int)
+def _stretches(recording: Recording, name: str) -> Iterator[Stretch]:
+    values = recording.values[name].astype(int)
     borders = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values) - 1]
     for first, last in pairwise(borders):
         if last > first:
-            yield float(course.time[first]), float(course.time[last]), int(values[first])
+            yield float(recording.time[first]), float(recording.time[last]), int(values[first])
 
 
-def _discrete(figure: Any, row: int, lanes: list[Lane]) -> None:
-    """A lane each: bars with the names of an enumeration's members, plain ones where a Boolean is true."""
+def _draw_lanes(figure: Any, row: int, lanes: list[Lane]) -> None:
+    """A lane for each variable, the first at the top; the marks of the commands have one below them."""
     for v, stretches in lanes:
-        shown = v.choices or [1]
-        for i, member in enumerate(shown):
-            chosen = [(begin, end) for begin, end, value in stretches if value == member]
-            if not chosen:
-                continue
-            figure.add_trace(
-                go.Bar(
-                    orientation="h",
-                    base=[begin for begin, _ in chosen],
-                    x=[end - begin for begin, end in chosen],
-                    y=[v.name] * len(chosen),
-                    text=[member.name] * len(chosen) if v.choices else None,
-                    textposition="inside",
-                    insidetextanchor="middle",
-                    textangle=0,
-                    textfont={"color": "#1d2730"},
-                    marker={"color": BANDS[i % len(BANDS)] if v.choices else TRUE, "line": {"width": 0}},
-                    width=0.8,
-                    name=member.name if v.choices else v.name,
-                    showlegend=False,
-                    hoverinfo="skip",
-                ),
-                row=row,
-                col=1,
-            )
+        for bar in _bars(v, stretches):
+            figure.add_trace(bar, row=row, col=1)
         if v.name == "state" and len(stretches) <= MOST_SHADES:
-            hues = {int(member): BANDS[i % len(BANDS)] for i, member in enumerate(v.choices)}
-            _shade(figure, [(begin, end, hues[value]) for begin, end, value in stretches if value in hues])
+            _shade(figure, [(begin, end, _band(v, value)) for begin, end, value in stretches if value in v.choices])
     names = [v.name for v, _ in lanes]
     figure.update_yaxes(
         type="category",
@@ -251,6 +229,34 @@ def _discrete(figure: Any, row: int, lanes: list[Lane]) -> None:
         row=row,
         col=1,
     )
+
+
+def _bars(v: Variable, stretches: list[Stretch]) -> Iterator[Any]:
+    """Bars with the names of an enumeration's members, plain ones where a Boolean is true."""
+    for member in v.choices or [True]:
+        chosen = [(begin, end) for begin, end, value in stretches if value == member]
+        if chosen:
+            yield go.Bar(
+                orientation="h",
+                base=[begin for begin, _ in chosen],
+                x=[end - begin for begin, end in chosen],
+                y=[v.name] * len(chosen),
+                text=[member.name] * len(chosen) if v.choices else None,
+                textposition="inside",
+                insidetextanchor="middle",
+                textangle=0,
+                textfont={"color": "#1d2730"},
+                marker={"color": _band(v, member) if v.choices else TRUE, "line": {"width": 0}},
+                width=0.8,
+                name=member.name if v.choices else v.name,
+                showlegend=False,
+                hoverinfo="skip",
+            )
+
+
+def _band(v: Variable, value: int) -> str:
+    """The colour of an enumeration's member."""
+    return BANDS[v.choices.index(value) % len(BANDS)]
 
 
 def _shade(figure: Any, stretches: list[tuple[float, float, str]]) -> None:
@@ -272,7 +278,7 @@ def _commands(figure: Any, row: int, scenario: Scenario, by_name: Mapping[str, V
                 x=t, y=1.0, yref="paper", yanchor="bottom", text=text, textangle=-20, xanchor="left", showarrow=False
             )
     marks = {"color": GREY, "size": 9, "symbol": "triangle-up"}
-    told = "%{text}<extra></extra>"
+    under_pointer = "%{text}<extra></extra>"
     figure.add_trace(
         go.Scatter(
             x=times,
@@ -280,7 +286,7 @@ def _commands(figure: Any, row: int, scenario: Scenario, by_name: Mapping[str, V
             text=texts,
             mode="markers",
             marker=marks,
-            hovertemplate=told,
+            hovertemplate=under_pointer,
             showlegend=False,
         ),
         row=row,
@@ -291,13 +297,13 @@ def _commands(figure: Any, row: int, scenario: Scenario, by_name: Mapping[str, V
 # --- cuts ---
 
 
-def cut_plots(spec: CutSpec, cuts: list[Cut], scenario: Scenario, course: Recording) -> Any:
+def cut_plots(spec: CutSpec, cuts: list[Cut], scenario: Scenario, recording: Recording) -> Any:
     """The saw among the marks that pass it, and the error of each cut over its place on the material."""
     unit = unit_name(Unit.POSITION, scenario.unit)
     figure = make_subplots(rows=2, cols=1, vertical_spacing=0.16, row_heights=[0.62, 0.38])
-    saw = course.values["slave.position"]
-    curve(figure, 1, "marks on the material", *_passing(spec, course, saw), MASTER, 1.0)
-    curve(figure, 1, "saw", course.time, saw, SLAVE, 2.5)
+    saw = recording.values["slave.position"]
+    curve(figure, 1, "marks on the material", *_passing(spec, recording, saw), MASTER, 1.0)
+    curve(figure, 1, "saw", recording.time, saw, SLAVE, 2.5)
     if len(cuts) <= MOST_SHADES:
         _shade(figure, [(c.begin, c.end, SYNCHRONOUS) for c in cuts])
     numbers = list(range(1, len(cuts) + 1))
@@ -323,19 +329,19 @@ def cut_plots(spec: CutSpec, cuts: list[Cut], scenario: Scenario, course: Record
     return figure
 
 
-def _passing(spec: CutSpec, course: Recording, saw: Reals) -> tuple[Reals, Reals]:
-    """The ways of all marks through the saw's range, as one line with gaps: times and positions."""
+def _passing(spec: CutSpec, recording: Recording, saw: Reals) -> tuple[Reals, Reals]:
+    """Where the marks are while they pass the range of the saw, as one line with gaps: times and positions."""
     room = 0.05 * float(np.ptp(saw)) + 1e-3 * spec.length
     low, high = float(saw.min()) - room, float(saw.max()) + room
-    chosen = _telling(course.master[:, 0])
-    ways = spec.ratio * (course.master[chosen, 0] - spec.offset)
+    chosen = _places_to_draw(recording.master[:, 0])
+    travel = spec.ratio * (recording.master[chosen, 0] - spec.offset)
     distance = abs(spec.ratio) * spec.length
-    first, last = (int(np.floor((x - edge) / distance)) for x, edge in ((ways.min(), high), (ways.max(), low)))
+    first, last = (int(np.floor((x - edge) / distance)) for x, edge in ((travel.min(), high), (travel.max(), low)))
     times, positions = [], []
     gap = np.array([np.nan])
     for n in range(first, min(last, first + MOST_SHADES) + 1):
-        inside = np.flatnonzero((low <= ways - n * distance) & (ways - n * distance <= high))
+        inside = np.flatnonzero((low <= travel - n * distance) & (travel - n * distance <= high))
         for part in np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1):
-            times += [course.time[chosen[part]], gap]
-            positions += [ways[part] - n * distance, gap]
+            times += [recording.time[chosen[part]], gap]
+            positions += [travel[part] - n * distance, gap]
     return np.concatenate([gap, *times]), np.concatenate([gap, *positions])

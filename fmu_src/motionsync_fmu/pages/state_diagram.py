@@ -1,7 +1,8 @@
 """A state diagram in mermaid's notation, drawn as SVG: for a page that has neither JavaScript nor a network.
 
-The states stand below one another in the order of their first mention. Transitions downwards are arcs on the right,
-those upwards on the left. Each transition has a number; a table tells from where it leads to where, and when.
+The states stand below one another in the order of their first mention, those of a group in a frame with its name. A
+transition downwards is an arc on the right, one upwards is an arc on the left. Each transition has a number; a table
+says from where it leads to where, and when.
 """
 
 import re
@@ -10,13 +11,24 @@ from dataclasses import dataclass
 from markdown_it import MarkdownIt
 from markupsafe import Markup, escape
 
-TRANSITION = re.compile(r"\s*(\S+)\s*-->\s*(\S+?)\s*(?::\s*(.*?)\s*)?$")
+TRANSITION = re.compile(r"\s*(\S+)\s*-->\s*(\S+)\s*(?::\s*(.*?)\s*)?$")
+GROUP = re.compile(r'\s*state\s+(?:".*"\s+as\s+)?(\w+)\s*\{')
 START = "[*]"  # the source of the transition that leads to the first state
-BOX, GAP, LETTER, ARC, DISC, MARGIN = 30.0, 18.0, 8.2, 30.0, 11.0, 16.0  # px
-ARROW = (
-    '<defs><marker id="arrow" viewBox="0 0 8 8" refX="7.5" refY="4" markerWidth="7" markerHeight="7" '
-    'orient="auto-start-reverse"><path d="M0 0.5 8 4 0 7.5z" fill="#53616e"/></marker></defs>'
+BOX, GAP, LETTER, ARC, DISC, MARGIN = 30.0, 20.0, 8.6, 30.0, 11.0, 24.0  # px
+HEAD = (
+    '<svg class="states" viewBox="0 0 {width:g} {height:g}" width="{width:g}" role="img" aria-label="state diagram">'
+    '<defs><marker id="arrow" viewBox="0 0 8 8" refX="7.5" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
+    '<path d="M0 0.5 8 4 0 7.5z" fill="#53616e"/></marker></defs>'
 )
+FRAME = '<rect x="{x:g}" y="{y:g}" width="{w:g}" height="{h:g}" rx="9" fill="{fill}" stroke="#7a8793"{dash}/>'
+DASHED = ' stroke-dasharray="5 4"'
+TEXT = '<text x="{x:g}" y="{y:g}" text-anchor="middle">{text}</text>'
+PATH = (
+    '<path d="M{edge:g} {a:g}C{control:g} {a:g} {control:g} {b:g} {edge:g} {b:g}" fill="none" stroke="#53616e" '
+    'marker-end="url(#arrow)"/>'
+)
+NUMBER = '<rect x="{x:g}" y="{y:g}" width="{w:g}" height="18" rx="9" fill="#fff" stroke="#c8451b"/>'
+DOT = '<circle cx="{x:g}" cy="{y:g}" r="4" fill="#1d2730"/>'
 
 
 @dataclass(frozen=True)
@@ -28,79 +40,114 @@ class Transition:
     when: str
 
 
-def transitions(text: str) -> list[Transition]:
-    """The lines `A --> B : when` of a mermaid diagram; what else it holds is left out."""
-    lines = (TRANSITION.match(line) for line in text.splitlines())
-    return [Transition(line[1], line[2], line[3] or "") for line in lines if line]
+@dataclass(frozen=True)
+class Diagram:
+    """What a diagram shows.
+
+    Attributes:
+        rows: the names of the groups and of the states; the states of a group follow it.
+        groups: the states of each group.
+    """
+
+    rows: list[str]
+    groups: dict[str, list[str]]
+    transitions: list[Transition]
+
+    @property
+    def states(self) -> list[str]:
+        """The names of the states without those of the groups."""
+        return [name for name in self.rows if name not in self.groups]
 
 
-def states(found: list[Transition]) -> list[str]:
-    """The states that the transitions name, in the order of their first mention."""
-    return list(dict.fromkeys(name for t in found for name in (t.source, t.target) if name != START))
+def read(text: str) -> Diagram:
+    """The lines `A --> B : when` of a mermaid diagram, and its groups of states; what else it holds is left out."""
+    diagram = Diagram([], {}, [])
+    group = ""
+    for line in text.splitlines():
+        if begins := GROUP.match(line):
+            group = begins[1]
+            diagram.groups[group] = []
+            diagram.rows.append(group)
+        elif line.strip() == "}":
+            group = ""
+        elif found := TRANSITION.match(line):
+            diagram.transitions.append(Transition(found[1], found[2], found[3] or ""))
+            for name in found[1], found[2]:
+                if name not in (*diagram.rows, START):
+                    diagram.rows.append(name)
+                    diagram.groups.get(group, []).append(name)
+    return diagram
 
 
 def drawn(text: str) -> Markup:
     """The picture of a mermaid diagram and the table of its transitions."""
-    found = transitions(text)
-    inner = [t for t in found if START not in (t.source, t.target)]
-    begins = {t.target for t in found if t.source == START}
-    return _picture(states(found), inner, begins) + _table(inner)
+    diagram = read(text)
+    inner = [t for t in diagram.transitions if START not in (t.source, t.target)]
+    starts = [t for t in diagram.transitions if t.source == START]
+    return _picture(diagram, inner, {t.target for t in starts}) + _table(inner, [t for t in starts if t.when])
 
 
-def _picture(names: list[str], found: list[Transition], begins: set[str]) -> Markup:
+def _picture(diagram: Diagram, found: list[Transition], begins: set[str]) -> Markup:
     """The states as boxes, the transitions as numbered arcs."""
-    row = {name: i for i, name in enumerate(names)}
+    row = {name: i for i, name in enumerate(diagram.rows)}
     numbers: dict[tuple[str, str], list[int]] = {}
     for number, t in enumerate(found, 1):
         numbers.setdefault((t.source, t.target), []).append(number)
     spans = [row[target] - row[source] for source, target in numbers]
-    left = MARGIN + ARC * max([1, *(-span for span in spans)]) + DISC
-    width = LETTER * max(map(len, names), default=0) + 2.0 * DISC
-    total = left + width + ARC * max([1, *spans]) + DISC * (1.0 + max(map(len, numbers.values()), default=0)) + MARGIN
-    height = len(names) * (BOX + GAP) + GAP
-    middles = {name: GAP + i * (BOX + GAP) + BOX / 2.0 for name, i in row.items()}
-    parts = [_arc(middles[a], middles[b], row[b] - row[a], left, width, ns) for (a, b), ns in numbers.items()]
-    parts += [_box(name, middles[name], left, width, name in begins) for name in names]
-    return Markup(
-        f'<svg class="states" viewBox="0 0 {total:g} {height:g}" width="{total:g}" role="img" '
-        f'aria-label="state diagram">{ARROW}{"".join(parts)}</svg>\n'
-    )
+    left = MARGIN + ARC * max([1, *(-span for span in spans)])
+    width = LETTER * max(map(len, row), default=0) + 3.0 * DISC
+    middle = {name: GAP + i * (BOX + GAP) + BOX / 2.0 for name, i in row.items()}
+    parts = [_frame(len(names), middle[group], left, width) for group, names in diagram.groups.items()]
+    parts += [_arc(middle[a], middle[b], row[b] - row[a], left, width) for a, b in numbers]
+    parts += [_box(name, middle[name], left, width, name in diagram.groups, name in begins) for name in row]
+    parts += [_numbers(middle[a], middle[b], row[b] - row[a], left, width, ns) for (a, b), ns in numbers.items()]
+    total = left + width + ARC * max([1, *spans]) + 2.0 * MARGIN
+    return Markup(HEAD.format(width=total, height=len(row) * (BOX + GAP) + GAP) + "".join(parts) + "</svg>\n")
 
 
-def _box(name: str, y: float, left: float, width: float, begins: bool) -> str:
-    """A state; the one in which the block begins has a dot beside it."""
-    dot = f'<circle cx="{left + 10.0:g}" cy="{y:g}" r="4" fill="#1d2730"/>' if begins else ""
-    return (
-        f'<rect x="{left:g}" y="{y - BOX / 2.0:g}" width="{width:g}" height="{BOX:g}" rx="9" fill="#e8edf2" '
-        f'stroke="#7a8793"/>{dot}<text x="{left + width / 2.0:g}" y="{y + 4.5:g}" text-anchor="middle">'
-        f"{escape(name)}</text>"
-    )
+def _frame(members: int, y: float, left: float, width: float) -> str:
+    """Around the states of a group, and its name above them."""
+    height = members * (BOX + GAP) + BOX + 12.0
+    return FRAME.format(x=left - 8.0, y=y - BOX / 2.0 - 6.0, w=width + 16.0, h=height, fill="none", dash=DASHED)
 
 
-def _arc(begin: float, end: float, span: int, left: float, width: float, numbers: list[int]) -> str:
-    """A transition between the middles of two boxes, the wider the more rows it spans; its numbers at its farthest."""
+def _box(name: str, y: float, left: float, width: float, group: bool, begins: bool) -> str:
+    """A state, or the name of a group; the one in which the block begins has a dot beside it."""
+    fill, dash = ("#fff", DASHED) if group else ("#e8edf2", "")
+    box = FRAME.format(x=left, y=y - BOX / 2.0, w=width, h=BOX, fill=fill, dash=dash)
+    dot = DOT.format(x=left + 12.0, y=y) if begins else ""
+    return box + dot + TEXT.format(x=left + width / 2.0, y=y + 4.5, text=escape(name))
+
+
+def _place(begin: float, end: float, span: int, left: float, width: float) -> tuple[float, float, float, float]:
+    """Of an arc: the edge of the boxes that it joins, how far it reaches, and the heights of both its ends."""
     side = -1.0 if span < 0 else 1.0
-    edge = left + width if span >= 0 else left
-    far = edge + side * ARC * max(abs(span), 1)
+    edge = left if span < 0 else left + width
     a, b = (begin + side * 6.0, end - side * 6.0) if span else (begin - 7.0, begin + 7.0)
-    control = edge + (far - edge) * 4.0 / 3.0  # a cubic between two such points reaches 3/4 of the way to them
-    text = " ".join(map(str, numbers))
-    room = DISC * (1.0 + 0.75 * (len(text) - 1))
-    x, y = far, (a + b) / 2.0
-    return (
-        f'<path d="M{edge:g} {a:g}C{control:g} {a:g} {control:g} {b:g} {edge:g} {b:g}" fill="none" stroke="#53616e" '
-        f'marker-end="url(#arrow)"/><rect x="{x - room * 0.8:g}" y="{y - 9.0:g}" width="{room * 1.6:g}" height="18" '
-        f'rx="9" fill="#fff" stroke="#c8451b"/><text x="{x:g}" y="{y + 4.0:g}" text-anchor="middle" font-size="11">'
-        f"{text}</text>"
-    )
+    return edge, edge + side * ARC * max(abs(span), 1), a, b
 
 
-def _table(found: list[Transition]) -> Markup:
-    rows = [
-        Markup('<tr><td>{}</td><td class="name">{}</td><td class="name">{}</td><td>{}</td></tr>\n').format(
-            number, t.source, t.target, Markup(MarkdownIt().renderInline(t.when))
-        )
-        for number, t in enumerate(found, 1)
-    ]
+def _arc(begin: float, end: float, span: int, left: float, width: float) -> str:
+    """A transition between the middles of two boxes; the arc reaches the farther the more rows it spans."""
+    edge, far, a, b = _place(begin, end, span, left, width)
+    control = edge + (far - edge) * 4.0 / 3.0  # a cubic reaches 3/4 of the distance to its two control points
+    return PATH.format(edge=edge, control=control, a=a, b=b)
+
+
+def _numbers(begin: float, end: float, span: int, left: float, width: float, numbers: list[int]) -> str:
+    """The numbers of the transitions that an arc stands for, where it is farthest from the boxes."""
+    _, x, a, b = _place(begin, end, span, left, width)
+    y, text = (a + b) / 2.0, ", ".join(map(str, numbers))
+    room = 12.0 + 6.5 * len(text)
+    return NUMBER.format(x=x - room / 2.0, y=y - 9.0, w=room) + TEXT.format(x=x, y=y + 4.5, text=text)
+
+
+def _table(found: list[Transition], starts: list[Transition]) -> Markup:
+    """The transitions by their numbers, after the states in which the block may begin, if that has a condition."""
     head = Markup("<table>\n<tr><th></th><th>from</th><th>to</th><th>when</th></tr>\n")
-    return head + Markup("").join(rows) + Markup("</table>\n")
+    row = Markup('<tr><td>{}</td><td class="name">{}</td><td class="name">{}</td><td>{}</td></tr>\n')
+    markdown = MarkdownIt("commonmark", {"html": False})
+    rows = [("", "the start", t.target, t.when) for t in starts]
+    rows += [(str(number), t.source, t.target, t.when) for number, t in enumerate(found, 1)]
+    texts = [row.format(n, a, b, Markup(markdown.renderInline(when))) for n, a, b, when in rows]
+    return head + Markup("").join(texts) + Markup("</table>\n")

@@ -1,4 +1,6 @@
-"""The Python flavour: a block behind PythonFMU. Part of the Python FMU: imports no motionsync."""
+"""The Python flavour: a block behind PythonFMU.
+
+This module is part of the Python FMU. It must not import motionsync, which the FMU has under another name."""
 
 import ctypes
 import json
@@ -18,8 +20,10 @@ FAILURES: tuple[type[Exception], ...] = (ValueError, ArithmeticError, LookupErro
 
 
 def keep(*things: Any) -> None:
-    """PythonFMU 0.7 gives back references that it does not own: the script's names at each instantiation (it runs the
-    script anew each time), and at each exception the class, the instance and its log, which it goes on to use."""
+    """Take a reference to each thing, for PythonFMU 0.7 to give back.
+
+    PythonFMU gives back references that it does not own: those of the script's names at each instantiation, for which
+    it runs the script anew, and at each exception those of the class, the instance and its log, all still in use."""
     for thing in things:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(thing))
 
@@ -69,13 +73,15 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         self.stepping = True
 
     def initialize(self) -> None:
-        """Every parameter and input is judged, then the block derives from them what it starts from."""
+        """Judge every parameter and input, then let the block derive its initial state from them."""
         self.judge(self.settable)
         self.attempt(self.block.initialize)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """False (fmi2Discard) if it cannot be done: an exception would make PythonFMU give up the instance."""
-        told = [v.cell.get() for v in self.codes]
+        """Step from the current time by `step_size`, and log each fault code that has changed.
+
+        The answer is False (fmi2Discard) if the step fails: an exception would make PythonFMU give up the instance."""
+        codes = [v.cell.get() for v in self.codes]
         try:
             if not 0.0 < step_size <= LONGEST_STEP:
                 raise ValueError(
@@ -88,7 +94,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         except FAILURES as e:
             self.say(str(e), Fmi2Status.error)
             return False
-        for v, before in zip(self.codes, told, strict=True):
+        for v, before in zip(self.codes, codes, strict=True):
             if (code := v.cell.get()) != before:
                 for fault in members(v.declaration.codes):
                     if fault == code != 0:
@@ -96,12 +102,13 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         return True
 
     def judge(self, settable: list[Variable]) -> None:
+        """Raise ValueError for the first variable whose value is not allowed."""
         for v in settable:
             if refusal := v.refusal(v.cell.get()):
                 raise ValueError(refusal)
 
     def attempt(self, action: Callable[..., Any], *arguments: Any) -> None:
-        """Do it; if it cannot be done, the block is what it was before."""
+        """Call the block; if it refuses or fails, restore its former state and raise."""
         before = self.values()
         try:
             if refusal := action(*arguments):
@@ -111,6 +118,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             raise
 
     def explained(self, choice: Any, coded: str = "") -> str:
+        """A refusal in words, or a fault whose code is in the variable `coded`."""
         names, group = spoken_of(choice, self.by_name, coded), coded.rpartition(".")[0]
         text = explained(choice, names, lambda name: self.by_name[name].cell.get())
         return f"{group}: {text}" if group else text
@@ -122,11 +130,11 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         raise ValueError(text.replace("%", "percent"))
 
     def say(self, text: str, status: Fmi2Status) -> None:
-        """PythonFMU passes the text on as a format: a percent sign would be read as a conversion."""
+        """Log a text without percent signs: PythonFMU passes the text on as a C format."""
         self.log(text.replace("%", "percent"), status)
 
     def _get(self, kinds: tuple[str, ...], references: list[int]) -> list[Any]:
-        if self.initializing:  # outputs follow parameters and inputs; what is wrong is reported when leaving
+        if self.initializing:  # outputs follow parameters and inputs; the end of the initialization reports mistakes
             with suppress(*FAILURES):
                 self.initialize()
         key = (kinds, *references)
@@ -146,6 +154,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             cell.set(value)
 
     def variable(self, reference: int, kinds: tuple[str, ...]) -> Variable:
+        """The variable with this value reference; the call fails if there is none, or if it is of another type."""
         v = self.variables[reference] if reference < len(self.variables) else None
         if v is None or v.kind not in kinds:
             self.refuse(f"no {' or '.join(kinds)} has the value reference {reference}")
@@ -159,6 +168,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
     set_boolean = partialmethod(_set, ("Boolean",))
 
     def values(self) -> list[Any]:
+        """The whole state of the block, independent of what it does later."""
         values = list(self.read_cells(self.block))
         for i in self.lists:
             values[i] = values[i].copy()
@@ -172,7 +182,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
                 cell.set(value)
 
     def _get_fmu_state(self) -> State:
-        """The whole block, not only its registered variables."""
+        """The state of the whole block, not only of its declared variables."""
         return {
             "build": self.build,
             "initializing": self.initializing,
@@ -182,7 +192,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> State:
-        """Foreign bytes become an empty state, which `_set_fmu_state` refuses with a log line."""
+        """The state in these bytes; an empty one, which `_set_fmu_state` refuses with a log line, if they hold none."""
         try:
             read = json.loads(state)
         except ValueError:
@@ -198,7 +208,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
 
 def reader(names: Iterable[str]) -> Callable[[Any], tuple[Any, ...]]:
-    """A function that reads these attribute paths of an object, always as a tuple."""
+    """A function that reads the attributes at these paths of an object, as a tuple also where there is one."""
     paths = list(names)
     if len(paths) > 1:
         return attrgetter(*paths)

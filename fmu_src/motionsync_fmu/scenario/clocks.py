@@ -32,10 +32,10 @@ class Rate:
 
 @dataclass(frozen=True)
 class Telegrams:
-    """What the receiver sees in each of its cycles.
+    """The telegrams that the receiver sees, one for each of its cycles.
 
     Attributes:
-        index: which telegram, counted on from the first one without wrapping; shape (cycles,).
+        index: of the telegram, counted on from the first one without wrapping; shape (cycles,).
         cycle_index: the same as the telegram tells it: from 0 to below `Clocks.wraps_at`.
         motion: position, velocity and acceleration of the axis as the telegram tells them, in u, u/s, u/s2; shape
             (cycles, 3).
@@ -60,8 +60,8 @@ class Clocks:
             Gaussian, one standard deviation as a share of the receiver's cycle. A telegram tells the axis at the
             instant without jitter.
         seed: of the jitter; the same seed gives the same one, however long the run.
-        lost: first and last index of telegrams that never arrive, counted as `Telegrams.index` is; none of them is
-            sent before the first one.
+        lost: first and last index of telegrams that never arrive, counted as `Telegrams.index` is; none of these
+            ranges begins before the first telegram.
         first_index: of the first telegram, as the telegram tells it.
         wraps_at: the index in a telegram begins again at 0 where it would reach this number.
     """
@@ -76,11 +76,13 @@ class Clocks:
     wraps_at: int = 65536
 
     def acted(self, t: float) -> int:
-        """How many of the receiver's cycles have acted before t; the next one to act has this number."""
+        """How many of the receiver's cycles have acted before t. The next cycle to act has this number."""
         return max(math.ceil(t / self.task_cycle - CLOSE), 0)
 
     def shown(self, begin: float, end: float) -> int:
-        """The cycle whose telegram a step shows: the first in [begin, end); without one, the latest, or cycle 0."""
+        """The cycle whose telegram a step shows: the first one in [begin, end).
+
+        In a step without a cycle it is the latest one, or cycle 0."""
         return max(min(self.acted(begin), self.acted(end) - 1), 0)
 
     def true_index(self, times: Reals) -> Reals:
@@ -109,7 +111,7 @@ class Clocks:
         return np.asarray(index[arrives][np.searchsorted(sends[arrives], reads, "right") - 1])
 
     def telegrams(self, axis: Script, cycles: int) -> Telegrams:
-        """What the receiver sees of this axis in its first cycles."""
+        """What the receiver sees of an axis in its first cycles."""
         index = self.received(cycles)
         motions = [axis.at(t) for t in self.sent(index).tolist()]
         return Telegrams(
@@ -121,7 +123,8 @@ class Clocks:
 
     @cached_property
     def _pieces(self) -> tuple[Reals, Reals, Reals]:
-        """From when on the sender has which cycle, in s, and its index there, counted from the first one."""
+        """The times from which on the sender has another cycle, these cycles, both in s, and its index at these times,
+        counted from the first telegram."""
         at, cycle = np.array([(rate.at, rate.cycle) for rate in self.rates]).T
         return at, cycle, self.phase + np.concatenate([[0.0], np.cumsum(np.diff(at) / cycle[:-1])])
 

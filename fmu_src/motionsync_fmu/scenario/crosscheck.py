@@ -13,7 +13,7 @@ from .scenario import Scenario
 
 
 def inputs_csv(scenario: Scenario) -> str:
-    """Time, the master, and whatever the scenario sets, at every communication point; Booleans as 0 and 1."""
+    """The inputs at every communication point: the axis, and whatever the scenario sets. Booleans are 0 and 1."""
     by_name = scenario.recipe.variables
     names = list(dict.fromkeys(name for s in scenario.settings for name in s.values))
     values: dict[str, Any] = {name: scenario.start.get(name, by_name[name].start) for name in names}
@@ -45,7 +45,7 @@ def options_text(scenario: Scenario) -> str:
 
 
 def inputs_file(scenario: Scenario) -> Path:
-    """Where a scenario's inputs lie, if they have been generated."""
+    """The input file beside a scenario; a scenario of the user's own may have none."""
     return scenario.file.parent / f"{scenario.recipe.name}_in.csv"
 
 

@@ -1,7 +1,7 @@
-"""Cuts of a saw: where on the material they lie, and how far they are from the marks they were meant for.
+"""Cuts of a saw: where on the material they lie, and how far each is from its mark.
 
-The material moves with the master. A mark lies on it every `length`; the saw that was coupled at a mark stays at it:
-slave = ratio (master - mark). Each interval in which the Boolean of the scenario's table [cuts] is true is one cut.
+The material moves with the master. Marks lie on it at distances of `length`. A saw that is coupled at a mark stays at
+this mark: slave = ratio (master - mark). Each interval in which the Boolean of the table [cuts] is true is one cut.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from .recording import Recording
 
 @dataclass(frozen=True)
 class CutSpec:
-    """The slave is a saw that cuts the master's material while a Boolean is true.
+    """How cuts are found and judged: the slave is a saw that cuts the master's material while a Boolean is true.
 
     Attributes:
         name: the Boolean.
@@ -31,7 +31,7 @@ class CutSpec:
     count: int | None
 
     def nearest(self, place: float) -> float:
-        """The mark that is nearest to a place on the material."""
+        """The place of the mark that is nearest to a place on the material."""
         return self.offset + round((place - self.offset) / self.length) * self.length
 
 
@@ -42,7 +42,7 @@ class Cut:
     Attributes:
         begin, end: its first and its last point, in s.
         mark: the place of the nearest mark on the material, in u.
-        error: how far the cut is from the mark where it is farthest, in u; positive: the saw lags.
+        error: the distance of the cut from the mark where it is greatest, in u; positive: the saw lags behind the mark.
     """
 
     begin: float

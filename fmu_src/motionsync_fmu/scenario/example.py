@@ -1,10 +1,8 @@
 """A block's example: the scenario `example.toml` in the folder of the block."""
 
-import sys
-from pathlib import Path
-
 from motionsync.blocks import BLOCKS
 
+from ..archive import beside
 from ..errors import choose
 from .reader import load
 from .scenario import Scenario
@@ -18,6 +16,4 @@ def example_of(name: str) -> Scenario:
     Raises:
         UserError: no block has this name, or the first mistake in the example.
     """
-    block_type = choose(BLOCKS, name, "block").type
-    module = str(sys.modules[block_type.__module__].__file__)
-    return load(Path(module).with_name(FILE))
+    return load(beside(choose(BLOCKS, name, "block"), FILE))

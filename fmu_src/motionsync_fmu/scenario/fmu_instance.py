@@ -10,7 +10,25 @@ import fmpy
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
+from ..errors import UserError
+from ..interface.recipe import Recipe
+
 TYPES = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
+
+
+def recipe_of(fmu: Path) -> Recipe:
+    """From what a built FMU was made, with the start values of all its parameters and inputs.
+
+    Raises:
+        UserError: it is not an FMU that can be read.
+    """
+    try:
+        description = fmpy.read_model_description(str(fmu))
+    except Exception as e:  # FMPy raises whatever it meets in a file that is no FMU
+        raise UserError(f"{fmu}: not an FMU that can be read: {str(e).strip().splitlines()[0]}") from None
+    units = {t.name: t.unit for t in description.typeDefinitions}
+    starts = {v.name: v.start for v in description.modelVariables if v.start is not None}
+    return Recipe(description.modelName, units.get("Position") or "1", starts, units.get("SlavePosition") or "")
 
 
 class FmuError(Exception):
@@ -18,10 +36,11 @@ class FmuError(Exception):
 
 
 class FmuInstance:
-    """Loads an FMU and steps it. A context manager: at its end the instance is freed and the extracted files go.
+    """An instance of an FMU. As a context manager it frees the instance at the end and removes the extracted files.
 
     Attributes:
         description: FMPy's model description.
+        kinds: value reference and type of each variable, by name; the type is that of FMI's get and set functions.
         messages: what the FMU has logged.
         time: the present communication point, in s.
     """
@@ -67,6 +86,10 @@ class FmuInstance:
         self.call(self.unit.exitInitializationMode)
         return self
 
+    def references(self, names: Iterable[str]) -> list[int]:
+        """The value references of variables."""
+        return [self.kinds[name][0] for name in names]
+
     def set(self, values: Mapping[str, Any]) -> None:
         for name, value in values.items():
             reference, kind = self.kinds[name]
@@ -86,8 +109,7 @@ class FmuInstance:
         found: dict[str, Any] = {}
         for kind, group in wanted.items():
             if group:
-                references = [self.kinds[name][0] for name in group]
-                found |= zip(group, self.call(getattr(self.unit, f"get{kind}"), references), strict=True)
+                found |= zip(group, self.call(getattr(self.unit, f"get{kind}"), self.references(group)), strict=True)
         return found
 
     def call(self, function: Any, *arguments: Any, **options: Any) -> Any:
@@ -96,10 +118,10 @@ class FmuInstance:
         Raises:
             FmuError: it failed; the text is what it logged meanwhile.
         """
-        told = len(self.messages)
+        before = len(self.messages)
         try:
             return function(*arguments, **options)
         except FMICallException as e:
-            texts = self.messages[told:]
-            own = [t for t in texts if not t.startswith("Fatal py exception")]  # PythonFMU's, which says nothing more
+            texts = self.messages[before:]
+            own = [t for t in texts if not t.startswith("Fatal py exception")]  # of PythonFMU: says nothing more
             raise FmuError("; ".join(own or texts) or str(e)) from e

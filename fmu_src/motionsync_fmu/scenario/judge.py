@@ -17,7 +17,7 @@ from .telegrams import Remote, errors
 
 @dataclass(frozen=True)
 class Check:
-    """One expectation and what was found."""
+    """One expectation, and what was found."""
 
     expected: str
     found: str
@@ -26,7 +26,14 @@ class Check:
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far a variable was from the reference: the greatest |difference|, when, and what is allowed."""
+    """How far a variable is from the reference.
+
+    Attributes:
+        greatest: the greatest |difference|, in the variable's unit.
+        at: the time of it, in s.
+        allowed: how great it may be.
+        points: at how many times both were compared.
+    """
 
     name: str
     greatest: float
@@ -69,7 +76,7 @@ def _at_time(e: AtTime, recording: Recording, texts: Mapping[str, Callable[[floa
 
 
 def _when(e: When, recording: Recording, cycle: float) -> Check:
-    """Without a tolerance an event is known to a step, that of a cyclic block to a cycle."""
+    """Without a tolerance the time of an event is known to one step, that of a cyclic block to one cycle."""
     tolerance = max(float(np.diff(recording.time).max()), cycle) if e.tolerance is None else e.tolerance
     holds = np.asarray(COMPARISONS[e.comparison](recording.values[e.name], e.value))
     expected = f"first {e.text} at {e.time:g} s ± {tolerance:g}"

@@ -22,7 +22,7 @@ from .scenario import Expectation, Picture, Scenario, Setting
 from .script import Script, Segment
 from .telegrams import Remote
 from .toml_tables import Table, read_toml
-from .variable_tables import FlagTable, SetTable, StartTable, Subject
+from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
 FILE = "scenario.toml"
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
@@ -75,7 +75,7 @@ def load(file: Path) -> Scenario:
         settings,
         tuple(reader.expectations()),
         reader.cuts() if "cuts" in top else None,
-        reader.picture() if "picture" in top else None,
+        reader.picture(),
     )
 
 
@@ -94,7 +94,7 @@ def read_block(top: Table) -> tuple[str, str, str]:
         top.fail("unit", f"{unit!r} is not one of {', '.join(BASES)}")
     slave_unit = top.string("slave_unit", "")
     try:
-        check_slave_unit(BLOCKS[name].type(), slave_unit)
+        check_slave_unit(BLOCKS[name](), slave_unit)
     except UserError as e:
         top.fail("slave_unit", str(e))
     return name, unit, slave_unit
@@ -191,13 +191,15 @@ class Reader:
         )
 
     def picture(self) -> Picture:
-        table = self.top.table("picture")
-        table.allow_only("caption", "shaded", "variants")
+        table = self.top.table("picture", required=False)
+        table.allow_only("shaded", "curves", "variants")
         if shaded := table.string("shaded", ""):
             FlagTable(table, self.block).variable(shaded, "shaded")
+        labels = table.table("curves", required=False)
+        curves = {OutputTable(labels, self.block).variable(name).name: labels.string(name) for name in labels.values}
         variants = table.table("variants", required=False)
         starts = {name: StartTable(variants.table(name), self.block).values() for name in variants.values}
-        return Picture(" ".join(table.string("caption").split()), shaded, starts)
+        return Picture(shaded, curves, starts)
 
 
 def _segment(table: Table) -> Segment:

@@ -5,7 +5,7 @@
 
 import operator
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -70,15 +70,15 @@ class Picture:
     """How the run of a scenario is drawn where it is a block's example.
 
     Attributes:
-        caption: what the picture shows.
         shaded: a Boolean output; the picture is shaded where it is true. Empty: nothing is shaded.
+        curves: further outputs, each with the label of a plot of its own.
         variants: runs that are shown beside one another: what each is called, and its further start values. Without any
             the scenario itself is shown.
     """
 
-    caption: str
-    shaded: str
-    variants: Mapping[str, Mapping[str, Any]]
+    shaded: str = ""
+    curves: Mapping[str, str] = field(default_factory=dict)
+    variants: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Scenario:
         master: the scripted axis; where it is a remote one, the true axis.
         remote: how the block sees a remote axis; None: the block has a master.
         cuts: how its cuts are judged; None: they are not.
-        picture: how it is drawn as a block's example; None: it is none.
+        picture: how it is drawn where it is a block's example.
     """
 
     file: Path
@@ -111,7 +111,7 @@ class Scenario:
     settings: tuple[Setting, ...]
     expectations: tuple[Expectation, ...]
     cuts: CutSpec | None
-    picture: Picture | None = None
+    picture: Picture = field(default_factory=Picture)
 
     @property
     def name(self) -> str:

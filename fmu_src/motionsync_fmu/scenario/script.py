@@ -1,4 +1,4 @@
-"""The scripted axis of a scenario: a position that is given segment by segment, known exactly at every time."""
+"""The scripted axis of a scenario: its motion is given segment by segment, and so known exactly at every time."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 class Segment:
     """A stretch of time with at most one of: a velocity to jump to, a constant acceleration, a constant jerk.
 
-    With none of them the velocity stays as it is. A jerk starts from the acceleration that the segment before ended
-    with.
+    Without any of them the velocity stays as it is. A jerk starts from the acceleration at the end of the segment
+    before.
     """
 
     duration: float
@@ -40,7 +40,7 @@ class Motion:
 
 
 class Script:
-    """Segments, one after the other from time 0; after the last one the velocity stays as it is."""
+    """Segments, one after the other, from time 0 on. After the last one the velocity stays as it is."""
 
     def __init__(self, position: float, velocity: float, acceleration: float, segments: Iterable[Segment]) -> None:
         self.breaks: list[float] = [0.0]
@@ -59,11 +59,11 @@ class Script:
         self.motions.append(Motion(ending.position, ending.velocity, 0.0, 0.0))
 
     def at(self, t: float) -> Motion:
-        """The motion at t, and from t on where it jumps there."""
+        """The motion at t; where it jumps at t, the motion after the jump."""
         i = max(bisect_right(self.breaks, t) - 1, 0)
         return self.motions[i].after(t - self.breaks[i])
 
     def until(self, t: float) -> Motion:
-        """The motion at t as it was up to there."""
+        """The motion at t; where it jumps at t, the motion before the jump."""
         i = max(bisect_left(self.breaks, t) - 1, 0)
         return self.motions[i].after(t - self.breaks[i])

@@ -1,7 +1,7 @@
-"""A scenario's remote axis: what its telegrams tell the block, and how far the block's outputs are from the truth.
+"""A scenario's remote axis: what the block sees of it, and how far the block's outputs are from the truth.
 
-What an output at a communication point describes is the axis at the instant of the last cycle before that point,
-shifted by the block's delay. The truth about it is the script, which the telegrams sample.
+An output at a communication point describes the axis at the instant of the last cycle before that point, shifted by the
+block's delay. The truth is the script, of which the telegrams are samples.
 """
 
 from collections.abc import Sequence
@@ -115,5 +115,5 @@ def _positions(axis: Script, times: Reals) -> Reals:
 
 
 def _wrapped(difference: Reals, wraps_at: int) -> Reals:
-    """A difference of indices, of which at least one may have wrapped."""
+    """A difference of indices, of which at least one wraps, without whole turns of the counter."""
     return np.asarray(difference - wraps_at * np.round(difference / wraps_at))

@@ -15,7 +15,7 @@ from .profile import ProfileKind
 
 @dataclass(slots=True)
 class Characteristics:
-    """Of the last synchronisation that has begun; 0 before. Names as in MC_FlyingSawCharacValues."""
+    """Those of the last synchronisation that has begun; 0 before the first. Names as in MC_FlyingSawCharacValues."""
 
     profile: ProfileKind = var.output(ProfileKind.NONE, "the polynomials of the profile")
     master_velocity_nominal: float = var.output(
@@ -98,21 +98,23 @@ class Characteristics:
         0.0, "root mean square over time (fSlaveAccEff)", Unit.ACCELERATION, discrete=True
     )
 
-    def tell(self, plan: Plan, period: float) -> None:
-        """Of a synchronisation that begins now; one that is reached at once ends where it starts."""
+    def show(self, plan: Plan, period: float) -> None:
+        """Put out the values of a plan that begins now; one that is in sync at once ends where it starts.
+
+        `period`: the master's, u."""
         self.profile = plan.profile.kind
         self.master_velocity_nominal = plan.master.velocity
         self.slave_acceleration_end = 0.0
         if plan.profile.pieces > 0:
             plan.extremes.integrate(plan.profile)
-            self.ends(plan)
-            self.bounds(plan.extremes)
+            self.show_ends(plan)
+            self.show_extremes(plan.extremes)
         else:
-            self.level(plan.slave.position, plan.slave.velocity)
-        self.places(plan, period)
+            self.show_constant(plan.slave.position, plan.slave.velocity)
+        self.show_master_positions(plan, period)
 
-    def ends(self, plan: Plan) -> None:
-        """The slave at the profile's beginning and end."""
+    def show_ends(self, plan: Plan) -> None:
+        """Put out the slave's state at the profile's beginning and end."""
         self.slave_position_start = plan.slave.position
         self.slave_velocity_start = plan.slave.velocity
         _, _, acceleration, jerk = plan.profile.at(0.0)
@@ -123,7 +125,8 @@ class Characteristics:
         _, _, _, last = plan.profile.at(plan.profile.duration())
         self.slave_jerk_end = last
 
-    def bounds(self, extremes: Extremes) -> None:
+    def show_extremes(self, extremes: Extremes) -> None:
+        """Put out the slave's extreme values in the profile."""
         self.slave_position_min = extremes.position_min
         self.slave_position_max = extremes.position_max
         self.slave_velocity_min = extremes.velocity_min
@@ -139,8 +142,8 @@ class Characteristics:
         self.slave_velocity_mean = extremes.velocity_mean
         self.slave_acceleration_effective = extremes.acceleration_effective
 
-    def level(self, position: float, velocity: float) -> None:
-        """All of one instant at constant velocity."""
+    def show_constant(self, position: float, velocity: float) -> None:
+        """Put out the values of a single instant at constant velocity."""
         self.slave_position_start = position
         self.slave_position_end = position
         self.slave_position_min = position
@@ -163,16 +166,16 @@ class Characteristics:
         self.slave_dynamic_momentum_min = 0.0
         self.slave_dynamic_momentum_max = 0.0
 
-    def places(self, plan: Plan, period: float) -> None:
-        """The master's positions, in its period."""
+    def show_master_positions(self, plan: Plan, period: float) -> None:
+        """Put out the master's positions at all these instants, within its period."""
         start = plan.master.position
-        pace = plan.master.velocity if plan.profile.pieces > 0 else 0.0
-        e = plan.extremes
+        velocity = plan.master.velocity if plan.profile.pieces > 0 else 0.0
+        extremes = plan.extremes
         self.master_position_start = wrap(start, period)
         self.master_position_end = wrap(plan.master_end, period)
-        self.master_position_at_slave_position_min = wrap(start + pace * e.position_min_time, period)
-        self.master_position_at_slave_position_max = wrap(start + pace * e.position_max_time, period)
-        self.master_position_at_slave_velocity_min = wrap(start + pace * e.velocity_min_time, period)
-        self.master_position_at_slave_velocity_max = wrap(start + pace * e.velocity_max_time, period)
-        self.master_position_at_slave_acceleration_min = wrap(start + pace * e.acceleration_min_time, period)
-        self.master_position_at_slave_acceleration_max = wrap(start + pace * e.acceleration_max_time, period)
+        self.master_position_at_slave_position_min = wrap(start + velocity * extremes.position_min_time, period)
+        self.master_position_at_slave_position_max = wrap(start + velocity * extremes.position_max_time, period)
+        self.master_position_at_slave_velocity_min = wrap(start + velocity * extremes.velocity_min_time, period)
+        self.master_position_at_slave_velocity_max = wrap(start + velocity * extremes.velocity_max_time, period)
+        self.master_position_at_slave_acceleration_min = wrap(start + velocity * extremes.acceleration_min_time, period)
+        self.master_position_at_slave_acceleration_max = wrap(start + velocity * extremes.acceleration_max_time, period)

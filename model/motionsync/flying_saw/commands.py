@@ -1,8 +1,9 @@
-"""The function blocks: how a command tells what becomes of it, by PLCopen's rules for its outputs.
+"""The function blocks: the inputs of each command, and how its outputs show what has become of it.
 
-A rising edge of `execute` gives the command. While `execute` stays true exactly one of busy, the result, aborted and
-error is true. A result is reset by the falling edge; one that arises after it is shown for the step in which it arises.
-The falling edge never ends a command. Source: PLCopen motion control, TS5055, section 12.
+PLCopen's rules for the outputs: a rising edge of `execute` gives the command. While `execute` stays true exactly one of
+busy, the result, command_aborted and error is true. The falling edge resets the result; a result that arises after the
+falling edge is shown for the one step in which it arises. The falling edge never ends a command. Source: PLCopen motion
+control, TS5055, section 12.
 """
 
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from .faults import Fault
 
 
 class Phase(Enumeration):
-    """What has become of a command, as its outputs show it"""
+    """What has become of a command, as its outputs show"""
 
     IDLE = 0, "nothing to show"
     BUSY = 1, "it is under way"
@@ -24,11 +25,17 @@ class Phase(Enumeration):
 
 @dataclass(slots=True)
 class Command:
-    """What all commands share. A derived one adds its values and the name of its result.
+    """What all commands share. A derived class adds the command's values and its result.
 
-    A block speaks of its last edge. If that was refused, a command of an earlier edge goes on unseen: `answers` is
-    false. `fresh`: what is shown has arisen in this step. `settled`: the outputs are what they are to stay, until
-    something arises or `execute` is no longer as `shown`.
+    A function block shows what becomes of its last edge. If that edge was refused, a command of an earlier edge goes on
+    without being shown.
+
+    Attributes:
+        phase: what has become of the command of the last edge.
+        answers: the last edge was accepted, so the block shows what becomes of its command.
+        fresh: the phase or the fault has arisen since the outputs were shown last.
+        settled: the outputs stay as they are until something arises or `execute` changes.
+        shown: `execute` when the outputs were shown last.
     """
 
     execute: bool = var.input(False, "rising edge: give the command")
@@ -45,31 +52,33 @@ class Command:
     shown: bool = False
 
     def accept(self) -> None:
+        """The command begins."""
         self.answers = True
         self.error_id = Fault.NONE
-        self.come(Phase.BUSY)
+        self.report(Phase.BUSY)
 
     def refuse(self, fault: Fault) -> None:
+        """The command of this edge is not carried out."""
         self.answers = False
         self.phase = Phase.IDLE
         self.error_id = fault
         self.fresh = True
 
     def fail(self, fault: Fault) -> None:
-        """An accepted command that cannot go on."""
+        """The last accepted command cannot go on."""
         if self.answers:
             self.refuse(fault)
 
-    def come(self, phase: Phase) -> None:
-        """To what the last accepted command has come."""
+    def report(self, phase: Phase) -> None:
+        """The last accepted command has come to this phase."""
         if self.answers:
             self.phase = phase
             self.fresh = True
 
-    def show(self) -> bool:
-        """At the end of a step; whether the result is to be shown."""
+    def show(self) -> None:
+        """Put out what has become of the command; the derived classes' results follow from `is_reached` after this."""
         if self.settled and not self.fresh and self.execute == self.shown:
-            return self.phase == Phase.REACHED
+            return
         self.settled = not self.fresh
         self.shown = self.execute
         if not (self.execute or self.fresh):
@@ -81,6 +90,9 @@ class Command:
         self.busy = self.phase == Phase.BUSY
         self.active = self.busy
         self.command_aborted = self.phase == Phase.ABORTED
+
+    def is_reached(self) -> bool:
+        """Whether the command has led to its result."""
         return self.phase == Phase.REACHED
 
 
@@ -156,11 +168,13 @@ class GearOut:
     error_id: int = var.output(0, "why it was refused, TwinCAT's number", codes=Fault)
     edge: Edge = var.part(Edge)
 
-    def answer(self, fault: Fault) -> None:
+    def conclude(self, fault: Fault) -> None:
+        """The command is done, or refused for that fault."""
         self.error_id = fault
         self.done = fault == Fault.NONE
 
     def show(self) -> None:
+        """Put out what has become of the command."""
         if not self.execute:
             self.done = False
             self.error_id = Fault.NONE
@@ -178,4 +192,5 @@ class Reset:
     edge: Edge = var.part(Edge)
 
     def show(self) -> None:
+        """Put out whether the command is done."""
         self.done = self.done and self.execute

@@ -1,6 +1,7 @@
-"""The constant velocity of P5+P1+P5 where it is preferred: both ramps as steep as the limits allow.
+"""The constant velocity of P5+P1+P5 where it is preferred: both ramps are as short as the limits allow.
 
-Source: TS5055, section 7 (PREFERCONSTVELO).
+The README of this folder derives the search, with a picture of T_a + T_b over c. Source: TS5055, section 7
+(PREFERCONSTVELO).
 """
 
 from dataclasses import dataclass
@@ -8,30 +9,31 @@ from math import inf
 
 from .. import var
 from ..motion import acceleration_limit
-from .shapes import level_ramp_duration
+from .segments import level_ramp_duration
 
 BISECTIONS = 200  # enough to halve any interval down to neighbouring numbers but for those next to 0
-EQUAL = 1e-12  # of the greater velocity: rounding
-SHARE = 2.0 / 3.0  # a ramp of time T changes the velocity by 2/3 a T at most
+NO_RAMP = 1e-12  # of the greater velocity at the ends: a smaller change of velocity is rounding
+MEAN_ACCELERATION = 2.0 / 3.0  # of a ramp's peak acceleration
 
 
 @dataclass(slots=True)
 class ConstantVelocity:
-    """From `velocity` to `end` with the way `way` in the time `duration`: find c.
+    """Finds the velocity c with which the slave travels `distance` in `duration`, from `velocity` v to `end` v_e.
 
-    The ramps to and from c take T_a(c) and T_b(c), and the whole way is f(c) = c T - (c - v) T_a / 2 - (c - v_e) T_b /
-    2. Where T_a + T_b <= T, f rises; elsewhere there is no profile. So the numbers are cut where T_a + T_b is not
-    smooth, or not monotone: at 0, v, v_e (other limits hold on the other side), where a ramp's jerk limit takes over
-    from its acceleration limit, and where T_a + T_b turns. In each interval between, the part with T_a + T_b <= T is
-    an interval too, in which f is bracketed. The side of zero that holds v_e comes first.
+    The ramps to and from c take T_a(c) and T_b(c), so the distance is f(c) = c T - (c - v) T_a / 2 - (c - v_e) T_b / 2.
+    There is a profile only where T_a + T_b <= T, and there f rises. So the velocities are cut into intervals in which
+    T_a + T_b is monotone: what fits into T is one interval inside each of them, in which c is bisected.
 
     Attributes:
-        cruise, rise, fall: c, T_a, T_b, if `solve` has found them.
-        low, high: the limits of acceleration in the ramps before and after c, for c between two cuts.
+        duration, distance, velocity, end: T (s), the distance (u), v and v_e (u/s), which are set before.
+        acceleration, deceleration, jerk: the limits, set before; a jerk of 0 is not limited.
+        cruise, rise, fall: c, T_a and T_b, once they are found.
+        before, after: the acceleration limits of the ramps to and from c in the present part.
+        cuts, count: the cuts of the present part in rising order, as distances from zero.
     """
 
     duration: float = 0.0
-    way: float = 0.0
+    distance: float = 0.0
     velocity: float = 0.0
     end: float = 0.0
     acceleration: float = 0.0
@@ -45,49 +47,49 @@ class ConstantVelocity:
     cuts: list[float] = var.ring(16)
     count: int = 0
 
-    def solve(self) -> bool:
-        """Whether there is a constant velocity; the values of the search are set before."""
+    def try_solve(self) -> bool:
+        """Find c; whether there is one."""
         side = 1.0 if self.end >= 0.0 else -1.0
-        return self.search(side) or self.search(-side)
+        return self.try_side(side) or self.try_side(-side)
 
-    def search(self, side: float) -> bool:
-        """On one side of zero, from zero outwards: three parts, divided by |v| and |v_e| where they lie there."""
+    def try_side(self, side: float) -> bool:
+        """Find c on one side of zero, from zero outwards, in the three parts that |v| and |v_e| divide it into."""
         first = max(min(side * self.velocity, side * self.end), 0.0)
         second = max(side * self.velocity, side * self.end, 0.0)
         steepest = max(self.acceleration, self.deceleration)
-        far = second + SHARE * steepest * self.duration
-        return self.part(side, 0.0, first) or self.part(side, first, second) or self.part(side, second, far)
+        far = second + MEAN_ACCELERATION * steepest * self.duration
+        return self.try_part(side, 0.0, first) or self.try_part(side, first, second) or self.try_part(side, second, far)
 
-    def part(self, side: float, near: float, far: float) -> bool:
-        """Between two cuts of the limits; `near` and `far` are distances from zero."""
+    def try_part(self, side: float, near: float, far: float) -> bool:
+        """Find c in a part in which the same limits hold; `near` and `far` are its ends' distances from zero."""
         if not near < far < inf:
             return False
         middle = side * (near + 0.5 * (far - near))
         self.before = acceleration_limit(self.velocity, middle, self.acceleration, self.deceleration)
         self.after = acceleration_limit(middle, self.end, self.acceleration, self.deceleration)
         self.count = 0
-        self.cut(near, near, far)
-        self.bend(self.velocity, self.before, self.after, side, near, far)
-        self.bend(self.end, self.after, self.before, side, near, far)
-        self.cut(side * (self.velocity + 0.5 * (self.end - self.velocity)), near, far)
-        self.cut(far, near, far)
+        self.add_cut(near, near, far)
+        self.add_cuts_of_ramp(self.velocity, self.before, self.after, side, near, far)
+        self.add_cuts_of_ramp(self.end, self.after, self.before, side, near, far)
+        self.add_cut(side * (self.velocity + 0.5 * (self.end - self.velocity)), near, far)
+        self.add_cut(far, near, far)
         found = False
         for i in range(self.count - 1):
-            found = found or self.interval(side, self.cuts[i], self.cuts[i + 1])
+            found = found or self.try_interval(side, self.cuts[i], self.cuts[i + 1])
         return found
 
-    def bend(self, start: float, limit: float, other: float, side: float, near: float, far: float) -> None:
-        """Cut where the ramp between `start` and c passes from its jerk limit to its acceleration limit, |dv| = 8 a^2 /
-        (3 J), and where it is in its jerk limit and as steep in c as the other ramp is in its acceleration limit, |dv|
-        = a^2 * 2 / (3 J)."""
+    def add_cuts_of_ramp(self, start: float, limit: float, other: float, side: float, near: float, far: float) -> None:
+        """Cut where the ramp between `start` and c passes from its jerk limit to its acceleration limit A,
+        |dv| = 8 A^2 / (3 J), and where its duration, limited by jerk, changes with c as fast as the other ramp's,
+        limited by acceleration A', |dv| = 2 A'^2 / (3 J)."""
         if self.jerk > 0.0:
             for sign in range(2):
                 direction = 1.0 if sign == 1 else -1.0
-                self.cut(side * (start + direction * 8.0 * limit * limit / (3.0 * self.jerk)), near, far)
-                self.cut(side * (start + direction * 2.0 * other * other / (3.0 * self.jerk)), near, far)
+                self.add_cut(side * (start + direction * 8.0 * limit * limit / (3.0 * self.jerk)), near, far)
+                self.add_cut(side * (start + direction * 2.0 * other * other / (3.0 * self.jerk)), near, far)
 
-    def cut(self, at: float, near: float, far: float) -> None:
-        """Put a cut in order, if it lies in the part."""
+    def add_cut(self, at: float, near: float, far: float) -> None:
+        """Insert a cut in order, if it lies in the part."""
         if near <= at <= far:
             i = self.count
             while i > 0 and self.cuts[i - 1] > at:
@@ -96,8 +98,8 @@ class ConstantVelocity:
             self.cuts[i] = at
             self.count += 1
 
-    def interval(self, side: float, near: float, far: float) -> bool:
-        """T_a + T_b is monotone here: the part with T_a + T_b <= T, then c in it."""
+    def try_interval(self, side: float, near: float, far: float) -> bool:
+        """Find c between two cuts, where T_a + T_b is monotone: first the part in which it fits into T, then c."""
         fits_near = self.fits(side * near)
         fits_far = self.fits(side * far)
         if not fits_near and not fits_far:
@@ -117,44 +119,49 @@ class ConstantVelocity:
                 far = good
             else:
                 near = good
-        return self.accept(side * near, side * far)
+        return self.try_between(side * near, side * far)
 
-    def accept(self, near: float, far: float) -> bool:
-        """c between two velocities, if the way there brackets the one wanted."""
+    def try_between(self, near: float, far: float) -> bool:
+        """Find c between two velocities where everything fits, if their distances bracket the one wanted."""
         low = min(near, far)
         high = max(near, far)
-        if not self.travel(low) <= self.way <= self.travel(high):
+        if not self.distance_at(low) <= self.distance <= self.distance_at(high):
             return False
         for _ in range(BISECTIONS):
             middle = low + 0.5 * (high - low)
             if not low < middle < high:
                 break
-            if self.travel(middle) <= self.way:
+            if self.distance_at(middle) <= self.distance:
                 low = middle
             else:
                 high = middle
-        self.cruise = low if abs(self.travel(low) - self.way) <= abs(self.travel(high) - self.way) else high
-        self.settle(self.velocity)
-        self.settle(self.end)
+        nearer = abs(self.distance_at(low) - self.distance) <= abs(self.distance_at(high) - self.distance)
+        self.cruise = low if nearer else high
+        self.snap_to(self.velocity)
+        self.snap_to(self.end)
         self.rise = self.rise_time(self.cruise)
         self.fall = self.fall_time(self.cruise)
         return True
 
-    def settle(self, velocity: float) -> None:
-        """A c that differs by rounding from a velocity at an end is that velocity, and needs no ramp."""
-        if abs(self.cruise - velocity) <= EQUAL * max(abs(self.velocity), abs(self.end)):
+    def snap_to(self, velocity: float) -> None:
+        """Make c the velocity at an end from which it differs by rounding only: no ramp is needed there."""
+        if abs(self.cruise - velocity) <= NO_RAMP * max(abs(self.velocity), abs(self.end)):
             self.cruise = velocity
 
     def rise_time(self, cruise: float) -> float:
+        """T_a, s."""
         return level_ramp_duration(cruise - self.velocity, self.before, self.jerk)
 
     def fall_time(self, cruise: float) -> float:
+        """T_b, s."""
         return level_ramp_duration(self.end - cruise, self.after, self.jerk)
 
     def fits(self, cruise: float) -> bool:
+        """Whether both ramps fit into the duration."""
         return self.rise_time(cruise) + self.fall_time(cruise) <= self.duration
 
-    def travel(self, cruise: float) -> float:
+    def distance_at(self, cruise: float) -> float:
+        """f(c), u."""
         return cruise * self.duration - 0.5 * (
             (cruise - self.velocity) * self.rise_time(cruise) + (cruise - self.end) * self.fall_time(cruise)
         )

@@ -1,7 +1,7 @@
 """The greatest and least values of a synchronisation profile at constant master velocity, exact: nothing is sampled.
 
-An extremum lies at an end of a piece or where the derivative is 0 inside it; integrals are in closed form. Source:
-TS5055, "Characteristic values"; momentum, mean and effective value are those that TwinCAT reserves but never computes.
+An extremum lies at an end of a piece, or inside the piece where the derivative is 0; integrals are in closed form.
+Source: TS5055, "Characteristic values". TwinCAT reserves momentum, mean and effective value but never computes them.
 """
 
 from dataclasses import dataclass
@@ -9,10 +9,10 @@ from math import inf, sqrt
 
 from .. import var
 from ..polynomial import ROUNDING, Polynomial
-from .profile import ORDER, Profile
+from .profile import TERMS, Profile
 
-EQUAL = 1e-12  # of the greatest magnitude: values that differ by less are equal, and the first one counts
-END = 0  # kind of a place: an end of a piece; n > 0: a root of the position's n-th derivative inside it
+SAME_EXTREME = 1e-12  # of the greatest magnitude: values that differ by less are equal, and the first one counts
+END = 0  # kind of a row: an end of a piece; n > 0: a root of the position's n-th derivative inside the piece
 
 
 @dataclass(slots=True)
@@ -27,8 +27,10 @@ class Extremes:
         momentum_min, momentum_max: of v a, u2/s3.
         velocity_mean: of |v| over time.
         acceleration_effective: root mean square over time.
-        places: of the `rows` places at which something may be extreme, in travel order: u within the piece; with them
-            what they are, their times and the position and its derivatives there.
+        rows: how many instants there are at which something may be extreme; the lists hold them in travel order.
+        shares: each row's u within its piece.
+        kinds: what each row is: END, or the order of the derivative of which it is a root.
+        times, positions, velocities, accelerations, jerks: each row's nominal time, and the slave there.
     """
 
     position_min: float = 0.0
@@ -55,7 +57,7 @@ class Extremes:
     acceleration_effective: float = 0.0
     polynomial: Polynomial = var.part(Polynomial)
     rows: int = 0
-    places: list[float] = var.ring(48)
+    shares: list[float] = var.ring(48)
     kinds: list[float] = var.ring(48)
     times: list[float] = var.ring(48)
     positions: list[float] = var.ring(48)
@@ -64,7 +66,7 @@ class Extremes:
     jerks: list[float] = var.ring(48)
 
     def measure(self, profile: Profile) -> None:
-        """All but the last four, of a profile with at least one piece."""
+        """Find everything but what `integrate` finds, for a profile with at least one piece."""
         self.rows = 0
         self.acceleration_peak = 0.0
         self.deceleration_peak = 0.0
@@ -96,13 +98,13 @@ class Extremes:
         self.jerk_max = high
 
     def visit(self, profile: Profile, i: int) -> None:
-        """One piece: its places, the values there, and the greatest acceleration and deceleration between them."""
+        """Add the rows of one piece, and take its greatest acceleration and deceleration into account."""
         d = profile.durations[i]
         begin = self.rows
         self.insert(begin, 0.0, END)
         self.insert(begin, 1.0, END)
         f = self.polynomial
-        take(f, profile, i)
+        fill_with_position(f, profile, i)
         small_velocity = 0.0
         small_acceleration = 0.0
         for derivative in range(1, 5):
@@ -115,8 +117,8 @@ class Extremes:
             for n in range(f.count):
                 self.insert(begin, f.roots[n], derivative)
         for row in range(begin, self.rows):
-            position, velocity, acceleration, jerk = profile.within(i, self.places[row])
-            self.times[row] = profile.begins[i] + self.places[row] * d
+            position, velocity, acceleration, jerk = profile.within(i, self.shares[row])
+            self.times[row] = profile.begins[i] + self.shares[row] * d
             self.positions[row] = position
             self.velocities[row] = velocity
             self.accelerations[row] = acceleration
@@ -124,20 +126,23 @@ class Extremes:
             if row > begin:
                 self.judge(row, small_velocity, small_acceleration)
 
-    def insert(self, begin: int, place: float, kind: int) -> None:
-        """One more place, at its rank among those of the piece, which begin at row `begin`."""
+    def insert(self, begin: int, share: float, kind: int) -> None:
+        """Insert a row in order among those of its piece, which begin at row `begin`."""
         row = self.rows
-        while row > begin and self.places[row - 1] > place:
-            self.places[row] = self.places[row - 1]
+        while row > begin and self.shares[row - 1] > share:
+            self.shares[row] = self.shares[row - 1]
             self.kinds[row] = self.kinds[row - 1]
             row -= 1
-        self.places[row] = place
+        self.shares[row] = share
         self.kinds[row] = float(kind)
         self.rows += 1
 
     def judge(self, row: int, small_velocity: float, small_acceleration: float) -> None:
-        """From the place before this one to it v and a are monotone and keep their signs: both are greatest at one of
-        the two, and there it is an acceleration or a deceleration. Where v or a is 0 but for rounding it is neither."""
+        """Take the stretch that ends at this row into account for the peaks of acceleration and deceleration.
+
+        Between two rows v and a are monotone and keep their signs, so both have their greatest magnitudes at one of the
+        two rows. Equal signs make it an acceleration, unequal ones a deceleration. A stretch on which v or a is 0 but
+        for rounding is neither."""
         velocity = greater(self.velocities[row - 1], self.velocities[row])
         acceleration = greater(self.accelerations[row - 1], self.accelerations[row])
         if abs(velocity) > small_velocity and abs(acceleration) > small_acceleration:
@@ -147,8 +152,8 @@ class Extremes:
                 self.deceleration_peak = max(self.deceleration_peak, abs(acceleration))
 
     def extreme(self, values: list[float], kind: int, sign: float) -> tuple[float, int]:
-        """The greatest (sign 1) or least (-1) value at the places of that kind and at the ends; the first row at which
-        it is reached."""
+        """The greatest (sign 1) or least (sign -1) value at the rows of that kind and at the ends, and the first row at
+        which it is reached."""
         best = -inf
         size = 0.0
         for row in range(self.rows):
@@ -156,70 +161,74 @@ class Extremes:
                 best = max(best, sign * values[row])
                 size = max(size, abs(values[row]))
         for row in range(self.rows):
-            if self.kinds[row] in (END, kind) and sign * values[row] >= best - EQUAL * size:
+            if self.kinds[row] in (END, kind) and sign * values[row] >= best - SAME_EXTREME * size:
                 return sign * best, row
         return sign * best, 0
 
     def integrate(self, profile: Profile) -> None:
-        """The last four, of a profile with at least one piece."""
+        """Find the extremes of the momentum, the mean speed and the effective acceleration of a measured profile."""
         self.momentum_min = inf
         self.momentum_max = -inf
-        way = 0.0
+        distance = 0.0
         power = 0.0
         for i in range(profile.pieces):
-            self.weigh(profile, i)
-            way += self.travel(profile, i)
-            power += square(profile, i)
-        self.velocity_mean = way / profile.duration()
+            self.add_momentum(profile, i)
+            distance += self.path_length(profile, i)
+            power += squared_acceleration(profile, i)
+        self.velocity_mean = distance / profile.duration()
         self.acceleration_effective = sqrt(power / profile.duration())
 
-    def weigh(self, profile: Profile, i: int) -> None:
-        """The extremes of v a: at the ends and where a^2 + v j, of degree 6 at most, is 0. With v = sum v_n u^n and
-        a = sum a_n u^n that derivative has the coefficients (n + 1) sum over k of v_k a_(n + 1 - k)."""
+    def add_momentum(self, profile: Profile, i: int) -> None:
+        """Take a piece into account for the extremes of v a, which lie at its ends and where a^2 + v j is 0.
+
+        That derivative has degree 6 at most. With v = sum of v_n u^n and a = sum of a_n u^n its coefficients are
+        (n + 1) times the sum over k of v_k a_(n + 1 - k)."""
         f = self.polynomial
         f.degree = 6
         for n in range(7):
             f.coefficients[n] = 0.0
-        for k in range(ORDER - 1):
-            velocity = (k + 1.0) * profile.coefficients[ORDER * i + k + 1]
-            for m in range(ORDER - 2):
-                acceleration = (m + 1.0) * (m + 2.0) * profile.coefficients[ORDER * i + m + 2]
+        for k in range(TERMS - 1):
+            velocity = (k + 1.0) * profile.coefficients[TERMS * i + k + 1]
+            for m in range(TERMS - 2):
+                acceleration = (m + 1.0) * (m + 2.0) * profile.coefficients[TERMS * i + m + 2]
                 if k + m > 0:
                     f.coefficients[k + m - 1] += (k + m) * velocity * acceleration
         f.solve()
         for n in range(-1, f.count + 1):
-            place = 0.0 if n < 0 else f.roots[n] if n < f.count else 1.0
-            _, velocity, acceleration, _ = profile.within(i, place)
+            share = 0.0 if n < 0 else f.roots[n] if n < f.count else 1.0
+            _, velocity, acceleration, _ = profile.within(i, share)
             self.momentum_min = min(self.momentum_min, velocity * acceleration)
             self.momentum_max = max(self.momentum_max, velocity * acceleration)
 
-    def travel(self, profile: Profile, i: int) -> float:
-        """The integral of |v| over a piece: the ways between the turning points, all taken as positive."""
+    def path_length(self, profile: Profile, i: int) -> float:
+        """The integral of |v| over a piece: the sum of the distances between its turning points."""
         f = self.polynomial
-        take(f, profile, i)
+        fill_with_position(f, profile, i)
         f.differentiate()
         f.solve()
         total = 0.0
         before = 0.0
         for n in range(f.count + 1):
-            after = profile.passed(i, f.roots[n] if n < f.count else 1.0)
+            after = profile.distance_in(i, f.roots[n] if n < f.count else 1.0)
             total += abs(after - before)
             before = after
         return total
 
 
-def take(f: Polynomial, profile: Profile, i: int) -> None:
-    """The position in a piece as a polynomial."""
-    f.degree = ORDER - 1
-    for n in range(ORDER):
-        f.coefficients[n] = profile.coefficients[ORDER * i + n]
+def fill_with_position(f: Polynomial, profile: Profile, i: int) -> None:
+    """Make f the position in a piece, as a polynomial in u."""
+    f.degree = TERMS - 1
+    for n in range(TERMS):
+        f.coefficients[n] = profile.coefficients[TERMS * i + n]
 
 
-def square(profile: Profile, i: int) -> float:
-    """The integral of a^2 over a piece, d sum of l_n^2 / (2 n + 1), n = 0 to 3: l_n are the coefficients of a in
-    Legendre's polynomials over the piece, which are orthogonal. A sum of squares, so it does not cancel."""
+def squared_acceleration(profile: Profile, i: int) -> float:
+    """The integral of a^2 over a piece, d times the sum of l_n^2 / (2 n + 1), n = 0 to 3.
+
+    l_n are the coefficients of a in Legendre's polynomials over the piece, which are orthogonal. The terms of this sum
+    are squares, so they do not cancel."""
     d = profile.durations[i]
-    at = ORDER * i
+    at = TERMS * i
     a0 = 2.0 * profile.coefficients[at + 2]
     a1 = 6.0 * profile.coefficients[at + 3]
     a2 = 12.0 * profile.coefficients[at + 4]
@@ -232,5 +241,5 @@ def square(profile: Profile, i: int) -> float:
 
 
 def greater(a: float, b: float) -> float:
-    """The one of greater magnitude."""
+    """Whichever of both has the greater magnitude."""
     return a if abs(a) >= abs(b) else b

@@ -1,21 +1,26 @@
-"""What a gear-in command asks for, as it was at its edge: a synchronisation planned anew later goes by it too."""
+"""What a gear-in command asks for, as read at its edge; a synchronisation that is planned anew later uses it too."""
 
 from dataclasses import dataclass
 from math import isfinite
 
 from .. import var
 from ..limits import usable
+from .axis_limits import AxisLimits, are_finite, limit_in_use
 from .commands import GearInVelo
 from .faults import Fault
-from .machine import Axis, chosen, ends_known
 from .sync_mode import SyncMode
 
 
 @dataclass(slots=True)
 class Order:
-    """`factor` is the slave's velocity per master's; limits in u/s, u/s2, u/s3; positions in u, the master's unwrapped.
+    """A gear-in command's values; limits in u/s, u/s2 and u/s3, positions in u, the master's unwrapped.
 
-    `to_position`: of gear_in_pos; the sync positions and the start distance are its own.
+    Attributes:
+        to_position: the command is gear_in_pos, which alone has sync positions and a start distance.
+        factor: the slave's velocity over the master's in sync.
+        velocity, acceleration, deceleration, jerk: the limits in use, the command's own or the axis's.
+        master_sync, slave_sync: where master and slave are when both are in sync.
+        start_distance: the slave starts that much before master_sync; 0: at once.
     """
 
     to_position: bool = False
@@ -32,48 +37,34 @@ class Order:
     mode: SyncMode = var.part(SyncMode, hidden=True)
 
     def checked_jerk(self) -> float:
-        """The jerk limit that a profile is to keep; 0 if it is not checked."""
+        """The jerk limit that a profile has to keep, u/s3; 0 if the jerk is not checked."""
         return self.jerk if self.mode.check_max_jerk else 0.0
 
-    def sample(self, command: GearInVelo, axis: Axis, mode: SyncMode, cosine: float) -> None:
-        """What is common to both commands; `cosine`: of the angle between both axes' travels."""
+    def sample(self, command: GearInVelo, axis: AxisLimits, mode: SyncMode, cosine: float) -> None:
+        """Read what both gear-in commands have; `cosine` is that of the angle between the travels of both axes."""
         self.to_position = False
         self.start_distance = 0.0
         denominator = max(command.ratio_denominator, 0)
         self.factor = command.ratio_numerator / denominator / cosine if denominator > 0 else 0.0
-        self.velocity = chosen(command.velocity, axis.max_velocity)
-        self.acceleration = chosen(command.acceleration, axis.max_acceleration)
-        self.deceleration = chosen(command.deceleration, axis.max_deceleration)
-        self.jerk = chosen(command.jerk, axis.max_jerk)
+        self.velocity = limit_in_use(command.velocity, axis.max_velocity)
+        self.acceleration = limit_in_use(command.acceleration, axis.max_acceleration)
+        self.deceleration = limit_in_use(command.deceleration, axis.max_deceleration)
+        self.jerk = limit_in_use(command.jerk, axis.max_jerk)
         self.min_position = axis.min_position
         self.max_position = axis.max_position
-        self.mode.take(mode)
+        var.copy(self.mode, mode)
 
     def aim(self, master_sync: float, slave_sync: float, start_distance: float) -> None:
-        """What only gear_in_pos has."""
+        """Add what only gear_in_pos has."""
         self.to_position = True
         self.master_sync = master_sync
         self.slave_sync = slave_sync
         self.start_distance = start_distance
 
-    def take(self, other: "Order") -> None:
-        self.to_position = other.to_position
-        self.factor = other.factor
-        self.velocity = other.velocity
-        self.acceleration = other.acceleration
-        self.deceleration = other.deceleration
-        self.jerk = other.jerk
-        self.min_position = other.min_position
-        self.max_position = other.max_position
-        self.master_sync = other.master_sync
-        self.slave_sync = other.slave_sync
-        self.start_distance = other.start_distance
-        self.mode.take(other.mode)
-
     def fault(self) -> Fault:
-        """What is wrong with the values whatever the axes do."""
+        """What is wrong with the values, whatever the axes do."""
         if self.factor == 0.0 or not isfinite(self.factor):
             return Fault.FACTOR
         dynamics = usable(self.acceleration) and usable(self.deceleration) and usable(self.jerk)
-        positions = ends_known(self.min_position, self.max_position)
+        positions = are_finite(self.min_position, self.max_position)
         return Fault.NONE if usable(self.velocity) and dynamics and positions else Fault.LIMIT

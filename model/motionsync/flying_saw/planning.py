@@ -1,4 +1,4 @@
-"""From an order and the state of both axes to a profile that keeps its conditions, or to the reason why there is none.
+"""From an order and the state of both axes to a profile that keeps what the order asks for, or to a fault.
 
 Source: TS5055, sections 3 to 7 and 13.
 """
@@ -9,21 +9,27 @@ from math import isfinite
 from .. import var
 from ..laws import Quintic
 from ..motion import Motion, acceleration_limit
-from .checks import TOLERANCE, broken_position, broken_steepness, broken_velocity
+from .checks import TOLERANCE, violated_dynamics, violated_position, violated_velocity
 from .constant_velocity import ConstantVelocity
 from .extremes import Extremes
 from .faults import Fault
 from .order import Order
 from .profile import Profile, ProfileKind
-from .shapes import at_velocity, begin_first, ramp_duration, ramp_from, same_peak
+from .segments import (
+    add_ramp_from_acceleration,
+    plan_one_ramp,
+    plan_two_ramps,
+    ramp_duration,
+    same_peak_durations,
+)
 
-FREE = 1e-9  # a velocity's share: an acceleration that changes it by less until the end does not count
-EQUAL = 1e-12  # of the greater: velocities that differ by less are in sync at once
-MOST = 1e100  # u/s3 and less: what is beyond it comes from a way or time that is lost to rounding
+NO_ACCELERATION = 1e-9  # of the velocity: an acceleration that changes it by less until the end does not count
+SAME_VELOCITY = 1e-12  # of the greater: velocities that differ by less are in sync at once
+LARGEST = 1e100  # s, u/s2 and u/s3: beyond it a number comes from a distance or a velocity lost to rounding
 
 
 @dataclass(slots=True)
-class State:
+class AxisState:
     """An axis at an instant: u, u/s, u/s2."""
 
     position: float = 0.0
@@ -35,7 +41,7 @@ class State:
         self.velocity = velocity
         self.acceleration = acceleration
 
-    def stands(self) -> bool:
+    def is_standing(self) -> bool:
         return self.velocity == 0.0 and self.acceleration == 0.0
 
 
@@ -45,7 +51,7 @@ class Plan:
 
     Attributes:
         profile: the one found.
-        at_once: there is nothing to do for being in sync.
+        at_once: both are in sync already, and no profile is needed.
         judged: there is a profile, and the checks have looked at its extremes.
         extremes: of the profile, for the checks.
         master_end, end: where master and slave are at the profile's end, u.
@@ -53,8 +59,8 @@ class Plan:
         acceleration: the slave's own at constant master velocity, a0 - v0 a_m / v_m, u/s2.
     """
 
-    master: State = var.part(State)
-    slave: State = var.part(State)
+    master: AxisState = var.part(AxisState)
+    slave: AxisState = var.part(AxisState)
     profile: Profile = var.part(Profile)
     extremes: Extremes = var.part(Extremes)
     nominal: Motion = var.part(Motion)
@@ -67,45 +73,47 @@ class Plan:
     synchronous: float = 0.0
     acceleration: float = 0.0
 
-    def make(self, order: Order) -> Fault:
+    def try_order(self, order: Order) -> Fault:
+        """Plan what the order asks for; the fault if that is refused."""
         self.judged = False
-        return self.meet(order) if order.to_position else self.join(order)
+        return self.try_to_position(order) if order.to_position else self.try_to_velocity(order)
 
     # --- gear_in_velo ---
 
-    def join(self, order: Order) -> Fault:
-        """To the synchronous velocity, wherever that is reached."""
-        stands = self.slave.stands()
+    def try_to_velocity(self, order: Order) -> Fault:
+        """Plan a ramp to the synchronous velocity, wherever that is reached."""
+        standing = self.slave.is_standing()
         self.prepare(order)
-        if self.too_fast(order):
+        if self.is_too_fast(order):
             return Fault.LIMIT
-        if self.master.velocity == 0.0 and not stands:
+        if self.master.velocity == 0.0 and not standing:
             return Fault.SLAVE_MOVING
         self.profile.begin(ProfileKind.NONE, self.slave.position)
         self.master_end = self.master.position
         self.end = self.slave.position
         velocity = self.slave.velocity
         change = self.synchronous - velocity
-        self.at_once = self.master.velocity == 0.0 or abs(change) <= EQUAL * max(abs(self.synchronous), abs(velocity))
+        greater = max(abs(self.synchronous), abs(velocity))
+        self.at_once = self.master.velocity == 0.0 or abs(change) <= SAME_VELOCITY * greater
         if order.mode.time_based and self.master.velocity != 0.0:
-            return self.join_in_time(order)
+            return self.try_in_time(order)
         if self.at_once:
             return Fault.NONE
         limit = acceleration_limit(velocity, self.synchronous, order.acceleration, order.deceleration)
         along = self.acceleration if change > 0.0 else -self.acceleration
         duration = ramp_duration(abs(change), along, limit, order.checked_jerk())
-        if not self.sound(duration):
+        if not self.is_computable(duration):
             return Fault.NOT_AHEAD
         self.profile.begin(ProfileKind.P5, self.slave.position)
-        ramp_from(self.profile, duration, velocity, self.acceleration, self.synchronous)
-        return self.measured(order)
+        add_ramp_from_acceleration(self.profile, duration, velocity, self.acceleration, self.synchronous)
+        return self.try_free_end(order)
 
-    def join_in_time(self, order: Order) -> Fault:
-        """The time-optimal ramp in the velocity that is lacking; the checks take the master as unaccelerated."""
+    def try_in_time(self, order: Order) -> Fault:
+        """Plan the time-optimal change of velocity; the checks see it as if the master had no acceleration."""
         self.acceleration = self.slave.acceleration
         velocity = self.slave.velocity
         lacking = abs(self.slave.acceleration - order.factor * self.master.acceleration)
-        self.at_once = self.at_once and lacking <= EQUAL * min(order.acceleration, order.deceleration)
+        self.at_once = self.at_once and lacking <= SAME_VELOCITY * min(order.acceleration, order.deceleration)
         if self.at_once:
             return Fault.NONE
         self.profile.begin(ProfileKind.JERK_LIMITED, self.slave.position)
@@ -126,36 +134,36 @@ class Plan:
                 0.0,
                 0.0,
             )
-        return self.measured(order)
+        return self.try_free_end(order)
 
-    def measured(self, order: Order) -> Fault:
-        """The checks of a profile that ends where it ends."""
+    def try_free_end(self, order: Order) -> Fault:
+        """Check a profile whose end positions follow from it."""
         self.master_end = self.master.position + self.master.velocity * self.profile.duration()
-        self.end = self.slave.position + self.profile.way()
+        self.end = self.slave.position + self.profile.distance()
         self.extremes.measure(self.profile)
-        return self.verdict(order)
+        return self.try_checks(order)
 
     # --- gear_in_pos ---
 
-    def meet(self, order: Order) -> Fault:
-        """To the slave's sync position just where the master is at its own."""
-        fault = self.hindrance(order)
+    def try_to_position(self, order: Order) -> Fault:
+        """Plan a profile that takes the slave to its sync position just when the master is at its own."""
+        fault = self.try_prepare_to_position(order)
         if fault != Fault.NONE:
             return fault
         toward = 1.0 if order.factor * self.master.velocity > 0.0 else -1.0
-        way = order.slave_sync - self.slave.position
+        distance = order.slave_sync - self.slave.position
         duration = (order.master_sync - self.master.position) / self.master.velocity
-        if way * toward <= 0.0 or not self.sound(duration):
+        if distance * toward <= 0.0 or not self.is_computable(duration):
             return Fault.NOT_AHEAD
         self.master_end = order.master_sync
         self.end = order.slave_sync
-        return self.choose(order, duration, way)
+        return self.try_profiles(order, duration, distance)
 
-    def hindrance(self, order: Order) -> Fault:
-        """What stands against a gear_in_pos whatever the slave does, known at its edge already."""
+    def try_prepare_to_position(self, order: Order) -> Fault:
+        """Prepare a gear_in_pos; the fault that refuses it whatever the slave does, known at its edge already."""
         self.prepare(order)
         self.at_once = False
-        if self.too_fast(order):
+        if self.is_too_fast(order):
             return Fault.LIMIT
         if order.mode.time_based:
             return Fault.TIME_BASED
@@ -164,56 +172,56 @@ class Plan:
         ahead = (order.master_sync - self.master.position) * self.master.velocity
         return Fault.NONE if ahead > 0.0 and order.start_distance >= 0.0 else Fault.NOT_AHEAD
 
-    def choose(self, order: Order, duration: float, way: float) -> Fault:
-        """The profiles in the order of preference; the last one is judged by all checks."""
+    def try_profiles(self, order: Order, duration: float, distance: float) -> Fault:
+        """Try the profiles in the order of preference; the one that remains is judged by all checks."""
         velocity = self.slave.velocity
         end = self.synchronous
-        if self.free(duration):
+        if self.is_unaccelerated(duration):
             self.acceleration = 0.0
-            if order.mode.prefer_constant_velocity and self.at_constant_velocity(order, duration, way):
+            if order.mode.prefer_constant_velocity and self.try_constant_velocity(order, duration, distance):
                 self.extremes.measure(self.profile)
-                if self.verdict(order) == Fault.NONE:
+                if self.try_checks(order) == Fault.NONE:
                     return Fault.NONE
-            mean = way / duration
+            mean = distance / duration
             between = min(velocity, end) < mean < max(velocity, end)
             if between and (order.mode.check_overshoot_velocity or order.mode.check_undershoot_velocity):
-                begin_first(self.profile, self.slave.position, duration, way, velocity, end)
-                if self.driveable(order):
-                    return self.verdict(order)
-            self.single(duration, way)
-            if order.mode.check_max_velocity and self.at_velocity_limit(order, duration, way):
-                if self.driveable(order):
-                    return self.verdict(order)
-                self.single(duration, way)
+                plan_one_ramp(self.profile, self.slave.position, duration, distance, velocity, end)
+                if self.try_dynamics(order):
+                    return self.try_checks(order)
+            self.plan_quintic(duration, distance)
+            if order.mode.check_max_velocity and self.try_velocity_limit(order, duration, distance):
+                if self.try_dynamics(order):
+                    return self.try_checks(order)
+                self.plan_quintic(duration, distance)
         else:
-            self.single(duration, way)
-        return self.verdict(order)
+            self.plan_quintic(duration, distance)
+        return self.try_checks(order)
 
-    def free(self, duration: float) -> bool:
-        """Whether both axes count as free of acceleration; what the order ignores is 0 here already."""
-        master = abs(self.master.acceleration) * duration <= FREE * abs(self.master.velocity)
+    def is_unaccelerated(self, duration: float) -> bool:
+        """Whether both axes count as free of acceleration; an acceleration that the order ignores is 0 already."""
+        master = abs(self.master.acceleration) * duration <= NO_ACCELERATION * abs(self.master.velocity)
         speed = max(abs(self.slave.velocity), abs(self.synchronous))
-        return master and abs(self.slave.acceleration) * duration <= FREE * speed
+        return master and abs(self.slave.acceleration) * duration <= NO_ACCELERATION * speed
 
-    def single(self, duration: float, way: float) -> None:
-        """P5."""
+    def plan_quintic(self, duration: float, distance: float) -> None:
+        """P5: one polynomial of order 5, measured."""
         self.profile.begin(ProfileKind.P5, self.slave.position)
-        self.quintic.fit(duration, 0.0, self.slave.velocity, self.acceleration, way, self.synchronous, 0.0)
-        self.profile.whole(self.quintic)
+        self.quintic.fit(duration, 0.0, self.slave.velocity, self.acceleration, distance, self.synchronous, 0.0)
+        self.profile.add_quintic(self.quintic)
         self.extremes.measure(self.profile)
 
-    def at_constant_velocity(self, order: Order, duration: float, way: float) -> bool:
-        """P5+P1+P5 with ramps as steep as allowed; whether there is one."""
+    def try_constant_velocity(self, order: Order, duration: float, distance: float) -> bool:
+        """Plan P5+P1+P5 with ramps as short as the limits allow; whether there is such a profile."""
         self.constant.duration = duration
-        self.constant.way = way
+        self.constant.distance = distance
         self.constant.velocity = self.slave.velocity
         self.constant.end = self.synchronous
         self.constant.acceleration = order.acceleration
         self.constant.deceleration = order.deceleration
         self.constant.jerk = order.checked_jerk()
-        if not self.constant.solve():
+        if not self.constant.try_solve():
             return False
-        at_velocity(
+        plan_two_ramps(
             self.profile,
             self.slave.position,
             duration,
@@ -225,8 +233,10 @@ class Plan:
         )
         return True
 
-    def at_velocity_limit(self, order: Order, duration: float, way: float) -> bool:
-        """P5+P1+P5 at the velocity limit that P5, measured just now, breaks; whether there is one."""
+    def try_velocity_limit(self, order: Order, duration: float, distance: float) -> bool:
+        """Plan P5+P1+P5 at the velocity limit that P5, measured just before, exceeds; whether there is such a profile.
+
+        False too if P5 keeps the limit."""
         limit = order.velocity + TOLERANCE * max(self.extremes.velocity_max, -self.extremes.velocity_min)
         if self.extremes.velocity_max > limit:
             cruise = order.velocity
@@ -234,10 +244,10 @@ class Plan:
             cruise = -order.velocity
         else:
             return False
-        rise, fall = same_peak(duration, way, self.slave.velocity, cruise, self.synchronous)
+        rise, fall = same_peak_durations(duration, distance, self.slave.velocity, cruise, self.synchronous)
         if rise + fall <= 0.0:
             return False
-        at_velocity(
+        plan_two_ramps(
             self.profile, self.slave.position, duration, self.slave.velocity, cruise, self.synchronous, rise, fall
         )
         return True
@@ -245,7 +255,7 @@ class Plan:
     # --- what both share ---
 
     def prepare(self, order: Order) -> None:
-        """What the order ignores becomes 0; the profile's own start acceleration follows from the rest."""
+        """Make the accelerations 0 that the order ignores; then find the profile's own acceleration at its start."""
         if order.mode.ignore_master_acceleration and not order.mode.time_based:
             self.master.acceleration = 0.0
         if order.mode.ignore_slave_acceleration and not order.mode.time_based:
@@ -255,35 +265,35 @@ class Plan:
         if self.master.velocity != 0.0:
             self.acceleration -= self.slave.velocity / self.master.velocity * self.master.acceleration
 
-    def too_fast(self, order: Order) -> bool:
-        """The synchronous velocity is out of the question."""
+    def is_too_fast(self, order: Order) -> bool:
+        """Whether the synchronous velocity is beyond its limit, where that is checked or needed."""
         limited = order.mode.check_max_velocity or (order.mode.time_based and not order.to_position)
         return limited and abs(self.synchronous) > order.velocity * (1.0 + TOLERANCE)
 
-    def sound(self, duration: float) -> bool:
-        """Whether the time, and what has to happen in it, can be told from rounding."""
-        if not 0.0 < duration < MOST:
+    def is_computable(self, duration: float) -> bool:
+        """Whether the duration and the rates that it requires are well above rounding error."""
+        if not 0.0 < duration < LARGEST:
             return False
         speed = abs(self.slave.velocity) + abs(self.synchronous)
-        steep = speed / duration + abs(self.acceleration)
-        return isfinite(steep) and steep / duration < MOST
+        steepest = speed / duration + abs(self.acceleration)
+        return isfinite(steepest) and steepest / duration < LARGEST
 
-    def verdict(self, order: Order) -> Fault:
-        """The checks of the measured profile, and the order's kind of answer to a broken one."""
-        fault = self.broken(order)
+    def try_checks(self, order: Order) -> Fault:
+        """Check the measured profile; the fault in the detail that the order asks for."""
+        fault = self.violated(order)
         self.judged = True
         if fault == Fault.NONE or order.mode.detailed_error_codes:
             return fault
         return Fault.CHECK
 
-    def broken(self, order: Order) -> Fault:
-        """The first broken check of those that the order asks for."""
-        fault = broken_position(self.extremes, order, self.slave.position, self.end)
+    def violated(self, order: Order) -> Fault:
+        """The first violated check of those that the order asks for."""
+        fault = violated_position(self.extremes, order, self.slave.position, self.end)
         if fault == Fault.NONE:
-            fault = broken_velocity(self.extremes, order, self.slave.velocity, self.synchronous, self.master.velocity)
-        return fault if fault != Fault.NONE else broken_steepness(self.extremes, order)
+            fault = violated_velocity(self.extremes, order, self.slave.velocity, self.synchronous, self.master.velocity)
+        return fault if fault != Fault.NONE else violated_dynamics(self.extremes, order)
 
-    def driveable(self, order: Order) -> bool:
+    def try_dynamics(self, order: Order) -> bool:
         """Measure the profile; whether acceleration, deceleration and jerk keep the limits that are checked."""
         self.extremes.measure(self.profile)
-        return broken_steepness(self.extremes, order) == Fault.NONE
+        return violated_dynamics(self.extremes, order) == Fault.NONE

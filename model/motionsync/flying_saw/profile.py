@@ -1,17 +1,17 @@
 """A synchronisation profile: the slave's position as piecewise polynomials of order 5 and less.
 
-The variable is the nominal time t: what the master has travelled since the profile's beginning, divided by the nominal
-velocity v_m that it had there. At constant master velocity it is time itself; whatever the master does, the slave
+Its variable is the nominal time t: the master's travel since the profile's beginning, divided by the nominal velocity
+v_m, which the master had there. At constant master velocity t is the time itself. Whatever the master does, the slave
 follows the same curve over the master's position. Source: TS5055, sections 3, 4 and 7.
 """
 
 from dataclasses import dataclass
 
 from .. import var
-from ..laws import Quintic
+from ..laws import Quintic, quintic
 from ..var import Enumeration
 
-ORDER = 6  # coefficients of a piece
+TERMS = 6  # coefficients of a piece
 
 
 class ProfileKind(Enumeration):
@@ -31,27 +31,30 @@ class Profile:
 
         position = origin + sum of coefficients[6 i + n] u^n, n = 0 to 5, u = (t - begins[i]) / durations[i].
 
-    Positions in u, times in s. Every duration of a piece is > 0; `rates` are their reciprocals, 1/s.
+    Positions in u, times in s. Every duration of a piece is > 0; `rates` are their reciprocals, 1/s. `joint` is where
+    the next one of the segments of constant velocity and level ramps begins, u, relative to the origin.
     """
 
     kind: ProfileKind = ProfileKind.NONE
     pieces: int = 0
     origin: float = 0.0
+    joint: float = 0.0
     begins: list[float] = var.ring(5)
     durations: list[float] = var.ring(4)
     rates: list[float] = var.ring(4)
     coefficients: list[float] = var.ring(24)
 
     def begin(self, kind: ProfileKind, origin: float) -> None:
-        """No pieces yet; the first one will begin at the position `origin` at nominal time 0."""
+        """Drop all pieces; the first new one begins at the position `origin`, u, at the nominal time 0."""
         self.kind = kind
         self.origin = origin
+        self.joint = 0.0
         self.pieces = 0
         self.begins[0] = 0.0
 
     def add(self, duration: float, c0: float, c1: float, c2: float, c3: float, c4: float, c5: float) -> None:
-        """One more piece, its position in powers of u, relative to the origin."""
-        at = ORDER * self.pieces
+        """Append a piece; its position in powers of u counts from the origin."""
+        at = TERMS * self.pieces
         self.coefficients[at] = c0
         self.coefficients[at + 1] = c1
         self.coefficients[at + 2] = c2
@@ -63,30 +66,18 @@ class Profile:
         self.pieces += 1
         self.begins[self.pieces] = self.begins[self.pieces - 1] + duration
 
-    def whole(self, curve: Quintic) -> None:
-        """One piece, along a quintic over the time from 0, relative to the origin."""
+    def add_quintic(self, curve: Quintic) -> None:
+        """Append a piece along a quintic over the time from 0, whose position counts from the origin."""
         self.add(curve.length, curve.c0, curve.c1, curve.c2, curve.c3, curve.c4, curve.c5)
 
-    def take(self, other: "Profile") -> None:
-        """Become a copy of the other."""
-        self.kind = other.kind
-        self.origin = other.origin
-        self.pieces = other.pieces
-        for i in range(other.pieces):
-            self.begins[i + 1] = other.begins[i + 1]
-            self.durations[i] = other.durations[i]
-            self.rates[i] = other.rates[i]
-        for i in range(ORDER * other.pieces):
-            self.coefficients[i] = other.coefficients[i]
-
     def duration(self) -> float:
-        """s, nominal; 0 without a piece."""
+        """The nominal time of all pieces, s; 0 without a piece."""
         return self.begins[self.pieces]
 
-    def way(self) -> float:
-        """From the beginning to the end, in u."""
+    def distance(self) -> float:
+        """From the origin to the position at the end, u, with its sign; 0 without a piece."""
         last = self.pieces - 1
-        return self.coefficients[ORDER * last] + self.passed(last, 1.0) if last >= 0 else 0.0
+        return self.coefficients[TERMS * last] + self.distance_in(last, 1.0) if last >= 0 else 0.0
 
     def at(self, time: float) -> tuple[float, float, float, float]:
         """Position (u), velocity, acceleration and jerk (u/s, u/s2, u/s3) at constant master velocity."""
@@ -96,23 +87,23 @@ class Profile:
         return self.within(i, (time - self.begins[i]) * self.rates[i])
 
     def within(self, i: int, u: float) -> tuple[float, float, float, float]:
-        """As `at`, at u in piece i: unlike a time, u is not rounded in a short piece."""
+        """The same as `at`, at u in piece i: a time would be rounded in a short piece, u is not."""
         rate = self.rates[i]
-        at = ORDER * i
-        c1 = self.coefficients[at + 1]
-        c2 = self.coefficients[at + 2]
-        c3 = self.coefficients[at + 3]
-        c4 = self.coefficients[at + 4]
-        c5 = self.coefficients[at + 5]
-        position = self.origin + (self.coefficients[at] + self.passed(i, u))
-        velocity = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))
-        acceleration = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))
-        jerk = 6.0 * c3 + u * (24.0 * c4 + u * 60.0 * c5)
-        return position, velocity * rate, acceleration * rate * rate, jerk * rate * rate * rate
+        at = TERMS * i
+        position, d1, d2, d3 = quintic(
+            self.coefficients[at],
+            self.coefficients[at + 1],
+            self.coefficients[at + 2],
+            self.coefficients[at + 3],
+            self.coefficients[at + 4],
+            self.coefficients[at + 5],
+            u,
+        )
+        return self.origin + position, d1 * rate, d2 * rate * rate, d3 * rate * rate * rate
 
-    def passed(self, i: int, u: float) -> float:
-        """The way from the beginning of piece i to u in it."""
-        at = ORDER * i
+    def distance_in(self, i: int, u: float) -> float:
+        """From the beginning of piece i to u in it, u, with its sign."""
+        at = TERMS * i
         c1 = self.coefficients[at + 1]
         c2 = self.coefficients[at + 2]
         c3 = self.coefficients[at + 3]

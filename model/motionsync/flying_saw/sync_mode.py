@@ -1,4 +1,4 @@
-"""What a synchronisation has to keep to, and how it behaves: TwinCAT's bit mask SyncMode, one Boolean a bit.
+"""What a synchronisation has to keep to, and how it behaves: TwinCAT's bit mask SyncMode, one Boolean for each bit.
 
 Source: TS5055, sections 5 and 12.3.1.
 """
@@ -67,24 +67,3 @@ class SyncMode:
     detailed_error_codes: bool = var.input(
         False, "tell which check is broken (GEARINSYNC_OPMASK_DETAILEDERRORCODES, 0x800000)"
     )
-
-    def take(self, other: "SyncMode") -> None:
-        self.time_based = other.time_based
-        self.check_min_position = other.check_min_position
-        self.check_max_position = other.check_max_position
-        self.check_max_velocity = other.check_max_velocity
-        self.check_max_acceleration = other.check_max_acceleration
-        self.check_max_deceleration = other.check_max_deceleration
-        self.check_max_jerk = other.check_max_jerk
-        self.check_overshoot_position = other.check_overshoot_position
-        self.check_undershoot_position = other.check_undershoot_position
-        self.check_overshoot_velocity = other.check_overshoot_velocity
-        self.check_undershoot_velocity = other.check_undershoot_velocity
-        self.check_overshoot_velocity_zero = other.check_overshoot_velocity_zero
-        self.check_undershoot_velocity_zero = other.check_undershoot_velocity_zero
-        self.rollback_lock = other.rollback_lock
-        self.instant_stop_on_rollback = other.instant_stop_on_rollback
-        self.prefer_constant_velocity = other.prefer_constant_velocity
-        self.ignore_master_acceleration = other.ignore_master_acceleration
-        self.ignore_slave_acceleration = other.ignore_slave_acceleration
-        self.detailed_error_codes = other.detailed_error_codes

@@ -1,4 +1,4 @@
-"""Why the follower refuses a positioning or stops. The numbers are motionsync's own: the source names none."""
+"""Why a Follower refuses a call or a positioning, and why it stops. The source has no numbers: they are our own."""
 
 from ..master import TURNS
 from ..var import Enumeration

@@ -80,9 +80,9 @@ class Gearing(GearingInterface):
             return Refusal.MASTER_TURNS
         self.active_before = self.activate
         self.start_before = self.start
-        self.reset_edge.before = self.reset
-        self.set_master_edge.before = self.set_master.execute
-        self.set_slave_edge.before = self.set_slave.execute
+        self.reset_edge.hold(self.reset)
+        self.set_master_edge.hold(self.set_master.execute)
+        self.set_slave_edge.hold(self.set_slave.execute)
         self.use_ratio()
         self.rest_position = self.slave.initial_position
         self.synchronous_slave = self.rest_position

@@ -7,8 +7,9 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from motionsync.flying_saw.block import FlyingSaw, PlcopenState, State
+from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
+from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
 from tests.support.runs import EXTREMES, Run, Strategy

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from motionsync.flying_saw.extremes import Extremes
 from motionsync.flying_saw.profile import Profile, ProfileKind
-from tests.model.flying_saw.measurer import Measurer
+from tests.model.flying_saw.fake_blocks import ProfileMeasurer
 from tests.oracle.roots import Exact, at, derivative, roots_inside
 from tests.support.compiled import Compiled, equal
 
@@ -45,11 +45,16 @@ def measured(of: Profile) -> Extremes:
 
 
 def quintic(
-    duration: float, way: float, velocity: float, end_velocity: float, acceleration: float = 0.0, start: float = 0.0
+    duration: float,
+    distance: float,
+    velocity: float,
+    end_velocity: float,
+    acceleration: float = 0.0,
+    start: float = 0.0,
 ) -> tuple[float, list[float]]:
     """Acceleration-free at its end."""
     c1, c2 = velocity * duration, 0.5 * acceleration * duration * duration
-    a, b = way - c1 - c2, end_velocity * duration - c1 - 2.0 * c2
+    a, b = distance - c1 - c2, end_velocity * duration - c1 - 2.0 * c2
     return duration, [start, c1, c2, 10.0 * a - 4.0 * b + c2, -15.0 * a + 7.0 * b - 2.0 * c2, 6.0 * a - 3.0 * b + c2]
 
 
@@ -252,18 +257,20 @@ def test_peaks_are_the_greatest_magnitudes_where_speed_rises_and_falls(of: Profi
 def test_momentum_mean_and_effective_value_are_those_of_exact_arithmetic(of: Profile) -> None:
     found = measured(of)
     momenta = []
-    way = power = Fraction(0)
+    distance = power = Fraction(0)
     for _, d, f in pieces(of):
         v, a = derivative(f), derivative(f, 2)
         momentum = product(v, a)
         momenta += [at(momentum, u) / d**3 for u in [Fraction(0), *roots_inside(derivative(momentum)), Fraction(1)]]
         turns = [Fraction(0), *roots_inside(v), Fraction(1)]
-        way += sum(abs(at(f, high) - at(f, low)) for low, high in pairwise(turns))
+        distance += sum(abs(at(f, high) - at(f, low)) for low, high in pairwise(turns))
         power += integral(product(a, a)) / d**3
     near = rounding(of, 1) * rounding(of, 2) / EPS / 4
     assert abs(Fraction(found.momentum_min) - min(momenta)) <= near
     assert abs(Fraction(found.momentum_max) - max(momenta)) <= near
-    assert found.velocity_mean == pytest.approx(float(way / Fraction(of.duration())), abs=2 * float(rounding(of, 1)))
+    assert found.velocity_mean == pytest.approx(
+        float(distance / Fraction(of.duration())), abs=2 * float(rounding(of, 1))
+    )
     effective = sqrt(power / Fraction(of.duration()))
     assert found.acceleration_effective == pytest.approx(effective, rel=1e-13, abs=2 * float(rounding(of, 2)))
 
@@ -325,8 +332,8 @@ def test_a_p5_without_overshoot_only_decelerates(duration: float, velocity: floa
     """The middle third of the ways: the velocity falls all the time, its end is 0 but for rounding."""
     assume(share < 0.99)
     end = share * velocity
-    way = (0.5 * velocity + 0.5 * end) * duration
-    found = measured(profile(0.0, [quintic(duration, way, velocity, end)]))
+    distance = (0.5 * velocity + 0.5 * end) * duration
+    found = measured(profile(0.0, [quintic(duration, distance, velocity, end)]))
     assert found.acceleration_peak <= 1e-12 * velocity / duration
     assert found.velocity_min == pytest.approx(end, abs=1e-12 * velocity)
 
@@ -390,7 +397,7 @@ def negated(of: Profile, i: int) -> list[float]:
 @settings(repeatable, max_examples=300)
 @given(profiles)
 def test_compiled_code_gives_the_bits_of_python(of: Profile) -> None:
-    block = Measurer(profile=of)
+    block = ProfileMeasurer(profile=of)
     compiled = Compiled(block)
     assert compiled.initialize() == block.initialize()
     assert compiled.step(0.0) == block.step(0.0)

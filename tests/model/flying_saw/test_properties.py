@@ -11,10 +11,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from motionsync.flying_saw.block import PlcopenState, State
+from motionsync.flying_saw.characteristics import Characteristics
+from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
-from tests.model.flying_saw.harness import GROUPS, OUTPUTS, Saw
+from tests.model.flying_saw.harness import GROUPS, OUTPUTS, FlyingSawHarness
 from tests.support.harness import MOTION, Row
 from tests.support.numbers import numbers_in
 
@@ -37,7 +38,7 @@ def sign(x: float) -> float:
 
 @dataclass(frozen=True)
 class Meeting:
-    """gear_in_pos to a point `duration` ahead of the master at its `speed`, and `way` ahead of the slave."""
+    """gear_in_pos to a point `duration` ahead of the master at its `speed`, and `distance` ahead of the slave."""
 
     speed: float
     ratio: float
@@ -45,7 +46,7 @@ class Meeting:
     place: float
     position: float
     velocity: float
-    way: float
+    distance: float
 
     @property
     def master_sync(self) -> float:
@@ -53,19 +54,19 @@ class Meeting:
 
     @property
     def slave_sync(self) -> float:
-        return self.position + self.way
+        return self.position + self.distance
 
     @property
     def length(self) -> float:
         """The manoeuvre's distances are of this size."""
-        return max(abs(self.way), abs(self.speed * self.duration), abs(self.velocity * self.duration))
+        return max(abs(self.distance), abs(self.speed * self.duration), abs(self.velocity * self.duration))
 
-    def saw(self, *modes: str, mode: MasterInput = START, **values: Any) -> Saw:
+    def saw(self, *modes: str, mode: MasterInput = START, **values: Any) -> FlyingSawHarness:
         initial = {"axis.initial_position": self.position, "axis.initial_velocity": self.velocity}
         limits = {"axis.max_velocity": 1e6, "axis.max_acceleration": 1e7, "axis.max_jerk": 1e8}
-        return Saw(initial | limits | values, place=self.place, speed=self.speed, mode=mode).modes(*modes)
+        return FlyingSawHarness(initial | limits | values, place=self.place, speed=self.speed, mode=mode).modes(*modes)
 
-    def order(self, saw: Saw, **values: Any) -> Saw:
+    def order(self, saw: FlyingSawHarness, **values: Any) -> FlyingSawHarness:
         aims = {"master_sync_position": self.master_sync, "slave_sync_position": self.slave_sync}
         return saw.order("gear_in_pos", **aims, ratio_numerator=self.ratio, **values)
 
@@ -83,7 +84,7 @@ def meetings(draw: st.DrawFn) -> Meeting:
         place=draw(st.floats(-1e3, 1e3)),
         position=draw(st.floats(-1e3, 1e3)),
         velocity=synchronous * draw(st.sampled_from([0.0, 1.0]) | st.floats(-1.0, 2.0)),
-        way=synchronous * duration * draw(st.floats(0.05, 1.8)),
+        distance=synchronous * duration * draw(st.floats(0.05, 1.8)),
     )
 
 
@@ -96,7 +97,7 @@ profiles = st.sampled_from(PROFILES)
 def test_whatever_the_master_does_on_the_way_the_sync_point_is_met_exactly(
     meeting: Meeting, modes: tuple[str, ...], rng: Random, mode: MasterInput, moved: bool
 ) -> None:
-    """It gets faster, slower, stops and goes on; then it comes to its sync position at the end of a step."""
+    """The master gets faster, slower, stops and goes on; then it comes to its sync position at the end of a step."""
     saw = meeting.saw(*modes, mode=mode)
     if moved:  # the master has an acceleration at the edge
         saw.run(TICK, acceleration=0.3 * meeting.speed / meeting.duration)
@@ -135,7 +136,7 @@ def test_whatever_the_master_does_on_the_way_the_sync_point_is_met_exactly(
         assert saw.slave[1] == pytest.approx(meeting.ratio * saw.speed, rel=1e-12)
 
 
-def assert_joined(saw: Saw, meeting: Meeting, before: Row, h: float) -> None:
+def assert_joined(saw: FlyingSawHarness, meeting: Meeting, before: Row, h: float) -> None:
     """Two steps of h after `before`, with a transition between them: the next derivative accounts for the time."""
     after, t = saw.read(MOTION), meeting.duration
     values = saw.read(name for name in OUTPUTS if name.startswith("characteristics.slave_"))
@@ -188,7 +189,7 @@ def test_position_velocity_and_acceleration_join_at_start_and_in_sync(
 # --- checks -----------------------------------------------------------------------------------------------------------
 
 
-def samples(saw: Saw, duration: float, number: int = 60) -> list[Row]:
+def samples(saw: FlyingSawHarness, duration: float, number: int = 60) -> list[Row]:
     rows = saw.rows(duration, cuts=[i / number * duration for i in range(1, number)])
     return list(rows.values())
 
@@ -200,12 +201,33 @@ CHECKS = (
 )
 
 
+def assert_within_characteristics(found: Characteristics, rows: list[Row], sizes: Mapping[str, float]) -> None:
+    """No row exceeds the extremes of a quantity, but for 1e-9 of its size."""
+    for name, size in sizes.items():
+        values = [row[f"slave.{name}"] for row in rows]
+        least, most = getattr(found, f"slave_{name}_min"), getattr(found, f"slave_{name}_max")
+        assert min(values) >= least - 1e-9 * size
+        assert max(values) <= most + 1e-9 * size
+
+
+def assert_dynamics_kept(rows: list[Row], modes: Iterable[str], limits: Mapping[str, float]) -> None:
+    """Every row keeps the limits of acceleration, deceleration and jerk that these modes check."""
+    for row in rows:
+        v, a, j = row["slave.velocity"], row["slave.acceleration"], row["slave.jerk"]
+        if "check_max_acceleration" in modes and v * a > 0.0:
+            assert abs(a) <= limits["acceleration"] * (1 + 1e-8)
+        if "check_max_deceleration" in modes and v * a < 0.0:
+            assert abs(a) <= limits["deceleration"] * (1 + 1e-8)
+        if "check_max_jerk" in modes:
+            assert abs(j) <= limits["jerk"] * (1 + 1e-8)
+
+
 @settings(repeatable, max_examples=400)
 @given(meetings(), rngs, st.booleans())
 def test_no_check_that_has_passed_is_broken_at_constant_master_velocity(
     meeting: Meeting, rng: Random, to_velocity: bool
 ) -> None:
-    """And no characteristic value is exceeded."""
+    """No characteristic value is exceeded either."""
     group = "gear_in_velo" if to_velocity else "gear_in_pos"
     t, vs = meeting.duration, meeting.ratio * meeting.speed
     modes = [name for name in CHECKS if rng.random() < 0.2]
@@ -216,8 +238,8 @@ def test_no_check_that_has_passed_is_broken_at_constant_master_velocity(
         "deceleration": abs(vs) / t * 10.0 ** rng.uniform(0.0, 1.5),
         "jerk": abs(vs) / t**2 * 10.0 ** rng.uniform(0.8, 2.5),
     }
-    low = min(meeting.position, meeting.slave_sync) - rng.uniform(0.0, 0.3) * abs(meeting.way)
-    high = max(meeting.position, meeting.slave_sync) + rng.uniform(0.0, 0.3) * abs(meeting.way)
+    low = min(meeting.position, meeting.slave_sync) - rng.uniform(0.0, 0.3) * abs(meeting.distance)
+    high = max(meeting.position, meeting.slave_sync) + rng.uniform(0.0, 0.3) * abs(meeting.distance)
     saw = meeting.saw(*modes, **{"axis.min_position": low, "axis.max_position": high})
     if to_velocity:
         saw.order("gear_in_velo", ratio_numerator=meeting.ratio, **limits)
@@ -232,24 +254,13 @@ def test_no_check_that_has_passed_is_broken_at_constant_master_velocity(
     assert saw.state == State.SYNCHRONIZING
     sizes = {name: max(abs(row[f"slave.{name}"]) for row in rows) for name in ("velocity", "acceleration", "jerk")}
     sizes["position"] = found.slave_position_max - found.slave_position_min + 1e-3 * abs(meeting.position)
-    for name, size in sizes.items():
-        values = [row[f"slave.{name}"] for row in rows]
-        least, most = getattr(found, f"slave_{name}_min"), getattr(found, f"slave_{name}_max")
-        assert min(values) >= least - 1e-9 * size
-        assert max(values) <= most + 1e-9 * size
+    assert_within_characteristics(found, rows, sizes)
+    assert_dynamics_kept(rows, modes, limits)
     positions, velocities = ([row[f"slave.{name}"] for row in rows] for name in ("position", "velocity"))
     place, speed = 1e-8 * sizes["position"], 1e-8 * sizes["velocity"]
     start, end = sorted((meeting.position, found.slave_position_end))
     mirrored = [sign(vs) * v for v in velocities]
     first, last = sign(vs) * meeting.velocity, abs(vs)
-    for row in rows:
-        v, a, j = row["slave.velocity"], row["slave.acceleration"], row["slave.jerk"]
-        if "check_max_acceleration" in modes and v * a > 0.0:
-            assert abs(a) <= limits["acceleration"] * (1 + 1e-8)
-        if "check_max_deceleration" in modes and v * a < 0.0:
-            assert abs(a) <= limits["deceleration"] * (1 + 1e-8)
-        if "check_max_jerk" in modes:
-            assert abs(j) <= limits["jerk"] * (1 + 1e-8)
     kept = {
         "check_min_position": min(positions) >= low - place,
         "check_max_position": max(positions) <= high + place,
@@ -267,15 +278,15 @@ def test_no_check_that_has_passed_is_broken_at_constant_master_velocity(
 @repeatable
 @given(meetings(), rngs)
 def test_a_constant_velocity_is_found_wherever_there_is_one(meeting: Meeting, rng: Random) -> None:
-    """The way that a chosen one makes is asked for."""
+    """A constant velocity is chosen first; the distance that belongs to it is then asked for."""
     t, v0, vs = meeting.duration, meeting.velocity, meeting.ratio * meeting.speed
     limit = (abs(v0) + abs(vs)) / t * 10.0 ** rng.uniform(0.0, 1.5)
     c = vs * rng.uniform(0.0, 2.0)
     rise, fall = 1.5 * abs(c - v0) / limit, 1.5 * abs(vs - c) / limit
-    way = c * t - 0.5 * (c - v0) * rise - 0.5 * (c - vs) * fall
-    assume(rise + fall <= t and way * sign(vs) > 1e-3 * abs(vs) * t)
+    distance = c * t - 0.5 * (c - v0) * rise - 0.5 * (c - vs) * fall
+    assume(rise + fall <= t and distance * sign(vs) > 1e-3 * abs(vs) * t)
     saw = meeting.saw("prefer_constant_velocity")
-    aims = {"master_sync_position": meeting.master_sync, "slave_sync_position": meeting.position + way}
+    aims = {"master_sync_position": meeting.master_sync, "slave_sync_position": meeting.position + distance}
     saw.order("gear_in_pos", **aims, ratio_numerator=meeting.ratio, acceleration=limit, deceleration=limit)
     saw.run(TICK)
     assert saw["characteristics.profile"] == ProfileKind.P5_P1_P5
@@ -311,7 +322,7 @@ def shortest(change: float, along: float, limit: float, jerk: float) -> float:
 def test_a_synchronisation_to_velocity_is_the_shortest_ramp(rng: Random, checked: bool, ignored: bool) -> None:
     """From an accelerated slave and to an accelerated master: the profile's own acceleration is a0 - v0 a_m / v_m."""
     speed, ratio = rng.uniform(50.0, 200.0) * rng.choice([1.0, -1.0]), rng.uniform(-2.0, 2.0)
-    saw = Saw({"axis.initial_velocity": rng.gauss(0.0, 100.0), "axis.max_jerk": 2e4}, speed=speed)
+    saw = FlyingSawHarness({"axis.initial_velocity": rng.gauss(0.0, 100.0), "axis.max_jerk": 2e4}, speed=speed)
     saw.order("move_velocity", velocity=rng.gauss(0.0, 150.0)).run(rng.uniform(0.0, 0.15))
     saw.modes(*["check_max_jerk"] * checked, *["ignore_slave_acceleration", "ignore_master_acceleration"] * ignored)
     _, velocity, a0 = saw.slave
@@ -365,7 +376,11 @@ class Script:
 
     def play(self, kept: Iterable[float], cuts: Iterable[float] = (), mode: MasterInput = START) -> dict[float, Row]:
         """All outputs at the kept times; steps end there, at the cuts, and at the legs' ends."""
-        saw, kept, cuts = Saw(self.start, place=self.place, speed=self.speed, mode=mode), set(kept), [*kept, *cuts]
+        saw, kept, cuts = (
+            FlyingSawHarness(self.start, place=self.place, speed=self.speed, mode=mode),
+            set(kept),
+            [*kept, *cuts],
+        )
         rows: dict[float, Row] = {}
         for leg in self.legs:
             saw.put(leg.values)
@@ -475,8 +490,8 @@ def reversal(rng: Random, length: float, speed: float, gone: float) -> list[Leg]
     """After some time on, the master turns, goes back beyond where it came from, turns again and comes by."""
     on, turning = dyadic(rng, 0.01, 2.0), dyadic(rng, 0.3, 0.8)
     gain = -speed / turning * rng.uniform(1.5, 2.0)
-    way, back = abs(speed) * (gone + on + 0.5), max(abs(speed + gain * turning), 0.1 * length)
-    legs = [Leg(on), Leg(turning, gain), Leg(dyadic(rng, 0.1, 1.0) + math.ceil(4.0 * way / back) / 4.0)]
+    distance, back = abs(speed) * (gone + on + 0.5), max(abs(speed + gain * turning), 0.1 * length)
+    legs = [Leg(on), Leg(turning, gain), Leg(dyadic(rng, 0.1, 1.0) + math.ceil(4.0 * distance / back) / 4.0)]
     return [*legs, Leg(2.0 * turning, -gain * rng.uniform(0.5, 1.0)), Leg(4.0)]
 
 
@@ -606,7 +621,9 @@ def test_time_based_it_comes_in_sync_and_keeps_its_limits(rng: Random) -> None:
         "deceleration": rng.uniform(500.0, 3000.0),
         "jerk": 10.0 ** rng.uniform(3.5, 5.0),
     }
-    saw = Saw({"axis.initial_velocity": rng.uniform(-1.0, 1.0) * limits["velocity"]}, speed=speed).modes("time_based")
+    saw = FlyingSawHarness({"axis.initial_velocity": rng.uniform(-1.0, 1.0) * limits["velocity"]}, speed=speed).modes(
+        "time_based"
+    )
     saw.order("gear_in_velo", ratio_numerator=ratio, **limits)
     h = 1.0 / 256.0
     steepest = max(limits["acceleration"], limits["deceleration"])
@@ -637,7 +654,7 @@ def test_own_motions_keep_their_limits_and_come_to_their_ends(rng: Random) -> No
     limits = {"acceleration": rng.uniform(100.0, 3000.0), "deceleration": rng.uniform(100.0, 3000.0)}
     limits["jerk"] = 10.0 ** rng.uniform(3.0, 5.0)
     velocity = rng.uniform(20.0, 300.0)
-    saw = Saw({f"axis.max_{name}": limit for name, limit in {**limits, "velocity": velocity}.items()})
+    saw = FlyingSawHarness({f"axis.max_{name}": limit for name, limit in {**limits, "velocity": velocity}.items()})
     steepest = max(limits["acceleration"], limits["deceleration"])
     for _ in range(rng.randint(1, 6)):
         group = rng.choice(["move_absolute", "move_absolute", "move_velocity", "halt"])
@@ -659,10 +676,10 @@ def test_own_motions_keep_their_limits_and_come_to_their_ends(rng: Random) -> No
 
 
 RESULT = {"gear_in_velo": "in_sync", "gear_in_pos": "in_sync", "move_velocity": "in_velocity"}
-MODES = [name.removeprefix("sync_mode.") for name in Saw().stepper.cells if name.startswith("sync_mode.")]
+MODES = [name.removeprefix("sync_mode.") for name in FlyingSawHarness().stepper.cells if name.startswith("sync_mode.")]
 
 
-def commanded(saw: Saw, rng: Random, group: str) -> dict[str, Any]:
+def commanded(saw: FlyingSawHarness, rng: Random, group: str) -> dict[str, Any]:
     """Mostly feasible values for a command given now; lengths are of the size of 100."""
     values: dict[str, Any] = {}
     if group.startswith("gear_in"):
@@ -679,7 +696,7 @@ def commanded(saw: Saw, rng: Random, group: str) -> dict[str, Any]:
     return values
 
 
-def random_step(saw: Saw, rng: Random, groups: Iterable[str] = GROUPS) -> None:
+def random_step(saw: FlyingSawHarness, rng: Random, groups: Iterable[str] = GROUPS) -> None:
     """Perhaps falling edges, perhaps commands, then a step of a wandering master."""
     for group in sorted(saw.held):
         if rng.random() < 0.3:
@@ -701,18 +718,18 @@ MACHINE = {"axis.max_acceleration": 2000.0, "axis.max_deceleration": 1500.0, "ax
 @settings(repeatable, max_examples=150)
 @given(rngs, st.sampled_from([START, END, MasterInput.POSITION_ONLY]), st.sampled_from([0.0, 0.0, 70.0]))
 def test_plcopen_s_rules_hold_and_nothing_is_ever_nan(rng: Random, mode: MasterInput, period: float) -> None:
-    saw = Saw({**MACHINE, "master.period": period}, speed=rng.choice([100.0, -40.0, 0.0]), mode=mode)
-    told: set[str] = set()  # groups that have had an edge since `execute` was false
+    saw = FlyingSawHarness({**MACHINE, "master.period": period}, speed=rng.choice([100.0, -40.0, 0.0]), mode=mode)
+    ordered: set[str] = set()  # groups that have had an edge since `execute` was false
     shown: dict[str, set[str]] = {group: set() for group in GROUPS}
     for _ in range(40):
         held = set(saw.held)
         random_step(saw, rng)
-        told = (told | (saw.held - held)) & saw.held
+        ordered = (ordered | (saw.held - held)) & saw.held
         for group in GROUPS:
             now = saw.results(group)
             results = now & {RESULT.get(group, "done"), "command_aborted", "error"}
             assert ("busy" in now) == ("active" in now) or group in ("gear_out", "reset")
-            assert len(results) + ("busy" in now) == 1 or group not in told
+            assert len(results) + ("busy" in now) == 1 or group not in ordered
             assert len(results) + ("busy" in now) <= 1
             assert saw[f"{group}.error"] == (saw[f"{group}.error_id"] != 0)
             if group not in saw.held:
@@ -746,7 +763,7 @@ WRONG: dict[str, dict[str, Any]] = {
 def test_refused_commands_leave_everything_else_as_it_is_to_the_last_bit(rng: Random) -> None:
     """A run with commands, and the same with refused ones of other groups among them."""
     good = ("gear_in_velo", "gear_out", "move_velocity", "reset")
-    saw = Saw(MACHINE, speed=rng.choice([100.0, -40.0, 0.0]))
+    saw = FlyingSawHarness(MACHINE, speed=rng.choice([100.0, -40.0, 0.0]))
     twin, seed = saw.twin(), rng.randint(0, 2**32)
     ours, theirs = Random(seed), Random(seed)
     for _ in range(40):

@@ -7,9 +7,10 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from motionsync.follower.block import Follower, State
-from motionsync.follower.course import Stage
+from motionsync.follower.block import Follower
 from motionsync.follower.faults import Fault
+from motionsync.follower.interface import State
+from motionsync.follower.stages import Stage
 from motionsync.master import MasterInput
 from tests.support.runs import EXTREMES, Run, Strategy
 
@@ -140,12 +141,12 @@ def _way(last: dict[str, Any], values: dict[str, Any], h: float) -> float:
 def watch(block: Follower) -> set[Any]:
     """What is worth meeting of the block's present state."""
     return {
-        ("stage", block.course.stage),
+        ("stage", block.current.stage),
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
         ("cyclic", block.slave_cycle > 0.0, block.state),
         ("variable", block.variable_cycle, block.state),
-        ("tight", block.course.tight),
+        ("tight", block.current.tight),
     }
 
 

@@ -808,7 +808,7 @@ def test_a_limit_exactly_reached_is_kept() -> None:
     assert not any("alarm" in name for _, name in events(steady(max_speed=187.5)))
 
 
-def test_both_limits_at_once_tell_the_speed() -> None:
+def test_both_limits_at_once_are_the_fault_of_the_speed() -> None:
     """In homing: at 10 s the speed is 105, the acceleration 141."""
     given = steady({"at": 10.0, "max_speed": 1.0, "max_acceleration": 1.0})
     assert at(given, 10.02)["error_id"] == 9.0

@@ -10,13 +10,14 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from motionsync.follower.block import Follower, State
+from motionsync.follower.block import Follower
 from motionsync.follower.faults import Fault
+from motionsync.follower.interface import State
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.variables import cells, variables
 from motionsync_fmu.python.slave import LONGEST_STEP
 from tests.model.follower import strategies as drive_follower
-from tests.model.follower.harness import Pusher
+from tests.model.follower.harness import FollowerHarness
 from tests.support.harness import MOTION
 from tests.support.numbers import numbers_in
 from tests.support.runs import Run
@@ -31,7 +32,7 @@ rngs = st.integers(0, 2**32 - 1).map(Random)
 
 @dataclass(frozen=True)
 class Machine:
-    """`cyclic`: "" for a linear slave, "stops" or "passes" at its park for a cyclic one; ways of the slave in S."""
+    """`cyclic`: "" for a linear slave, "stops" or "passes" at its park for a cyclic one; lengths of the slave in S."""
 
     cyclic: str
     ratio: float
@@ -82,19 +83,19 @@ class Machine:
             "stop_in_park": self.cyclic != "passes",
         }
 
-    def pusher(self, *, place: float = 0.0, mode: MasterInput = START, **more: Any) -> Pusher:
+    def follower(self, *, place: float = 0.0, mode: MasterInput = START, **more: Any) -> FollowerHarness:
         """Positioned to its park, the master standing."""
         values = self.values | {name.replace("__", "."): value for name, value in more.items()}
-        pusher = Pusher(values, place=place, mode=mode).give("position_to_park").run(TICK)
-        assert pusher.state in (State.M_WAITING, State.M_FOLLOWING)  # this if its way begins just here
-        return pusher
+        follower = FollowerHarness(values, place=place, mode=mode).give("position_to_park").run(TICK)
+        assert follower.state in (State.M_WAITING, State.M_FOLLOWING)  # M_FOLLOWING if the approach begins just here
+        return follower
 
     def wrapped(self, position: float) -> float:
         turn = self.values["slave_cycle"]
         return position % turn if turn else position
 
     def apart(self, a: float, b: float) -> float:
-        """How far two positions are from each other, of a cyclic slave the shorter way round."""
+        """How far two positions are from each other, of a cyclic slave around the shorter side."""
         turn = self.values["slave_cycle"]
         return abs(math.remainder(a - b, turn)) if turn else abs(a - b)
 
@@ -102,24 +103,24 @@ class Machine:
 @st.composite
 def machines(draw: st.DrawFn, kinds: tuple[str, ...] = ("", "stops", "passes")) -> Machine:
     length = draw(st.sampled_from((1.0, 100.0, 1e-3, 1e5)))
-    way = st.floats(0.1, 3.0)
+    part = st.floats(0.1, 3.0)
     cyclic = draw(st.sampled_from(kinds))
     return Machine(
         cyclic=cyclic,
         ratio=draw(st.sampled_from((1.0, 0.25)) | st.floats(0.05, 20.0)),
         park=length * draw(st.sampled_from((0.0, -2.0)) | st.floats(-3.0, 3.0)),
-        to_sync=length * draw(way),
-        to_out=length * draw(way),
-        stop=length * draw(way),
+        to_sync=length * draw(part),
+        to_out=length * draw(part),
+        stop=length * draw(part),
         spare=draw(st.floats(0.1, 3.0)) * (3.0 if cyclic else 1.0),
         wait=draw(st.sampled_from((0.0, 0.2, 0.5))),
         sync_master=draw(st.floats(0.0, 1.0)),
     )
 
 
-def drive(pusher: Pusher, cycle: float, rng: Random, count: int) -> list[tuple[float, float]]:
+def drive(follower: FollowerHarness, cycle: float, rng: Random, count: int) -> list[tuple[float, float]]:
     """What a master does that only goes forwards: durations and accelerations, each of one run."""
-    speed = pusher.speed
+    speed = follower.speed
     found = []
     for _ in range(count):
         target = cycle * rng.choice((0.0, 0.5, 1.0, rng.uniform(0.0, 2.0)))
@@ -131,11 +132,13 @@ def drive(pusher: Pusher, cycle: float, rng: Random, count: int) -> list[tuple[f
     return found
 
 
-def follow(pusher: Pusher, duration: float, acceleration: float, cycle: float, cuts: list[float]) -> Pusher:
-    pusher.run(duration, acceleration=acceleration, cuts=cuts)
-    if pusher.speed < 1e-9 * cycle:
-        pusher.speed = 0.0
-    return pusher
+def follow(
+    follower: FollowerHarness, duration: float, acceleration: float, cycle: float, cuts: list[float]
+) -> FollowerHarness:
+    follower.run(duration, acceleration=acceleration, cuts=cuts)
+    if follower.speed < 1e-9 * cycle:
+        follower.speed = 0.0
+    return follower
 
 
 @repeatable
@@ -143,29 +146,31 @@ def follow(pusher: Pusher, duration: float, acceleration: float, cycle: float, c
 def test_whatever_the_master_does_the_slave_is_on_its_line_or_at_its_park(
     machine: Machine, rng: Random, mode: MasterInput, turns: float
 ) -> None:
-    """Between sync_slave and sync_out on the line, to 1e-9; outside its ways at the park, exactly."""
-    pusher = machine.pusher(mode=mode, master__period=turns * machine.cycle)
+    """Between sync_slave and sync_out on the line, to 1e-9; while it waits, exactly at the park."""
+    follower = machine.follower(mode=mode, master__period=turns * machine.cycle)
     cycle = machine.cycle
-    first = pusher.block.course.place
+    first = follower.block.current.meeting
     synchronized = machine.to_out / machine.ratio
-    for duration, acceleration in drive(pusher, cycle, rng, 40):
-        follow(pusher, duration, acceleration, cycle, [rng.random() * duration])
-        number = math.floor((pusher.place - first) / cycle)
-        way = pusher.place - first - number * cycle
-        near_border = min(abs(way), abs(way - synchronized), abs(cycle - way)) < 1e-9 * cycle
-        if number >= 0 and way <= synchronized and not near_border:
-            assert pusher.state == State.M_SYNCHRONIZED
-            assert pusher["cycle"] == number
-            assert machine.apart(pusher.position, machine.sync + machine.ratio * way) <= 1e-9 * machine.length
-            assert pusher.slave[1] == pytest.approx(machine.ratio * pusher.speed, rel=1e-9, abs=1e-9 * machine.length)
+    for duration, acceleration in drive(follower, cycle, rng, 40):
+        follow(follower, duration, acceleration, cycle, [rng.random() * duration])
+        number = math.floor((follower.place - first) / cycle)
+        travel = follower.place - first - number * cycle
+        near_border = min(abs(travel), abs(travel - synchronized), abs(cycle - travel)) < 1e-9 * cycle
+        if number >= 0 and travel <= synchronized and not near_border:
+            assert follower.state == State.M_SYNCHRONIZED
+            assert follower["cycle"] == number
+            assert machine.apart(follower.position, machine.sync + machine.ratio * travel) <= 1e-9 * machine.length
+            assert follower.slave[1] == pytest.approx(
+                machine.ratio * follower.speed, rel=1e-9, abs=1e-9 * machine.length
+            )
         elif not near_border:
-            assert pusher.state != State.M_SYNCHRONIZED
-        if pusher.state == State.M_WAITING:
-            assert machine.apart(pusher.position, machine.park) <= 1e-12 * machine.length
-            assert pusher.slave[1:] == (0.0, 0.0)
-        if pusher.speed == 0.0:
-            assert abs(pusher.slave[1]) <= 1e-12 * machine.length
-    assert pusher.fault == Fault.NONE
+            assert follower.state != State.M_SYNCHRONIZED
+        if follower.state == State.M_WAITING:
+            assert machine.apart(follower.position, machine.park) <= 1e-12 * machine.length
+            assert follower.slave[1:] == (0.0, 0.0)
+        if follower.speed == 0.0:
+            assert abs(follower.slave[1]) <= 1e-12 * machine.length
+    assert follower.fault == Fault.NONE
 
 
 @repeatable
@@ -173,7 +178,7 @@ def test_whatever_the_master_does_the_slave_is_on_its_line_or_at_its_park(
 def test_the_position_is_a_function_of_the_masters(machine: Machine, rng: Random) -> None:
     """Whatever its velocity is: the same place at another speed, and after a stand."""
     places = sorted(rng.uniform(0.0, 4.0) * machine.cycle for _ in range(30))
-    slow, fast = machine.pusher(), machine.pusher()
+    slow, fast = machine.follower(), machine.follower()
     for place in places:
         slow.speed, fast.speed = 0.1 * machine.cycle, machine.cycle * rng.uniform(0.2, 5.0)
         slow.to(place)
@@ -204,34 +209,34 @@ def jumps(machine: Machine, rows: list[tuple[float, dict[str, float]]]) -> tuple
 
 @repeatable
 @given(machines(), rngs, st.booleans())
-def test_position_and_slope_are_continuous_at_every_change_of_phase(
+def test_position_and_velocity_are_continuous_at_every_change_of_phase(
     machine: Machine, rng: Random, shortened: bool
 ) -> None:
     """Over two cycles in which commands come; steps are much finer where the state changes."""
-    pusher = machine.pusher()
-    pusher.speed = machine.cycle
-    rows = [(pusher.time, pusher.read(MOTION))]
+    follower = machine.follower()
+    follower.speed = machine.cycle
+    rows = [(follower.time, follower.read(MOTION))]
     for i in range(400):
-        if pusher.state == State.M_SYNCHRONIZED and shortened and rng.random() < 0.1:
-            pusher.give("end_synchronism")
+        if follower.state == State.M_SYNCHRONIZED and shortened and rng.random() < 0.1:
+            follower.give("end_synchronism")
         if i % 60 == 0:
-            pusher.put({"stop_after_forward": rng.random() < 0.3, "skip_next_cycle": rng.random() < 0.2})
-        twin = pusher.twin()
-        state, stage = pusher.state, pusher.block.course.stage
-        pusher.run(0.005)
-        if (pusher.state, pusher.block.course.stage) != (state, stage):
+            follower.put({"stop_after_forward": rng.random() < 0.3, "skip_next_cycle": rng.random() < 0.2})
+        twin = follower.twin()
+        state, stage = follower.state, follower.block.current.stage
+        follower.run(0.005)
+        if (follower.state, follower.block.current.stage) != (state, stage):
             early, late = 0.0, 0.005  # bisect the instant of the change
             for _ in range(30):
                 middle = 0.5 * (early + late)
                 at = twin.twin().run(middle)
-                if at.block.course.stage == stage:
+                if at.block.current.stage == stage:
                     early = middle
                 else:
                     late = middle
             rows += twin.rows(0.005, cuts=[early, late]).items()
         else:
-            rows.append((pusher.time, pusher.read(MOTION)))
-    assert pusher.fault == Fault.NONE
+            rows.append((follower.time, follower.read(MOTION)))
+    assert follower.fault == Fault.NONE
     position, velocity = jumps(machine, rows)
     assert position <= 1e-9 * machine.length
     assert velocity <= 1e-9 * machine.length
@@ -244,16 +249,16 @@ def test_two_runs_with_different_step_sizes_agree(
 ) -> None:
     """Relative to the lengths and the master's greatest velocity and acceleration."""
     start = {"mode": mode, "master__period": turns * machine.cycle, "slave__initial_position": machine.park + 0.3}
-    pushers = [Pusher(machine.values, mode=mode), Pusher(machine.values, mode=mode)]
-    for pusher in pushers:
-        pusher.put(
+    followers = [FollowerHarness(machine.values, mode=mode), FollowerHarness(machine.values, mode=mode)]
+    for follower in followers:
+        follower.put(
             {"master.period": start["master__period"], "slave.initial_position": start["slave__initial_position"]}
         )
         limits = zip(("velocity", "acceleration", "jerk"), (1.0, 10.0, 100.0), strict=True)
-        pusher.put({f"positioning.{name}": size * machine.length for name, size in limits})
-        pusher.block.initialize()
-        pusher.give("position_to_park")
-    coarse, fine = pushers
+        follower.put({f"positioning.{name}": size * machine.length for name, size in limits})
+        follower.block.initialize()
+        follower.give("position_to_park")
+    coarse, fine = followers
     length, cycle = machine.length, machine.cycle
     speeds = accelerations = 0.0
     for duration, acceleration in drive(coarse, cycle, rng, 25):
@@ -279,11 +284,11 @@ def test_two_runs_with_different_step_sizes_agree(
     assert coarse["cycle"] == fine["cycle"] or _at_a_border(coarse)
 
 
-def _at_a_border(pusher: Pusher) -> bool:
+def _at_a_border(follower: FollowerHarness) -> bool:
     """A phase has just begun or is about to end, but for rounding."""
-    leg = pusher.block.course.leg
-    place = pusher.block.master.end
-    return min(abs(place - leg.begin), abs(place - leg.end)) < 1e-9 * pusher["master_cycle"]
+    section = follower.block.current.section
+    place = follower.block.master.end
+    return min(abs(place - section.begin), abs(place - section.end)) < 1e-9 * follower["master_cycle"]
 
 
 @repeatable
@@ -291,18 +296,18 @@ def _at_a_border(pusher: Pusher) -> bool:
 def test_a_late_meeting_is_joined_without_a_jump_and_met_exactly(machine: Machine, rng: Random, home: bool) -> None:
     assume(machine.spare > 1.0)
     values = {"variable_cycle": True, "recover_late_sync": True, "sync_master": 2.0 * machine.cycle}
-    pusher = machine.pusher(**values)
-    pusher.speed = machine.cycle
+    follower = machine.follower(**values)
+    follower.speed = machine.cycle
     end = (2.0 + 1e-6) * machine.cycle + machine.to_out / machine.ratio  # just after the synchronized phase
-    pusher.to(end)
-    travel = pusher.block.course.leg.end - end
-    pusher.to(end + travel * (rng.uniform(0.05, 0.95) if home else 1.1))
-    assert pusher.state == (State.M_HOMING if home else State.M_WAITING)
-    before = pusher.twin()
-    meeting = pusher.place + rng.uniform(0.1, 0.95) * pusher.block.course.reach
-    pusher.put({"sync_master": meeting})
-    rows = [(0.0, before.read(MOTION)), (TICK, pusher.run(TICK).read(MOTION))]
-    assert pusher.state == State.M_FOLLOWING
+    follower.to(end)
+    travel = follower.block.current.section.end - end
+    follower.to(end + travel * (rng.uniform(0.05, 0.95) if home else 1.1))
+    assert follower.state == (State.M_HOMING if home else State.M_WAITING)
+    before = follower.twin()
+    meeting = follower.place + rng.uniform(0.1, 0.95) * follower.block.current.approach_travel
+    follower.put({"sync_master": meeting})
+    rows = [(0.0, before.read(MOTION)), (TICK, follower.run(TICK).read(MOTION))]
+    assert follower.state == State.M_FOLLOWING
     h = TICK
     change = abs(rows[1][1]["slave.velocity"] - rows[0][1]["slave.velocity"])
     curved = max(abs(row["slave.acceleration"]) for _, row in rows)
@@ -311,10 +316,10 @@ def test_a_late_meeting_is_joined_without_a_jump_and_met_exactly(machine: Machin
     if home:  # the acceleration joins too
         assert rows[1][1]["slave.acceleration"] == pytest.approx(
             rows[0][1]["slave.acceleration"],
-            abs=1e-2 * machine.length / (meeting - pusher.place) ** 2 * machine.cycle**2,
+            abs=1e-2 * machine.length / (meeting - follower.place) ** 2 * machine.cycle**2,
         )
-    pusher.to(meeting + 0.5 * machine.to_out / machine.ratio)
-    assert machine.apart(pusher.position, machine.sync + 0.5 * machine.to_out) <= 1e-9 * machine.length
+    follower.to(meeting + 0.5 * machine.to_out / machine.ratio)
+    assert machine.apart(follower.position, machine.sync + 0.5 * machine.to_out) <= 1e-9 * machine.length
 
 
 @repeatable
@@ -323,33 +328,35 @@ def test_limits_are_kept_or_the_slave_is_in_alarm(machine: Machine, rng: Random,
     """A limit is exceeded in the one step whose end shows it; the stop has the limit as its deceleration."""
     max_speed = speed * machine.ratio * machine.cycle
     max_acceleration = force * 10.0 * machine.ratio * machine.cycle
-    pusher = machine.pusher(max_speed=max_speed, max_acceleration=max_acceleration)
-    for duration, acceleration in drive(pusher, machine.cycle, rng, 30):
-        was = pusher.state
-        follow(pusher, duration, acceleration, machine.cycle, [])
-        if pusher.state != State.M_IN_ALARM:
-            assert abs(pusher.slave[1]) <= max_speed * (1.0 + 1e-8)
-            assert abs(pusher.slave[2]) <= max_acceleration * (1.0 + 1e-8)
+    follower = machine.follower(max_speed=max_speed, max_acceleration=max_acceleration)
+    for duration, acceleration in drive(follower, machine.cycle, rng, 30):
+        was = follower.state
+        follow(follower, duration, acceleration, machine.cycle, [])
+        if follower.state != State.M_IN_ALARM:
+            assert abs(follower.slave[1]) <= max_speed * (1.0 + 1e-8)
+            assert abs(follower.slave[2]) <= max_acceleration * (1.0 + 1e-8)
         elif was == State.M_IN_ALARM:
-            assert abs(pusher.slave[2]) in (0.0, max_acceleration)
-            assert Fault.SPEED_FOLLOWING <= pusher.fault <= Fault.ACCELERATION_HOMING
+            assert abs(follower.slave[2]) in (0.0, max_acceleration)
+            assert Fault.SPEED_FOLLOWING <= follower.fault <= Fault.ACCELERATION_HOMING
 
 
 @repeatable
 @given(machines(), rngs, st.floats(-5.0, 5.0))
-def test_a_positioning_keeps_its_limits_and_ends_exactly(machine: Machine, rng: Random, way: float) -> None:
+def test_a_positioning_keeps_its_limits_and_ends_exactly(machine: Machine, rng: Random, distance: float) -> None:
     limits = {"velocity": machine.length * 2.0, "acceleration": machine.length * 20.0, "jerk": machine.length * 500.0}
-    initial = {"slave.initial_position": machine.park + way * machine.to_sync}
+    initial = {"slave.initial_position": machine.park + distance * machine.to_sync}
     place = machine.cycle * rng.uniform(-3.0, 3.0)
-    pusher = Pusher({**machine.values, **initial, **{f"positioning.{n}": x for n, x in limits.items()}}, place=place)
-    pusher.give(rng.choice(("position_to_park", "position_to_cycle")))
+    follower = FollowerHarness(
+        {**machine.values, **initial, **{f"positioning.{n}": x for n, x in limits.items()}}, place=place
+    )
+    follower.give(rng.choice(("position_to_park", "position_to_cycle")))
     for _ in range(100):
-        pusher.run(rng.uniform(0.0, 0.2) + TICK)
-        assert pusher.state != State.M_IN_ALARM
+        follower.run(rng.uniform(0.0, 0.2) + TICK)
+        assert follower.state != State.M_IN_ALARM
         for name, size in zip(MOTION[1:], limits.values(), strict=True):
-            assert abs(pusher[name]) <= size * (1.0 + 1e-9)
-    assert pusher.state not in (State.M_POSITIONING, State.M_IDLE)
-    assert pusher.slave[1:] == (0.0, 0.0)
+            assert abs(follower[name]) <= size * (1.0 + 1e-9)
+    assert follower.state not in (State.M_POSITIONING, State.M_IDLE)
+    assert follower.slave[1:] == (0.0, 0.0)
 
 
 @repeatable
@@ -357,7 +364,7 @@ def test_a_positioning_keeps_its_limits_and_ends_exactly(machine: Machine, rng: 
 def test_the_unit_of_the_slave_does_not_matter(machine: Machine, rng: Random, factor: float) -> None:
     """All of the slave's lengths, k and limits times a factor: its motion too."""
     ways = {name: getattr(machine, name) * factor for name in ("ratio", "park", "to_sync", "to_out", "stop")}
-    one, other = machine.pusher(), replace(machine, **ways).pusher()
+    one, other = machine.follower(), replace(machine, **ways).follower()
     assume(one["master_cycle"] == pytest.approx(other["master_cycle"], rel=1e-12))
     one.speed = other.speed = machine.cycle
     for _ in range(30):
@@ -387,7 +394,7 @@ def test_no_command_and_no_master_leads_to_a_number_that_is_none(run: Run) -> No
             for name, value in before.items():
                 by_name[name].set(value)
         elif not block.step(h):
-            owned = (block.slave, block.local, block.course, block.motion, block.master, block.sought)
+            owned = (block.slave, block.local, block.current, block.motion, block.master, block.candidate)
             assert all(math.isfinite(x) for part in owned for x in numbers_in(part))
             assert all(math.isfinite(cell.get()) for cell in outputs)
             assert block.state in State

@@ -159,27 +159,30 @@ def assert_as_oracle(
 PERIODS = [0.0, 0.0, 0.0, 0.1, 0.7, 6.2, 7.7, 31.4, 360.0]
 
 
-def scripted(rng: Random, *, jumps: bool = True, single: bool = False, sound: bool = False) -> dict[str, Any]:
-    """A master that mostly moves in one direction, and commands that are mostly for this direction; evenly spread, so
-    that much happens.
-
-    `jumps`: of the velocity; `single`: one acceleration throughout; `sound`: no command is refused and nothing
-    deactivated. Most stops are given in time.
-    """
-    span, direction = rng.choice([1.0, 10.0, 60.0]), rng.choice([1.0, -1.0])
-    period = 0.0 if single else rng.choice(PERIODS)
+def random_segments(rng: Random, reach: float, jumps: bool, single: bool) -> list[dict[str, float]]:
+    """What the master does; `reach`: how far it comes in about a second, with the sign of its direction."""
     kinds = ["acceleration", "acceleration", "steady", *(["velocity", "velocity", "stand"] if jumps else [])]
     segments: list[dict[str, float]] = []
     for _ in range(1 if single else rng.randint(1, 5)):
         segment = {"duration": 3.0 if single else rng.randint(64, 1024) / 1024.0}
         match "acceleration" if single else rng.choice(kinds):
             case "acceleration":
-                segment["acceleration"] = direction * span * rng.uniform(-3.0, 3.0) * (0.3 if single else 1.0)
+                segment["acceleration"] = reach * rng.uniform(-3.0, 3.0) * (0.3 if single else 1.0)
             case "velocity":
-                segment["velocity"] = direction * span * rng.uniform(-1.0, 2.0)
+                segment["velocity"] = reach * rng.uniform(-1.0, 2.0)
             case "stand":
                 segment["velocity"] = 0.0
         segments.append(segment)
+    return segments
+
+
+def scripted(rng: Random, *, jumps: bool = True, single: bool = False, sound: bool = False) -> dict[str, Any]:
+    """A master that mostly moves in one direction, and commands mostly for this direction; most stops are in time.
+
+    `jumps`: of the velocity; `single`: one acceleration; `sound`: no command is refused and nothing deactivated."""
+    span, direction = rng.choice([1.0, 10.0, 60.0]), rng.choice([1.0, -1.0])
+    period = 0.0 if single else rng.choice(PERIODS)
+    segments = random_segments(rng, span * direction, jumps, single)
     stop_time = sum(segment["duration"] for segment in segments)
     place, speed = direction * span * rng.uniform(-1.0, 0.2), direction * span * rng.uniform(-0.5, 1.5)
     master = {"position": place, "velocity": speed, "segments": segments}
@@ -207,12 +210,8 @@ def scripted(rng: Random, *, jumps: bool = True, single: bool = False, sound: bo
     start = {"curve": rng.choice([1, 2]), "output_phasing": phasing(), "master.period": period}
     if not sound:
         start |= {"active": rng.random() < 0.8, "start": rng.random() < 0.2}
-    return {
-        "stop_time": stop_time,
-        "start": start,
-        "master": master,
-        "set": sorted(sets, key=lambda each: each["at"]),
-    }
+    sets.sort(key=lambda each: each["at"])
+    return {"stop_time": stop_time, "start": start, "master": master, "set": sets}
 
 
 def scripts(**options: bool) -> st.SearchStrategy[dict[str, Any]]:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from motionsync import var
-from motionsync.blocks import BLOCKS, Example, Registered
+from motionsync.blocks import BLOCKS
 from motionsync.slave import Slave
 from motionsync.var import Enumeration, Role, Unit
 from motionsync_fmu.interface.stepper import Stepper
@@ -74,14 +74,11 @@ class Listener:
         self.seen = remote.cycle_index
 
 
-REGISTERED = Registered(Listener, Example("It listens.", 1.0, 1.0, {}, ()), ())
-
-
 @contextmanager
 def registered() -> Iterator[None]:
     """The Listener among the blocks."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(BLOCKS, "Listener", REGISTERED)  # type: ignore[arg-type]
+        patch.setitem(BLOCKS, "Listener", Listener)  # type: ignore[arg-type]
         yield
 
 

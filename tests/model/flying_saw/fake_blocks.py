@@ -12,7 +12,7 @@ from motionsync.polynomial import Polynomial
 
 
 @dataclass(slots=True)
-class Finder:
+class RootFinder:
     """Finds a polynomial's roots, then those of its derivative."""
 
     polynomial: Polynomial = var.part(Polynomial)  # noqa: RUF009
@@ -28,7 +28,7 @@ class Finder:
 
 
 @dataclass(slots=True)
-class Measurer:
+class ProfileMeasurer:
     """Measures a profile, and then also integrates; as often as it is told."""
 
     times: int = 1

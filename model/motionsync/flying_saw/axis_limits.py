@@ -9,8 +9,8 @@ from ..var import Unit
 
 
 @dataclass(slots=True)
-class Axis:
-    """The slave axis's machine data."""
+class AxisLimits:
+    """The slave axis's machine data: where it starts, and its limits."""
 
     initial_position: float = var.parameter(0.0, "where the axis is at first", Unit.POSITION, min=-MOST, max=MOST)
     initial_velocity: float = var.parameter(
@@ -57,11 +57,11 @@ class Axis:
     )
 
 
-def chosen(limit: float, axis: float) -> float:
-    """A command's limit; 0 stands for the axis's."""
-    return axis if limit == 0.0 else limit
+def limit_in_use(limit: float, axis_limit: float) -> float:
+    """The limit that a command goes by: its own, or the axis's if its own is 0."""
+    return axis_limit if limit == 0.0 else limit
 
 
-def ends_known(lowest: float, highest: float) -> bool:
-    """Whether the software end positions are numbers; a tunable is judged only where it is read."""
+def are_finite(lowest: float, highest: float) -> bool:
+    """Whether both software end positions are finite; tunable parameters are judged by the command that reads them."""
     return isfinite(lowest) and isfinite(highest)

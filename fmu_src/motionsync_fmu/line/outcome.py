@@ -1,0 +1,75 @@
+"""What came of a line: the record that `motionsync line` prints, and its files."""
+
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ..scenario.crosscheck import csv_text
+from ..scenario.judge import Check
+from .judge import Agreement, Figures, Result
+from .line import REMOTE, Line
+from .package import Package
+from .report import write_line_report
+
+
+@dataclass(frozen=True)
+class LineOutcome:
+    """What a line has shown, and where it is written. The fields are the keys of `--json`.
+
+    Attributes:
+        line: the line file.
+        synced: when RemoteSync was in sync first, in s; None: never.
+        before, in_sync: the errors of each variant, up to the time from which they are judged, and after it.
+        agreement: how far FMPy and libcosim are apart in each output.
+        libcosim_missing: why there is no run of libcosim; empty if there is one.
+        ssp: the SSP package.
+        osp: the OSP system structure.
+        result: the CSV file with the outputs.
+        report: the HTML page; None: none is written.
+    """
+
+    line: str
+    title: str
+    passed: bool
+    synced: float | None
+    before: list[Figures]
+    in_sync: list[Figures]
+    expectations: list[Check]
+    agreement: list[Agreement]
+    libcosim_missing: str
+    ssp: str
+    osp: str
+    result: str
+    report: str | None
+
+    def as_json(self) -> dict[str, Any]:
+        """What `--json` prints."""
+        return asdict(self)
+
+
+def write_outcome(line: Line, package: Package, result: Result, folder: Path, *, report: bool) -> LineOutcome:
+    """Write the outputs, and if wanted the report, into the folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    outputs = {REMOTE: result.remote, line.follower.recipe.name: result.wired.recording.values}
+    columns = {f"{component}.{n}": values.tolist() for component, of in outputs.items() for n, values in of.items()}
+    file = folder / f"{line.name}_out.csv"
+    file.write_text(csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True)))
+    page = folder / "report.html"
+    if report:
+        write_line_report(page, line, result)
+    return LineOutcome(
+        str(line.follower.file),
+        line.follower.title,
+        result.passed,
+        None if math.isinf(result.synced) else result.synced,
+        result.before,
+        result.after,
+        result.checks,
+        result.agreements,
+        result.missing,
+        str(package.ssp),
+        str(package.osp),
+        str(file),
+        str(page) if report else None,
+    )

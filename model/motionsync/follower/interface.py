@@ -1,0 +1,217 @@
+"""What a Follower shows to the outside: its variables, the parts that hold them, and the enumeration of its states.
+
+Source: Robox mv_follow2, whose own names stand in brackets.
+"""
+
+from dataclasses import dataclass
+
+from .. import var
+from ..limits import LEAST_LIMIT, MOST, usable
+from ..master import Master
+from ..slave import Slave
+from ..var import Enumeration, Unit
+from .faults import Fault
+
+LEAST_LENGTH = 1e-9  # M or S: the least length that a phase's law is laid over
+
+
+class State(Enumeration):
+    """What the slave does (the source's phases; -1, 1, 9 and 10 are motionsync's own numbers)"""
+
+    M_IN_ALARM = -1, "it stops or has stopped because of a fault"
+    M_IDLE = 1, "it stands, and waits for a positioning"
+    M_POSITIONING = 2, "it moves to the park or into the cycle"
+    M_WAITING = 3, "at the park, until the way to the next meeting begins"
+    M_WAITING_NEXT_CYCLE = 4, "at the park, after a start that was missed or not carried out"
+    M_FOLLOWING = 5, "on the way to the meeting"
+    M_SYNCHRONIZED = 8, "it runs with the master"
+    M_DECEL = 9, "linear slave: it slows down after the synchronized phase, or is held there"
+    M_HOMING = 10, "back to the park"
+
+
+@dataclass(slots=True)
+class FollowerSlave(Slave):
+    """The slave's setpoint at the end of the step, in slave units."""
+
+    initial_position: float = var.parameter(0.0, "where the slave stands at first", Unit.POSITION, min=-MOST, max=MOST)
+
+
+@dataclass(slots=True)
+class Positioning:
+    """Limits of the time-optimal move to the park or into the cycle; read at its command."""
+
+    velocity: float = var.parameter(
+        500.0,
+        "velocity limit; 0 only where the slave already stands right (velPositSlave)",
+        Unit.VELOCITY,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+    )
+    acceleration: float = var.parameter(
+        5000.0,
+        "acceleration limit, also of an alarm's stop without max_acceleration; 0 as for velocity (accPositSlave)",
+        Unit.ACCELERATION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+    )
+    jerk: float = var.parameter(
+        50000.0,
+        "jerk limit; 0 as for velocity (jerkPositSlave)",
+        Unit.JERK,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+    )
+
+    def limits_usable(self) -> bool:
+        """Whether a move can be planned with these limits."""
+        return usable(self.velocity) and usable(self.acceleration) and usable(self.jerk)
+
+
+@dataclass(slots=True)
+class Local:
+    """What a commissioning engineer would watch."""
+
+    meeting_known: bool = var.local(False, "there is a meeting under way or ahead")
+    meeting_position: float = var.local(0.0, "master position of that meeting; 0: none", Unit.POSITION, discrete=True)
+    start_position: float = var.local(
+        0.0, "master position where the way to that meeting begins; 0: none", Unit.POSITION, discrete=True
+    )
+    following_travel: float = var.local(
+        0.0, "master travel of the way to that meeting; 0: none", Unit.POSITION, discrete=True
+    )
+    progress: float = var.local(0.0, "share of the present phase that is done", min=0.0, max=1.0)
+
+
+@dataclass(slots=True)
+class FollowerInterface:
+    """All variables of a Follower; what it does with them is in `Follower`."""
+
+    master: Master = var.part(Master)
+    master_cycle: float = var.parameter(
+        1000.0,
+        "length C of the master's cycle, not 0; of a variable one the least length (masterCycle)",
+        Unit.POSITION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LENGTH,
+        zero=False,
+    )
+    variable_cycle: bool = var.parameter(
+        False, "each new value of sync_master is the next meeting (command bit 16); else one meeting a master_cycle"
+    )
+    sync_master: float = var.input(
+        0.0,
+        "where master and slave meet: within the cycle; with variable_cycle absolute (qSyncMaster)",
+        Unit.POSITION,
+        discrete=True,
+    )
+    slave_cycle: float = var.parameter(
+        0.0,
+        "0: a linear slave; else a cyclic one's advance in a cycle (slaveCycle)",
+        Unit.SLAVE_POSITION,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LENGTH,
+    )
+    park_slave: float = var.parameter(
+        0.0, "where the slave parks (qParkSlave)", Unit.SLAVE_POSITION, tunable=True, min=-MOST, max=MOST
+    )
+    sync_slave: float = var.parameter(
+        100.0,
+        "where the slave is at the meeting, beyond park_slave (qSyncSlave)",
+        Unit.SLAVE_POSITION,
+        tunable=True,
+        min=-MOST,
+        max=MOST,
+    )
+    sync_out: float = var.parameter(
+        300.0,
+        "where the synchronized phase ends, beyond sync_slave; cyclic: before park_slave + slave_cycle (qSyncOut)",
+        Unit.SLAVE_POSITION,
+        tunable=True,
+        min=-MOST,
+        max=MOST,
+    )
+    space_stop_slave: float = var.parameter(
+        100.0,
+        "braking space of a linear slave after sync_out, not 0 (spaceStopSlave)",
+        Unit.SLAVE_POSITION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LENGTH,
+        zero=False,
+    )
+    space_wait_in_park: float = var.parameter(
+        0.0, "master travel spent at the park (spaceWaitInPark)", Unit.POSITION, tunable=True, min=0.0, max=MOST
+    )
+    k_slave_master: float = var.parameter(
+        1.0,
+        "slave velocity over master velocity while synchronized, not 0 (kSlaveMaster)",
+        Unit.SLAVE_PER_MASTER,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+        zero=False,
+    )
+    align_center: bool = var.parameter(
+        False, "sync_master belongs to the middle between sync_slave and sync_out (command bit 19)"
+    )
+    stop_in_park: bool = var.parameter(True, "a cyclic slave rests at the park in each cycle (command bit 20)")
+    recover_late_sync: bool = var.parameter(
+        False, "a sync_master set too late is met by joining the running motion, if limits allow it (command bit 21)"
+    )
+    max_speed: float = var.parameter(
+        0.0, "speed limit; 0: none (maxSpe)", Unit.SLAVE_VELOCITY, tunable=True, min=0.0, max=MOST
+    )
+    max_acceleration: float = var.parameter(
+        0.0,
+        "acceleration limit, and the deceleration of an alarm's stop; 0: none, and positioning.acceleration (maxAcc)",
+        Unit.SLAVE_ACCELERATION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+    )
+    check_speed: bool = var.parameter(True, "max_speed is checked (not command bit 17)", tunable=True)
+    check_acceleration: bool = var.parameter(True, "max_acceleration is checked (not command bit 18)", tunable=True)
+    positioning: Positioning = var.part(Positioning, slave_unit=True)
+    position_to_park: bool = var.input(False, "rising edge, at standstill: move to the park (command bit 1)")
+    position_to_cycle: bool = var.input(
+        False, "rising edge, at standstill: move to where the cycle has the slave, and go on (command bit 2)"
+    )
+    end_synchronism: bool = var.input(
+        False, "rising edge in M_SYNCHRONIZED: the present position is this cycle's sync_out (command bit 3)"
+    )
+    skip_next_cycle: bool = var.input(False, "while set the slave stays at the park (command bit 0)")
+    stop_after_forward: bool = var.input(
+        False, "while set a linear slave stays at the end of its forward stroke (command bit 4)"
+    )
+    sync_assumed: bool = var.input(
+        False, "while set sync_master is only assumed: the next meeting is not carried out (command bit 5)"
+    )
+    reset: bool = var.input(False, "rising edge, at standstill: leave M_IN_ALARM and clear the error")
+    slave: FollowerSlave = var.part(
+        FollowerSlave, depends={"position": ("slave.initial_position", "slave_cycle")}, slave_unit=True
+    )
+    state: State = var.output(State.M_IDLE, "what the slave does")
+    state_code: int = var.output(1, "the state as a plain integer")
+    master_to_start: float = var.output(
+        0.0, "master travel missing to the start of the way to the meeting; 0: passed or none known", Unit.POSITION
+    )
+    master_to_sync: float = var.output(0.0, "master travel missing to the meeting; 0: as above", Unit.POSITION)
+    master_to_out: float = var.output(
+        0.0, "master travel missing to the end of the synchronized phase; 0: as above", Unit.POSITION
+    )
+    cycle: int = var.output(0, "cycles completed: counted at the end of the synchronized phase")
+    error: bool = var.output(False, "a positioning was refused, or the slave is in M_IN_ALARM")
+    error_id: int = var.output(0, "why: 1 positioning refused; 2 to 14 alarms", codes=Fault)
+    local: Local = var.part(Local)

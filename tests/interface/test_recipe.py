@@ -1,0 +1,59 @@
+"""A recipe: its variables, and the block that it makes."""
+
+import pytest
+
+from motionsync.blocks import BLOCKS
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.roles import remote_axis
+from motionsync_fmu.interface.variables import variables
+
+
+def test_the_variables_are_those_of_the_block_in_its_order(block: str) -> None:
+    names = [v.name for v in variables(BLOCKS[block]())]
+    assert list(Recipe(block).variables) == names
+
+
+def test_baked_start_values_are_those_of_one_recipe_alone() -> None:
+    baked, plain = Recipe("Synchronizer", starts={"rest_value": "12.5"}), Recipe("Synchronizer")
+    assert baked.variables["rest_value"].start == 12.5
+    assert plain.variables["rest_value"].start == 0.0
+    assert baked.block().rest_value == 12.5
+    assert plain.block().rest_value == 0.0
+
+
+def test_a_block_of_the_recipe_is_not_the_one_of_its_variables() -> None:
+    recipe = Recipe("Synchronizer")
+    block = recipe.block()
+    block.rest_value = 99.0
+    assert recipe.variables["rest_value"].cell.get() == 0.0
+
+
+def test_the_variables_cannot_be_replaced() -> None:
+    table = Recipe("Synchronizer").variables
+    with pytest.raises(TypeError):
+        table["rest_value"] = table["curve"]  # type: ignore[index]
+
+
+def test_what_cannot_be_made_is_refused() -> None:
+    for recipe, part in (
+        (Recipe("Nope"), "no block is named 'Nope'"),
+        (Recipe("Synchronizer", "km"), "no unit is named 'km'"),
+        (Recipe("Synchronizer", slave_unit="deg"), "in its master's unit"),
+        (Recipe("Synchronizer", starts={"slave.position": "1"}), "parameter or input of Synchronizer"),
+    ):
+        with pytest.raises(UserError, match=part):
+            recipe.block()
+
+
+def test_one_block_has_a_remote_axis_and_the_others_a_master(block: str) -> None:
+    table = Recipe(block).variables
+    axis = remote_axis(table.values())
+    if axis is None:
+        assert "master.position" in table
+    else:
+        assert "master.position" not in table
+        assert axis.wraps_at == 65536
+        for name in (axis.cycle_index, axis.task_cycle, axis.data_cycle, axis.delay, axis.corrected_index):
+            assert name in table
+        assert f"{axis.part}.position" in table

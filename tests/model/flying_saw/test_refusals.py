@@ -1,0 +1,306 @@
+"""What is refused, why, and that a refused command leaves everything else as it is."""
+
+import math
+from typing import Any
+
+import pytest
+
+from motionsync.flying_saw.interface import State
+from motionsync.flying_saw.profile import ProfileKind
+from tests.model.flying_saw.harness import (
+    AIMS,
+    INSTANT,
+    FlyingSawHarness,
+    assert_refused,
+    coupled,
+    meeting,
+    moving,
+    near,
+    under_way,
+)
+
+
+def standing_master(saw: FlyingSawHarness) -> FlyingSawHarness:
+    saw.speed = 0.0
+    return saw
+
+
+ANY_MOTION = pytest.mark.parametrize("begin", [moving, under_way, coupled])
+
+
+@ANY_MOTION
+@pytest.mark.parametrize("group", ["gear_in_velo", "gear_in_pos"])
+@pytest.mark.parametrize(
+    ("values", "code"),
+    [
+        ({"ratio_numerator": 0.0}, 0x425B),
+        ({"ratio_numerator": math.inf}, 0x425B),
+        ({"ratio_denominator": 0}, 0x425B),
+        ({"ratio_denominator": -3}, 0x425B),
+        ({"velocity": -1.0}, 0x42DD),
+        ({"acceleration": -1.0}, 0x42DD),
+        ({"deceleration": -1.0}, 0x42DD),
+        ({"jerk": -1.0}, 0x42DD),
+        ({"jerk": math.inf}, 0x42DD),
+        ({"velocity": -1.0, "ratio_denominator": 0}, 0x425B),
+    ],
+)
+def test_wrong_factors_and_limits(begin: Any, group: str, values: dict[str, Any], code: int) -> None:
+    assert_refused(begin(), group, code, **((AIMS if group == "gear_in_pos" else {}) | values))
+
+
+@ANY_MOTION
+@pytest.mark.parametrize(
+    ("group", "values", "code"),
+    [
+        *((group, {name: -1.0}, 0x42DD) for group in ("halt", "stop") for name in ("deceleration", "jerk")),
+        *(
+            (group, {name: -1.0}, 0x42DD)
+            for group in ("move_velocity", "move_absolute")
+            for name in ("acceleration", "deceleration", "jerk")
+        ),
+        ("move_absolute", {"velocity": -1.0}, 0x42DD),
+        ("move_velocity", {"velocity": 2000.5}, 0x42DD),
+        ("move_velocity", {"velocity": -2000.5}, 0x42DD),
+        ("move_absolute", {"position": -1.1e9}, 0x4372),
+        ("move_absolute", {"position": 1.1e9}, 0x4373),
+    ],
+)
+def test_wrong_values_of_own_motions(begin: Any, group: str, values: dict[str, Any], code: int) -> None:
+    assert_refused(begin(), group, code, **values)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+@pytest.mark.parametrize("name", ["max_velocity", "max_acceleration", "max_deceleration", "max_jerk"])
+def test_wrong_machine_data_are_judged_by_the_commands_that_read_them(name: str, value: float) -> None:
+    saw = moving().put({f"axis.{name}": value})
+    limit = name.removeprefix("max_")
+    for group, values in [("gear_in_velo", {}), ("gear_in_pos", AIMS), ("move_absolute", {"position": 5.0})]:
+        assert_refused(saw, group, 0x42DD, **values)
+        accepted = saw.twin().order(group, **values, **{limit: 200.0}).run(INSTANT)
+        assert not accepted["error"]
+    if limit in ("deceleration", "jerk"):
+        assert_refused(saw, "halt", 0x42DD)
+        assert_refused(saw, "stop", 0x42DD)
+    assert saw.put({f"axis.{name}": 1e4}).order("halt").run(INSTANT).results("halt") == {"busy", "active"}
+
+
+def test_a_limit_of_0_is_the_axis_s_and_one_above_it_is_used_as_given() -> None:
+    """The ramp takes 1.5 dv / a with dv = 100: 0.3 s with the axis's 500, 0.075 s with 2000."""
+    for limit, duration in [(0.0, 0.3), (250.0, 0.6), (2000.0, 0.075)]:
+        saw = FlyingSawHarness({"axis.max_acceleration": 500.0}, speed=100.0).order("gear_in_velo", acceleration=limit)
+        assert saw.run(duration - 1e-6).state == State.SYNCHRONIZING
+        assert saw.run(2e-6).state == State.SYNCHRON
+    saw = FlyingSawHarness({"axis.max_velocity": 90.0}, speed=100.0).modes("check_max_velocity")
+    assert_refused(saw, "gear_in_velo", 0x42DD)
+    assert saw.order("gear_in_velo", velocity=110.0).run(INSTANT).state == State.SYNCHRONIZING
+
+
+@ANY_MOTION
+def test_time_based_is_for_gear_in_velo_only(begin: Any) -> None:
+    assert_refused(begin().modes("time_based"), "gear_in_pos", 0x4289, **AIMS)
+
+
+@pytest.mark.parametrize("begin", [moving, under_way, coupled])
+def test_with_a_standing_master_a_position_is_never_reached(begin: Any) -> None:
+    saw = standing_master(begin())
+    twin = saw.twin()
+    saw.order("gear_in_pos", **AIMS).run(0.01)
+    twin.run(0.01)
+    assert saw["gear_in_pos.error_id"] == 0x426E
+    assert saw.slave == twin.slave
+
+
+@pytest.mark.parametrize("modes", [(), ("time_based",)])
+def test_a_moving_slave_cannot_be_coupled_to_the_velocity_of_a_standing_master(modes: tuple[str, ...]) -> None:
+    saw = standing_master(moving()).modes(*modes)
+    twin = saw.twin()
+    saw.order("gear_in_velo").run(0.01)
+    assert saw["gear_in_velo.error_id"] == 0x424A
+    assert saw.slave == twin.run(0.01).slave
+
+
+@pytest.mark.parametrize("modes", [(), ("time_based",)])
+def test_both_standing_are_in_sync_at_once(modes: tuple[str, ...]) -> None:
+    saw = FlyingSawHarness({"axis.initial_position": 7.0}, place=3.0).modes(*modes)
+    saw.order("gear_in_velo", ratio_numerator=-2.0).run(INSTANT)
+    assert saw.results("gear_in_velo") == {"start_sync", "in_sync"}
+    assert saw.block.characteristics.profile == ProfileKind.NONE
+    saw.run(1.0, acceleration=10.0)
+    assert saw.slave == near(7.0 - 2.0 * 5.0, -20.0, -20.0)
+
+
+@ANY_MOTION
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"master_sync_position": -1.0},
+        {"slave_sync_position": -1.0},
+        {"master_start_distance": -1.0},
+        {"ratio_numerator": -1.0},  # then the slave must go down
+    ],
+)
+def test_sync_positions_lie_ahead(begin: Any, values: dict[str, float]) -> None:
+    assert_refused(begin(), "gear_in_pos", 0x42DE, **(AIMS | values))
+
+
+@pytest.mark.parametrize(
+    ("vm", "vs", "distance", "code"),
+    [
+        *((100.0, 50.0, 20.0, 0), (100.0, 50.0, -20.0, 0x42DE), (100.0, 50.0, 0.0, 0x42DE)),
+        *((100.0, -50.0, -20.0, 0), (100.0, -50.0, 20.0, 0x42DE)),
+        *((-100.0, -50.0, -20.0, 0), (-100.0, -50.0, 20.0, 0x42DE)),
+        *((-100.0, 50.0, 20.0, 0), (-100.0, 50.0, -20.0, 0x42DE)),
+    ],
+)
+def test_ahead_is_where_the_coupling_leads(vm: float, vs: float, distance: float, code: int) -> None:
+    saw = meeting(0.0, vs, distance, vm=vm)
+    assert saw["gear_in_pos.error_id"] == code
+
+
+@ANY_MOTION
+@pytest.mark.parametrize(
+    ("group", "values"),
+    [
+        *(("gear_in_velo", {}), ("gear_in_pos", AIMS), ("gear_out", {}), ("halt", {})),
+        *(("move_velocity", {}), ("move_absolute", {"position": 5.0})),
+    ],
+)
+def test_stop_locks_the_axis(begin: Any, group: str, values: dict[str, Any]) -> None:
+    assert_refused(begin().order("stop", deceleration=100.0).run(INSTANT), group, 0x42EF, **values)
+
+
+@pytest.mark.parametrize(
+    ("group", "values", "modes", "speed", "code"),
+    [
+        # two faults each: the one that is looked for first
+        ("gear_in_pos", {"ratio_numerator": 0.0, "jerk": -1.0}, ("time_based",), 100.0, 0x425B),
+        ("gear_in_pos", {"jerk": -1.0}, ("time_based",), 100.0, 0x42DD),
+        ("gear_in_pos", {"ratio_numerator": 30.0}, ("time_based", "check_max_velocity"), 100.0, 0x42DD),
+        ("gear_in_pos", {}, ("time_based",), 0.0, 0x4289),
+        ("gear_in_pos", {"master_sync_position": -1.0}, (), 0.0, 0x426E),
+        ("gear_in_pos", {"master_start_distance": -1.0}, (), 0.0, 0x426E),
+        ("gear_in_pos", {"jerk": -1.0}, (), 0.0, 0x42DD),
+        ("gear_in_velo", {"jerk": -1.0}, (), 0.0, 0x42DD),
+        ("gear_in_pos", {"slave_sync_position": -1.0, "acceleration": 1e-3}, ("check_max_acceleration",), 1.0, 0x42DE),
+        ("gear_in_pos", {"master_sync_position": -1.0, "velocity": 1.0}, ("check_max_velocity",), 100.0, 0x42DD),
+        ("move_absolute", {"position": 2e9, "jerk": -1.0}, (), 100.0, 0x42DD),
+    ],
+)
+def test_of_two_faults_the_first_in_the_list_is_shown(
+    group: str, values: dict[str, Any], modes: tuple[str, ...], speed: float, code: int
+) -> None:
+    saw = FlyingSawHarness({"axis.initial_velocity": 20.0}, speed=speed).modes(*modes, "detailed_error_codes")
+    values = (AIMS if group == "gear_in_pos" else {}) | values
+    assert saw.twin().order(group, **values).run(INSTANT)[f"{group}.error_id"] == code
+    locked = saw.order("stop", deceleration=1.0).run(INSTANT).order(group, **values).run(INSTANT)
+    assert locked[f"{group}.error_id"] == 0x42EF
+
+
+ROWS = [
+    # code, v0, v_s, distance, master velocity, check, what else; T = 1 s
+    (0x4372, -100.0, 300.0, 200.0, 100.0, "check_min_position", {"min_position": -10.0}),
+    (0x4373, 0.0, 100.0, 50.0, 100.0, "check_max_position", {"max_position": 49.0}),
+    (0x4376, -2000.0, -100.0, -100.0, -100.0, "check_undershoot_position", {}),
+    (0x4377, -100.0, 100.0, 20.0, 100.0, "check_undershoot_position", {}),
+    (0x4378, 100.0, -100.0, -20.0, -100.0, "check_overshoot_position", {}),
+    (0x4379, 2000.0, 100.0, 100.0, 100.0, "check_overshoot_position", {}),
+    (0x437A, 0.0, 400.0, 700.0, 100.0, "check_max_velocity", {"max_velocity": 500.0}),
+    (0x437B, 0.0, -400.0, -700.0, 100.0, "check_max_velocity", {"max_velocity": 500.0}),
+    (0x437C, 0.0, 500.0, 700.0, 100.0, "check_overshoot_velocity", {}),
+    (0x437D, 600.0, 500.0, 700.0, 100.0, "check_overshoot_velocity", {}),
+    (0x437E, 0.0, -500.0, -700.0, 100.0, "check_overshoot_velocity", {}),
+    (0x437F, -600.0, -500.0, -700.0, 100.0, "check_overshoot_velocity", {}),
+    (0x4380, 600.0, 500.0, 400.0, 100.0, "check_undershoot_velocity", {}),
+    (0x4381, 400.0, 500.0, 200.0, 100.0, "check_undershoot_velocity", {}),
+    (0x4382, -600.0, -500.0, -400.0, 100.0, "check_undershoot_velocity", {}),
+    (0x4383, -400.0, -500.0, -200.0, 100.0, "check_undershoot_velocity", {}),
+    (0x4384, 0.0, 500.0, 250.0, 100.0, "check_overshoot_velocity_zero", {}),
+    (0x4385, 0.0, 500.0, 250.0, -100.0, "check_overshoot_velocity_zero", {}),
+    (0x4386, 0.0, 500.0, 100.0, 100.0, "check_undershoot_velocity_zero", {}),
+    (0x4387, 0.0, 500.0, 100.0, -100.0, "check_undershoot_velocity_zero", {}),
+    (0x4386, 0.0, -500.0, -100.0, 100.0, "check_undershoot_velocity_zero", {}),
+    # P5 from 100 to 200 with distance 150: a = 600 u (1 - u), 150 at most; j = 600 (1 - 2 u)
+    (0x4388, 100.0, 200.0, 150.0, 100.0, "check_max_acceleration", {"max_acceleration": 149.9}),
+    (0x4388, -100.0, -200.0, -150.0, 100.0, "check_max_acceleration", {"max_acceleration": 149.9}),
+    (0x4389, 200.0, 100.0, 150.0, 100.0, "check_max_deceleration", {"max_deceleration": 149.9}),
+    (0x438A, 100.0, 200.0, 150.0, 100.0, "check_max_jerk", {"max_jerk": 599.9}),
+    # j = 6 c3 + 24 c4 u + 60 c5 u^2 with c3 -800, c4 700, c5 -200: from -4800 up to 1080
+    (0x438B, 0.0, -200.0, -200.0, 100.0, "check_max_jerk", {"max_jerk": 4799.0}),
+]
+
+
+@pytest.mark.parametrize(("code", "v0", "vs", "distance", "vm", "check", "machine"), ROWS)
+def test_broken_checks_and_their_codes(
+    code: int, v0: float, vs: float, distance: float, vm: float, check: str, machine: dict[str, float]
+) -> None:
+    saw = FlyingSawHarness({"axis.initial_velocity": v0, **{f"axis.{k}": x for k, x in machine.items()}}, speed=vm)
+    aims = {"master_sync_position": vm, "slave_sync_position": distance, "ratio_numerator": vs / vm}
+    free = saw.twin().order("gear_in_pos", **aims).run(INSTANT)
+    assert free.state == State.SYNCHRONIZING  # unchecked
+    assert_refused(saw.twin().modes(check), "gear_in_pos", 0x42DF, **aims)
+    assert_refused(saw.modes(check, "detailed_error_codes"), "gear_in_pos", code, **aims)
+
+
+@pytest.mark.parametrize(
+    ("v0", "vs", "distance", "vm", "check", "machine"),
+    [
+        # nothing is broken where the limit is just kept, or the case is another one's
+        (-100.0, 100.0, 20.0, 100.0, "check_overshoot_position", {}),
+        (100.0, -100.0, -20.0, -100.0, "check_undershoot_position", {}),
+        (0.0, -500.0, -250.0, 100.0, "check_overshoot_velocity_zero", {}),
+        (0.0, -500.0, -250.0, -100.0, "check_overshoot_velocity_zero", {}),
+        (-250.0, 750.0, 300.0, 100.0, "check_undershoot_velocity_zero", {}),  # begins below zero
+        (100.0, 200.0, 150.0, 100.0, "check_max_acceleration", {"max_acceleration": 150.0}),
+        (200.0, 100.0, 150.0, 100.0, "check_max_acceleration", {"max_acceleration": 1.0}),
+        (200.0, 100.0, 150.0, 100.0, "check_max_deceleration", {"max_deceleration": 150.0}),
+        (100.0, 200.0, 150.0, 100.0, "check_max_deceleration", {"max_deceleration": 1.0}),
+        (100.0, 200.0, 150.0, 100.0, "check_max_jerk", {"max_jerk": 600.0}),
+        (0.0, 100.0, 50.0, 100.0, "check_max_position", {"max_position": 50.0}),
+        (0.0, 100.0, 50.0, 100.0, "check_min_position", {"min_position": 0.0}),
+        (0.0, 100.0, 50.0, 100.0, "check_max_velocity", {"max_velocity": 100.0}),
+    ],
+)
+def test_checks_that_are_kept(
+    v0: float, vs: float, distance: float, vm: float, check: str, machine: dict[str, float]
+) -> None:
+    assert meeting(v0, vs, distance, check, vm=vm, **machine).state == State.SYNCHRONIZING
+
+
+def test_of_several_broken_checks_the_lowest_code_is_shown() -> None:
+    """The velocity goes from -100 to 300: below the start, below zero, with 1500 u/s2 and more."""
+    modes = ["check_max_jerk", "check_max_acceleration", "check_undershoot_position", "check_min_position"]
+    for code, machine in [(0x438A, 3), (0x4388, 2), (0x4377, 1), (0x4372, 0)]:
+        active = modes[: 4 - machine]
+        limits = {"min_position": -1.0, "max_acceleration": 10.0, "max_jerk": 10.0}
+        assert meeting(-100.0, 300.0, 200.0, *active, **limits)["gear_in_pos.error_id"] == code
+
+
+@pytest.mark.parametrize("modes", [(), ("check_max_jerk",)])
+def test_a_velocity_so_low_that_no_time_can_be_told_is_refused(modes: tuple[str, ...]) -> None:
+    """The ramp to it would take 8e-322 u/s / 1e4 u/s2, which is 0 s as a number."""
+    saw = FlyingSawHarness(speed=-5e-324).modes(*modes)
+    saw.order("gear_in_velo", ratio_numerator=-161.0, jerk=100.0).run(0.05)
+    assert saw.results("gear_in_velo") == {"error"}
+    assert saw["gear_in_velo.error_id"] == 0x42DE
+
+
+def test_checks_of_gear_in_velo_are_those_of_its_ramp() -> None:
+    """From -100 to 100 with 300: T = 1 s, v = -100 + 200 (3 u^2 - 2 u^3); the slave goes to -31.25 and back to 0."""
+    for check, code, machine in [
+        ("check_min_position", 0x4372, {"axis.min_position": -31.2}),
+        ("check_undershoot_position", 0x4377, {}),
+        ("check_overshoot_velocity_zero", 0x4384, {}),
+    ]:
+        saw = FlyingSawHarness({"axis.initial_velocity": -100.0, **machine}, speed=100.0).modes(
+            check, "detailed_error_codes"
+        )
+        if code != 0x4377:
+            assert_refused(saw, "gear_in_velo", code, acceleration=300.0, deceleration=300.0)
+        else:  # the slave ends where it has begun, but for rounding: below both or below the start
+            saw.order("gear_in_velo", acceleration=300.0, deceleration=300.0).run(INSTANT)
+            assert saw["gear_in_velo.error_id"] in (0x4376, 0x4377)
+    saw = FlyingSawHarness({"axis.initial_velocity": -100.0, "axis.min_position": -31.3}, speed=100.0).modes(
+        "check_min_position"
+    )
+    assert not saw.order("gear_in_velo", acceleration=300.0, deceleration=300.0).run(INSTANT)["error"]

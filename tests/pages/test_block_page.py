@@ -1,0 +1,209 @@
+"""The page in an FMU and its pictures: the block's README, its example and its variables."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.pages.block_page import pages
+from motionsync_fmu.pages.pictures import icon, panels, svg
+from motionsync_fmu.pages.readme import readme, rendered
+from motionsync_fmu.pages.state_diagram import drawn, read
+from motionsync_fmu.scenario.example import example_of
+from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.run import run_in_process
+from tests import ROOT
+
+README = """# Block
+
+A [block](../other/README.md) of [its maker](https://example.com/maker), with a | pipe.
+
+![What it does](../../../docs/Block.svg)
+
+## How to use it
+
+1. Set `ratio`.
+
+| there | here |
+| --- | --- |
+| a | `b` |
+
+## States
+
+```mermaid
+stateDiagram-v2
+    [*] --> REST
+    REST --> MOVING : a rising edge of `start`
+    state "in motion" as motion {
+        MOVING --> FAST
+        FAST --> MOVING : it brakes
+    }
+    motion --> REST : <stop>
+    [*] --> FAST : at speed
+```
+"""
+
+
+class Unwritten:
+    """A block in whose folder there is no README.md."""
+
+
+class Balanced(HTMLParser):
+    """Fails where an element ends that has not begun last."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in ("meta", "img", "br"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_the_readme_becomes_a_part_of_the_page() -> None:
+    html = rendered(README, "example.svg", "An example")
+    assert "<h1>" not in html
+    assert html.startswith("<p>A block of")
+    assert '<a href="https://example.com/maker">its maker</a>' in html
+    assert "README.md" not in html
+    assert '<img src="example.svg" alt="An example">\n<figcaption>What it does</figcaption>' in html
+    assert html.count("<img") == 1
+    assert "<h2>How to use it</h2>\n<ol>\n<li>Set <code>ratio</code>.</li>" in html
+    assert "<td><code>b</code></td>" in html
+    assert "mermaid" not in html
+    parser = Balanced()
+    parser.feed(html)
+    assert not parser.open
+
+
+def test_a_block_without_a_readme_has_no_page() -> None:
+    with pytest.raises(UserError, match=r"README.md: cannot be read: .*: a block's README.md is part of its page"):
+        readme(Unwritten)
+
+
+def test_a_state_diagram_is_read_with_its_groups() -> None:
+    diagram = read(README)
+    assert diagram.states == ["REST", "MOVING", "FAST"]
+    assert diagram.groups == {"motion": ["FAST"]}  # MOVING has been named before the group
+    assert [(t.source, t.target, t.when) for t in diagram.transitions] == [
+        ("[*]", "REST", ""),
+        ("REST", "MOVING", "a rising edge of `start`"),
+        ("MOVING", "FAST", ""),
+        ("FAST", "MOVING", "it brakes"),
+        ("motion", "REST", "<stop>"),
+        ("[*]", "FAST", "at speed"),
+    ]
+
+
+def test_a_state_diagram_is_drawn_with_a_table_of_its_transitions() -> None:
+    html = drawn(README)
+    assert html.count("<path d=") == 1 + 4  # the arrow's head, and an arc each
+    assert html.count("<circle") == 2
+    assert "<td>a rising edge of <code>start</code></td>" in html
+    assert "&lt;stop&gt;" in html
+    assert html.count("<tr>") == 1 + 1 + 4  # the head, the start with a condition, the transitions
+
+
+def test_the_example_does_what_its_block_s_readme_says(block: str) -> None:
+    example = example_of(block)
+    found = check(example, run_in_process(example, example.step_size))
+    assert found
+    assert not [c for c in found if not c.passed]
+
+
+def test_a_picture_shows_the_motion_of_the_example(block: str) -> None:
+    example = example_of(block)
+    shown = panels(example, example.unit)
+    assert len(shown) == 3
+    for panel in shown:
+        assert panel.lines
+        for line in panel.lines:
+            assert line.values.shape == panel.time.shape
+            assert np.isfinite(line.values).mean() > 0.95  # the others are gaps where a period wraps
+    assert np.nanmax(shown[0].lines[-1].values) > np.nanmin(shown[0].lines[-1].values)
+
+
+def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> None:
+    """But for rounding: two processors may differ in the last digit that is written."""
+    example = example_of(block)
+    number = r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?"
+    made = svg(example, example.unit).decode()
+    shipped = (ROOT / "docs" / f"{block}.svg").read_text("utf-8")
+    assert re.sub(number, "#", made) == re.sub(number, "#", shipped)
+    a, b = (np.array([float(x) for x in re.findall(number, text)]) for text in (made, shipped))
+    assert np.abs(a - b).max() < 0.02
+
+
+def test_the_icon_is_a_small_png(block: str) -> None:
+    image = icon(example_of(block))
+    assert image.startswith(b"\x89PNG")
+    assert len(image) < 20_000
+
+
+def test_the_page_is_well_formed_and_tells_every_variable_and_state(block: str) -> None:
+    recipe = Recipe(block)
+    files = pages(recipe.block(), example_of(block), "mm", "python", ["linux64"])
+    assert files.keys() == {"index.html", "externalDependencies.html", "example.svg"}
+    page = files["index.html"].decode()
+    parser = Balanced()
+    parser.feed(page)
+    assert not parser.open
+    for name in recipe.variables:
+        assert f'<td class="name">{name}</td>' in page
+    assert 'class="states"' in page
+    assert not set(re.findall(r'(?:href|src)="(?!http|#)([^"]*)"', page)) - files.keys()
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ('shaded = "state"', "19: shaded: state is a discrete Enumeration output, not a Boolean output"),
+        ('shading = "in_gear"', "19: shading: unknown key; there is shaded, curves, variants"),
+        ("[picture.curves]\ngear = 'a'", "20: gear: Gearing has no variable 'gear'"),
+        ("[picture.curves]\nstart = 'a'", "20: start: is a discrete input, not an output or local variable"),
+        ("[picture.variants.A]\nin_gear = true", "20: in_gear: is a discrete output, not a parameter or input"),
+    ],
+)
+def test_a_mistake_in_a_picture_is_told_with_its_line(table: str, message: str, tmp_path: Path) -> None:
+    text = (ROOT / "model" / "motionsync" / "gearing" / "example.toml").read_text("utf-8")
+    lines = [line for line in text.partition("[[expect]]")[0].splitlines() if line][:17]
+    file = tmp_path / "example.toml"
+    file.write_text("\n".join([*lines, "[picture]", table]))
+    with pytest.raises(UserError, match=re.escape(f"{file}:{message}")):
+        load(file)
+
+
+def test_a_picture_has_a_line_for_each_variant_and_a_plot_for_each_further_curve(tmp_path: Path) -> None:
+    file = tmp_path / "example.toml"
+    file.write_text("""
+title = "Two ratios"
+source = "Test"
+fmu = "Gearing"
+stop_time = 1.0
+step_size = 0.1
+[start]
+start = true
+[master]
+velocity = 10.0
+[picture.curves]
+"local.progress" = "share"
+[picture.variants.single]
+[picture.variants.double]
+"gearing.numerator" = 2
+""")
+    shown = panels(load(file), "mm")
+    assert [panel.label for panel in shown] == ["position\nmm", "velocity\nmm/s", "acceleration\nmm/s2", "share"]
+    assert [[line.label for line in panel.lines] for panel in shown] == [
+        ["master", "single", "double"],
+        ["master", "single", "double"],
+        ["single", "double"],
+        ["single", "double"],
+    ]
