@@ -87,7 +87,7 @@ def test_every_block_has_random_runs() -> None:
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
     """What the runs above are worth: within a few of them everything happens."""
     missing: set[Any] = {*strategy(block).meets, "refused"}
-    for run in drawn(block, 500, 120):
+    for run in drawn(block, 500, 400):
         pair = Pair(block, run.start)
         for h, values in run.steps:
             answer = pair.step(h, values)
