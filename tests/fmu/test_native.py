@@ -308,14 +308,14 @@ def test_extreme_numbers_read_back_from_the_log(x: float) -> None:
 @given(st.floats(allow_nan=False, allow_infinity=False))
 @example(2.0**-44)
 @example(5e-324)
-def test_numbers_are_shown_as_python_shows_them(shared: FmuInstance, x: float) -> None:
+def test_numbers_are_shown_as_python_shows_them(same_host: FmuInstance, x: float) -> None:
     with pytest.raises(FMICallException):
-        shared.unit.doStep(0.0, -abs(x))
-    assert shared.messages.pop() == f"step size = {shown(-abs(x))} is not allowed: it must be > 0 and <= 1e+06"
+        same_host.unit.doStep(0.0, -abs(x))
+    assert same_host.messages.pop() == f"step size = {shown(-abs(x))} is not allowed: it must be > 0 and <= 1e+06"
 
 
 @pytest.fixture(scope="module")
-def shared(native: Path) -> Iterator[FmuInstance]:
+def same_host(native: Path) -> Iterator[FmuInstance]:
     with FmuInstance(native) as host:
         yield host.initialize()
 

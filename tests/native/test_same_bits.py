@@ -85,9 +85,9 @@ def test_every_block_has_random_runs() -> None:
 
 
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
-    """What the runs above are worth: within a few of them everything happens."""
+    """What the runs above are worth: within a few of them everything happens. At least 60 are compared."""
     missing: set[Any] = {*strategy(block).meets, "refused"}
-    for run in drawn(block, 500, 400):
+    for number, run in enumerate(drawn(block, 500, 400), 1):
         pair = Pair(block, run.start)
         for h, values in run.steps:
             answer = pair.step(h, values)
@@ -96,7 +96,7 @@ def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
             if answer:
                 pair = Pair(block, run.start)
             missing -= strategy(block).watch(pair.block)
-        if not missing:
+        if not missing and number >= 60:
             break
     assert not missing
 
