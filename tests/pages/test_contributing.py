@@ -15,6 +15,7 @@ from tests import ROOT
 NEW_BLOCK = ROOT / "tests" / "support" / "new_block"
 LINE = "from .shifter.block import Shifter"
 ENTRY = '"Shifter": Shifter,'
+ROW = "| [`Shifter`](model/motionsync/shifter/README.md) | runs a slave ahead of its master |"
 
 
 def listed() -> list[str]:
@@ -40,7 +41,10 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     text = registry.read_text()
     text = text.replace("from .synchronizer", f"{LINE}\nfrom .synchronizer", 1)
     registry.write_text(text.replace('    "Synchronizer"', f'    {ENTRY}\n    "Synchronizer"', 1))
+    front = (root / "README.md").read_text()
+    (root / "README.md").write_text(front.replace("| [`Synchronizer`]", f"{ROW}\n| [`Synchronizer`]", 1))
     run(root, "-m", "tests.regenerate")  # make references
+    run(root, "-m", "motionsync_fmu.pages.pictures", "docs")  # make pictures
     return root
 
 
@@ -79,5 +83,13 @@ def test_the_new_block_becomes_an_fmu(copy: Path, flavour: str) -> None:
 def test_the_new_blocks_own_tests_and_the_generic_ones_take_it_up(copy: Path) -> None:
     tests = ("tests/model/shifter", "tests/native/test_same_bits.py", "tests/benchmarks")
     told = run(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests, "-k", "shifter or Shifter")
+    assert "passed" in told
+    assert "failed" not in told
+
+
+def test_what_is_asked_of_every_block_is_asked_of_the_new_one(copy: Path) -> None:
+    """Of its pages, its example and its declarations; what needs an FMU is left out."""
+    tests = ("tests/pages/test_readme.py", "tests/pages/test_block_page.py", "tests/fmu/test_fmu.py")
+    told = run(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--quick", *tests, "-k", "Shifter")
     assert "passed" in told
     assert "failed" not in told

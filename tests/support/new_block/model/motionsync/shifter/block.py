@@ -5,14 +5,23 @@ from dataclasses import dataclass
 from .. import var
 from ..grid import wrap
 from ..slave import Edge
+from ..var import Enumeration
 from .faults import Fault, Refusal
 from .interface import ShifterInterface, State
+
+
+class Stage(Enumeration):
+    """What drives the slave"""
+
+    FOLLOWING = 0, "the master"
+    SHIFTED = 1, "the master and the offset"
 
 
 @dataclass(slots=True)
 class Shifter(ShifterInterface):
     """Runs a slave ahead of its master by an offset that a command sets."""
 
+    stage: Stage = Stage.FOLLOWING
     apply_edge: Edge = var.part(Edge)
     shift: float = 0.0
 
@@ -23,7 +32,8 @@ class Shifter(ShifterInterface):
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.apply_edge.hold(self.apply)
-        self.shift = 0.0
+        self.enter_following()
+        self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
         return Refusal.NONE
 
@@ -32,6 +42,7 @@ class Shifter(ShifterInterface):
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
         self.obey()
+        self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
         self.master.rebase()
         return Refusal.NONE
@@ -40,15 +51,30 @@ class Shifter(ShifterInterface):
         """An edge takes the offset, or refuses it."""
         if self.apply_edge.try_rise(self.apply):
             if self.least_offset <= self.offset <= self.greatest_offset:
-                self.shift = self.offset
                 self.error_id = Fault.NONE
+                if self.offset == 0.0:
+                    self.enter_following()
+                else:
+                    self.enter_shifted()
             else:
                 self.error_id = Fault.OFFSET
 
+    def enter_following(self) -> None:
+        """The slave is where its master is."""
+        self.stage = Stage.FOLLOWING
+        self.shift = 0.0
+
+    def enter_shifted(self) -> None:
+        """The slave is ahead of its master by the present offset."""
+        self.stage = Stage.SHIFTED
+        self.shift = self.offset
+
+    def set_slave_at(self, place: float, velocity: float, acceleration: float) -> None:
+        """The setpoint that belongs to this motion of the master, whose jerk is taken as 0."""
+        self.slave.put(wrap(place + self.shift, self.master.period), velocity, acceleration, 0.0)
+
     def show(self) -> None:
-        """Everything that is put out, at the step's end."""
-        position = wrap(self.master.end + self.shift, self.master.period)
-        self.slave.put(position, self.master.end_velocity, self.master.end_acceleration, 0.0)
-        self.state = State.FOLLOWING if self.shift == 0.0 else State.SHIFTED
+        """Everything that is put out but the slave's setpoint, at the step's end."""
+        self.state = State.FOLLOWING if self.stage == Stage.FOLLOWING else State.SHIFTED
         self.state_code = self.state
         self.error = self.error_id != Fault.NONE

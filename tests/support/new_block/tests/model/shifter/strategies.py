@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from motionsync.shifter.block import Shifter
 from motionsync.shifter.faults import Fault
 from motionsync.shifter.interface import State
+from motionsync_fmu.interface.roles import MOTION
 from tests.support.runs import EXTREMES, Run, Strategy
 
 
@@ -16,7 +17,8 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
     """A master that moves with changing velocity, and offsets of which some are too great."""
     r = Random(draw(st.integers(0, 2**32 - 1)))
     period = draw(st.sampled_from((0.0, 360.0)))
-    start = {"master.period": period, "master.position": draw(st.floats(-1e3, 1e3))}
+    start: dict[str, Any] = {"master.period": period, "master.input_mode": draw(st.sampled_from((1, 2, 3)))}
+    start |= {f"master.{name}": draw(st.floats(-1e3, 1e3)) for name in MOTION}
     position = start["master.position"]
     made: list[tuple[float, dict[str, Any]]] = []
     for _ in range(steps):
