@@ -96,7 +96,7 @@ class Case:
 
 @dataclass
 class Reached:
-    """The results of the runs of one case, an entry a run, in cycles: the error's bounds, a step's greatest deviation."""
+    """The results of the runs of one case, an entry a run, in cycles: bounds of the error, greatest step deviation."""
 
     lowest: list[float] = field(default_factory=list)
     highest: list[float] = field(default_factory=list)
