@@ -2,11 +2,11 @@
 
     python benchmarks/accuracy.py [--seeds 60] [--drifts 20 100 2000] [--jobs 2]
 
-Each seed is two clocks with a start phase of their own; every second one has a slower sender. What is told of a run is
-the peak to peak value of the corrected index less the true one, in cycles, from 91 cycles after the identification of
-the second beat on, and how far the index's steps from cycle to cycle differ from 1 + drift there. A true value behind
-by whole cycles does not count: BEAT follows a slower sender one cycle behind. What is allowed stands in `COLUMNS`,
-which tests/model/remote_sync/test_accuracy.py applies as well.
+Each seed is two clocks with a start phase of their own; every second one has a slower sender. The result of a run is
+the peak to peak value of the corrected index minus the true one, in cycles, from 91 cycles after the identification of
+the second beat on, and how far the index's steps from cycle to cycle differ from 1 + drift there. A constant offset of
+whole cycles does not count: BEAT follows a slower sender one cycle behind. `COLUMNS` has the allowed values, which
+tests/model/remote_sync/test_accuracy.py applies as well.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from motionsync_fmu.native.batch import simulate_many
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 
 Reals = NDArray[np.float64]
-Limit = Callable[[float, bool], float]  # of the drift's size (not in ppm), and whether there is jitter
+Limit = Callable[[float, bool], float]  # by the drift's size (not in ppm), and whether there is jitter
 
 TASK_CYCLE = 0.002  # s
 DRIFTS = (20, 50, 100, 300, 1000, 2000)  # ppm
@@ -33,13 +33,13 @@ JITTERS = (0.0, 0.01)  # of a cycle, one standard deviation on both sides
 FIRST_INDEX = 100
 WAITING = 90  # end_of_transition_limit and new_drift_blending_cycles
 SETTLED = WAITING + 1  # cycles after the identification
-SEEN = 3.0  # beats a run goes on after that
+SEEN = 3.0  # the number of beats for which a run goes on after that
 GROUP = 12  # runs at a time: their inputs and results take 100 MB
 
 
 @dataclass(frozen=True)
 class Column:
-    """A setting of the block, and what it has to reach: `peak` to peak, and the greatest deviation of a `step`."""
+    """A setting of the block, and the limits of its errors: `peak` to peak, and the greatest deviation of a `step`."""
 
     name: str
     start: dict[str, Any]
@@ -82,7 +82,7 @@ class Case:
 
     @property
     def cycles(self) -> int:
-        """Of a run: up to two beats until the first two are identified, then those that are looked at."""
+        """The number of cycles of a run: two beats until the first two are identified, then those that are measured."""
         return int((2.0 + SEEN) / self.size) + 4 * WAITING
 
     def drift(self, seed: int) -> float:
@@ -96,7 +96,7 @@ class Case:
 
 @dataclass
 class Reached:
-    """By the runs of one case, an entry a run: the bounds of the error in cycles, the greatest deviation of a step."""
+    """The results of the runs of one case, an entry a run, in cycles: bounds of the error, greatest step deviation."""
 
     lowest: list[float] = field(default_factory=list)
     highest: list[float] = field(default_factory=list)
@@ -108,14 +108,14 @@ class Reached:
 
 
 def reached(case: Case, seeds: Sequence[int], threads: int) -> list[Reached]:
-    """What each column reaches on the same clocks."""
+    """The results of each column, on the same clocks."""
     found = [Reached() for _ in COLUMNS]
     times = np.arange(float(case.cycles)) * TASK_CYCLE
     for group in (seeds[i : i + GROUP] for i in range(0, len(seeds), GROUP)):
         clocks = [case.clocks(seed) for seed in group]
         index = np.array([c.received(case.cycles) for c in clocks]) % INDICES
         true = [c.true_index(times) for c in clocks]
-        for column, told in zip(COLUMNS, found, strict=True):
+        for column, achieved in zip(COLUMNS, found, strict=True):
             names = ["corrected_cycle_index", "beats"]
             run = simulate_many(
                 "RemoteSync", TASK_CYCLE, {"remote.cycle_index": index}, names, start=column.start, threads=threads
@@ -124,25 +124,25 @@ def reached(case: Case, seeds: Sequence[int], threads: int) -> list[Reached]:
                 error = run["corrected_cycle_index"][row] - true[row]
                 begin = int(np.argmax(run["beats"][row] >= 2)) + SETTLED
                 assert begin > SETTLED, f"{column.name} has not identified two beats at {case} with seed {seed}"
-                told.lowest.append(float(error[begin:].min()))
-                told.highest.append(float(error[begin:].max()))
-                told.steps.append(float(np.abs(np.diff(error[begin:])).max()))
+                achieved.lowest.append(float(error[begin:].min()))
+                achieved.highest.append(float(error[begin:].max()))
+                achieved.steps.append(float(np.abs(np.diff(error[begin:])).max()))
     return found
 
 
 def rows(cases: Sequence[Case], seeds: Sequence[int], threads: int) -> Iterator[tuple[str, ...]]:
-    """Of the table: worst and median beside what is allowed."""
+    """The rows of the table: worst and median value beside the allowed one."""
     for case in cases:
-        for column, told in zip(COLUMNS, reached(case, seeds, threads), strict=True):
+        for column, achieved in zip(COLUMNS, reached(case, seeds, threads), strict=True):
             peak, step = (limit(case.size, case.jitter > 0.0) for limit in (column.peak, column.step))
             yield (
                 f"{case.ppm:g}",
                 f"{case.jitter:.0%}",
                 column.name,
-                *(f"{x:.4f}" for x in (told.peaks.max(), np.median(told.peaks), peak)),
-                f"{np.mean(told.peaks <= peak):.0%}",
-                *(f"{1e6 * x:.0f}" for x in (max(told.steps), np.median(told.steps), step)),
-                f"{np.mean(np.array(told.steps) <= step):.0%}",
+                *(f"{x:.4f}" for x in (achieved.peaks.max(), np.median(achieved.peaks), peak)),
+                f"{np.mean(achieved.peaks <= peak):.0%}",
+                *(f"{1e6 * x:.0f}" for x in (max(achieved.steps), np.median(achieved.steps), step)),
+                f"{np.mean(np.array(achieved.steps) <= step):.0%}",
             )
 
 

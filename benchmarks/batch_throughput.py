@@ -2,11 +2,11 @@
 
     python benchmarks/batch_throughput.py
 
-Steady: the slave is the master. Mixed: every second turn a stop or a start is given, so that the slave waits, ramps,
-rests and is the master in turn; it executes while it waits or ramps. The phasing differs between the instances; three
-outputs are read at each step.
+Steady: the slave follows the master one to one. Mixed: every second turn a stop or a start is given, so that the slave
+waits, ramps, rests and follows in turn; a command executes while the slave waits or ramps. The phasing differs between
+the instances; three outputs are read at each step.
 
-A core's rate is told by processor time, so that it does not depend on what else the machine does; `wall` is the rate of
+A core's rate is measured in processor time, so that it does not depend on other programs; `wall` is the rate of
 all threads together by the clock. The best of several repetitions counts.
 """
 
@@ -30,7 +30,7 @@ TARGET = 20e6  # steps per second and core
 
 @dataclass(frozen=True)
 class Case:
-    """A run over a master at constant velocity; `every`: a command each so many turns, 0: none."""
+    """A run over a master at constant velocity; `every`: the turns from command to command, 0: no commands."""
 
     name: str
     period: float
@@ -38,10 +38,10 @@ class Case:
 
     @property
     def inputs(self) -> dict[str, Any]:
-        way = VELOCITY * H * np.arange(STEPS)
-        inputs: dict[str, Any] = {"master.position": way % self.period if self.period else way}
+        travel = VELOCITY * H * np.arange(STEPS)
+        inputs: dict[str, Any] = {"master.position": travel % self.period if self.period else travel}
         if self.every:
-            number = np.floor(way / TURN / self.every)
+            number = np.floor(travel / TURN / self.every)
             inputs |= {"stop": number % 2 == 0.0, "start": number % 2 == 1.0}
         return inputs
 
@@ -52,7 +52,7 @@ class Case:
             "master.velocity": VELOCITY,
             "output_phasing": np.linspace(30.0, 90.0, INSTANCES),
             "rest_value": 270.0,
-            "stop": False,  # a first stop has its edge in the first step
+            "stop": False,  # so a stop that is true in the first step has its edge there
         }
 
 
@@ -65,7 +65,7 @@ CASES = [
 
 
 def shortest(repetitions: int, action: Callable[[], Any]) -> tuple[float, float]:
-    """Processor time and time by the clock, in s, each the shortest of all."""
+    """Processor time and time by the clock, in s, each the shortest of all repetitions."""
     processor, clock = [], []
     for _ in range(repetitions):
         begin = time.process_time(), time.perf_counter()
@@ -76,7 +76,7 @@ def shortest(repetitions: int, action: Callable[[], Any]) -> tuple[float, float]
 
 
 def plain(case: Case) -> None:
-    """One instance as a Python block, set and read by hand."""
+    """Run one instance as a Python block, whose inputs and outputs are set and read one by one."""
     block = Synchronizer()
     block.master.period = case.period
     block.master.velocity = VELOCITY

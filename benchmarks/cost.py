@@ -1,11 +1,11 @@
-"""What the benchmarks share: subjects that step, their cost in turns, and the table of it."""
+"""What the benchmarks share: subjects, which do steps, their measurement in turns, and the table of the results."""
 
 import ctypes
 import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +18,11 @@ from motionsync_fmu.scenario.fmu_instance import FmuInstance
 ROUNDS = 7
 OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 
-Subject = Callable[[int], float]  # does so many steps: nanoseconds a step
+Subject = Callable[[int], float]  # does a number of steps, and answers nanoseconds a step
 
 
 def timed(steps: Callable[[int], None]) -> Subject:
-    """What does so many steps, as a subject."""
+    """The subject that calls `steps` and measures the time."""
 
     def subject(n: int) -> float:
         begun = time.perf_counter()
@@ -33,7 +33,7 @@ def timed(steps: Callable[[int], None]) -> Subject:
 
 
 def begun(host: FmuInstance, case: Steady, axis: Axis) -> FmuInstance:
-    """Led to where the case begins."""
+    """The host after it has been led to where the case begins."""
     host.initialize(case.start)
     host.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
     return host
@@ -42,8 +42,8 @@ def begun(host: FmuInstance, case: Steady, axis: Axis) -> FmuInstance:
 def through_fmpy(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int], None]:
     """Set three inputs, doStep, get four outputs: each a call into the FMU, as FMPy's own simulation does; one more
     call if the axis has a counter."""
-    inputs, outputs = references(host, axis.motion), references(host, OUTPUTS)
-    counter = references(host, [axis.counter] if axis.counter else [])
+    inputs, outputs = host.references(axis.motion), host.references(OUTPUTS)
+    counter = host.references([axis.counter] if axis.counter else [])
     unit = host.unit
 
     def steps(n: int) -> None:
@@ -60,9 +60,9 @@ def through_fmpy(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int],
 
 def through_ctypes(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int], None]:
     """The same calls with ctypes alone: arrays made once, nothing checked."""
-    inputs = (ctypes.c_uint * 3)(*references(host, axis.motion))
-    outputs = (ctypes.c_uint * len(OUTPUTS))(*references(host, OUTPUTS))
-    counter = (ctypes.c_uint * 1)(*references(host, [axis.counter] if axis.counter else []))
+    inputs = (ctypes.c_uint * 3)(*host.references(axis.motion))
+    outputs = (ctypes.c_uint * len(OUTPUTS))(*host.references(OUTPUTS))
+    counter = (ctypes.c_uint * 1)(*host.references([axis.counter] if axis.counter else []))
     values = (ctypes.c_double * 3)(0.0, VELOCITY, 0.0)
     count = (ctypes.c_int * 1)()
     found = (ctypes.c_double * len(OUTPUTS))()
@@ -91,19 +91,15 @@ def through_ctypes(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int
     return steps
 
 
-def references(host: FmuInstance, names: Iterable[str]) -> list[int]:
-    return [host.kinds[name][0] for name in names]
-
-
 def compile_c(source: Path, target: Path, *flags: str) -> Path:
-    """zig compiles a C program or library, with the FMI headers at hand."""
+    """Compile a C program or library with zig; the FMI headers are in its include path."""
     command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", *flags, "-I", str(HEADERS)]
     subprocess.run([*command, str(source), "-o", str(target)], check=True)
     return target
 
 
 def measure(subjects: Mapping[str, Subject], n: int) -> dict[str, list[float]]:
-    """Nanoseconds a step, several rounds, the subjects in turns."""
+    """Nanoseconds a step of each subject, in several rounds; the subjects take turns in each round."""
     found: dict[str, list[float]] = {name: [] for name in subjects}
     for subject in subjects.values():
         subject(max(n // 10, 1))
@@ -114,7 +110,7 @@ def measure(subjects: Mapping[str, Subject], n: int) -> dict[str, list[float]]:
 
 
 def ratio(times: list[float], base: list[float]) -> float:
-    """How many times as long, each round compared with itself."""
+    """The median over the rounds of how many times as long `times` are as `base`."""
     return statistics.median(t / b for t, b in zip(times, base, strict=True))
 
 

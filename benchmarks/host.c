@@ -1,4 +1,4 @@
-/* A plain C host: loads the library of an FMU, without any Python, and does what it reads on standard input.
+/* A plain C host: loads the library of an FMU, without any Python, and executes the commands on standard input.
  *
  *     host LIBRARY GUID
  *
@@ -21,7 +21,7 @@
  *     commands r ...      the Booleans to raise
  *     between r ...       the Booleans to raise in the step between, when the commands are low
  *     draw r x y          a Real to be drawn from [x, y] before each step between
- *     ahead r s x y       a Real to be set with the commands: the Real s then, and a number drawn from [x, y]
+ *     ahead r s x y       a Real to be set with the commands: the Real s then, plus a number drawn from [x, y]
  *     watch r ...         Integers to look at after each step with the commands raised, 4 at most
  *     steady n h v        n times set, doStep, get; prints {"ns": mean of a step, "undisturbed_ns": the same of the
  *                         quickest 1000 steps on end}
@@ -29,10 +29,10 @@
  *                         are timed one by one: {"median_ns": ..., "p999_ns": ..., "slowest_ns": ...,
  *                         "undisturbed_ns": ..., "met": {"values watched": how often, ...}}
  *
- * The machine interrupts some steps. All is done 5 times over, with the same numbers drawn: undisturbed is the slowest
- * step if the quickest of its 5 times counts.
+ * The machine interrupts some steps. Therefore the whole is repeated 5 times with the same random numbers, and the
+ * quickest of its 5 times counts for each step: the slowest of these is undisturbed_ns.
  *
- * Any call that does not answer OK ends it. */
+ * The host ends at the first call that does not answer OK. */
 #include <dlfcn.h>
 #include <math.h>
 #include <stdarg.h>
@@ -65,7 +65,7 @@ static References master, outputs, commands, between, watched, counter;
 static double counts; /* of the counter, 1/s */
 
 typedef struct {
-    fmi2ValueReference r, base; /* base: of the Real to add the number to, where there is one */
+    fmi2ValueReference r, base; /* base: the Real to which the number is added, if there is one */
     double low, high;
 } Range;
 
@@ -144,7 +144,7 @@ static fmi2Status set_master(double velocity) {
     return fmi.SetReal(unit, master.r, 3, inputs);
 }
 
-/* The counter never steps just where a step of a run begins, for such a time is inexact. */
+/* The counter does not change where a step of a run begins, since that time is inexact. */
 static fmi2Status set_counter(void) {
     fmi2Integer count = (fmi2Integer)(int64_t)(counts * now + 0.25);
     return fmi.SetInteger(unit, counter.r, 1, &count);
@@ -213,7 +213,7 @@ static fmi2Status set_aheads(void) {
     return status;
 }
 
-/* One step with the commands low, then one with them raised: how long that takes, ns. */
+/* One step with the commands low, then one with the commands raised: the time of the second step, ns. */
 static double command_step(double h, double velocity, double pause) {
     fmi2Status status = set_draws();
     status |= set_level(&commands, fmi2False);
@@ -230,7 +230,7 @@ static double command_step(double h, double velocity, double pause) {
     return took;
 }
 
-/* Count what the watched variables are. */
+/* Count the values of the watched variables. */
 static void look(void) {
     fmi2Integer values[WATCHED] = {0};
     want(fmi.GetInteger(unit, watched.r, watched.n, values), "fmi2GetInteger");

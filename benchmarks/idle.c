@@ -1,10 +1,10 @@
 /* A do-nothing FMU: FMI 2.0's functions, which store nothing and answer OK.
  *
- * What calling it costs is what the interface costs: function calls through pointers, and arrays that are filled. */
+ * The cost of calling it is the cost of the interface: function calls through pointers, and arrays that are filled. */
 #include <string.h>
 #include "fmi2Functions.h"
 
-static int instance, state; /* nobody looks at what is there */
+static int instance, state; /* only their addresses are used */
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return fmi2Version; }

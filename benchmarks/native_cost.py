@@ -1,8 +1,9 @@
 """What a step of the native flavour costs, beside a do-nothing C FMU of the same interface and the python flavour.
 
-All in one run, in turns, so that the ratios hold on a busy machine. A plain C host, without any Python, drives the
-native unit and the do-nothing one; FMPy, and bare ctypes, drive both flavours as well. The worst steps are those at
-whose beginning commands are given: cases.py says which, block by block, and how it shows that they were planned.
+All are measured in one run, in turns, so that the ratios hold on a busy machine. A plain C host, without any Python,
+drives the native unit and the do-nothing one; FMPy, and bare ctypes, drive both flavours as well. The worst steps are
+those at whose beginning commands are given: the modules in cases/ say which these are for each block, and which outputs
+show that the commands were planned.
 
     python benchmarks/native_cost.py [--block FlyingSaw] [--steps 20000] [--cold]
 """
@@ -53,7 +54,7 @@ from motionsync_fmu.scenario.fmu_instance import FmuInstance
 HERE = Path(__file__).parent
 PLATFORM = PLATFORMS["linux64"]
 SHARED = ("-target", *PLATFORM.targets, "-fPIC", "-shared", "-fvisibility=hidden", "-s")
-IN_C = 100  # a round of a C host takes so many times the steps: they are short
+IN_C = 100  # a round of a C host has so many times the steps, since they are short
 WORST = ("median_ns", "p999_ns", "slowest_ns", "undisturbed_ns")
 NOTHING, NATIVE, PYTHON = "do-nothing FMU", "native", "python"
 IN_C_HOST, FMPY, CTYPES = "C host: ", "FMPy: ", "ctypes: "
@@ -68,15 +69,15 @@ BUILD = "from pathlib import Path; from motionsync_fmu.build import *; build_{}(
 
 
 class CHost:
-    """The C host in a process of its own, told what to do line by line (host.c says how)."""
+    """The C host in a process of its own, which gets its commands line by line (host.c lists them)."""
 
     def __init__(self, program: Path, library: Path, recipe: Recipe, axis: Axis) -> None:
         self.variables = {v.name: (i, v.kind) for i, v in enumerate(variables(recipe.block()))}
         command = [str(program), str(library), recipe.guid()]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
         self.axis = axis
-        self.tell("master", *self.index(*axis.motion))
-        self.tell("outputs", *self.index(*OUTPUTS))
+        self.send("master", *self.index(*axis.motion))
+        self.send("outputs", *self.index(*OUTPUTS))
 
     def __enter__(self) -> Self:
         return self
@@ -91,30 +92,30 @@ class CHost:
     def index(self, *names: str) -> list[int]:
         return [self.variables[name][0] for name in names]
 
-    def tell(self, *words: object) -> None:
+    def send(self, *words: object) -> None:
         assert self.process.stdin
         print(*words, file=self.process.stdin)
 
     def count(self, counts: float) -> None:
-        """The axis' counter gains so much a second, if it has one."""
+        """Let the axis' counter gain `counts` a second, if the axis has a counter."""
         if self.axis.counter:
-            self.tell("counter", *self.index(self.axis.counter), counts)
+            self.send("counter", *self.index(self.axis.counter), counts)
 
     def set(self, values: Mapping[str, Any]) -> None:
         for name, value in values.items():
             index, kind = self.variables[name]
             if kind == "Real":
-                self.tell("real", index, float(value).hex())
+                self.send("real", index, float(value).hex())
             else:
-                self.tell("boolean" if kind == "Boolean" else "integer", index, int(value))
+                self.send("boolean" if kind == "Boolean" else "integer", index, int(value))
 
     def ask(self, *words: object) -> str:
-        self.tell(*words)
+        self.send(*words)
         assert self.process.stdout
         return self.process.stdout.readline()
 
     def get(self, name: str) -> int:
-        """An Integer, enumeration or Boolean."""
+        """The value of an Integer, enumeration or Boolean."""
         index, kind = self.variables[name]
         return int(self.ask("booleans" if kind == "Boolean" else "integers", index))
 
@@ -129,9 +130,9 @@ class SteadySteps:
         self.host, self.case = host, case
         self.undisturbed = math.inf
         host.set(case.start)
-        host.tell("initialize")
+        host.send("initialize")
         host.set({f"{host.axis.group}.velocity": VELOCITY, **case.begin})
-        host.tell("step", case.first)
+        host.send("step", case.first)
         host.count(case.counts)
 
     def __call__(self, n: int) -> float:
@@ -140,7 +141,7 @@ class SteadySteps:
         return found["ns"]
 
     def check(self) -> None:
-        """It was what it is called, up to the end."""
+        """The case has held what it promises, up to the end."""
         for name, value in self.case.holds.items():
             found = self.host.get(name)
             assert found == int(value), f"{self.case.name}: {name} is {found}, it should be {int(value)}"
@@ -154,15 +155,15 @@ class WorstSteps:
         self.rounds: list[dict[str, float]] = []
         self.met: Counter[tuple[int, ...]] = Counter()
         host.set(case.start)
-        host.tell("initialize")
-        host.tell("commands", *host.index(*case.commands))
-        host.tell("between", *host.index(*case.between))
-        host.tell("watch", *host.index(*case.watch))
+        host.send("initialize")
+        host.send("commands", *host.index(*case.commands))
+        host.send("between", *host.index(*case.between))
+        host.send("watch", *host.index(*case.watch))
         host.count(case.counts)
         for name, bounds in case.draws.items():
-            host.tell("draw", *host.index(name), *bounds)
+            host.send("draw", *host.index(name), *bounds)
         for name, (base, bounds) in case.ahead.items():
-            host.tell("ahead", *host.index(name, base), *bounds)
+            host.send("ahead", *host.index(name, base), *bounds)
 
     def measure(self, n: int) -> None:
         found = json.loads(self.host.ask("worst", n, H, self.case.velocity, self.case.pause))
@@ -171,7 +172,7 @@ class WorstSteps:
 
     @property
     def planned(self) -> float:
-        """The share of the steps that planned it."""
+        """The share of the steps that planned their command."""
         return sum(self.met[values] for values in self.case.planned) / self.met.total()
 
     def check(self) -> None:
@@ -185,7 +186,7 @@ def extracted(fmu: Path, block: str, folder: Path) -> Path:
 
 
 def idle(native: Path, block: str, library: Path, target: Path) -> Path:
-    """The native FMU with the do-nothing library alone."""
+    """The native FMU with the do-nothing library as its only one."""
     with zipfile.ZipFile(native) as z:
         files = {n: z.read(n) for n in z.namelist() if not n.startswith("binaries/")}
     write(target, files | {PLATFORM.library(block): library.read_bytes()})
@@ -243,7 +244,7 @@ def target_table(
     undisturbed: Mapping[str, float],
     planners: Iterable[WorstSteps],
 ) -> Any:
-    """The readings that a target can be given; undisturbed is what the machine does when nothing else runs on it."""
+    """Each target with the figures that can be compared with it; `undisturbed`: when no other program runs."""
     table = Table("target", "reading", "found", "undisturbed", box=None)
     natives = [f"{IN_C_HOST}{NATIVE}, {case.name}" for case in cases]
     rows = [

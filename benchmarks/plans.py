@@ -1,11 +1,11 @@
-"""A great many random gear_in_pos plans, followed to their ends: what is planned, what is refused, and that it holds.
+"""Follows a great many random gear_in_pos plans to their ends: what is planned, what is refused, whether rules hold.
 
     python benchmarks/plans.py [--plans 1000000] [--seed 1]
 
 Half of the plans are ones that a machine might ask for, half are wild: sizes, times, ratios and limits over many powers
 of ten. The slave stands, moves at its initial velocity, or is under way by another command; the master has either
-direction, mostly an acceleration of 0 at the edge, and goes on at constant velocity: so characteristics must hold for
-what the slave does. Each plan is judged by `broken`, which tests/benchmarks/test_plans.py applies as well.
+direction, mostly an acceleration of 0 at the edge, and goes on at constant velocity, so that the characteristics must
+bound what the slave does. Each plan is checked by `broken`, which tests/benchmarks/test_plans.py applies as well.
 """
 
 import argparse
@@ -36,9 +36,9 @@ Values = dict[str, Any]
 CHUNK = 5_000  # plans at a time: their results take 100 MB
 STEPS = 26  # of a run: one before the edge, a short one at it, and those that follow the profile a little past its end
 EDGE = 1  # the step at whose beginning the command is given
-PAST = 1.05  # of the profile's duration: it has ended
+PAST = 1.05  # of the profile's duration: the profile has ended then
 SHORT = 1e-9  # of the profile's duration: the step at the edge, where the master may have an acceleration
-CHECKS = {  # and how often each is set
+CHECKS = {  # the checks, and how often each is set
     "check_min_position": 0.1,
     "check_max_position": 0.1,
     "check_max_velocity": 0.3,
@@ -72,7 +72,7 @@ EPSILON = 2.0**-52
 
 @dataclass(frozen=True)
 class Orders:
-    """Random orders, one an instance: what `simulate_many` is given."""
+    """Random orders, one for each instance: the arguments of `simulate_many`."""
 
     step_size: Reals
     inputs: Values
@@ -80,7 +80,7 @@ class Orders:
 
 
 class Dice:
-    """Random numbers, one an instance; half of the instances are wild."""
+    """Random numbers, one for each instance; half of the instances are wild."""
 
     def __init__(self, seed: int, number: int) -> None:
         self.r = np.random.default_rng(seed)
@@ -108,7 +108,7 @@ class Dice:
 
 
 def drawn(seed: int, number: int) -> Orders:
-    """The same orders at every call."""
+    """Random orders for `number` instances; the same seed gives the same orders."""
     d = Dice(seed, number)
     sign = d.choice(-1.0, 1.0)
     duration = d.either(d.uniform(0.2, 4.0), d.powers(-3.0, 3.0))
@@ -123,14 +123,14 @@ def drawn(seed: int, number: int) -> Orders:
     velocity = synchronous * d.either(
         d.choice(0.0, 1.0, -0.5, 0.5, 2.0) * d.choice(1.0, 0.9), d.normal() * d.powers(-2.0, 2.0)
     )
-    way = synchronous * duration * d.either(d.uniform(0.05, 1.5), d.powers(-2.0, 2.0))
-    mean = 0.5 * (velocity + synchronous) * duration  # where the velocity need not leave those of both ends
-    way = np.where(d.seldom(0.4), mean * (1.0 + d.normal(0.3)), way)
+    distance = synchronous * duration * d.either(d.uniform(0.05, 1.5), d.powers(-2.0, 2.0))
+    mean = 0.5 * (velocity + synchronous) * duration  # with it the velocity can stay between those of both ends
+    distance = np.where(d.seldom(0.4), mean * (1.0 + d.normal(0.3)), distance)
     before = d.powers(-3.0, 0.0) * duration  # the step before the edge
-    moved = d.seldom(0.4)  # the slave is under way by a command
+    moved = d.seldom(0.4)  # whether the slave is under way by a command
     initial = np.where(moved & d.seldom(0.1), 0.0, velocity)
 
-    start = _limits(d, travel / duration, duration, position, np.abs(way) + travel)
+    start = _limits(d, travel / duration, duration, position, np.abs(distance) + travel)
     start |= {f"sync_mode.{bit}": d.seldom(share) for bit, share in (CHECKS | OTHERS).items()}
     start |= {
         "diagonal_angle": angle,
@@ -139,11 +139,11 @@ def drawn(seed: int, number: int) -> Orders:
         "gear_in_pos.ratio_numerator": np.where(d.seldom(0.003), 0.0, ratio),
         "gear_in_pos.ratio_denominator": np.where(d.seldom(0.003), d.choice(0, -3), denominator),
         "gear_in_pos.master_sync_position": place + speed * duration * np.where(d.seldom(0.01), -1.0, 1.0),
-        "gear_in_pos.slave_sync_position": position + initial * before + way * np.where(d.seldom(0.01), -1.0, 1.0),
+        "gear_in_pos.slave_sync_position": position + initial * before + distance * np.where(d.seldom(0.01), -1.0, 1.0),
         "gear_in_pos.master_start_distance": np.abs(speed) * duration * _distance(d),
         "gear_in_velo.ratio_numerator": ratio,
         "move_velocity.velocity": velocity * d.normal(),
-        "move_absolute.position": position + (np.abs(way) + travel) * d.normal(),
+        "move_absolute.position": position + (np.abs(distance) + travel) * d.normal(),
         **{f"{group}.execute": np.zeros(number, np.bool_) for group in (*BEFORE, "gear_in_pos")},
     }
     start = {name: x if x.dtype == np.bool_ else np.clip(x, -LARGEST_INPUT, LARGEST_INPUT) for name, x in start.items()}
@@ -158,7 +158,7 @@ def drawn(seed: int, number: int) -> Orders:
 
 
 def _limits(d: Dice, scale: Reals, duration: Reals, position: Reals, length: Reals) -> Values:
-    """The axis's limits, and the order's own, for velocities of that scale: some are tight."""
+    """The axis' limits, and the order's own, for velocities of this scale; some limits are tight."""
     limits = {
         "velocity": scale * (1.0 + d.either(d.powers(-2.0, 1.0), d.powers(-3.0, 4.0))),
         "acceleration": scale / duration * d.either(d.powers(-0.3, 1.5), d.powers(-4.0, 5.0)),
@@ -176,7 +176,7 @@ def _limits(d: Dice, scale: Reals, duration: Reals, position: Reals, length: Rea
 
 
 def _distance(d: Dice) -> Reals:
-    """Of the start before the sync position, as a share of the master's travel."""
+    """The distance of the start before the sync position, as a share of the master's travel."""
     waits = np.where(d.seldom(0.15), d.uniform(0.0, 1.5), 0.0)
     return np.where(d.seldom(0.003), -1.0, waits)
 
@@ -184,7 +184,7 @@ def _distance(d: Dice) -> Reals:
 def _path(
     d: Dice, place: Reals, speed: Reals, acceleration: Reals, before: Reals, duration: Reals
 ) -> tuple[Reals, Values]:
-    """Steps of random sizes, and the master, which passes the place at the edge with that speed and goes on with it."""
+    """Random step sizes, and the master's inputs: it passes `place` at the edge with `speed`, and keeps this speed."""
     rest = d.r.exponential(1.0, (d.number, STEPS - 2)) + 0.01
     rest *= (PAST * duration / rest.sum(axis=1))[:, None]
     h = np.column_stack([before, SHORT * duration, rest])
@@ -212,7 +212,7 @@ def simulated(orders: Orders, steps: int = STEPS) -> BatchResult:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Where each instance has come to: the profile that it took, or the error code, 0 if there is none."""
+    """The outcome of each instance: the profile that it took, or the error code, 0 if there is none."""
 
     profile: NDArray[np.int64]
     fault: NDArray[np.int64]
@@ -232,18 +232,18 @@ def coded(code: int) -> str:
 
 
 def outcome(result: BatchResult) -> Outcome:
-    """A failed instance counts as refused, with no known code."""
+    """The outcome of a batch. A failed instance counts as refused, with the code FAILED."""
     profile, fault = (result[name][:, -1] for name in ("characteristics.profile", "gear_in_pos.error_id"))
     failed = np.isnan(fault)
     return Outcome(np.where(failed, 0, profile).astype(np.int64), np.where(failed, FAILED, fault).astype(np.int64))
 
 
 def broken(orders: Orders, result: BatchResult) -> dict[str, NDArray[np.int64]]:
-    """The instances that break what should hold, by what that is.
+    """The instances that break a rule, by the name of the rule.
 
-    For all: every number is finite. For the accepted: they are in sync at the end, on the line that leads through both
-    sync positions; on the way nothing leaves the extremes that the characteristics tell, and neither these nor the
-    outputs break a check that was asked for.
+    For all instances: every number is finite. For the accepted ones: they are in sync at the end, on the line that
+    leads through both sync positions; during the profile nothing leaves the extremes in the characteristics; neither
+    the characteristics nor the outputs break a check that was asked for.
     """
     found = {"failed": np.array([f.instance for f in result.failures], np.int64)}
     found["not finite"] = np.flatnonzero(~np.isfinite(result.values).all(axis=(1, 2)))
@@ -255,7 +255,7 @@ def broken(orders: Orders, result: BatchResult) -> dict[str, NDArray[np.int64]]:
 
 
 def _off_the_line(orders: Orders, result: BatchResult) -> Iterator[tuple[str, Bools]]:
-    """In sync the slave is at slave_sync + factor (master - master_sync), whose terms are rounded."""
+    """The instances that are in sync, but not at slave_sync + factor (master - master_sync), up to rounding."""
     h, master = orders.step_size[:, -1], orders.inputs["master.position"][:, -1]
     master = master + orders.inputs["master.velocity"][:, -1] * h
     sync, slave_sync = (orders.start[f"gear_in_pos.{name}_sync_position"] for name in ("master", "slave"))
@@ -265,7 +265,7 @@ def _off_the_line(orders: Orders, result: BatchResult) -> Iterator[tuple[str, Bo
 
 
 def _beyond_extremes(result: BatchResult) -> Iterator[tuple[str, Bools]]:
-    """What the slave does on the way is within what the characteristics tell."""
+    """The instances that leave the extremes of the characteristics during the profile."""
     under_way = _under_way(result)
     for name in MOTION:
         least, greatest = (result[f"characteristics.slave_{name}_{end}"][:, -1:] for end in ("min", "max"))
@@ -277,18 +277,18 @@ def _beyond_extremes(result: BatchResult) -> Iterator[tuple[str, Bools]]:
 
 
 def _unchecked(orders: Orders, result: BatchResult) -> Iterator[tuple[str, Bools]]:
-    """Checks that were asked for and are broken: by the characteristics, and by the outputs."""
+    """The instances that break a check that was asked for: by the characteristics, and by the outputs."""
     under_way = _under_way(result)
-    told = {name: result[f"characteristics.{name}"][:, -1] for name in _CHARACTERISTIC}
+    found = {name: result[f"characteristics.{name}"][:, -1] for name in _CHARACTERISTIC}
     outputs = {name: np.where(under_way, result[f"slave.{name}"], np.nan) for name in MOTION}
     for by, rows in (
-        ("characteristics", {name: (told[f"slave_{name}_min"], told[f"slave_{name}_max"]) for name in MOTION}),
+        ("characteristics", {name: (found[f"slave_{name}_min"], found[f"slave_{name}_max"]) for name in MOTION}),
         ("outputs", {name: _range(values) for name, values in outputs.items()}),
     ):
-        for name, wrong in _beyond_limits(orders, told, rows):
+        for name, wrong in _beyond_limits(orders, found, rows):
             yield f"{name}, by {by}", _asked(orders, name) & wrong
     v, a = outputs["velocity"], outputs["acceleration"]
-    sure = np.abs(v) > TOLERANCE * _speed(told)[:, None]  # elsewhere the sign of v is rounding
+    sure = np.abs(v) > TOLERANCE * _speed(found)[:, None]  # elsewhere the sign of v depends on rounding
     for name, along, peak in (
         ("acceleration", v * a > 0.0, "plan_acceleration"),
         ("deceleration", v * a < 0.0, "plan_deceleration"),
@@ -309,20 +309,23 @@ _CHARACTERISTIC = (
 
 
 def _beyond_limits(
-    orders: Orders, told: dict[str, Reals], rows: dict[str, tuple[Reals, Reals]]
+    orders: Orders, found: dict[str, Reals], rows: dict[str, tuple[Reals, Reals]]
 ) -> Iterator[tuple[str, Bools]]:
-    """All checks but those of acceleration and deceleration, of the least and the greatest of each."""
+    """The instances that break a check other than those of acceleration and deceleration.
+
+    `rows`: the least and the greatest value of each quantity.
+    """
     low, high = rows["position"]
-    size = np.maximum(np.abs(told["slave_position_min"]), np.abs(told["slave_position_max"]))
-    near = 2.0 * TOLERANCE * (told["slave_position_max"] - told["slave_position_min"]) + 8.0 * EPSILON * size
-    first, last = told["slave_position_start"], told["slave_position_end"]
+    size = np.maximum(np.abs(found["slave_position_min"]), np.abs(found["slave_position_max"]))
+    near = 2.0 * TOLERANCE * (found["slave_position_max"] - found["slave_position_min"]) + 8.0 * EPSILON * size
+    first, last = found["slave_position_start"], found["slave_position_end"]
     yield "check_min_position", low < orders.start["axis.min_position"] - near
     yield "check_max_position", high > orders.start["axis.max_position"] + near
     yield "check_undershoot_position", low < np.minimum(first, last) - near
     yield "check_overshoot_position", high > np.maximum(first, last) + near
     low, high = rows["velocity"]
-    near = 2.0 * TOLERANCE * _speed(told)
-    first, last = told["slave_velocity_start"], told["slave_velocity_end"]
+    near = 2.0 * TOLERANCE * _speed(found)
+    first, last = found["slave_velocity_start"], found["slave_velocity_end"]
     most = _limit(orders, "velocity")
     yield "check_max_velocity", (high > most + near) | (low < -most - near)
     ahead = last > 0.0
@@ -354,12 +357,12 @@ def _limit(orders: Orders, name: str) -> Reals:
     return np.where(own == 0.0, orders.start[f"axis.max_{name}"], own)
 
 
-def _speed(told: dict[str, Reals]) -> Reals:
-    return np.maximum(np.abs(told["slave_velocity_min"]), np.abs(told["slave_velocity_max"]))
+def _speed(found: dict[str, Reals]) -> Reals:
+    return np.maximum(np.abs(found["slave_velocity_min"]), np.abs(found["slave_velocity_max"]))
 
 
 def _range(values: Reals) -> tuple[Reals, Reals]:
-    """The least and the greatest of each row; where there are none, numbers beyond which nothing is."""
+    """The least and the greatest of each row; for a row without values inf and -inf."""
     least = np.where(np.isnan(values), np.inf, values).min(axis=1)
     return least, np.where(np.isnan(values), -np.inf, values).max(axis=1)
 
@@ -373,7 +376,7 @@ def count_table(counted: Counter[str], plans: int) -> Any:
     accepted = sum(counted[kind.name] for kind in ProfileKind)
     for name in names:
         if name == f"0x{Fault.SLAVE_MOVING:04X} {Fault.SLAVE_MOVING.name}":
-            continue  # of gear_in_velo
+            continue  # only gear_in_velo has this fault
         table.add_row(name, f"{counted[name]:,}", f"{counted[name] / plans:.3%}")
     table.add_row("all accepted", f"{accepted:,}", f"{accepted / plans:.3%}")
     return table

@@ -1,6 +1,6 @@
 """What a step costs: the bare block, its FMU through FMPy, and a do-nothing PythonFMU slave of the same interface.
 
-All in one run, in turns, so that the ratios hold on a busy machine:
+All are measured in one run, in turns, so that the ratios hold on a busy machine:
 
     python benchmarks/step_cost.py [--block FlyingSaw] [--steps 20000]
 """
@@ -24,7 +24,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 
-LEAD = 2000  # steps, in which a remote axis gets in sync: before, nothing is checked
+LEAD = 2000  # steps until a remote axis is in sync; nothing is checked before
 NOTHING = "do-nothing slave through FMPy"
 
 IDLE = """
@@ -57,7 +57,7 @@ class IdleSlave(Fmi2Slave):
 
 
 def idle(fmu: Path, block: str, target: Path) -> Path:
-    """The same FMU with a slave that does nothing."""
+    """A copy of the FMU with a slave that does nothing."""
     with zipfile.ZipFile(fmu) as z:
         files = {n: z.read(n) for n in z.namelist() if f"/{block.lower()}_" not in n}
     files |= {"resources/slavemodule.txt": b"idle_slave", "resources/idle_slave.py": IDLE.encode()}
@@ -66,7 +66,7 @@ def idle(fmu: Path, block: str, target: Path) -> Path:
 
 
 def bare(block: Any, case: Steady, axis: Axis) -> Callable[[int], None]:
-    """Steps of the block in plain Python."""
+    """A function that does a number of steps of the block in plain Python."""
     stepper = Stepper(block).initialize(case.start)
     stepper.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
     moving, counter = getattr(block, axis.group), axis.counter.rpartition(".")[2]

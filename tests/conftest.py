@@ -51,7 +51,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def slow(item: pytest.Item) -> bool:
-    """Whether a test is marked so, or is one of an oracle itself, which no change of a block concerns."""
+    """Whether a test is marked slow, or tests an oracle, on which a change of a block has no effect."""
     return item.get_closest_marker("slow") is not None or item.path.name == "test_oracle.py"
 
 
@@ -60,12 +60,12 @@ def needs_fmu(item: pytest.Item) -> bool:
 
 
 def belongs(item: pytest.Item, block: str, name: str) -> bool:
-    """Whether a test is of this block: it stands in the block's folder, or has the block's name as a parameter."""
+    """Whether a test belongs to this block: it stands in the block's folder, or has the block's name as a parameter."""
     return item.path.parent == HERE / "model" / block or re.search(rf"\[.*\b{name}\b", item.name) is not None
 
 
 def fewer_examples(item: pytest.Item) -> None:
-    """A tenth of the random examples, at least 5: hypothesis has profiles for this, which a test's own number beats."""
+    """Run a tenth of the random examples, at least 5. A profile of Hypothesis would not change a test's own number."""
     test = getattr(item, "obj", None)
     if is_hypothesis_test(test):
         full = test._hypothesis_internal_use_settings
@@ -109,17 +109,17 @@ def block_fmu(fmus: Fmus, block: str) -> Path:
 
 @pytest.fixture(scope="session")
 def block_native(fmus: Fmus, block: str) -> Path:
-    """The same, native flavour."""
+    """The FMU of each block in turn, native flavour."""
     return fmus.native(block)
 
 
 @pytest.fixture(scope="session")
 def fmu(fmus: Fmus) -> Path:
-    """The Synchronizer's, python flavour: for tests of what is the same for every block, but speaks of variables."""
+    """The Synchronizer's FMU, python flavour: for tests that serve for all blocks but need names of variables."""
     return fmus.python("Synchronizer")
 
 
 @pytest.fixture(scope="session")
 def native(fmus: Fmus) -> Path:
-    """The same, native flavour."""
+    """The Synchronizer's FMU, native flavour."""
     return fmus.native("Synchronizer")

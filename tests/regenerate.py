@@ -25,9 +25,9 @@ POINTS = 200  # of a reference, about
 def oracle(name: str) -> Any:
     """The block's module in `tests/oracle`.
 
-    It has the names of a reference's COLUMNS and `reference(script, times)`; for a block with a remote axis it has,
-    instead of this, the class <Block>Oracle, which is made from parameters and first inputs and then stepped with all
-    inputs.
+    The module has COLUMNS, the names of the variables in a reference, and the function `reference(script, times)`. For
+    a block with a remote axis it has the class <Block>Oracle instead of the function: the class is made from the
+    parameters and first inputs, and is then stepped with all inputs.
 
     Raises:
         LookupError: the block has no oracle that makes references.
@@ -52,7 +52,7 @@ def files(scenario_file: Path) -> dict[Path, str]:
     else:
         script = tomllib.loads(scenario_file.read_text()) | {"start": scenario.start}  # members' names as numbers
         rows = independent.reference(script, times)
-    estimated = scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY  # lags where the master jumps
+    estimated = scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY  # an estimate lags at jumps
     columns = ("time", *(("slave.position",) if estimated else independent.COLUMNS))
     beside = scenario_file.parent
     return {
@@ -63,7 +63,7 @@ def files(scenario_file: Path) -> dict[Path, str]:
 
 
 def stepped(made: Callable[..., Any], scenario: Scenario, times: Sequence[float]) -> list[dict[str, float]]:
-    """The outputs of an oracle that sees at each step what the FMU sees, at some of the steps' ends."""
+    """The outputs, at some of the steps' ends, of an oracle that gets in each step the inputs of the FMU."""
     declared = scenario.recipe.variables
     parameters = {name: value for name, value in scenario.start.items() if declared[name].causality == "parameter"}
     seen = {name: value for name, value in scenario.start.items() if declared[name].causality == "input"}

@@ -1,6 +1,6 @@
 """What each block is measured in: steps that are all alike, and the longest ones, in which commands are planned.
 
-What is a block's own stands in the module of its folder's name; the measuring is the same for all.
+The module with the name of a block's folder has the cases of the block; the measuring is the same for all blocks.
 """
 
 from importlib import import_module

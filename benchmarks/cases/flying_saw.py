@@ -30,7 +30,7 @@ def gear_in_pos(
     velocity: float = 500.0,
     limits: Values | None = None,
 ) -> Worst:
-    """To sync positions so far ahead, from a velocity `before` or on the way to it."""
+    """To sync positions ahead by `master` and `slave`, while the slave has the velocity `before` or goes to it."""
     return Worst(
         f"gear_in_pos, {name}",
         ("gear_in_pos.execute",),

@@ -10,7 +10,7 @@ LATE = {"variable_cycle": True, "recover_late_sync": True, "stop_in_park": False
 
 
 def passed(name: str, state: State, sync_slave: float, sync_out: float, sync_master: float, first: float) -> Steady:
-    """One way of a cycle that lasts longer than any benchmark; the first step passes what is before it."""
+    """One section of a cycle, longer than any benchmark; the first step passes the sections before it."""
     return Steady(
         name,
         start=LONG_CYCLE

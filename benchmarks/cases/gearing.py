@@ -28,7 +28,7 @@ def engaged(name: str, transition: Transition, *, velocity: float = 500.0, **sta
 
 
 def disengaged(name: str, transition: Transition) -> Worst:
-    """Out of gear, into which the step between leads, and to rest within a step: `start` falls at its beginning."""
+    """From gear to rest within a step, at whose beginning `start` falls; the step between leads into gear."""
     own = {"gear_out.transition": transition, "gear_out.distance": SHORT, "gear_out.time": SHORT * H}
     return Worst(
         f"disengaged, {name}",

@@ -20,7 +20,7 @@ class Axis:
     """The axis that moves: what is set at each step.
 
     Attributes:
-        group: of position, velocity and acceleration.
+        group: the part with position, velocity and acceleration.
         counter: an Integer, the count of the axis' cycles; empty if it has none.
     """
 
@@ -38,10 +38,11 @@ class Steady:
 
     Attributes:
         start: parameters and inputs at the initialization.
-        begin: what is set before the one step that leads there, with the master at 0 unless told.
-        first: how long that step is, s.
-        holds: what variables are as long as it lasts.
-        counts: what the axis' counter gains a second.
+        begin: what is set before the single step that leads into the motion; the master is then at 0, unless this sets
+            another position.
+        first: the length of that step, s.
+        holds: the values that variables have throughout the motion.
+        counts: the rate of the axis' counter, 1/s.
     """
 
     name: str
@@ -60,13 +61,13 @@ class Worst:
         start: parameters and inputs at the initialization.
         commands: the Booleans that rise at the steps' beginnings.
         velocity: of the master, u/s.
-        pause: how long the step between two of them is, s; then the commands are low.
-        between: Booleans that are raised in it.
-        draws: Real inputs, drawn from these bounds before it.
-        ahead: Real inputs, drawn from these bounds after it and added to the variable of that name.
-        watch: integers and enumerations that tell after the step whether the command was planned.
-        planned: what they are then, one value each; any of these.
-        counts: what the axis' counter gains a second.
+        pause: the length of the step between two such steps, s; the commands are low in it.
+        between: Booleans that are raised in the step between.
+        draws: Real inputs, drawn from these bounds before the step between.
+        ahead: Real inputs, drawn from these bounds after the step between and added to the variable of that name.
+        watch: integers and enumerations that show after the step whether the command was planned.
+        planned: the values of `watch` after a planned command: any of these tuples.
+        counts: the rate of the axis' counter, 1/s.
     """
 
     name: str
@@ -84,7 +85,7 @@ class Worst:
 
 @dataclass(frozen=True)
 class Cases:
-    """Of a block; the first steady case is the one in which all flavours and hosts are compared."""
+    """The cases of a block; all flavours and hosts are compared in the first steady case."""
 
     steady: tuple[Steady, ...]
     worst: tuple[Worst, ...]
@@ -92,5 +93,5 @@ class Cases:
 
 
 def counted(counts: float, time: float) -> int:
-    """The axis' counter at a time. It never steps just where a step of a run begins, for such a time is inexact."""
+    """The axis' counter at a time. It does not change where a step of a run begins, since that time is inexact."""
     return math.floor(counts * time + 0.25)

@@ -20,7 +20,7 @@ def receiving(name: str, mode: Mode, counts: float = RATE, begin: Values | None 
 
 
 def identified(name: str, cycles: Values, estimator: Estimator, periods: int = 1) -> Worst:
-    """A beat in each step: only as long as each is identified the values stay in sync."""
+    """A beat in each step; the block stays in sync only as long as it identifies each beat."""
     own = {"estimator": estimator, "periods_for_mean_drift": periods, "threshold_for_sync": 10.0}
     return Worst(
         name,

@@ -14,7 +14,7 @@ CASES = Cases(
             holds={"syn_ramp_on": True},
         ),
     ),
-    # The longest step plans a ramp, runs it to its end, plans the stacked one and ends that too.
+    # The longest step plans a ramp, runs it to its end, plans the stacked ramp and runs that to its end, too.
     worst=tuple(
         Worst(
             f"start and stop together, {mode.name}, {curve.name}",

@@ -18,9 +18,10 @@ Files = dict[str, bytes]
 
 
 def sources(module: str) -> Files:
-    """A module and all that it imports from its own package: contents by paths in the package, with forward slashes.
+    """The source of a module and of all that it imports from its own package.
 
-    The `__init__` of the packages that a module lies in, and what these import, are among them."""
+    The contents are listed by their paths in the package, with forward slashes. The `__init__` files of the packages
+    around each module, and what they import, are included."""
     package, *parts = module.split(".")
     root = Path(str(importlib.import_module(package).__file__)).parent
     found: Files = {}
@@ -42,7 +43,7 @@ def _imported(tree: ast.Module, path: Path) -> Iterator[Path]:
         if isinstance(node, ast.ImportFrom) and node.level:
             origin = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
             yield origin
-            modules = (origin / alias.name for alias in node.names)  # a name of a package may be a module in it
+            modules = (origin / alias.name for alias in node.names)  # a name imported from a package may be a module
             yield from (m for m in modules if m.is_dir() or m.with_name(f"{m.name}.py").is_file())
 
 
@@ -90,7 +91,9 @@ def epoch() -> int:
 
 
 def write(target: Path, files: Files) -> None:
-    """A zip file of sorted, compressed files, each with the build's time. Nobody ever sees it half written."""
+    """Write a zip file of the sorted, compressed files, each with the build's time.
+
+    The file appears at `target` only when it is complete."""
     stamp = time.gmtime(epoch())[:6]
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_suffix(f".{os.getpid()}.part")

@@ -1,4 +1,4 @@
-"""Builds the FMUs of a recipe, and answers whether a built one is up to date."""
+"""Builds the FMUs of a recipe, and says whether a built FMU is up to date."""
 
 import zipfile
 import zlib
@@ -38,14 +38,15 @@ class Flavour(StrEnum):
 
 
 def build(flavour: Flavour, recipe: Recipe, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
-    """The FMU of a recipe; `progress` gets a line about what takes long."""
+    """Build the FMU of a recipe; `progress` is called with a line of text before a task that takes long."""
     return build_native(recipe, target, progress) if flavour == Flavour.NATIVE else build_python(recipe, target)
 
 
 def build_python(recipe: Recipe, target: Path) -> Path:
-    """The FMU with PythonFMU's library, PythonFMU itself, and our sources.
+    """Build the FMU with PythonFMU's library, PythonFMU itself and motionsync's sources.
 
-    All FMUs of a process share one interpreter, and so one `sys.modules`: the names of our modules carry their hash."""
+    All FMUs of a process share one interpreter, and therefore one `sys.modules`. For this reason the names of
+    motionsync's modules in the FMU contain the hash of their sources."""
     block, guid, name = recipe.block(), recipe.guid(), recipe.name
     tag = guid[1:9] + guid[10:14]
     package, _, module = type(block).__module__.partition(".")
@@ -67,7 +68,9 @@ def build_python(recipe: Recipe, target: Path) -> Path:
 
 
 def build_native(recipe: Recipe, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
-    """The FMU with a library for each platform, without Python; `progress` gets a line if compiling takes minutes.
+    """Build the FMU with a library for each platform, without Python.
+
+    `progress` is called with a line of text if compiling will take minutes.
 
     Raises:
         UserError: the compilers are not installed or failed, or the block is outside the kernel subset.
@@ -88,10 +91,10 @@ def build_native(recipe: Recipe, target: Path, progress: Callable[[str], None] =
 
 
 def check_kernel(module: str) -> None:
-    """Refuse a block outside the kernel subset: compiled, it would do something else than in Python.
+    """Refuse a block outside the kernel subset, since its compiled code might differ from its behaviour in Python.
 
     Raises:
-        UserError: file, line and rule of each violation.
+        UserError: the block violates the subset; the message has file, line and rule of each violation.
     """
     package = module.partition(".")[0]
     if found := check({name: text.decode() for name, text in sources(module).items()}):
@@ -106,7 +109,7 @@ def _write(
     from .pages.pictures import icon  # noqa: PLC0415
     from .scenario.example import example_of  # noqa: PLC0415 (NumPy)
 
-    epoch()  # refuses a bad SOURCE_DATE_EPOCH before Matplotlib reads it, whose message does not help
+    epoch()  # refuses a bad SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
     block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
     texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit)
@@ -120,12 +123,12 @@ def _write(
 
 
 def plain(value: Any) -> Any:
-    """A value as a script can have it: an enumeration's member as its number."""
+    """A value as the script in the FMU contains it: a member of an enumeration is written as its number."""
     return int(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 def licences(*distributions: str) -> Files:
-    """The licence texts of installed distributions by file name, without those of what lies in their subfolders."""
+    """The licence text of each installed distribution, by file name, without those of bundled software."""
     found: Files = {}
     for name in distributions:
         texts = [file for file in metadata.files(name) or [] if "LICEN" in file.name.upper()]

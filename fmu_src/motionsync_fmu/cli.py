@@ -1,4 +1,4 @@
-"""The command line: build FMUs, tell what there is, run scenarios and report.
+"""The command line: build FMUs, list and describe them, run scenarios and report the results.
 
 Each command imports what it needs: the libraries of all of them together take a second to load.
 """
@@ -49,14 +49,14 @@ USAGE: Any = typer.BadParameter.__base__  # what typer raises at wrong usage; it
 
 
 def main() -> None:
-    """The console script; a mistake of the user is one line and exit status 2."""
+    """The console script. A mistake of the user is reported in one line, with exit status 2."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a console that has no ± still tells the rest
+            stream.reconfigure(errors="backslashreplace")  # a console without ± still prints the rest
     try:
-        sys.exit(app(standalone_mode=False))  # what a command told by typer.Exit; else nothing, which is 0
+        sys.exit(app(standalone_mode=False))  # the status that a command gave to typer.Exit; else None, which is 0
     except USAGE as e:
-        text = e.format_message()  # without any argument it is the help
+        text = e.format_message()  # if no argument was given, this text is the help
         err.print(text if len(sys.argv) == 1 else f"motionsync: {' '.join(text.split())}")
         sys.exit(2)
     except UserError as e:
@@ -105,7 +105,7 @@ def build(
         raise UserError("--start: name the one block that it is for, as in: motionsync build Synchronizer --start ...")
     recipes = [Recipe(name, unit, starts, slave_unit) for name in names]
     for recipe in recipes:
-        recipe.block()  # every mistake is told before anything is built
+        recipe.block()  # reports every mistake before anything is built
     for recipe in recipes:
         for chosen in flavour or Flavour:
             target = fmu_path(recipe, output, chosen)
@@ -214,7 +214,7 @@ def run(
             progress.update(task, description=s.name)
             try:
                 outcomes.append((s, _run(s, flavour, step_size or s.step_size, output, report=not no_report)))
-            except UserError as e:  # told at the end: the other scenarios' results are not lost
+            except UserError as e:  # reported at the end: the other scenarios' results are kept
                 refused.append(e)
             progress.advance(task)
     if as_json:
@@ -229,7 +229,7 @@ def run(
 
 
 def _loaded(paths: list[Path], step_size: float | None) -> "list[Scenario]":
-    """The scenarios at these paths; every mistake is told before anything runs."""
+    """The scenarios at these paths; every mistake in them is reported before anything runs."""
     from .scenario.reader import MOST_STEPS, find, load
 
     scenarios = [load(file) for path in paths for file in find(path)]
@@ -262,7 +262,7 @@ def line(
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
 ) -> None:
-    """Wire a remote axis through RemoteSync into a follower, run it, and tell the errors with and without RemoteSync.
+    """Wire a remote axis through RemoteSync into a follower, and report the errors with and without RemoteSync.
 
     A line file scripts an axis on another controller with a clock of its own. Its telegrams go through the FMU of
     RemoteSync into that of a follower (FlyingSaw, Synchronizer, ...), wired twice: as an SSP package, run by FMPy's SSP
@@ -270,7 +270,7 @@ def line(
     'motionsync[line]'). Both must agree. For comparison the follower also sees the raw telegrams, and other estimators.
 
     FMUs that are missing or stale are built first. The exit status is 1 if anything was not as expected. The format of
-    the file is told in scenarios/line/README.md.
+    the file is described in scenarios/line/README.md.
 
     Examples:
 
@@ -297,7 +297,7 @@ def line(
 
 
 def _lines(paths: list[Path]) -> "list[Line]":
-    """The lines at these paths; every mistake is told before anything runs."""
+    """The lines at these paths; every mistake in them is reported before anything runs."""
     from .line.reader import PATTERN, load_line
     from .scenario.reader import find
 

@@ -14,12 +14,12 @@ class Clock:
     lost: float = 0.0
 
     def start(self, offset: float) -> None:
-        """Time 0 lies `offset` seconds after the beginning of the present step."""
+        """Set the clock so that time 0 lies `offset` seconds after the beginning of the present step."""
         self.time = 0.0 - offset
         self.lost = 0.0
 
     def advance(self, h: float) -> None:
-        """To the end of a step of h seconds."""
+        """Let the clock go on to the end of a step of h seconds."""
         step = h - self.lost
         time = self.time + step
         self.lost = (time - self.time) - step

@@ -1,8 +1,8 @@
-"""Motion laws: ramps between rest and the slope 1, curves through given ends, and how a slave follows a curve.
+"""Motion laws: ramps between rest and synchronous motion, curves through given ends, and how a slave follows a curve.
 
 A ramp's law is normalised (VDI 2143) and has its first three derivatives with it. `parabola` and `polynomial_3_4_5` are
 the first halves, 0 <= z <= 1/2, of rest-to-rest laws f with f(1/2) = 1/2; doubled in height and stretched by two they
-are ramps. Beside each stand the master's travel over such a ramp, in units D of the slave's travel, and the greatest
+are ramps. Beside each law are the master's travel over such a ramp, in units D of the slave's travel, and the greatest
 acceleration and jerk at the constant master velocity v.
 """
 
@@ -37,8 +37,8 @@ def polynomial_3_4_5(z: float) -> tuple[float, float, float, float]:
 def half_ramp(u: float) -> tuple[float, float, float, float]:
     """q(u) = u^3 - u^4 / 2 for 0 <= u <= 1, and its first three derivatives.
 
-    From rest (slope 0) to slope 1, without curvature at both ends; the value at the end is 1/2: whoever follows it
-    travels half of what the master does.
+    The first derivative rises from 0 (rest) to 1; the second one is 0 at both ends. The value at the end is 1/2: a
+    slave that follows the curve travels half as far as its master.
     """
     return u * u * u * (1.0 - 0.5 * u), u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u), 6.0 - 12.0 * u
 
@@ -46,7 +46,7 @@ def half_ramp(u: float) -> tuple[float, float, float, float]:
 def half_ramp_mirrored(u: float) -> tuple[float, float, float, float]:
     """u - q(u) = u - u^3 + u^4 / 2 for 0 <= u <= 1, and its first three derivatives: the mirror of `half_ramp`.
 
-    From slope 1 to rest (slope 0), with a second derivative of 0 at both ends; the value at the end is 1/2 too.
+    The first derivative falls from 1 to 0 (rest); the second one is 0 at both ends. The value at the end is 1/2, too.
     """
     q, q1, q2, q3 = half_ramp(u)
     return u - q, 1.0 - q1, -q2, -q3

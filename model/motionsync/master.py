@@ -14,7 +14,7 @@ from .path import Path
 from .var import LARGEST_INPUT, Enumeration, Unit
 
 MOST_TURNS = 1e15  # with more of them the fraction of a turn is lost to rounding
-TURNS = (  # a refusal's text and the variables it speaks of, for the blocks that have a master
+TURNS = (  # a refusal's text and the variables it names, for the blocks that have a master
     "the master's position and its prediction must be at most 1e15 periods",
     "master.position",
     "master.velocity",
@@ -68,9 +68,9 @@ class Master:
     before_step: float = 0.0
 
     def try_initialize(self) -> bool:
-        """The master is where the inputs say; with POSITION_ONLY its velocity is not known yet and taken as 0.
+        """Set the master to its inputs; with POSITION_ONLY its velocity is not known yet and taken as 0.
 
-        False if the position has too many turns: then nothing has changed."""
+        The answer is False if the position has too many turns; nothing has changed then."""
         if self.has_too_many_turns(self.position):
             return False
         known = self.input_mode != MasterInput.POSITION_ONLY
@@ -81,7 +81,7 @@ class Master:
         return True
 
     def try_advance(self, h: float) -> bool:
-        """Lay the path of a step of h seconds. False if it has too many turns: then nothing has changed."""
+        """Lay the path of a step of h seconds. False if the path has too many turns: then nothing has changed."""
         if self.has_too_many_turns(self.position):
             return False
         match self.input_mode:
@@ -93,7 +93,7 @@ class Master:
                 return self.try_extrapolate(h)
 
     def longest_travel(self, h: float) -> float:
-        """At least the distance that the master travels, back and forth, on the path of the coming step, u.
+        """An upper bound of the distance that the master travels, back and forth, in the coming step, u.
 
         A block that refuses steps with too much travel asks before `try_advance`. 0 if `try_advance` refuses the step
         anyway."""
@@ -117,7 +117,7 @@ class Master:
     def velocity_at(self, time: float) -> float:
         """The master's velocity at a time within the step, interpolated between the velocities at both ends.
 
-        It is exact at constant acceleration, and has not the rounding errors that the path's derivative would have in a
+        It is exact at constant acceleration, and without the rounding errors that the path's derivative would have in a
         short step."""
         return self.begin_velocity + (self.end_velocity - self.begin_velocity) * (time / self.step)
 
@@ -146,7 +146,7 @@ class Master:
             self.before -= turns
 
     def try_predict(self, h: float, position: float, velocity: float, acceleration: float) -> bool:
-        """The path from the unwrapped input at t, with constant acceleration, to t+h."""
+        """Lay the path from the unwrapped input at t, with constant acceleration, to t+h; False: too many turns."""
         end = position + (velocity + 0.5 * acceleration * h) * h
         if self.has_too_many_turns(end):
             return False
@@ -167,7 +167,7 @@ class Master:
         return True
 
     def try_interpolate(self, h: float) -> bool:
-        """The path along a cubic, from the end of the step before to the input at t+h."""
+        """Lay the path along a cubic, from the end of the step before to the input at t+h; False: as `try_predict`."""
         expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
         if self.has_too_many_turns(expected):
             return False
@@ -183,7 +183,7 @@ class Master:
         return True
 
     def try_extrapolate(self, h: float) -> bool:
-        """The path from the input at t, with the velocity and acceleration estimated from the last samples."""
+        """Lay the path from the input at t, with velocity and acceleration estimated from samples; False: as above."""
         position = self.unwrapped(self.end)
         velocity, acceleration = self.estimated(position)
         return self.try_predict(h, position, velocity, acceleration)

@@ -14,7 +14,7 @@ from . import var
 from .clock import Clock
 from .limits import clamp
 
-SAME_TIME = 1.0 - 1e-13  # of a time: it is reached, but for rounding
+SAME_TIME = 1.0 - 1e-13  # of a time: from this share on the time is reached, but for rounding
 BISECTIONS = 200  # enough to halve any piece down to neighbouring numbers but for roots below 1e-40 of it
 
 
@@ -127,7 +127,7 @@ class Motion:
         return self.state(i, time - self.begins[i])
 
     def advance(self, h: float) -> None:
-        """The clock goes on by h."""
+        """Let the clock go on by h, s."""
         self.clock.advance(h)
 
     def state(self, piece: int, time: float) -> tuple[float, float, float, float]:
@@ -174,7 +174,7 @@ class Motion:
         self.extend(time, jerk, acceleration)
 
     def try_approach(self, target: float, drift: float, low: float, high: float, jerk: float) -> bool:
-        """As `change`, from the state in which the last piece begins; t counts from the beginning of the motion.
+        """As `try_change`, from the state in which the last piece begins; t counts from the beginning of the motion.
 
         The velocity relative to the target, w = v - target - drift t, and its derivative, b = a - drift, are brought
         to 0, with the limits shifted by the drift."""
@@ -200,7 +200,7 @@ class Motion:
         return True
 
     def hold(self, acceleration: float, jerk: float) -> None:
-        """The acceleration goes to a value and stays there."""
+        """Append pieces in which the acceleration goes to a value and stays there."""
         missing = acceleration - self.accelerations[self.pieces - 1]
         self.extend(abs(missing) / jerk, jerk if missing > 0.0 else -jerk, acceleration)
 

@@ -14,7 +14,7 @@ from . import var
 from .limits import clamp
 
 GREATEST_SPEED = 1e154  # u/s: its square is finite
-BISECTIONS = 200  # so many halve any step down to neighbouring numbers, unless the root is below 1e-40 of it
+BISECTIONS = 200  # this many halve any step down to neighbouring numbers, unless the root is below 1e-40 of the step
 
 
 @dataclass(slots=True)

@@ -11,7 +11,7 @@ from . import var
 
 TERMS = 7  # coefficients of the highest degree
 EPSILON = 1.0 / 4503599627370496.0  # 2^-52
-ROUNDING = 256.0 * EPSILON  # of the coefficients' magnitudes: a sum that should be 0 is not greater
+ROUNDING = 256.0 * EPSILON  # of the coefficients' magnitudes: a sum that should be 0 is not greater than this
 ITERATIONS = 100  # six as a rule; a root next to 0 may need more, and is then 1e-18 off at most
 
 

@@ -16,7 +16,7 @@ class Slave:
     jerk: float = var.output(0.0, "the slave's jerk setpoint", Unit.JERK)
 
     def put(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
-        """The setpoint, in u, u/s, u/s2 and u/s3."""
+        """Set the setpoint, in u, u/s, u/s2 and u/s3."""
         self.position = position
         self.velocity = velocity
         self.acceleration = acceleration
@@ -30,7 +30,7 @@ class Edge:
     before: bool = False
 
     def hold(self, level: bool) -> None:
-        """The input has this level at the initialization: the level itself is no edge, only a later change is."""
+        """Remember the input's level at the initialization: this level is no edge, only a later rise is."""
         self.before = level
 
     def try_rise(self, now: bool) -> bool:

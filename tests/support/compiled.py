@@ -14,7 +14,7 @@ class Compiled:
     """One block in compiled code, with the present values of a Python one.
 
     Attributes:
-        memory: all its fields, as NumPy names them.
+        memory: all fields of the block, as a NumPy record.
     """
 
     def __init__(self, block: Any) -> None:
@@ -40,7 +40,7 @@ class Compiled:
         return self._call(self._initialize)
 
     def step(self, h: float) -> int:
-        """As `initialize`."""
+        """The refusal, 0 if there is none; raises as `initialize` does."""
         return self._call(self._step, h)
 
     def _call(self, function: Any, *arguments: float) -> int:
@@ -51,7 +51,7 @@ class Compiled:
 
 
 class Layout:
-    """Where a block's fields lie in memory: what `image` gives, in a hundredth of its time."""
+    """Where a block's fields lie in memory. `bytes` gives the same as `image`, in a hundredth of the time."""
 
     def __init__(self, block: Any) -> None:
         memory = image(block).dtype
@@ -74,5 +74,5 @@ class Layout:
 
 
 def equal(block: Any, compiled: Compiled) -> bool:
-    """Whether every field, registered or not, has the same bits."""
+    """Whether every field, declared or not, has the same bits."""
     return compiled.layout.bytes(block) == compiled.memory.tobytes()

@@ -1,4 +1,4 @@
-"""What takes long to build is built once in a test run, whichever of its processes asks first."""
+"""Builds what takes long to build once in a test run, in the process that asks first."""
 
 import shutil
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from motionsync_fmu.interface.recipe import Recipe
 
 
 class Shared:
-    """Folders that all processes of a test run share; nobody changes what is in them."""
+    """Folders that all processes of a test run share; once filled, a folder does not change."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -19,12 +19,11 @@ class Shared:
     def once(self, name: str, fill: Callable[[Path], object]) -> Path:
         """The folder of that name, filled by the first process that asks for it.
 
-        The others wait. What a process leaves behind that died or failed meanwhile is thrown away: the next one begins
-        anew.
+        Other processes wait for it. If this process fails or dies, the next one deletes what is there and begins anew.
         """
         done, part = self.folder / name, self.folder / f"{name}.part"
         done.parent.mkdir(parents=True, exist_ok=True)
-        with FileLock(self.folder / f"{name}.lock"):  # the operating system opens it when its process ends
+        with FileLock(self.folder / f"{name}.lock"):  # released by the operating system when its process ends
             if not done.exists():
                 shutil.rmtree(part, ignore_errors=True)
                 part.mkdir()

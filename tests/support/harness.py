@@ -1,4 +1,4 @@
-"""A block along a scripted master that is exact at constant acceleration, for tests of the block alone."""
+"""Runs a block along a scripted master whose motion is exact, for tests of the block alone."""
 
 from collections.abc import Iterable, Mapping
 from copy import copy
@@ -13,10 +13,10 @@ Row = dict[str, float]
 
 
 class BlockHarness:
-    """A block and its master, which is at `place` with `speed` now; each `run` has one acceleration of the master.
+    """A block and its master, which is now at `place` with the velocity `speed`.
 
-    Values are set between the runs: they act at the next one's beginning. A block's own class says which `TYPE` it
-    is, and what `rows` shows.
+    The master's acceleration is constant during each `run`. Values that are set between two runs act at the beginning
+    of the second one. A subclass for each block gives the class of the block, `TYPE`, and what `rows` shows, `SHOWN`.
     """
 
     TYPE: ClassVar[type[Any]]
@@ -42,7 +42,7 @@ class BlockHarness:
         return self.stepper.block
 
     def stepped(self) -> None:
-        """What a block's own class does after a step."""
+        """Called after each step, for subclasses."""
 
     def twin(self) -> Self:
         """Another harness whose block is in the same state."""
@@ -55,19 +55,19 @@ class BlockHarness:
         return self
 
     def run(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> Self:
-        """The master's acceleration for a time, cut into steps at these times since the run's beginning."""
+        """Run for a time with this acceleration of the master, in steps that end at these times since its beginning."""
         self.rows(duration, acceleration=acceleration, cuts=cuts)
         return self
 
     def to(self, place: float, steps: int = 1) -> Self:
-        """On at the present speed until the master is there."""
+        """Run with constant velocity until the master is at `place`."""
         duration = (place - self.place) / self.speed
         self.run(duration, cuts=[i * duration / steps for i in range(1, steps)])
         self.place = place
         return self
 
     def rows(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> dict[float, Row]:
-        """As `run`; what is shown at the steps' ends."""
+        """As `run`; the answer is what is shown at the end of each step, by time."""
         place, speed, begin = self.place, self.speed, self.time
         found = {}
         for first, last in pairwise(sorted({0.0, duration, *(cut for cut in cuts if 0.0 < cut < duration)})):
@@ -104,12 +104,12 @@ class BlockHarness:
 
 
 def moved(place: float, speed: float, acceleration: float, time: float) -> tuple[float, float]:
-    """Place and speed after a time; a stop leaves no rounding error, which would be a motion."""
+    """Place and velocity after a time; after a stop the velocity is 0, without a rounding error."""
     after = speed + acceleration * time
     stopped = abs(after) < 1e-14 * abs(speed)
     return place + (speed + 0.5 * acceleration * time) * time, 0.0 if stopped else after
 
 
 def grid(duration: float, h: float) -> list[float]:
-    """Cuts of a run into steps of h."""
+    """The times that cut a run into steps of h."""
     return [i * h for i in range(1, int(duration / h) + 1)]

@@ -6,7 +6,7 @@ from typing import Any
 
 
 def numbers_in(part: Any, but: tuple[str, ...] = ()) -> Iterator[float]:
-    """The floats that an object and its parts hold, without the fields of the names in `but`."""
+    """The floats that an object and its parts hold, except the fields whose names are in `but`."""
     for field in fields(part):
         value = getattr(part, field.name)
         if is_dataclass(value):

@@ -22,7 +22,7 @@ def strategy(name: str) -> Strategy:
 
 
 def drawn(name: str, steps: int, count: int) -> list[Run]:
-    """So many runs of so many steps, the same ones at every call."""
+    """`count` random runs of `steps` steps, the same at every call."""
     found: list[Run] = []
 
     @settings(max_examples=count, derandomize=True, database=None, deadline=None, phases=[Phase.generate])
@@ -36,7 +36,7 @@ def drawn(name: str, steps: int, count: int) -> list[Run]:
 
 @cache
 def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
-    """A run with steps of size h of which none is refused: of those drawn, the one that meets most."""
+    """A run with steps of size h, none of which is refused: of `count` drawn runs, the one that meets most."""
     allows = {v.name: v.allows for v in Recipe(name).variables.values()}
     runs = [
         Run(run.start, [(h, {n: x for n, x in values.items() if allows[n](x)}) for _, values in run.steps])

@@ -23,10 +23,10 @@ class Strategy:
     """How a block is run at random.
 
     Attributes:
-        runs: draws runs of so many steps: ordinary ones, and ones at the limits of the inputs and beyond. Start values
-            are within their limits.
-        watch: tells what is worth meeting of a block's present state.
-        meets: what a few runs have to meet of this; they have to meet a refused step as well.
+        runs: draws runs of a given number of steps: ordinary runs, and runs at the limits of the inputs and beyond.
+            Start values are within their limits.
+        watch: the things in a block's present state that are worth meeting.
+        meets: the things of these that a few runs have to meet; they have to meet a refused step as well.
     """
 
     runs: Callable[[int], st.SearchStrategy[Run]]

@@ -14,7 +14,7 @@ from .roles import with_role
 from .units import base_unit, unit_name
 from .variables import Variable, members, summary, variables
 
-STEP_SIZE = 0.001  # s, of the default experiment; a block with cycles of its own steps by one of them
+STEP_SIZE = 0.001  # s, of the default experiment; for a block with its own cycles it is the length of one cycle
 ABILITIES = {  # of both flavours, as attributes of the CoSimulation element
     "canHandleVariableCommunicationStepSize": "true",
     "canGetAndSetFMUstate": "true",
@@ -31,9 +31,10 @@ CATEGORIES = {
 
 
 def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
-    """All that both flavours and every build of this source share; `finish` adds GUID and date.
+    """The part of the description that both flavours and all builds of this source share; `finish` adds GUID and date.
 
-    `unit`: of positions, a key of `units.BASES`; `slave_unit`: of the slave's positions (empty: the same).
+    `unit`: the unit of positions, a key of `units.BASES`; `slave_unit`: the unit of the slave's positions (empty: the
+    same as `unit`).
     """
     vs = variables(block)
     name = type(block).__name__
@@ -65,7 +66,7 @@ def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
 
 
 def finish(root: Element, guid: str, abilities: Mapping[str, str] | None = None) -> bytes:
-    """The file's content; `abilities`: attributes of the CoSimulation element that only one flavour has."""
+    """The content of the file; `abilities`: attributes of the CoSimulation element that only one flavour has."""
     root.set("guid", guid)
     for unit in root.iter("CoSimulation"):
         unit.attrib.update(abilities or {})
@@ -123,8 +124,10 @@ def _variable(v: Variable, reference: int) -> Element:
 
 
 def _structure(parent: Element, vs: list[Variable]) -> None:
-    """What the outputs depend on: at a communication point on nothing, since doStep alone changes them; after the
-    initialization, on what the block declares."""
+    """Describe what the outputs depend on.
+
+    At a communication point they depend on nothing, since doStep alone changes them. After the initialization they
+    depend on what the block declares."""
     index = {v.name: str(i) for i, v in enumerate(vs, 1)}
     outputs, initial = SubElement(parent, "Outputs"), SubElement(parent, "InitialUnknowns")
     for v in vs:

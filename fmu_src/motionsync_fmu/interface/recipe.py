@@ -22,10 +22,11 @@ class Recipe:
     """What an FMU is built from.
 
     Attributes:
-        name: the block's.
-        unit: of positions, a key of BASES.
+        name: the block's name.
+        unit: the unit of positions, a key of BASES.
         starts: start values to bake in, as texts by the variables' names.
-        slave_unit: of the slave's positions where the block tells both axes' units apart; empty: `unit`.
+        slave_unit: the unit of the slave's positions, for a block whose axes may have different units; empty: the same
+            as `unit`.
     """
 
     name: str
@@ -54,8 +55,8 @@ class Recipe:
     def variables(self) -> Mapping[str, Variable]:
         """The declared variables by name, in the order of their value references, with the baked start values.
 
-        They serve for what is declared and for start values. Their cells lie in a block of their own that nobody
-        steps: who runs a block takes the cells from `variables(block)`.
+        Use them for declarations and start values only. Their cells belong to a separate block that is never stepped;
+        to run a block, take the cells from `variables(block)`.
         """
         block = self.block()
         return _by_name(block) if self.starts else _declared(block.__class__)
@@ -81,10 +82,10 @@ def _by_name(block: Any) -> Mapping[str, Variable]:
 
 
 def check_slave_unit(block: Any, unit: str) -> None:
-    """Refuse a slave unit that is none, or for a block that does not tell both axes' units apart.
+    """Refuse an unknown slave unit, and any slave unit for a block whose axes have the same unit.
 
     Raises:
-        UserError: which of the two.
+        UserError: the slave unit is refused; the message says for which of the two reasons.
     """
     if unit:
         choose(BASES, unit, "slave unit")
@@ -93,10 +94,10 @@ def check_slave_unit(block: Any, unit: str) -> None:
 
 
 def parse(v: Variable, text: str) -> Any:
-    """A start value that is given as a text: a number, true or false, the name or the number of a member.
+    """The start value for a text: a number, true or false, or the name or number of an enumeration's member.
 
     Raises:
-        UserError: it is none of these, or outside the variable's limits.
+        UserError: the text is none of these, or the value is outside the variable's limits.
     """
     value: Any = None
     if v.kind == "Boolean":

@@ -7,7 +7,7 @@ from motionsync.var import Role
 
 from .variables import Variable
 
-MOTION = ("position", "velocity", "acceleration")  # of any axis: a part of a block has its motion under these names
+MOTION = ("position", "velocity", "acceleration")  # an axis has its motion under these names
 
 
 @dataclass(frozen=True)
@@ -15,11 +15,12 @@ class RemoteAxis:
     """An axis that a block knows by telegrams alone, and the names of the variables that belong to it.
 
     Attributes:
-        part: the axis itself; its inputs are the cycle index and, by the names in MOTION, the motion.
+        part: the part of the block that is the axis; its inputs are the cycle index and, by the names in MOTION, the
+            motion.
         cycle_index: the sender's cycle counter in the telegram.
         wraps_at: the counter begins again at 0 where it would reach this number.
         task_cycle: the length of the block's own cycles, in s.
-        data_cycle: the nominal length of the sender's cycles, in s; 0: that of the block's own.
+        data_cycle: the nominal length of the sender's cycles, in s; 0: the same as the block's own.
         delay: the time by which the outputs are later than the cycle's instant, in s.
         corrected_index: the sender's cycle index as the block estimates it.
     """

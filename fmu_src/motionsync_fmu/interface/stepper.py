@@ -24,11 +24,11 @@ class RefusedError(Exception):
 class Stepper:
     """One instance of a block.
 
-    Unlike an FMU, a stepper does not judge whether a value lies in the range of its variable.
+    Unlike an FMU, a stepper does not check whether a value lies in the range of its variable.
 
     Attributes:
-        block: the instance; what a stepper does not offer is done there.
-        cells: all cells of the block by name, those that are no variables too.
+        block: the instance, for everything that a stepper does not offer.
+        cells: all cells of the block by name; cells that are no variables are included.
     """
 
     def __init__(self, block: Any) -> None:
@@ -66,14 +66,14 @@ class Stepper:
         """Set the inputs that belong to the present time, then step on by h seconds.
 
         Raises:
-            RefusedError: the block refuses; its state has not changed, but for the inputs.
+            RefusedError: the block refuses; its state has not changed, except for the inputs.
         """
         self.set(values or {})
         self._judge(f"step({shown(h)})", self.block.step(h))
         return self
 
     def twin(self) -> Self:
-        """Another stepper whose block is in the same state."""
+        """Another stepper, with a copy of the block in the same state."""
         other = copy(self)
         other.block = deepcopy(self.block)
         other.cells = {name: replace(cell, owner=_owner(other.block, name)) for name, cell in self.cells.items()}

@@ -23,7 +23,9 @@ class Row:
 
 @dataclass
 class Group:
-    """Variables that share the first part of their names, in the order of declaration; the block's own have none."""
+    """Variables whose names begin with the same part, in the order of declaration.
+
+    `name` is empty for the variables whose names have one part only."""
 
     name: str
     summary: str
@@ -31,9 +33,9 @@ class Group:
 
 
 def groups(block: Any, unit: str, slave_unit: str = "") -> list[Group]:
-    """All variables of a block; the summary of a group is that of the part of the block with its name.
+    """All variables of a block in groups; a group has the summary of the part of the block to which it belongs.
 
-    `unit`: of positions; `slave_unit`: of the slave's positions (empty: the same).
+    `unit`: the unit of positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`).
     """
     found: dict[str, Group] = {}
     for v in variables(block):

@@ -1,4 +1,4 @@
-"""The units of an FMU: what a build may measure positions in, and how the units that follow from it are written."""
+"""The units of an FMU: the units of positions that a build may choose, and the units that follow from the choice."""
 
 import math
 
@@ -17,7 +17,8 @@ DEGREE = "deg"
 def unit_name(kind: Unit, unit: str, slave_unit: str = "") -> str:
     """The name of a unit, as `mm/s2`, `1/deg2` or `deg/mm`; the empty string for a pure number.
 
-    `unit`: of positions; `slave_unit`: of the slave's positions (empty: the same). Both are keys of BASES.
+    `unit`: the unit of positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`). Both are
+    keys of BASES.
     """
     powers: dict[str, int] = {}
     factors = ((unit, kind.position), (slave_unit or unit, kind.slave), (DEGREE, kind.degree), ("s", kind.second))
@@ -30,7 +31,7 @@ def unit_name(kind: Unit, unit: str, slave_unit: str = "") -> str:
 
 
 def axis_label(kind: Unit, unit: str, slave_unit: str = "") -> str:
-    """The unit at a plot's axis that shows master and slave: `mm`, or `mm, slave deg` where the two differ."""
+    """The label of a plot's axis for master and slave: `mm`, or `mm, slave deg` where the two differ."""
     of_master, of_slave = unit_name(kind, unit), unit_name(kind, slave_unit or unit)
     return of_master if of_master == of_slave else f"{of_master}, slave {of_slave}"
 
@@ -48,5 +49,5 @@ def base_unit(kind: Unit, unit: str, slave_unit: str = "") -> tuple[dict[str, in
 
 
 def _power(symbol: str, exponent: int) -> str:
-    """A unit to a power > 0; the empty string for the other powers."""
+    """A unit raised to a power > 0; the empty string for the other powers."""
     return "" if not symbol or exponent <= 0 else symbol + (str(exponent) if exponent > 1 else "")

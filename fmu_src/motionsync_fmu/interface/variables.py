@@ -30,7 +30,7 @@ class Cell:
         return getattr(self.owner, self.attribute)
 
     def set(self, value: Any) -> None:
-        """Set the value. A number that is no member of an enumeration is kept: the initialization's end refuses it."""
+        """Set the value. A number that is no member of the enumeration is stored, and refused at initialization."""
         fits = self.known is None or value in self.known
         setattr(self.owner, self.attribute, self.type(value) if fits else int(value))
 
@@ -69,12 +69,12 @@ class Variable:
 
     @property
     def real_input(self) -> bool:
-        """Whether the value is judged at each step; whatever else can be set is judged at the initialization only."""
+        """Whether each step checks the value's range; initialization alone checks the other variables."""
         return self.causality == "input" and self.kind == "Real"
 
     @property
     def choices(self) -> list[Any]:
-        """The members of an enumeration, each with `name`, `value` and `description`; else none."""
+        """The members of an enumeration, each with `name`, `value` and `description`; empty for other types."""
         return members(self.cell.type)
 
     def allows(self, value: Any) -> bool:
@@ -147,8 +147,17 @@ def shown(value: Any) -> str:
     return next((text for text in texts if float(text) == value), texts[0])
 
 
+def step_size_refusal(h: float) -> str:
+    """Why a step size, in s, is not allowed, naming value and range; empty if it is."""
+    return (
+        ""
+        if 0.0 < h <= LONGEST_STEP
+        else f"step size = {shown(h)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
+    )
+
+
 def refusals(block_type: type[Any]) -> list[Any]:
-    """All refusals that a block's `initialize` and `step` may answer: the members of its own enumeration but 0."""
+    """All refusals that a block's `initialize` and `step` may return: the members of its own enumeration except 0."""
     answers = (get_type_hints(getattr(block_type, name))["return"] for name in ("initialize", "step"))
     return [answer for kind in dict.fromkeys(answers) for answer in members(kind) if answer != 0]
 
@@ -192,8 +201,8 @@ def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool =
 
 
 def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
-    """The inputs and parameters on which outputs depend after the initialization, where a part declares them for its
-    fields."""
+    """For each output whose part declares its dependencies: the inputs and parameters on which the output depends after
+    the initialization."""
     found: dict[str, tuple[str, ...]] = {}
     for f in fields(block):
         value = getattr(block, f.name)

@@ -13,7 +13,7 @@ from .outcome import LineOutcome
 
 
 def print_line(line: Line, outcome: LineOutcome, settled: float) -> None:
-    """`settled`: from when on the errors are judged, in s."""
+    """Print the checks, errors and files of a line; `settled`: the time from which on it is in sync, in s."""
     unit = unit_name(Unit.POSITION, line.unit)
     print_headline(outcome.title, outcome.line, outcome.passed)
     print_checks(outcome.expectations)
@@ -29,7 +29,7 @@ def print_line(line: Line, outcome: LineOutcome, settled: float) -> None:
 
 
 def _print_figures(title: str, rows: list[Figures], unit: str) -> None:
-    """A table with a row for each variant; a column that would be empty is left out."""
+    """Print a table with a row for each variant; a column that would be empty is left out."""
     columns = {
         "cuts": [f"{f.cuts}" if f.cuts else "" for f in rows],
         "worst": [_length(f.worst, unit) for f in rows],

@@ -1,4 +1,4 @@
-"""What a line is worth: the follower's errors with RemoteSync, without it, and with other estimators."""
+"""Judges a line: the follower's errors with RemoteSync, without it, and with other estimators."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -24,23 +24,26 @@ from .variants import (
     wired_name,
 )
 
-BLENDING = ("new_drift_blending_cycles", "blending_time")  # how long RemoteSync takes to use a new drift in full
-AGREEMENT = 1e-9  # of FMPy and libcosim, relative to each output's greatest magnitude, at least 1
-FIRST = 2  # steps in which they may differ: in the first one FMPy's inputs are zero
+BLENDING = ("new_drift_blending_cycles", "blending_time")  # RemoteSync's times until it uses a new drift in full
+AGREEMENT = 1e-9  # allowed difference of FMPy and libcosim, relative to each output's greatest magnitude, at least 1
+FIRST = 2  # steps in which FMPy and libcosim may differ: in the first step FMPy's inputs are zero
 
 
 @dataclass(frozen=True)
 class Figures:
-    """A variant's errors in a part of the run, in u; None where there was nothing to judge.
+    """A variant's errors in a part of the run, in u; None where the part holds nothing of the kind.
 
     Attributes:
-        name: of the variant.
-        cuts: how many there were.
-        worst, mean, spread: of the cuts' errors: the greatest magnitude, the mean, from the least to the greatest.
-        switches: the greatest magnitude of the errors of the places where transitions began.
+        name: the variant's name.
+        cuts: the number of cuts.
+        worst: the greatest magnitude of the cuts' errors.
+        mean: the mean of the cuts' errors.
+        spread: the greatest of the cuts' errors minus the least.
+        switches: the greatest magnitude of the errors of the switches.
         away: the greatest magnitude of `Variant.away`.
-        jump: its greatest change in a step: by so much the setpoint jumps without a cause in the motion of the axis.
-        index: of the index error, from the least to the greatest, in cycles.
+        jump: the greatest change of `Variant.away` in a step, which is a jump of the setpoint without a cause in the
+            motion of the axis.
+        index: the greatest index error minus the least, in cycles.
     """
 
     name: str
@@ -56,7 +59,9 @@ class Figures:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far FMPy and libcosim are apart in an output, in the first steps and after them; `allowed`: after them."""
+    """The greatest difference of FMPy and libcosim in an output, in the first steps and after them.
+
+    `allowed`: the greatest allowed difference after them."""
 
     name: str
     first: float
@@ -66,17 +71,18 @@ class Agreement:
 
 @dataclass(frozen=True)
 class Result:
-    """All that was found out about a line.
+    """Everything that `examine` finds out about a line.
 
     Attributes:
-        synced: when RemoteSync first was, in s; infinite: never.
-        settled: from when on its drift is used in full: from here on the errors are judged.
+        synced: the time at which RemoteSync is in sync for the first time, in s; infinite: never.
+        settled: the time from which RemoteSync uses its drift in full, in s; the errors in sync are those from here on.
+        remote: RemoteSync's outputs.
         wired: the variant through the SSP package.
-        variants: all of them: the wired one first, then the raw telegrams, then other estimators.
-        before, after: their figures, up to `settled` and from there on.
-        agreements: of FMPy and libcosim; empty if libcosim is missing.
-        missing: why there is no run of libcosim; empty if there is one.
-        checks: what was expected.
+        variants: all variants: the wired one first, then the raw telegrams, then other estimators.
+        before, after: the figures of all variants, before `settled` and from then on.
+        agreements: the differences of FMPy and libcosim; empty if libcosim is missing.
+        missing: why libcosim did not run; empty if it ran.
+        checks: the expectations, each with what was found.
     """
 
     synced: float
@@ -99,7 +105,9 @@ class Result:
 
 
 def examine(line: Line, package: Package, progress: Callable[[str], None] = lambda text: None) -> Result:
-    """Run the line in FMPy and in libcosim, and the follower alone for the other variants; `progress` gets what runs.
+    """Run the line in FMPy and in libcosim, and the follower alone for the other variants.
+
+    `progress` is called with the name of each run before it begins.
 
     Raises:
         UserError: an FMU refused a value or a step.
@@ -187,7 +195,7 @@ def _agreements(ssp: Mapping[str, Values], cosim: Mapping[str, Values]) -> Itera
             yield Agreement(f"{component}.{name}", first, later, allowed)
 
 
-# --- judgement ---
+# --- checks ---
 
 
 def _checks(line: Line, wired: Variant, synced: float, settled: float, agreements: list[Agreement]) -> Iterator[Check]:

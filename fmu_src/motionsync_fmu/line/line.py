@@ -1,4 +1,4 @@
-"""A line: a scripted remote axis, RemoteSync's parameters, and who follows with which commands."""
+"""A line: a scripted remote axis, RemoteSync's parameters, and the follower with its commands."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from ..scenario.telegrams import Remote
 REMOTE = "RemoteSync"
 ENABLE = "enable"  # set by the line itself
 RAMP = ("syn_ramp_on", "local.ramp_begin", "local.progress", "local.transition_distance")
-SHOWN = {  # outputs that are looked at: of RemoteSync, and of who follows
+SHOWN = {  # outputs that every report shows: those of RemoteSync, and those of the follower
     REMOTE: (
         *(f"slave.{name}" for name in MOTION),
         "state_code",
@@ -39,10 +39,11 @@ class Line:
     """A checked line.
 
     Attributes:
-        follower: who follows, as a scenario: its master is the true axis, its settings the commands.
-        remote: the telegrams that tell the axis.
+        follower: the follower as a scenario, whose master is the true axis and whose settings are the commands.
+        remote: the telegrams that describe the axis.
         start: RemoteSync's start values.
-        places: how far from its place on the true axis a transition of the follower may be, in u; None: not judged.
+        places: the greatest allowed distance of a transition of the follower from its place on the true axis, in u;
+            None: this is not checked.
     """
 
     follower: Scenario
@@ -52,7 +53,7 @@ class Line:
 
     @property
     def name(self) -> str:
-        """Of its package and its report."""
+        """The name of the package and of the report."""
         return self.follower.file.stem
 
     @property
@@ -69,20 +70,20 @@ class Line:
 
     @cached_property
     def recipes(self) -> dict[str, Recipe]:
-        """The components by name. Enumerations are baked in: libcosim cannot set them."""
+        """The recipe of each component. Start values of enumerations are baked in, since libcosim cannot set them."""
         starts = {REMOTE: self.start, self.follower.recipe.name: self.follower.start}
         slave_units = {REMOTE: "", self.follower.recipe.name: self.follower.slave_unit}
         return {n: Recipe(n, self.unit, _baked(n, values), slave_units[n]) for n, values in starts.items()}
 
     @cached_property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Of each component, the start values that are not baked in."""
+        """The start values of each component that are not baked in."""
         starts = {REMOTE: self.start, self.follower.recipe.name: self.follower.start}
         return {name: {n: v for n, v in starts[name].items() if n not in r.starts} for name, r in self.recipes.items()}
 
     @cached_property
     def outputs(self) -> dict[str, list[Variable]]:
-        """Of each component, what is looked at: what every report shows, and what the file names."""
+        """The recorded outputs of each component: those that every report shows, and those that the file names."""
         s = self.follower
         named = [n for e in s.expectations for n in expected_names(e)]
         named += [s.cuts.name] if s.cuts else []
@@ -96,7 +97,7 @@ class Line:
 
     @cached_property
     def commands(self) -> dict[str, NDArray[Any]]:
-        """The inputs of the follower that are set during the line: their value in each step."""
+        """The value in each step of each input of the follower that is set during the line."""
         s = self.follower
         names = sorted({n for setting in s.settings for n in setting.values})
         begins = {n: s.start.get(n, s.recipe.variables[n].start) for n in names}
@@ -139,6 +140,6 @@ def expected_names(expectation: Expectation) -> Iterable[str]:
 
 
 def _readable(name: str) -> str:
-    """The variable from which the value of this one is read: libcosim reads no enumerations, but `state_code` is the
-    number of `state`."""
+    """The variable to read in place of this one: libcosim cannot read enumerations, but `state_code` is the number of
+    `state`."""
     return "state_code" if name == "state" else name

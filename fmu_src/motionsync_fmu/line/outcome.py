@@ -1,4 +1,4 @@
-"""What came of a line: the record that `motionsync line` prints, and its files."""
+"""The outcome of a line: the record that `motionsync line` prints, and its files."""
 
 import math
 from dataclasses import asdict, dataclass
@@ -15,18 +15,18 @@ from .report import write_line_report
 
 @dataclass(frozen=True)
 class LineOutcome:
-    """What a line has shown, and where it is written. The fields are the keys of `--json`.
+    """The results of a line, and where they are written. The fields are the keys of `--json`.
 
     Attributes:
         line: the line file.
-        synced: when RemoteSync was in sync first, in s; None: never.
-        before, in_sync: the errors of each variant, up to the time from which they are judged, and after it.
-        agreement: how far FMPy and libcosim are apart in each output.
-        libcosim_missing: why there is no run of libcosim; empty if there is one.
+        synced: the time at which RemoteSync was in sync for the first time, in s; None: never.
+        before, in_sync: the errors of each variant before RemoteSync used its drift in full, and from then on.
+        agreement: the differences of FMPy and libcosim in each output.
+        libcosim_missing: why libcosim did not run; empty if it ran.
         ssp: the SSP package.
         osp: the OSP system structure.
         result: the CSV file with the outputs.
-        report: the HTML page; None: none is written.
+        report: the HTML page; None: no page is written.
     """
 
     line: str
@@ -49,7 +49,7 @@ class LineOutcome:
 
 
 def write_outcome(line: Line, package: Package, result: Result, folder: Path, *, report: bool) -> LineOutcome:
-    """Write the outputs, and if wanted the report, into the folder."""
+    """Write the outputs and, if `report` is true, the report into the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     outputs = {REMOTE: result.remote, line.follower.recipe.name: result.wired.recording.values}
     columns = {f"{component}.{n}": values.tolist() for component, of in outputs.items() for n, values in of.items()}

@@ -2,7 +2,8 @@
 
 The package holds SystemStructure.ssd, the FMUs, and their parameters as a parameter set of the whole system, with names
 such as `RemoteSync.delay_time_offset`. The inputs of the system are the telegram and the follower's commands. libcosim
-reads packages too, but none whose system has connectors: so it gets a folder with a structure and the same FMUs.
+reads packages too, but not if their system has connectors. Therefore it gets a folder with an OSP structure and the
+same FMUs.
 """
 
 from collections.abc import Callable
@@ -52,7 +53,7 @@ class Connector:
 
 @dataclass(frozen=True)
 class Connection:
-    """From an output to an input; without the name of a component it is the system's."""
+    """A wire from an output to an input. An end without the name of a component belongs to the system."""
 
     start: str
     output: str
@@ -61,12 +62,14 @@ class Connection:
 
 
 def write_package(line: Line, output: Path, progress: Callable[[str], None]) -> Package:
-    """Build missing and stale FMUs, write OUTPUT/<line>.ssp and OUTPUT/<line>/; `progress` gets what is built."""
+    """Build missing and stale FMUs, write OUTPUT/<line>.ssp and OUTPUT/<line>/.
+
+    `progress` is called with a line of text about each build."""
     folder = output / line.name
     folder.mkdir(parents=True, exist_ok=True)
     fmus = {}
     for name, recipe in line.recipes.items():
-        shared = recipe == Recipe(name)  # with `motionsync run`
+        shared = recipe == Recipe(name)  # `motionsync run` uses the same FMU
         built = fmu_path(recipe, output, Flavour.NATIVE) if shared else folder / f"{name}.fmu"
         if why := outdated(built, recipe):
             build_native(recipe, built, progress)

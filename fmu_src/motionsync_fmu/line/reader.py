@@ -1,4 +1,4 @@
-"""Line files. The follower's part is that of a scenario whose master is the true axis; mistakes are told as there."""
+"""Reads line files. The follower is described like a scenario whose master is the true axis, with the same messages."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,7 +13,7 @@ from .line import ENABLE, RAMP, REMOTE, Line, expected_names
 
 PATTERN = "line*.toml"
 TABLES = ("remote", "remote_sync", "start", "set", "expect", "cuts", "switches")
-TOLERANCE = 1e-9  # of a reference, of which a line has none
+TOLERANCE = 1e-9  # of the reference that each scenario may have; a line has none, so this number has no effect
 
 
 def load_line(file: Path) -> Line:
@@ -53,7 +53,7 @@ def load_line(file: Path) -> Line:
 
 
 def _expectations(reader: Reader) -> tuple[Expectation, ...]:
-    """What is expected of the follower; libcosim reads no enumerations, but their codes."""
+    """The expectations of the follower. Enumerations other than `state` are refused: libcosim cannot read them."""
     found = tuple(reader.expectations())
     for table, e in zip(reader.top.tables("expect"), found, strict=True):
         for name in expected_names(e):
@@ -63,7 +63,7 @@ def _expectations(reader: Reader) -> tuple[Expectation, ...]:
 
 
 def _places(top: Table, recipe: Recipe) -> float | None:
-    """How far a transition of the follower may be from its place; None: this is not judged."""
+    """How far a transition of the follower may be from its place; None: this is not checked."""
     if "switches" not in top:
         return None
     table = top.table("switches")
@@ -74,8 +74,9 @@ def _places(top: Table, recipe: Recipe) -> float | None:
 
 
 def _remote(reader: Reader, step_size: float) -> tuple[Remote, Mapping[str, Any]]:
-    """The remote axis, and RemoteSync's start values: its cycle is the line's step, and what it puts out in a step is
-    what the follower sees in the next one."""
+    """The remote axis, and RemoteSync's start values.
+
+    RemoteSync's cycle is the step of the line, and the follower sees RemoteSync's outputs one step later."""
     assert reader.axis
     if "accuracy" in reader.axis_table:
         reader.axis_table.fail("accuracy", "a line is judged by [cuts], [switches] and [[expect]]")

@@ -17,13 +17,13 @@ from .judge import Result
 from .line import REMOTE, Line
 from .variants import Switch, Variant
 
-HUES = (SLAVE, RECEIVED, REFERENCE, "#17713a")  # of the variants
+HUES = (SLAVE, RECEIVED, REFERENCE, "#17713a")  # the colours of the variants
 ROWS = (("all variants", 260), ("as wired", 185), ("index error", 185))
-ROOM = 1.3  # of the wired variant's own row, over its greatest error once in sync
+ROOM = 1.3  # height of the wired variant's own row, as a multiple of its greatest error once in sync
 
 
 def write_line_report(file: Path, line: Line, result: Result) -> None:
-    """The page; nothing in it is loaded from elsewhere."""
+    """Write the page; it loads nothing from elsewhere."""
     s = line.follower
     blocks = {name: recipe.variables for name, recipe in line.recipes.items()}
     by_name = blocks[s.recipe.name]
@@ -53,7 +53,7 @@ def _hues(result: Result) -> list[tuple[Variant, str]]:
 
 
 def _error_plots(line: Line, result: Result) -> Any:
-    """The slave's error in all variants, that in the wired one, and the index errors, over time."""
+    """Over time: the slave's error in all variants, the same in the wired variant alone, and the index errors."""
     heights = [height for _, height in ROWS]
     figure = make_subplots(rows=len(ROWS), cols=1, shared_xaxes=True, vertical_spacing=0.04, row_heights=heights)
     for variant, hue in reversed(_hues(result)):
@@ -79,7 +79,7 @@ def _error_plots(line: Line, result: Result) -> Any:
 
 
 def _event_plots(line: Line, result: Result) -> Any:
-    """The magnitude of each cut's error, or of each switch's, in each variant: from micrometres to millimetres."""
+    """The magnitude of each cut's error, or of each switch's, in each variant, on a logarithmic scale."""
     unit, what = unit_name(Unit.POSITION, line.unit), "cut" if result.wired.cuts else "switch"
     figure = go.Figure()
     for variant, hue in _hues(result):

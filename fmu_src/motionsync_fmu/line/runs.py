@@ -2,7 +2,8 @@
 
 Both co-simulations are parallel (Jacobi): in the step from t to t+h each FMU has the inputs that were there at t, and
 what it puts out for t+h reaches another FMU in the next step, from t+h on. RemoteSync's output, shifted by
-delay_time_offset = h, is the axis at t+h; the follower takes it as START_OF_STEP at t+h. So nothing lags.
+delay_time_offset = h, is the axis at t+h. The follower reads this output in the step that begins at t+h, as the master
+at the start of the step (START_OF_STEP). So the follower's master does not lag.
 """
 
 from collections.abc import Callable, Mapping
@@ -37,16 +38,16 @@ class MissingLibraryError(Exception):
 
 
 def run_ssp(line: Line, package: Package) -> dict[str, Values]:
-    """FMPy's SSP simulation of the package: of each component, the outputs at the ends of the steps.
+    """FMPy's SSP simulation of the package: the outputs of each component at the ends of the steps.
 
-    FMPy departs from the standard: it applies no parameter set of the package but the one that it is given; a value at
-    a system's input reaches its component one step later, and in the first step all inputs are zero. So the inputs are
-    given for t+h.
+    FMPy deviates from the standard. It applies only the parameter set that is passed to it, none of the package. A
+    value at an input of the system reaches its component one step later, and in the first step all inputs are zero;
+    therefore FMPy gets at t the inputs for t+h.
 
     Raises:
         UserError: an FMU refused a value or a step.
     """
-    for name in line.recipes:  # alone at first: FMPy's SSP simulation does not show what an FMU logs
+    for name in line.recipes:  # each FMU alone first: FMPy's SSP simulation does not show what it logs
         with FmuInstance(package.fmus[name]) as fmu:
             _initialize(line, fmu, name)
     h, last = line.step_size, line.steps - 1
@@ -58,7 +59,7 @@ def run_ssp(line: Line, package: Package) -> dict[str, Values]:
     try:
         table = simulate_ssp(
             str(package.ssp),
-            stop_time=(line.steps - 0.5) * h,  # its time is a sum of steps, and so inexact
+            stop_time=(line.steps - 0.5) * h,  # FMPy's time is a sum of steps, and so inexact
             step_size=h,
             parameter_set=_parameters(package),
             input={name: feed(values) for name, values in (line.telegrams | line.commands).items()},
@@ -132,7 +133,7 @@ class _Cosim:
         self.reads: list[_Read] = []
 
     def wire(self, component: str) -> None:
-        """Prepare how the inputs of a component are overridden and its outputs read, type by type."""
+        """Prepare, type by type, overriding the inputs of a component and reading its outputs."""
         slave = self.execution.slave_index_from_instance_name(component)
         references = {v.name.decode(): v.reference for v in self.execution.slave_variables(slave)}
         inputs = self.inputs[component]
@@ -152,7 +153,7 @@ class _Cosim:
         """The step with this number.
 
         Raises:
-            UserError: it failed.
+            UserError: the step failed.
         """
         for feed in self.feeds:
             feed.give(i)
@@ -162,7 +163,7 @@ class _Cosim:
             read.values[i] = read.get()
 
     def values(self) -> dict[str, Values]:
-        """Of each component, the outputs at the ends of the steps."""
+        """The outputs of each component at the ends of the steps."""
         found: dict[str, Values] = {name: {} for name in self.line.outputs}
         for read in self.reads:
             found[read.component] |= dict(zip(read.names, read.values.T, strict=True))
@@ -174,15 +175,15 @@ class _Feed:
     """Inputs of one type of an FMU in libcosim.
 
     Attributes:
-        put: overrides them.
-        rows: their values in each step.
+        put: the function that overrides the inputs.
+        rows: the values of the inputs in each step.
     """
 
     put: Callable[[list[Any]], Any]
     rows: list[tuple[Any, ...]]
 
     def give(self, i: int) -> None:
-        """Override them for the step with this number; an override stays until the next one."""
+        """Override the inputs for the step with this number; an override stays until the next one."""
         if i == 0 or self.rows[i] != self.rows[i - 1]:
             self.put(list(self.rows[i]))
 
@@ -192,8 +193,8 @@ class _Read:
     """Outputs of one type of an FMU in libcosim.
 
     Attributes:
-        get: answers their present values.
-        values: those at the ends of the steps, shape (steps, names).
+        get: the function that returns the present values of the outputs.
+        values: the values at the ends of the steps, shape (steps, names).
     """
 
     get: Callable[[], list[Any]]
@@ -208,10 +209,10 @@ class _Read:
 def run_alone(
     line: Line, package: Package, name: str, inputs: Inputs, start: Mapping[str, Any] | None = None
 ) -> Values:
-    """A component of the line alone, driven by these inputs; `start` replaces some of its start values.
+    """The outputs of a component that runs alone with these inputs; `start` replaces some of its start values.
 
     Raises:
-        UserError: it refused a value or a step; the message has the time and what it logged.
+        UserError: the component refused a value or a step; the message has the time and what the component logged.
     """
     outputs = {kind: [v.name for v in line.outputs[name] if v.kind == kind] for kind in KINDS}
     found = {kind: np.empty((line.steps, len(names))) for kind, names in outputs.items()}

@@ -1,6 +1,6 @@
-"""Variants of a line: how the follower gets to know the axis, and its outputs then.
+"""Variants of a line: ways in which the follower can receive the axis, and the follower's outputs in each.
 
-The follower is the same each time, with the same commands. All variants are judged against the follower that sees the
+The follower and its commands are the same in all variants. Each variant is compared with the follower that sees the
 true axis.
 """
 
@@ -22,17 +22,17 @@ from .runs import Inputs, Values, run_alone
 RAW = "raw telegrams"
 ESTIMATOR = "estimator"
 SLOPE = ("slope1_numerator", "slope1_denominator")
-UNIFORM = 0.5  # for both: the estimator BEAT then corrects uniformly from beat to beat
+UNIFORM = 0.5  # for both slopes: the estimator BEAT then corrects uniformly from beat to beat
 
 
 @dataclass(frozen=True)
 class Switch:
-    """A transition of a follower that is switched on and off.
+    """The beginning of a transition of the follower.
 
     Attributes:
         time: the end of the first step that shows it, in s.
-        place: where on the master it is to begin, in u.
-        error: how far beyond that place, on the true axis, it began, in u.
+        place: the place on the master where the transition should begin, in u.
+        error: how far the true axis was beyond `place` when the transition began, in u.
     """
 
     time: float
@@ -42,13 +42,13 @@ class Switch:
 
 @dataclass(frozen=True)
 class Variant:
-    """One way for the follower to get to know the axis, and its outputs then.
+    """The outputs of the follower for one way in which it receives the axis.
 
     Attributes:
         recording: the follower's outputs.
-        away: slave.position less what it is where the follower sees the true axis, in u; shape (steps,).
+        away: slave.position minus the slave.position of the follower that sees the true axis, in u; shape (steps,).
         index: how far the cycle index is ahead of the sender's, in cycles; shape (steps,).
-        cuts, switches: those of the follower; the errors are those on the true axis.
+        cuts, switches: those of the follower; their errors are measured on the true axis.
     """
 
     name: str
@@ -62,13 +62,13 @@ class Variant:
 def through(line: Line, package: Package, start: Mapping[str, Any] | None = None) -> tuple[Values, Values]:
     """RemoteSync alone, then the follower alone with RemoteSync's outputs: the outputs of both.
 
-    Without other start values they are those of the wired line."""
+    `start`: start values of RemoteSync; without them RemoteSync has those of the wired line."""
     remote = run_alone(line, package, REMOTE, line.telegrams, start)
     return remote, run_follower(line, package, {f"master.{n}": _handed_over(remote[f"slave.{n}"]) for n in MOTION})
 
 
 def run_follower(line: Line, package: Package, axis: Inputs) -> Values:
-    """The outputs of the follower alone that sees this axis."""
+    """The outputs of the follower that runs alone, with this axis as its master."""
     return run_alone(line, package, line.follower.recipe.name, {**axis, **line.commands})
 
 
@@ -79,7 +79,7 @@ def true_axis(line: Line) -> Inputs:
 
 
 def raw_axis(line: Line) -> Inputs:
-    """The telegrams as the follower's master, as they are."""
+    """The uncorrected telegrams as the follower's master."""
     return {f"master.{n}": line.telegrams[f"{line.remote.names.part}.{n}"] for n in MOTION}
 
 
@@ -97,7 +97,7 @@ def wired_name(line: Line) -> str:
 
 
 def other_estimators(line: Line) -> dict[str, Mapping[str, Any]]:
-    """RemoteSync's start values for the variants that are not wired, by their names; PHASE is for equal cycles only."""
+    """RemoteSync's start values for the variants that are not wired, by name; PHASE needs equal cycles."""
     beat = {ESTIMATOR: _estimator(line, "BEAT")}
     starts: dict[str, Mapping[str, Any]] = {"BEAT": beat, "BEAT, uniform": beat | dict.fromkeys(SLOPE, UNIFORM)}
     if line.remote.data_cycle == line.step_size:
@@ -110,7 +110,7 @@ def _named(estimator: str) -> str:
 
 
 def _estimator(line: Line, name: str) -> int:
-    """The number of an estimator."""
+    """The number of the estimator with this name."""
     members = line.recipes[REMOTE].variables[ESTIMATOR].choices
     return next(int(member) for member in members if member.name == name)
 
@@ -134,7 +134,7 @@ def variant_of(line: Line, name: str, values: Values, truth: Values, remote: Val
 
 
 def _shown(values: Values) -> Values:
-    """The outputs with `state`, whose number is `state_code`."""
+    """The outputs, with `state` added: its number is `state_code`."""
     return values | ({"state": values["state_code"]} if "state_code" in values else {})
 
 
@@ -144,8 +144,10 @@ def _nearest(difference: Any, period: float) -> Any:
 
 
 def _index(line: Line, remote: Values | None, master: Reals) -> Reals:
-    """How far the index of the telegrams (without `remote`), or RemoteSync's corrected one, is ahead of the sender's.
-    Errors begin with the second step; the first one gets the same."""
+    """How far the index is ahead of the sender's, in cycles; shape (steps,).
+
+    The index is RemoteSync's corrected one, or without `remote` that of the telegrams. The errors are known from the
+    second step on; the first step gets the error of the second."""
     name = line.remote.names.corrected_index
     corrected = np.zeros(line.steps) if remote is None else remote[name]
     values = {name: corrected, "slave.position": np.zeros(line.steps)}
@@ -155,8 +157,9 @@ def _index(line: Line, remote: Values | None, master: Reals) -> Reals:
 
 
 def _switches(line: Line, recording: Recording) -> Iterator[Switch]:
-    """Where transitions began on the true axis. The progress of a transition in the first step that shows it tells how
-    far back that was."""
+    """Where transitions began on the true axis.
+
+    The travel since then follows from the progress of the transition at the end of the first step that shows it."""
     ramp, begin, progress, distance = (recording.values[name] for name in RAMP)
     for i in np.flatnonzero(np.diff(ramp, prepend=0.0) > 0.0).tolist():
         travel = math.copysign(distance[i] * progress[i], recording.master[i, 1])

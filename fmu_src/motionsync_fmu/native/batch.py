@@ -9,7 +9,7 @@
     )
     result["slave.position"]  # (10000, steps)
 
-An instance behaves as the block's FMU does, to the last bit, and fails where the FMU would; the others go on.
+An instance behaves as the block's FMU does, to the last bit, and fails where the FMU would; the other instances go on.
 """
 
 import os
@@ -25,7 +25,16 @@ from numpy.typing import ArrayLike, NDArray
 from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, choose
-from ..interface.variables import LONGEST_STEP, Variable, explained, refusals, shown, spoken_of, variables
+from ..interface.variables import (
+    LONGEST_STEP,
+    Variable,
+    explained,
+    refusals,
+    shown,
+    spoken_of,
+    step_size_refusal,
+    variables,
+)
 
 try:
     from .batch_loop import CAUSE, Cause, Code, Groups, Plan, code, run
@@ -39,7 +48,7 @@ except ModuleNotFoundError as e:
 Array = NDArray[Any]
 Reals = NDArray[np.float64]
 Whole = NDArray[np.int64]
-Inputs = Mapping[Any, ArrayLike]  # keys: str or tuple[str, ...]; a Mapping takes no narrower type of key
+Inputs = Mapping[Any, ArrayLike]  # keys: str or tuple[str, ...]; Mapping does not accept callers' narrower key types
 
 TASK_STEPS = 1 << 18  # instance-steps of one task: about 10 ms
 TASK_INSTANCES = 1 << 13  # their memory stays within a few megabytes
@@ -50,7 +59,7 @@ NO_RESULT = "an arithmetic error: these values lead to no result"
 
 @dataclass(frozen=True)
 class Failure:
-    """Where and why an instance stopped; `step` is -1 where it could not be initialized."""
+    """Where and why an instance stopped; `step` is -1 if its initialization failed."""
 
     instance: int
     step: int
@@ -76,7 +85,7 @@ class BatchResult:
         """One output, of shape (instances, steps): a view.
 
         Raises:
-            UserError: it was not asked for.
+            UserError: the batch was run without this output.
         """
         index = choose({n: i for i, n in enumerate(self.names)}, name, "output of this batch")
         return self.values[:, :, index]
@@ -106,20 +115,21 @@ def simulate_many(
     with any strides; other numbers are converted piece by piece while the batch runs. A Boolean may be 0 or 1 in an
     array of any type; an enumeration is given by its values.
 
-    The work is done in threads of its own, without the interpreter's lock; any number of threads may call this
-    function at the same time. The first call for a block compiles it, which takes some seconds a process.
+    The function works in threads of its own, without the interpreter's lock; any number of threads may call it at the
+    same time. The first call for a block compiles it, which takes some seconds a process.
 
     Args:
         block: the name of a registered block, or a block's class.
         step_size: in s.
-        inputs: inputs and tunable parameters by name. A step's values are set before it. The first step's are there
-            during initialization too, so a command that begins true has no edge, but for variables in `start`.
+        inputs: inputs and tunable parameters by name. The values of a step are set before the step. Those of the first
+            step are also set before the initialization, except for variables in `start`. So a command that is true in
+            the first step has a rising edge there only if `start` sets it to false.
         outputs: the names of any variables of the block.
         start: start values by name, each a scalar or of shape (instances,), for parameters and inputs.
-        steps: their number, where no array has that axis.
-        instances: their number, where no array has that axis.
-        threads: their greatest number; as many as there are cores by default.
-        out: where to put the values: float64, of shape (instances, steps, outputs), with any strides.
+        steps: the number of steps, where no array has that axis.
+        instances: the number of instances, where no array has that axis.
+        threads: the greatest number of threads; by default the number of cores.
+        out: the array for the values: float64, of shape (instances, steps, outputs), with any strides.
         progress: called with the share that is done, in the caller's thread.
 
     Returns:
@@ -127,8 +137,8 @@ def simulate_many(
         parameters and inputs at initialization, Real inputs and the step size at each step, and what the block refuses.
 
     Raises:
-        UserError: before anything runs, what is wrong for all: an unknown block or variable, one that cannot be set, a
-            shape that does not fit, a value of the wrong kind (text; 0.5 for a Boolean).
+        UserError: before anything runs: an unknown block or variable, a variable that cannot be set, a shape that does
+            not fit, or a value of the wrong kind (text; 0.5 for a Boolean).
     """
     batch = _Batch(block, step_size, inputs, start or {}, outputs, steps, instances)
     out = batch.target(out)
@@ -156,7 +166,7 @@ _Varying = list[tuple[Variable, _Column]]  # what is set at each step
 
 
 class _Batch:
-    """What is the same for all instances. What is wrong for all is found when this is made."""
+    """What is the same for all instances. The constructor reports the mistakes that concern all of them."""
 
     def __init__(
         self,
@@ -197,7 +207,7 @@ class _Batch:
         return column
 
     def grouped(self, columns: Iterable[_Column]) -> Groups[_Varying]:
-        """What is set at each step, in the order of the variables; everything else is set once."""
+        """The columns that are set at each step, in the order of the variables; all others are set once."""
         by_name = {c.name: c for c in columns}
         varying = [(v, by_name[v.name]) for v in self.variables.values() if v.name in by_name]
         return Groups(
@@ -207,7 +217,7 @@ class _Batch:
         )
 
     def to_judge(self, given: set[str]) -> list[Variable]:
-        """The variables that may have a value that is not allowed: those that are given, and bad start values."""
+        """The variables to check at initialization: those that are given, and those whose own start value is bad."""
         settable = [v for v in self.variables.values() if v.settable]
         return [v for v in settable if v.name in given or not v.allows(v.start)]
 
@@ -222,13 +232,13 @@ class _Batch:
         return out
 
     def tasks(self, workers: int) -> Iterator[tuple[int, int]]:
-        """First and last instance, the last exclusive: small tasks for progress and memory, enough for all workers."""
+        """First and last instance (exclusive) of each task: small, for progress and memory; enough for all workers."""
         size = max(1, min(TASK_INSTANCES, TASK_STEPS // max(1, self.steps), -(-self.instances // workers)))
         for first in range(0, self.instances, size):
             yield first, min(first + size, self.instances)
 
     def run(self, out: Reals, workers: int, progress: Callable[[float], None]) -> list[Failure]:
-        """All instances, in tasks for that many threads; the failures in the order in which the tasks end."""
+        """Run all instances, in tasks for that many threads; the failures are in the order in which tasks end."""
         failures: list[Failure] = []
         done = 0
         with ThreadPoolExecutor(workers, "motionsync") as pool:
@@ -244,7 +254,7 @@ class _Batch:
         return failures
 
     def run_some(self, first: int, last: int, out: Reals) -> list[Failure]:
-        """Some instances from start to end."""
+        """Run some instances from start to end."""
         task = _Task(self, first, last, out[first:last])
         run(self.code, task.plan())
         return task.failures()
@@ -254,12 +264,12 @@ class _Batch:
         memory = np.full(last - first, self.image)
         for c in self.starts:
             field = _field(memory, c.name)
-            if c.values.shape[1]:  # without steps there is no first one
+            if c.values.shape[1]:  # without steps there is no first step
                 field[...] = c.piece(first, last, field.dtype)[:, 0]
         return memory
 
     def judge(self, memory: Array) -> dict[int, str]:
-        """The instances that cannot be initialized, and the first variable that is not allowed."""
+        """The instances that cannot be initialized, each with the message for its first bad variable."""
         refused: dict[int, str] = {}
         for v in self.judged:
             values = _field(memory, v.name)
@@ -311,7 +321,7 @@ class _Task:
         return _table(2, ([offset(self.memory.dtype, v.name), i * self.target.strides[2]] for i, v in chosen))
 
     def failures(self) -> list[Failure]:
-        """One for each instance that stopped; its values are NaN from that step on."""
+        """The failures of the instances that stopped; sets their values to NaN from the failed step on."""
         failures = []
         for i in np.flatnonzero(self.reports[:, CAUSE]).tolist():
             cause, step, number = self.reports[i].tolist()
@@ -320,14 +330,14 @@ class _Task:
         return failures
 
     def message(self, i: int, cause: Cause, step: int, number: int) -> str:
-        """The words of the FMU's log; `number`: of the input or of the refusal."""
+        """The message, in the words of the FMU's log; `number`: the number of the input or of the refusal."""
         value = partial(_value, self.memory[i : i + 1])
         match cause:
             case Cause.START:
                 return self.refused[i]
             case Cause.STEP_SIZE:
                 h = np.broadcast_to(self.step_sizes, (len(self.memory), self.batch.steps))[i, step].item()
-                return f"step size = {shown(h)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
+                return step_size_refusal(h)
             case Cause.INPUT:
                 v, _ = self.batch.varying.reals[number]
                 return v.refusal(value(v.name))
@@ -362,7 +372,7 @@ def _value(memory: Array, name: str) -> Any:
 
 
 def _source(values: Array) -> list[int]:
-    """Address, stride over instances, stride over steps; what is the same for all has the stride 0."""
+    """Address, stride over instances, stride over steps; 0 along an axis where all values are the same."""
     return [values.ctypes.data, *(s if n > 1 else 0 for s, n in zip(values.strides, values.shape, strict=True))]
 
 
@@ -371,7 +381,7 @@ def _table(columns: int, rows: Iterable[list[int]]) -> Whole:
 
 
 def _split(inputs: Inputs) -> list[_Column]:
-    """One column a variable, whether its values were given alone or beside others'."""
+    """One column for each variable, also for variables that share an array."""
     columns: list[_Column] = []
     for names, values in inputs.items():
         if isinstance(names, str):
@@ -412,7 +422,7 @@ def _numbers(name: str, values: ArrayLike) -> Array:
 
 
 def _length(what: str, asked: int | None, axis: int, columns: list[_Column]) -> int:
-    """The number of instances or steps on which all agree."""
+    """The number of instances or steps on which all columns agree."""
     if asked is not None and asked < 0:
         raise UserError(f"{what} = {asked} is not allowed: it must be >= 0")
     long = [c for c in columns if c.values.shape[axis] != 1]
@@ -425,7 +435,7 @@ def _length(what: str, asked: int | None, axis: int, columns: list[_Column]) -> 
 
 
 def _first_unfit(v: Variable, values: Array) -> tuple[int, int] | None:
-    """Instance and step of the first number that no Boolean, or no integer of 32 bits, can be; none if all fit."""
+    """Instance and step of the first number that is no Boolean or no 32-bit integer; None if all numbers fit."""
     if values.dtype == np.bool_:
         return None
     least, greatest = (0, 1) if v.kind == "Boolean" else (-LARGEST_INTEGER - 1, LARGEST_INTEGER)

@@ -32,7 +32,7 @@ from .llvm_text import llvm_text
 
 T = TypeVar("T")
 Whole = NDArray[np.int64]
-UNKEPT = (OSError, ValueError, RuntimeError)  # the cache cannot be read or written, holds no text, or is not found
+UNKEPT = (OSError, ValueError, RuntimeError)  # the cache is not found, cannot be read or written, or holds no text
 
 
 class Cause(IntEnum):
@@ -43,7 +43,7 @@ class Cause(IntEnum):
     INPUT = 2  # a Real input is not allowed
     REFUSED = 3  # the block refused the call
     RAISED = 4  # an arithmetic error in the block
-    START = 5  # a value is not allowed at initialization, which is not begun
+    START = 5  # a value is not allowed at initialization; the block is not called
 
 
 STEP_SIZE, INPUT, REFUSED, RAISED = (int(c) for c in (Cause.STEP_SIZE, Cause.INPUT, Cause.REFUSED, Cause.RAISED))
@@ -57,7 +57,7 @@ CAUSE, STEP, NUMBER = range(3)  # of a report
 
 
 class Groups(NamedTuple, Generic[T]):
-    """One entry for each group of variables, by how their values are copied."""
+    """One entry for each group of variables; the values in a group are copied in the same way."""
 
     reals: T
     words: T  # other values of 8 bytes
@@ -72,14 +72,15 @@ class Plan:
         blocks: address of the first instance's memory, size of each, number of instances, number of steps.
         step_sizes: address, stride over instances, stride over steps.
         longest: the greatest allowed step size.
-        sources: what is set: Real inputs, which are checked at each step; all else of 8 bytes; Booleans. A row for each
-            variable: address, stride over instances, stride over steps, offset in the block.
+        sources: the values to set: Real inputs, which are checked at each step; all else of 8 bytes; Booleans. A row
+            for each variable: address, stride over instances, stride over steps, offset in the block.
         limits: least and greatest value of each Real input in `sources`.
-        sinks: what is read: Reals; Integers and enumerations; Booleans. A row for each variable: offset in the block,
-            offset in the target.
-        target: where it is put: address, stride over instances, stride over steps.
+        sinks: the values to read: Reals; Integers and enumerations; Booleans. A row for each variable: offset in the
+            block, offset in the target.
+        target: the array for the values that are read: address, stride over instances, stride over steps.
         reports: a row for each instance: the cause for which it stopped, at which step (-1: at initialization), which
-            input or refusal it was. An instance that is not to begin has its cause before.
+            input or refusal it was. An instance that must not begin has its cause already before the
+            loop.
     """
 
     blocks: Whole
@@ -94,7 +95,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Code:
-    """A block's compiled functions, by their addresses; the engine keeps them in memory."""
+    """The addresses of a block's compiled functions; LLVM's engine keeps the functions in memory."""
 
     engine: llvm.ExecutionEngine
     initialize: int
@@ -178,8 +179,9 @@ def _loop() -> Any:
 
 
 def _stepped() -> Any:
-    """All steps of one instance, for compiled code; one function, since calls for the parts would cost half as much
-    again as a step of a small block."""
+    """A function for compiled code that does all steps of one instance.
+
+    It is one long function, since calls of smaller ones would add half the time that a step of a small block takes."""
     initialize, step = _model()
     get_real, set_real = _access(types.float64)
     get_word, set_word = _access(types.int64)
@@ -224,10 +226,10 @@ def _stepped() -> Any:
 
 
 def _model() -> tuple[Any, Any]:
-    """Calls of a block's functions for compiled code: the refusal, or -1 if there was an exception.
+    """Functions for compiled code that call a block's functions: they return the refusal, or -1 after an exception.
 
-    Numba's convention: the result and the exception go to addresses; what is returned is 0 unless there was an
-    exception."""
+    Numba's calling convention: the function writes its result and an exception to the first two addresses, and returns
+    0 unless there was an exception."""
     word = ir.IntType(64)
     status, pointer, real = ir.IntType(32), word.as_pointer(), ir.DoubleType()
 

@@ -7,7 +7,7 @@
 _Static_assert((int)UNIT_WARNING == fmi2Warning && (int)UNIT_DISCARD == fmi2Discard && (int)UNIT_ERROR == fmi2Error,
                "the core's statuses are FMI's");
 
-typedef struct { /* what is kept with a unit */
+typedef struct { /* what this file keeps with each unit */
     fmi2CallbackLogger logger;
     fmi2ComponentEnvironment environment;
     char name[];
@@ -25,7 +25,7 @@ enum { SETTABLE = INSTANTIATED | INITIALIZING | STEPPING, READABLE = INITIALIZIN
 #define ONLY_WHEN(modes) \
     if (!unit_may(c, modes, __func__)) return fmi2Error
 
-/* The function is done once the core has done this. */
+/* The function ends with the status of this call of the core. */
 #define ANSWER(status) return (fmi2Status)(status)
 
 /* --- life --- */
@@ -63,7 +63,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
     return fmi2OK;
 }
 
-/* Switched on with categories, only those are logged; without, all. */
+/* With a list of categories only these are logged; with an empty list, all. */
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
     static const struct { const char *name; Category category; } KNOWN[] = {
         {"logStatusWarning", LOG_WARNING}, {"logStatusError", LOG_ERROR}, {"logAll", LOG_ALL}};
@@ -225,7 +225,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
     return fmi2OK;
 }
 
-/* --- not offered; the functions of model exchange are there since some importers look for all of the standard's --- */
+/* --- not offered; functions of model exchange exist since some importers look for all functions of the standard --- */
 
 #define NOT_OFFERED(function, ...)                                                         \
     fmi2Status function(__VA_ARGS__) {                                                     \

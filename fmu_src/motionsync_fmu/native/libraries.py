@@ -1,6 +1,6 @@
 """The libraries of a native FMU: zig compiles a block's LLVM text and the C files for every platform.
 
-Python, Numba and zig are needed to build the libraries only: they run without them.
+Python, Numba and zig are only needed to build the libraries, not to run them.
 """
 
 import os
@@ -45,7 +45,7 @@ ZIG = _package("ziglang")
 
 
 def libraries(block: Any, guid: str, progress: Callable[[str], None] = lambda text: None) -> Files:
-    """The library of every platform, by its path in the FMU; `progress` gets a sentence if it will take minutes.
+    """The library of every platform, by its path in the FMU; `progress` gets a sentence if this will take minutes.
 
     Raises:
         UserError: zig failed.
@@ -71,7 +71,7 @@ def libraries(block: Any, guid: str, progress: Callable[[str], None] = lambda te
 
 
 def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
-    """One library; names of files stay relative, so that the library does not depend on where it was compiled."""
+    """Compile one library; file names stay relative, so that the library does not depend on where this happens."""
     (work / path).parent.mkdir()
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))

@@ -9,14 +9,15 @@ from numba import types
 from .memory_layout import entry, record
 from .numba_target import lowered
 
-# Numba stores an exception's kind and message, and a None result, for the interpreter; without one these stores are
-# dead.
+# Numba stores an exception's kind and message, and a None result, for the interpreter. A native unit has no
+# interpreter, so these stores are dead.
 DEAD_STORE = re.compile(r"^ +store ptr (?:\S+, ptr %excinfo|null, ptr %retptr),.*\n", re.M)
 
 # What the compiled block may call of the C library and of LLVM: all of it exact by IEEE 754, or without floating point.
 EXACT = {"sqrt", "floor", "rint", "fmod", "fabs"}
 PLAIN = re.compile(r"llvm\.(?:(?:mem(?:set|cpy|move)|lifetime|assume|is\.fpclass)\b.*|\w+\.i\d+)")
-# What would let processors round differently. This check alone keeps it out: -ffp-contract has no effect on LLVM text.
+# Flags and calls that would let processors round differently. Only this check excludes them, since -ffp-contract has
+# no effect on LLVM text.
 INEXACT = re.compile(
     r"\b(?:f(?:add|sub|mul|div|rem|neg|cmp)|select|phi|call)\b[^\n]*?"
     r"\b(?:fast|contract|reassoc|arcp|afn|nnan|ninf|nsz)\b|@llvm\.fma|@llvm\.fmuladd"
@@ -41,7 +42,7 @@ def llvm_text(block: Any) -> str:
 def _hide_all_but(module: llvm.ModuleRef, entries: dict[str, str]) -> None:
     """Give the entry points their names, and let the optimisation drop what they do not need.
 
-    Numba's own names count how much the process has compiled before: they are replaced, too."""
+    Numba's own names contain a counter of what the process has compiled before; therefore they are replaced, too."""
     for i, symbol in enumerate((*module.functions, *module.global_variables)):
         if symbol.name in entries:
             symbol.linkage, symbol.visibility, symbol.name = "external", "hidden", entries[symbol.name]
@@ -50,7 +51,7 @@ def _hide_all_but(module: llvm.ModuleRef, entries: dict[str, str]) -> None:
 
 
 def _optimise(module: llvm.ModuleRef) -> None:
-    """Once for all platforms, for size: most of a large block is planning, which few steps do."""
+    """Optimise once for all platforms, and for size: most of a large block is planning, which few steps do."""
     for function in module.functions:
         if not function.is_declaration:
             for attribute in ("optsize", "nounwind"):  # nounwind: no tables for C++ exceptions
@@ -61,13 +62,13 @@ def _optimise(module: llvm.ModuleRef) -> None:
     options.loop_vectorization = options.slp_vectorization = False
     builder = llvm.create_pass_builder(machine, options)
     first = llvm.create_new_module_pass_manager()
-    first.add_merge_functions_pass()  # what several classes inherit becomes one before it is inlined in their callers
+    first.add_merge_functions_pass()  # equal inherited methods become one before they are inlined
     first.run(module, builder)
     builder.getModulePassManager().run(module, builder)
 
 
 def portable(text: str) -> str:
-    """The text without a target.
+    """The LLVM text without the target that it names.
 
     Raises:
         RuntimeError: the text calls anything outside the allow-list, may be rounded differently elsewhere, or is for

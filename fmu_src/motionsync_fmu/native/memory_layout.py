@@ -84,11 +84,13 @@ def record(block: Any) -> types.Record:
 
 @cache
 def _kind(cls: Any) -> Any:
-    """The class of the Numba types of one class's objects. Each class has its own, so that Numba does not mix up two
-    classes with equal fields or equal names of methods."""
+    """The class of Numba types for the objects of one Python class.
+
+    Each Python class has its own, so that Numba does not mix up two classes with equal fields or equal names of
+    methods."""
     kind = type(
         cls.__name__, (types.Record,), {"__repr__": lambda self: cls.__name__}
-    )  # Numba's own text lists all fields
+    )  # this replaces Numba's text, which lists all fields
     register_model(kind)(models.RecordModel)
     for name, method in methods(cls).items():
         overload_method(kind, name, jit_options=OPTIONS)(_overload(method))
@@ -102,7 +104,9 @@ def methods(cls: type) -> dict[str, FunctionType]:
 
 
 def _overload(method: FunctionType) -> Callable[..., Any]:
-    """What Numba calls with argument types to get a method's implementation. Both must have the same signature."""
+    """The function that Numba calls with argument types to get a method's implementation.
+
+    The function and the implementation must have the same signature."""
     implementation = _rebased(method)
 
     def pick(*arguments: Any) -> Callable[..., Any]:

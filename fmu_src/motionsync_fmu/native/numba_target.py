@@ -36,7 +36,7 @@ class _Codegen(JITCPUCodegen):  # type: ignore[misc]
     _library_class = _Library
 
     def set_env(self, name: str, environment: Any) -> None:
-        """There is none: nothing is loaded."""
+        """Do nothing: code that is not loaded has no environment."""
 
 
 class _Context(CPUContext):  # type: ignore[misc]
@@ -56,7 +56,7 @@ class _Dispatcher(CPUDispatcher):  # type: ignore[misc]
 
 
 class _Text(CPU):  # type: ignore[misc]
-    """Everything that Numba has for a CPU can be used for this target, too."""
+    """This target may use everything that Numba has for a CPU."""
 
 
 target_registry[TARGET] = _Text
@@ -69,7 +69,7 @@ def lowered(functions: Mapping[str, tuple[Any, tuple[Any, ...]]]) -> tuple[llvm.
     """One module with these functions (made by `text_of`) for arguments of these types.
 
     Returns:
-        The module, and for each function's name in it the name under which it was given.
+        The module, and a table from each function's name in the module to the name under which it was given.
     """
     libraries: dict[Any, None] = {}
     names = {}

@@ -11,11 +11,11 @@ from .macho import universal
 UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for C++ exceptions
 LINUX = f"-Wl,-z,defs -Wl,--hash-style=gnu {UNWINDING}"
 WINDOWS = "-rtlib=none -Wl,-e,library_main"  # windows.c has what is then missing
-ARM = "-mno-outline"  # functions made of common pieces of code are shorter, but are compressed worse
+ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, but it compresses worse
 
 
 def alone(library: bytes) -> bytes:
-    """The library of the only processor."""
+    """The only library, for a platform with one processor."""
     return library
 
 
@@ -26,9 +26,9 @@ class Platform:
     Attributes:
         folder: its name in FMI, under binaries/.
         title: its name in the documentation.
-        suffix: of a library's file name.
+        suffix: the suffix of a library's file name.
         targets: zig's name of each processor and system, with its own flags.
-        join: makes one library of those of all targets, in their order.
+        join: the function that makes one library of the libraries of all targets, in their order.
     """
 
     folder: str

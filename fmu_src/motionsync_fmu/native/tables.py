@@ -12,7 +12,8 @@ from motionsync.master import MasterInput
 from ..interface.variables import LONGEST_STEP, Variable, refusals, spoken_of, variables
 from .memory_layout import dtype, image, offset
 
-# Derivatives that the importer may give and ask for, by order; not of a block that lacks one of the variables.
+# The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
+# derivatives.
 MASTER = ("master.position", "master.velocity", "master.acceleration")
 INPUT_MODE = "master.input_mode"
 SLAVE = ("slave.position", "slave.velocity", "slave.acceleration")
@@ -62,13 +63,13 @@ def _has(index: dict[str, int], *names: str) -> bool:
 
 
 def _indices(index: dict[str, int], names: Iterable[str], *others: str) -> list[int]:
-    """The indices of these variables; none of them counts if one, or one of the others, is missing."""
+    """The indices of these variables; all are MISSING if the block lacks one of them, or one of the others."""
     names = list(names)
     return [index[name] if _has(index, *names, *others) else MISSING for name in names]
 
 
 class Pool:
-    """Texts and lists of numbers: each is stored once, and is known by the place in the array where it begins."""
+    """Texts and lists of numbers: each is stored once, and is identified by the place in the array where it begins."""
 
     def __init__(self) -> None:
         self.texts: dict[str, int] = {}
@@ -99,7 +100,7 @@ def _variable(v: Variable, layout: Any, pool: Pool) -> Row:
 
 
 def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool, coded: str = "") -> list[Row]:
-    """What each code means but for 0, in words, and the variables whose values the message shows."""
+    """The message of each code except 0: its meaning in words, and the variables whose values the message shows."""
     rows: list[Row] = []
     for m in codes:
         if m != 0:
@@ -120,7 +121,7 @@ def quoted(text: str) -> str:
 
 
 def unformatted(text: str) -> str:
-    """Without percent signs, since many an importer takes them for a format."""
+    """A text without percent signs, since many importers use the text as a C format."""
     return text.replace("%", "percent")
 
 

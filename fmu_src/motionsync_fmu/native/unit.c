@@ -12,8 +12,8 @@
 typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION } Kind;
 typedef enum { OUTPUT, INPUT, TUNABLE, FIXED } Access; /* OUTPUT is never set, FIXED only before stepping */
 
-/* Texts and lists of numbers are given by their places in TEXTS and NUMBERS: pointers would have to be corrected
- * whenever the library is loaded, and the table of these corrections would be as large as all others. */
+/* Texts and lists of numbers are given by their places in TEXTS and NUMBERS. Pointers would need a relocation whenever
+ * the library is loaded, and the table of these relocations would be as large as all other tables together. */
 typedef struct {
     int name, role; /* `role`: such as "fixed parameter" */
     Kind kind;
@@ -27,14 +27,14 @@ typedef struct {
 } Variable;
 
 typedef struct {
-    int64_t code; /* of the last message of a list: 0 */
+    int64_t code; /* 0 in the last message of a list */
     int text;
     int shown; /* the variables whose values the message shows; the list ends with -1 */
 } Message;
 
 typedef struct {
-    int variable; /* of the last row: -1 */
-    int messages; /* what its values mean: where in MESSAGES their list begins */
+    int variable; /* -1 in the last row */
+    int messages; /* where in MESSAGES the list of what its values mean begins */
 } Coded;
 
 #include "model.h"
@@ -44,8 +44,8 @@ static const char *words(int place) { return TEXTS + place; }
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
 enum { REALS = 1 << REAL, INTEGERS = 1 << INTEGER | 1 << ENUMERATION, BOOLEANS = 1 << BOOLEAN }; /* sets of kinds */
 
-/* Numba's calling convention: the answer and an exception go to the first two addresses; the result is 0 unless there
- * was an exception. */
+/* Numba's calling convention: a function writes its answer and an exception to the first two addresses, and returns 0
+ * unless there was an exception. */
 int32_t model_initialize(int64_t *refusal, void **exception, void *model);
 int32_t model_step(int64_t *refusal, void **exception, void *model, double h);
 
@@ -68,13 +68,13 @@ _Static_assert(sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 8 * 8 + size
 
 struct Unit {
     State now;
-    int unfit; /* how many Real inputs have values with which no step is done */
+    int unfit; /* the number of Real inputs outside their ranges; a step needs 0 */
     int logged; /* a set of Category */
     Write *write;
     void *importer[]; /* of the size given to unit_new, aligned for pointers */
 };
 
-/* --- messages: no text has a percent sign, since many an importer takes it for a format --- */
+/* --- messages: no text has a percent sign, since many importers use the text as a format --- */
 
 typedef struct {
     char bytes[2048];
@@ -138,7 +138,7 @@ __attribute__((noinline)) bool unit_may(const Unit *u, int modes, const char *ca
     return u->now.mode & modes;
 }
 
-/* The same for the functions that are called most: only where the call is not allowed does it cost a call. */
+/* The same for the functions that are called most: this one can be inlined, and calls only to report an error. */
 static bool may(const Unit *u, int modes, const char *call) {
     return (u && u->now.mode & modes) || unit_may(u, modes, call);
 }
@@ -262,7 +262,7 @@ static Status initialize(Unit *u) {
     return UNIT_ERROR;
 }
 
-/* In initialization mode, outputs follow parameters and inputs; errors are logged when that mode is left. */
+/* In initialization mode, let the outputs follow parameters and inputs. Errors are logged when that mode is left. */
 static void follow(Unit *u) {
     if (u->now.mode != INITIALIZING) return;
     int logged = u->logged;

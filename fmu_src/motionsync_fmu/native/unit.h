@@ -17,10 +17,10 @@ typedef enum { UNIT_OK, UNIT_WARNING, UNIT_DISCARD, UNIT_ERROR } Status; /* with
 /* One phase of a unit's life, or a set of them. */
 typedef enum { INSTANTIATED = 1, INITIALIZING = 2, STEPPING = 4, TERMINATED = 8, ANY = 15 } Mode;
 
-/* What is logged: a set of these. An error is logged, too, where a call answers UNIT_DISCARD. */
+/* The kinds of messages; a unit logs a set of them. A message with UNIT_DISCARD is of the kind LOG_ERROR. */
 typedef enum { LOG_NOTHING = 0, LOG_WARNING = 1, LOG_ERROR = 2, LOG_ALL = 3 } Category;
 
-/* Hands a text to the importer; `importer`: what the FMI functions keep with the unit. */
+/* A function that hands a text to the importer; `importer`: what the FMI functions keep with the unit. */
 typedef void Write(const void *importer, Status status, const char *text);
 
 /* --- life --- */
@@ -66,7 +66,7 @@ Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const i
 Status unit_get_output_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], double values[],
                                    const char *call);
 
-/* --- states: copies of all that steps and setters change; each is good for all instances of this unit --- */
+/* --- states: copies of all that steps and setters change; any instance of this unit can restore them --- */
 
 Status unit_save(const Unit *u, void **state, const char *call); /* into a new state, or over the one given */
 Status unit_restore(Unit *u, const void *state, const char *call);

@@ -1,5 +1,5 @@
-/* What a Windows library needs beside its own functions, in place of the C start-up and of zig's library: these would
- * be linked as a whole, and would be half of the file. Empty on other platforms. */
+/* What a Windows library needs beside its own functions. It replaces the C start-up code and zig's library, which would
+ * be linked as a whole and be half of the file. On other platforms this file is empty. */
 #ifdef _WIN32
 #include <stdint.h>
 

@@ -18,10 +18,10 @@ PICTURE = "example.svg"
 
 
 def pages(block: Any, example: Scenario, unit: str, flavour: str, platforms: list[str], slave_unit: str = "") -> Files:
-    """index.html, its picture, and for the python flavour externalDependencies.html.
+    """index.html and its picture, and for the python flavour externalDependencies.html.
 
-    `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: of positions; `slave_unit`:
-    of the slave's positions (empty: the same).
+    `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: the unit of
+    positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`).
 
     Raises:
         UserError: the block has no README.md, or refuses its example.

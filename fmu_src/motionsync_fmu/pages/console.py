@@ -21,15 +21,15 @@ if TYPE_CHECKING:  # they load NumPy, which `motionsync list` does not need
     from ..scenario.scenario import Scenario
 
 out = Console(highlight=False, soft_wrap=True)
-wide = Console(highlight=False, markup=False, width=1000)  # for tables: a terminal breaks lines, it cuts nothing
+wide = Console(highlight=False, markup=False, width=1000)  # for tables: the terminal wraps long lines
 err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 
 
 def print_variables(block: Any, unit: str, slave_unit: str, starts: Mapping[str, str]) -> None:
-    """A block's variables, and its enumerations with their members.
+    """Print a block's variables, and its enumerations with their members.
 
-    `unit`: of positions; `slave_unit`: of the slave's positions (empty: the same); `starts`: start values in place of
-    the block's, as texts by name.
+    `unit`: the unit of positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`);
+    `starts`: start values in place of the block's, as texts by name.
     """
     columns = ("name", "causality", "type", "unit", "start", "allowed_range", "description")
     table = Table(*(column.removeprefix("allowed_") for column in columns), box=None)
@@ -48,7 +48,7 @@ def print_variables(block: Any, unit: str, slave_unit: str, starts: Mapping[str,
 
 
 def print_outcome(scenario: "Scenario", outcome: "Outcome") -> None:
-    """Title, expectations, reference, cuts, messages, and where everything is written."""
+    """Print title, expectations, reference, cuts, messages, and where everything is written."""
     print_headline(outcome.title, outcome.scenario, outcome.passed)
     print_checks(outcome.expectations)
     for d in outcome.reference:
@@ -67,13 +67,13 @@ def print_outcome(scenario: "Scenario", outcome: "Outcome") -> None:
 
 
 def print_headline(title: str, source: str, passed: bool) -> None:
-    """What was run, from which file or folder, and whether all of it is as expected."""
+    """Print what was run, from which file or folder, and whether all of it is as expected."""
     mark = "[green]as expected[/]" if passed else "[red]NOT as expected[/]"
     out.print(f"[bold]{escape(title)}[/] ({escape(source)}): {mark}")
 
 
 def print_checks(checks: "Iterable[Check]") -> None:
-    """A line for each expectation."""
+    """Print a line for each expectation."""
     for c in checks:
         out.print(f"  {_verdict(c.passed)}  {escape(c.expected)}: found {c.found}")
 

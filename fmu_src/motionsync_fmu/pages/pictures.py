@@ -81,7 +81,8 @@ class Run:
 def panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Panel]:
     """An example's plots, the main one first.
 
-    `unit` and `slave_unit`, empty for the same, are what the plots call the units of positions.
+    `unit`: the name of the unit of positions in the plots; `slave_unit`: that of the slave's positions (empty: the same
+    as `unit`).
 
     Raises:
         UserError: the block refuses its example.
@@ -95,7 +96,7 @@ def panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Panel]:
 
 
 def _variants(example: Scenario) -> dict[str, Scenario]:
-    """What the picture shows beside one another, by the names of the lines."""
+    """The runs that the picture shows together, by the names of their lines."""
     variants = {
         name: replace(example, start={**example.start, **start}) for name, start in example.picture.variants.items()
     }
@@ -153,7 +154,7 @@ def _curve(example: Scenario, runs: list[Run], name: str, label: str) -> Panel:
 
 
 def _cycles(remote: Remote, time: Reals) -> Reals:
-    """The receiver's cycles whose outputs are seen at these times; what they describe is the axis at their instants."""
+    """The receiver's cycles whose outputs are present at these times, and describe the axis at the cycles' instants."""
     return np.array([remote.clocks.acted(t) - 1 for t in time.tolist()])
 
 
@@ -162,12 +163,12 @@ def _labelled(name: str, unit: str) -> str:
 
 
 def _thinned(time: Reals) -> slice:
-    """Which points are drawn."""
+    """The points that are drawn."""
     return slice(None, None, 1 + len(time) // MOST_POINTS)
 
 
 def _broken(values: Reals) -> Reals:
-    """With a gap where a period wraps."""
+    """The values, with a gap where a period wraps."""
     jumps = np.abs(np.diff(values, prepend=values[0])) > 0.5 * float(np.ptp(values))
     return np.where(jumps, np.nan, values)
 
@@ -189,7 +190,7 @@ def svg(example: Scenario, unit: str, slave_unit: str = "") -> bytes:
         parts[-1].set_xlabel("time in s")
         out = io.BytesIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-    return re.sub(rb"-?\d+\.\d{3,}", lambda x: b"%g" % round(float(x[0]), 2), out.getvalue())  # half as long
+    return re.sub(rb"-?\d+\.\d{3,}", lambda x: b"%g" % round(float(x[0]), 2), out.getvalue())  # half the size
 
 
 def icon(example: Scenario) -> bytes:

@@ -33,8 +33,8 @@ def rendered(text: str, picture: str, title: str) -> Markup:
     """A README as HTML below a page's own title.
 
     The title of the README is left out; the page's own `picture`, a file beside the page that shows what `title` says,
-    stands with the README's caption in place of the README's picture; the state diagram is drawn; links that lead to
-    files outside the FMU are only texts.
+    stands with the README's caption in place of the README's picture; the state diagram is drawn; links to files
+    outside the FMU become plain text.
     """
     markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
     tokens = list(_fitted(markdown.parse(text), picture, title))
@@ -64,7 +64,7 @@ def _is_picture(token: Token | None) -> bool:
 
 
 def _without_links(tokens: list[Token]) -> Iterator[Token]:
-    """Links elsewhere on the network are kept."""
+    """The tokens, in which only links to the network are still links."""
     kept = True
     for token in tokens:
         if token.type == "link_open":

@@ -34,10 +34,10 @@ ROWS = (
     ("acceleration", Unit.ACCELERATION, 185),
     ("jerk", Unit.JERK, 150),
 )
-ERRORS = (("index error", 185), ("axis error", 185))  # of a remote axis
-FARTHEST = 10.0  # cycles that the index error shows at first: an index that is held after a fault goes on for ever
-LANE = 24  # the height of a lane, in px, as those of the rows
-MOST_POINTS = 20_000  # of a line: more are thinned out
+ERRORS = (("index error", 185), ("axis error", 185))  # the further rows of a remote axis
+FARTHEST = 10.0  # cycles; the index error shows no more at first, since it grows without end after a fault
+LANE = 24  # the height of a lane, in px; the heights of rows are in px, too
+MOST_POINTS = 20_000  # of a line; a line of more points is thinned out
 MOST_TEXTS = 8  # commands that are written beside their marks; more would cover one another
 MOST_SHADES = 500  # stretches that are shaded behind the positions
 
@@ -50,7 +50,7 @@ def write_report(
     deviations: list[Deviation],
     step_size: float,
 ) -> None:
-    """The page; nothing in it is loaded from elsewhere."""
+    """Write the page; it loads nothing from elsewhere."""
     by_name = scenario.recipe.variables
     cuts = find_cuts(scenario.cuts, recording) if scenario.cuts else []
     text = TEMPLATES.get_template("report.html.j2").render(
@@ -72,7 +72,7 @@ def write_report(
 
 
 def html(figure: Any, *, plotly: bool = False) -> Markup:
-    """A figure for a page; the first one of a page brings `plotly` itself."""
+    """A figure as HTML. The first figure of a page contains plotly's code, too (`plotly`)."""
     return Markup(figure.to_html(full_html=False, include_plotlyjs=plotly, config={"displaylogo": False}))
 
 
@@ -111,7 +111,7 @@ def plots(scenario: Scenario, recording: Recording, by_name: Mapping[str, Variab
 
 
 def _motion(figure: Any, scenario: Scenario, recording: Recording, followed: str) -> None:
-    """The slave, what it follows, and the reference: a row each for position and its derivatives."""
+    """Draw the slave, what it follows, and the reference: a row each for position and its derivatives."""
     master = dict(zip((name for name, *_ in ROWS), recording.master.T, strict=True))
     reference = read_reference(scenario)
     for i, (name, kind, _) in enumerate(ROWS, 1):
@@ -126,13 +126,13 @@ def _motion(figure: Any, scenario: Scenario, recording: Recording, followed: str
 
 
 def _received(figure: Any, found: Errors) -> None:
-    """What the telegrams tell, in the rows of the motion."""
+    """Draw the axis as the telegrams describe it, in the rows of the motion."""
     for i, values in enumerate(found.received.T, 1):
         curve(figure, i, "received", found.time, values, RECEIVED, 1.0)
 
 
 def _errors(figure: Any, found: Errors, scenario: Scenario) -> None:
-    """Rows below those of the motion: how far telegram and slave are from the truth."""
+    """Draw, in rows below those of the motion, how far telegram and slave are from the truth."""
     units = "cycles", unit_name(Unit.POSITION, scenario.unit)
     pairs = (found.index, found.corrected_index), (found.position, found.corrected_position)
     rows = zip(ERRORS, units, pairs, strict=True)
@@ -150,7 +150,7 @@ def _title(figure: Any, row: int, name: str, unit: str) -> None:
 def curve(
     figure: Any, row: int, name: str, time: Reals, values: Reals, colour: str, width: float, dash: str = "solid"
 ) -> None:
-    """A line in a row of a figure; only the first row's is in the legend, and switches those of its name."""
+    """Draw a line in a row. The legend has only the line of the first row, which switches all lines of its name."""
     chosen = _places_to_draw(values)
     figure.add_trace(
         go.Scatter(
@@ -168,7 +168,7 @@ def curve(
 
 
 def _places_to_draw(values: Reals) -> NDArray[np.int64]:
-    """The places that a line needs: all of few; of many the least and the greatest value of each stretch."""
+    """The indices of the points to draw: all, or of many points the least and the greatest of each stretch."""
     if len(values) <= MOST_POINTS:
         return np.arange(len(values))
     size = -(-len(values) // (MOST_POINTS // 2))
@@ -190,7 +190,7 @@ def _broken(values: Reals, scenario: Scenario, name: str) -> Reals:
 
 
 Stretch = tuple[float, float, int]
-"""From when until when a variable has a value, in s, and which."""
+"""The begin and end of a stretch of time, in s, and the value that a variable has in it."""
 Lane = tuple[Variable, list[Stretch]]
 """A variable and its values, one after the other."""
 
@@ -213,7 +213,7 @@ def _stretches(recording: Recording, name: str) -> Iterator[Stretch]:
 
 
 def _draw_lanes(figure: Any, row: int, lanes: list[Lane]) -> None:
-    """A lane for each variable, the first at the top; the marks of the commands have one below them."""
+    """Draw a lane for each variable, the first at the top; below them is a lane for the marks of the commands."""
     for v, stretches in lanes:
         for bar in _bars(v, stretches):
             figure.add_trace(bar, row=row, col=1)
@@ -260,14 +260,14 @@ def _band(v: Variable, value: int) -> str:
 
 
 def _shade(figure: Any, stretches: list[tuple[float, float, str]]) -> None:
-    """Stretches of time behind the topmost row."""
+    """Shade stretches of time behind the topmost row."""
     for begin, end, colour in stretches:
         rectangle = {"type": "rect", "xref": "x", "yref": "y domain", "x0": begin, "x1": end, "y0": 0, "y1": 1}
         figure.add_shape(rectangle | {"fillcolor": colour, "opacity": 0.45, "line": {"width": 0}, "layer": "below"})
 
 
 def _commands(figure: Any, row: int, scenario: Scenario, by_name: Mapping[str, Variable]) -> None:
-    """What was set, and when: a dashed line through all rows, and a mark in a lane that tells it under the pointer."""
+    """Draw what was set, and when: a dashed line through all rows, and a mark with a text under the pointer."""
     texts = [", ".join(f"{n} = {by_name[n].text(value)}" for n, value in s.values.items()) for s in scenario.settings]
     times = [s.at for s in scenario.settings]
     for t, text in zip(times, texts, strict=True):

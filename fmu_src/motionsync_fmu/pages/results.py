@@ -1,4 +1,4 @@
-"""Writes what a run of a scenario has shown: the outputs, the inputs for FMPy, and the report."""
+"""Writes the results of a run of a scenario: the outputs, the inputs for FMPy, and the report."""
 
 from pathlib import Path
 
@@ -24,7 +24,7 @@ def write_outcome(
     results = folder / f"{name}_out.csv"
     results.write_text(csv_text(["time", *recording.values], recording.rows()))
     inputs = inputs_file(scenario)
-    if not inputs.exists():  # a scenario of the user's own
+    if not inputs.exists():  # a user's own scenario may have no such file
         inputs = folder / inputs.name
         inputs.write_text(inputs_csv(scenario))
     page = folder / "report.html"

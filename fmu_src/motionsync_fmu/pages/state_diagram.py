@@ -33,7 +33,7 @@ DOT = '<circle cx="{x:g}" cy="{y:g}" r="4" fill="#1d2730"/>'
 
 @dataclass(frozen=True)
 class Transition:
-    """From which state a transition leads to which, and when: Markdown, empty for a transition without condition."""
+    """A transition: its first state, its next state, and its condition in Markdown (empty: no condition)."""
 
     source: str
     target: str
@@ -45,7 +45,7 @@ class Diagram:
     """What a diagram shows.
 
     Attributes:
-        rows: the names of the groups and of the states; the states of a group follow it.
+        rows: the names of the groups and of the states; the states of a group follow its name.
         groups: the states of each group.
     """
 
@@ -60,7 +60,7 @@ class Diagram:
 
 
 def read(text: str) -> Diagram:
-    """The lines `A --> B : when` of a mermaid diagram, and its groups of states; what else it holds is left out."""
+    """The lines `A --> B : when` of a mermaid diagram, and its groups of states; all other lines are ignored."""
     diagram = Diagram([], {}, [])
     group = ""
     for line in text.splitlines():
@@ -106,13 +106,13 @@ def _picture(diagram: Diagram, found: list[Transition], begins: set[str]) -> Mar
 
 
 def _frame(members: int, y: float, left: float, width: float) -> str:
-    """Around the states of a group, and its name above them."""
+    """The frame around the states of a group, with the name of the group above them."""
     height = members * (BOX + GAP) + BOX + 12.0
     return FRAME.format(x=left - 8.0, y=y - BOX / 2.0 - 6.0, w=width + 16.0, h=height, fill="none", dash=DASHED)
 
 
 def _box(name: str, y: float, left: float, width: float, group: bool, begins: bool) -> str:
-    """A state, or the name of a group; the one in which the block begins has a dot beside it."""
+    """The box of a state, or of a group's name; the one in which the block begins has a dot beside it."""
     fill, dash = ("#fff", DASHED) if group else ("#e8edf2", "")
     box = FRAME.format(x=left, y=y - BOX / 2.0, w=width, h=BOX, fill=fill, dash=dash)
     dot = DOT.format(x=left + 12.0, y=y) if begins else ""
@@ -120,7 +120,7 @@ def _box(name: str, y: float, left: float, width: float, group: bool, begins: bo
 
 
 def _place(begin: float, end: float, span: int, left: float, width: float) -> tuple[float, float, float, float]:
-    """Of an arc: the edge of the boxes that it joins, how far it reaches, and the heights of both its ends."""
+    """The geometry of an arc: the edge of its boxes, how far the arc reaches, and the heights of both its ends."""
     side = -1.0 if span < 0 else 1.0
     edge = left if span < 0 else left + width
     a, b = (begin + side * 6.0, end - side * 6.0) if span else (begin - 7.0, begin + 7.0)
@@ -128,7 +128,7 @@ def _place(begin: float, end: float, span: int, left: float, width: float) -> tu
 
 
 def _arc(begin: float, end: float, span: int, left: float, width: float) -> str:
-    """A transition between the middles of two boxes; the arc reaches the farther the more rows it spans."""
+    """A transition between the middles of two boxes; the more rows the arc spans, the farther it reaches."""
     edge, far, a, b = _place(begin, end, span, left, width)
     control = edge + (far - edge) * 4.0 / 3.0  # a cubic reaches 3/4 of the distance to its two control points
     return PATH.format(edge=edge, control=control, a=a, b=b)
@@ -143,7 +143,7 @@ def _numbers(begin: float, end: float, span: int, left: float, width: float, num
 
 
 def _table(found: list[Transition], starts: list[Transition]) -> Markup:
-    """The transitions by their numbers, after the states in which the block may begin, if that has a condition."""
+    """The table of the transitions by number; a condition for the state in which the block begins comes first."""
     head = Markup("<table>\n<tr><th></th><th>from</th><th>to</th><th>when</th></tr>\n")
     row = Markup('<tr><td>{}</td><td class="name">{}</td><td class="name">{}</td><td>{}</td></tr>\n')
     markdown = MarkdownIt("commonmark", {"html": False})

@@ -13,17 +13,17 @@ from typing import Any, ClassVar, NoReturn
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from ..interface.variables import LONGEST_STEP, Cell, Variable, cells, explained, members, shown, spoken_of, variables
+from ..interface.variables import Cell, Variable, cells, explained, members, spoken_of, step_size_refusal, variables
 
 State = dict[str, Any]
 FAILURES: tuple[type[Exception], ...] = (ValueError, ArithmeticError, LookupError)
 
 
 def keep(*things: Any) -> None:
-    """Take a reference to each thing, for PythonFMU 0.7 to give back.
+    """Add a reference to each of these objects, since PythonFMU 0.7 releases references that it does not own.
 
-    PythonFMU gives back references that it does not own: those of the script's names at each instantiation, for which
-    it runs the script anew, and at each exception those of the class, the instance and its log, all still in use."""
+    At each instantiation PythonFMU runs the script anew and releases the dictionary of the script's names. At each
+    exception it releases the class, the instance and the instance's log. All these objects are still in use."""
     for thing in things:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(thing))
 
@@ -73,7 +73,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         self.stepping = True
 
     def initialize(self) -> None:
-        """Judge every parameter and input, then let the block derive its initial state from them."""
+        """Check every parameter and input, then let the block derive its initial state from them."""
         self.judge(self.settable)
         self.attempt(self.block.initialize)
 
@@ -83,10 +83,8 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         The answer is False (fmi2Discard) if the step fails: an exception would make PythonFMU give up the instance."""
         codes = [v.cell.get() for v in self.codes]
         try:
-            if not 0.0 < step_size <= LONGEST_STEP:
-                raise ValueError(
-                    f"step size = {shown(step_size)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
-                )
+            if refusal := step_size_refusal(step_size):
+                raise ValueError(refusal)
             for value, (low, high) in zip(self.read_inputs(self.block), self.limits, strict=True):
                 if not low <= value <= high:  # NaN fails every comparison
                     self.judge(self.inputs)
@@ -134,7 +132,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         self.log(text.replace("%", "percent"), status)
 
     def _get(self, kinds: tuple[str, ...], references: list[int]) -> list[Any]:
-        if self.initializing:  # outputs follow parameters and inputs; the end of the initialization reports mistakes
+        if self.initializing:  # outputs follow parameters and inputs; the end of this mode reports mistakes
             with suppress(*FAILURES):
                 self.initialize()
         key = (kinds, *references)
@@ -168,7 +166,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
     set_boolean = partialmethod(_set, ("Boolean",))
 
     def values(self) -> list[Any]:
-        """The whole state of the block, independent of what it does later."""
+        """A copy of the whole state of the block."""
         values = list(self.read_cells(self.block))
         for i in self.lists:
             values[i] = values[i].copy()
@@ -192,7 +190,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> State:
-        """The state in these bytes; an empty one, which `_set_fmu_state` refuses with a log line, if they hold none."""
+        """The state in these bytes. If they hold none, it is empty, and `_set_fmu_state` refuses it with a log line."""
         try:
             read = json.loads(state)
         except ValueError:
@@ -208,7 +206,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
 
 def reader(names: Iterable[str]) -> Callable[[Any], tuple[Any, ...]]:
-    """A function that reads the attributes at these paths of an object, as a tuple also where there is one."""
+    """A function that reads the attributes at these paths of an object; it returns a tuple even for one path."""
     paths = list(names)
     if len(paths) > 1:
         return attrgetter(*paths)

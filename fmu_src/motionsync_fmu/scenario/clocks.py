@@ -1,8 +1,8 @@
 """Two clocks and the telegrams between them: what a receiver sees of an axis whose controller has a clock of its own.
 
 All times are the receiver's, in s: its cycle i acts at i times its cycle. The sender's cycles are nearly as long, or a
-whole multiple or part of that; in each it sends a telegram with its index and with the axis as it is at that instant.
-Everything is known exactly: the sender's index at any time as a real number, and the axis.
+whole multiple or part of that. In each of its cycles the sender sends a telegram with the index of the cycle and the
+motion of the axis at that instant. The sender's index at any time, as a real number, and the axis are known exactly.
 """
 
 import math
@@ -17,7 +17,7 @@ from .recording import Reals
 from .script import Script
 
 Integers = np.ndarray[Any, np.dtype[np.int64]]
-CLOSE = 1e-6  # of a cycle: an instant so little after a time is at it
+CLOSE = 1e-6  # of a cycle: a time that follows an instant by less is taken for that instant
 FARTHEST = 0.45  # of the shorter cycle: jitter moves no instant farther, so that cycles and telegrams keep their order
 BEFORE = 2  # telegrams sent before time 0: one of them is seen until the first one arrives
 
@@ -35,10 +35,9 @@ class Telegrams:
     """The telegrams that the receiver sees, one for each of its cycles.
 
     Attributes:
-        index: of the telegram, counted on from the first one without wrapping; shape (cycles,).
-        cycle_index: the same as the telegram tells it: from 0 to below `Clocks.wraps_at`.
-        motion: position, velocity and acceleration of the axis as the telegram tells them, in u, u/s, u/s2; shape
-            (cycles, 3).
+        index: the telegram's index, counted on from the first telegram without wrapping; shape (cycles,).
+        cycle_index: the index as the telegram contains it: from 0 to below `Clocks.wraps_at`.
+        motion: position, velocity and acceleration of the axis in the telegram, in u, u/s, u/s2; shape (cycles, 3).
         true_index: the sender's index at the cycle's instant, a real number that never wraps; shape (cycles,).
     """
 
@@ -56,13 +55,13 @@ class Clocks:
         task_cycle: the receiver's cycle, in s.
         rates: the sender's cycles, the first from 0 on. Where they change, the phase goes on continuously.
         phase: how long before time 0 the first telegram is sent, as a share of the sender's cycle: from 0 to below 1.
-        jitter: of the instants at which telegrams are sent, and of those at which they are read: independent and
-            Gaussian, one standard deviation as a share of the receiver's cycle. A telegram tells the axis at the
-            instant without jitter.
-        seed: of the jitter; the same seed gives the same one, however long the run.
+        jitter: the jitter of the instants at which telegrams are sent, and of those at which they are read. Both are
+            independent and Gaussian; this is their standard deviation as a share of the receiver's cycle. A telegram
+            describes the axis at the instant without jitter.
+        seed: the seed of the jitter; the same seed gives the same jitter, however long the run is.
         lost: first and last index of telegrams that never arrive, counted as `Telegrams.index` is; none of these
             ranges begins before the first telegram.
-        first_index: of the first telegram, as the telegram tells it.
+        first_index: the index of the first telegram, as the telegram contains it.
         wraps_at: the index in a telegram begins again at 0 where it would reach this number.
     """
 
@@ -82,7 +81,7 @@ class Clocks:
     def shown(self, begin: float, end: float) -> int:
         """The cycle whose telegram a step shows: the first one in [begin, end).
 
-        In a step without a cycle it is the latest one, or cycle 0."""
+        In a step without a cycle it is the latest cycle before the step, or cycle 0."""
         return max(min(self.acted(begin), self.acted(end) - 1), 0)
 
     def true_index(self, times: Reals) -> Reals:
@@ -123,13 +122,13 @@ class Clocks:
 
     @cached_property
     def _pieces(self) -> tuple[Reals, Reals, Reals]:
-        """The times from which on the sender has another cycle, these cycles, both in s, and its index at these times,
-        counted from the first telegram."""
+        """The times at which the length of the sender's cycles changes, the lengths from then on, both in s, and the
+        sender's index at these times, counted from the first telegram."""
         at, cycle = np.array([(rate.at, rate.cycle) for rate in self.rates]).T
         return at, cycle, self.phase + np.concatenate([[0.0], np.cumsum(np.diff(at) / cycle[:-1])])
 
     def _noise(self, side: int, count: int) -> Reals:
-        """The jitter of a side's instants, in s, shape (count,)."""
+        """The jitter of the instants of one side, 0: the receiver, 1: the sender; in s, shape (count,)."""
         normal = np.random.default_rng((self.seed, side)).standard_normal(count)
         limit = FARTHEST * min(self.task_cycle, float(self._pieces[1].min()))
         return np.clip(self.jitter * self.task_cycle * normal, -limit, limit)

@@ -13,13 +13,13 @@ from .recording import Recording
 
 @dataclass(frozen=True)
 class CutSpec:
-    """How cuts are found and judged: the slave is a saw that cuts the master's material while a Boolean is true.
+    """How cuts are found and checked: the slave is a saw that cuts the master's material while a Boolean is true.
 
     Attributes:
-        name: the Boolean.
+        name: the name of the Boolean.
         length: distance of the marks on the material, in u; one of them lies at `offset`.
         ratio: the slave's travel over the master's.
-        tolerance: the greatest allowed distance of a cut from its mark, in u; None: it is not judged.
+        tolerance: the greatest allowed distance of a cut from its mark, in u; None: this is not checked.
         count: how many cuts there have to be; None: any number.
     """
 

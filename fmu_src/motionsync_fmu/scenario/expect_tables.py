@@ -11,7 +11,7 @@ CONDITION = re.compile(r"\s*([\w.]+)\s*(?:(==|<|>)\s*(\S+)\s*)?")
 
 
 def read_expectation(table: Table, block: Subject, stop_time: float) -> Expectation:
-    """One expectation; which of the three kinds it is, its keys tell.
+    """One expectation; its keys decide which of the three kinds it is.
 
     Raises:
         UserError: the first mistake in it.

@@ -17,10 +17,10 @@ TYPES = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolea
 
 
 def recipe_of(fmu: Path) -> Recipe:
-    """From what a built FMU was made, with the start values of all its parameters and inputs.
+    """The recipe of a built FMU, with the start values of all its parameters and inputs.
 
     Raises:
-        UserError: it is not an FMU that can be read.
+        UserError: the file is not an FMU that can be read.
     """
     try:
         description = fmpy.read_model_description(str(fmu))
@@ -79,7 +79,7 @@ class FmuInstance:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def initialize(self, values: Mapping[str, Any] | None = None) -> Self:
-        """From instantiation to step mode at time 0, with these start values and inputs."""
+        """Lead the FMU from instantiation to step mode at time 0, with these start values and inputs."""
         self.call(self.unit.setupExperiment, startTime=0.0)
         self.call(self.unit.enterInitializationMode)
         self.set(values or {})
@@ -116,12 +116,12 @@ class FmuInstance:
         """Call into the FMU.
 
         Raises:
-            FmuError: it failed; the text is what it logged meanwhile.
+            FmuError: the call failed; the text is what the FMU logged during the call.
         """
         before = len(self.messages)
         try:
             return function(*arguments, **options)
         except FMICallException as e:
             texts = self.messages[before:]
-            own = [t for t in texts if not t.startswith("Fatal py exception")]  # of PythonFMU: says nothing more
+            own = [t for t in texts if not t.startswith("Fatal py exception")]  # PythonFMU's, with no more in it
             raise FmuError("; ".join(own or texts) or str(e)) from e

@@ -47,7 +47,7 @@ class Deviation:
 
 
 def check(scenario: Scenario, recording: Recording) -> list[Check]:
-    """Every expectation of the scenario, judged; those of its cuts and of its remote axis come last."""
+    """What was found for every expectation of the scenario; its cuts and its remote axis come last."""
     found: list[Check] = []
     texts = {name: v.text for name, v in scenario.recipe.variables.items()}
     for e in scenario.expectations:
@@ -76,7 +76,9 @@ def _at_time(e: AtTime, recording: Recording, texts: Mapping[str, Callable[[floa
 
 
 def _when(e: When, recording: Recording, cycle: float) -> Check:
-    """Without a tolerance the time of an event is known to one step, that of a cyclic block to one cycle."""
+    """`cycle`: the length of the block's own cycles, in s, or 0.
+
+    An expectation without a tolerance allows one step of the run, or one cycle if that is longer."""
     tolerance = max(float(np.diff(recording.time).max()), cycle) if e.tolerance is None else e.tolerance
     holds = np.asarray(COMPARISONS[e.comparison](recording.values[e.name], e.value))
     expected = f"first {e.text} at {e.time:g} s ± {tolerance:g}"
@@ -149,10 +151,10 @@ def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dt
 
 
 def compare(scenario: Scenario, recording: Recording) -> list[Deviation]:
-    """A recording against the reference at their common times.
+    """Compare a recording with the reference at their common times.
 
-    Two reference rows of one time are the values before and after a jump: anything between them agrees. The tolerance
-    is relative to the greatest magnitude of the variable in the reference, at least 1.
+    Two rows of the reference at one time are the values before and after a jump; any value between them agrees. The
+    tolerance is relative to the greatest magnitude of the variable in the reference, at least 1.
     """
     reference = read_reference(scenario)
     if reference is None:

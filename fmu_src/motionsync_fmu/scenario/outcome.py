@@ -1,4 +1,4 @@
-"""What came of a run: the record that `motionsync run` prints."""
+"""The outcome of a run: the record that `motionsync run` prints."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -9,17 +9,17 @@ from .judge import Check, Deviation
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run of a scenario has shown, and where it is written. The fields are the keys of `--json`.
+    """The results of a run of a scenario, and where they are written. The fields are the keys of `--json`.
 
     Attributes:
         scenario: the folder of the scenario.
         fmu: the block's name.
-        step_size: of this run, in s.
+        step_size: the step size of this run, in s.
         reference: how far the run is from the reference; empty without one.
         cuts: empty if the scenario has no table [cuts].
         messages: what the FMU logged.
         result: the CSV file with the outputs.
-        report: the HTML page; None: none is written.
+        report: the HTML page; None: no page is written.
         fmpy: the command line that does the same with FMPy alone.
     """
 

@@ -28,7 +28,7 @@ FILE = "scenario.toml"
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
 TABLES = ("start", "master", "remote", "set", "expect", "cuts", "picture")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
-HELD = ("velocity", "acceleration", "jerk")  # what a segment may hold
+HELD = ("velocity", "acceleration", "jerk")  # what a segment may keep constant
 MOST_STEPS = 1_000_000  # their results still fit into memory
 
 
@@ -110,15 +110,15 @@ def read_times(top: Table) -> tuple[float, float]:
 
 
 class Reader:
-    """Reads the tables of a file that speak of one block.
+    """Reads the tables of a file that concern one block.
 
     Attributes:
         recipe: the block's FMU.
-        axis: the variables of its remote axis; None: the block has a master.
+        axis: the block's remote axis; None: the block has a master.
     """
 
     def __init__(self, top: Table, name: str, stop_time: float, origin: str = "") -> None:
-        """`origin`: from where the inputs of the scripted axis come, in words; empty: from its script."""
+        """`origin`: where the inputs of the scripted axis come from, in words; empty: from the script of the axis."""
         self.top = top
         self.stop_time = stop_time
         self.recipe = Recipe(name)

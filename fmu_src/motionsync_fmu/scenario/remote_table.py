@@ -11,10 +11,10 @@ from .script import Script
 from .telegrams import Accuracy, Remote
 from .toml_tables import Table
 
-KEYS = ("sender_cycle", "phase", "jitter", "seed", "lost", "first_index", "accuracy")  # beside the script's
-LISTS = ("sender_cycle",)  # of tables, each on a line of its own or not
+KEYS = ("sender_cycle", "phase", "jitter", "seed", "lost", "first_index", "accuracy")  # beside the keys of the script
+LISTS = ("sender_cycle",)  # the keys whose values are lists of tables
 MOST_CYCLES = 1_000_000  # their results still fit into memory
-MOST_JITTER = 0.15  # of a cycle: nearly all of it is then less than what keeps the order of cycles
+MOST_JITTER = 0.15  # of a cycle: `clocks.FARTHEST` is three times as much, so it limits hardly any instant
 
 
 def read_remote(
@@ -27,7 +27,8 @@ def read_remote(
 ) -> Remote:
     """How a block sees the scripted axis.
 
-    `values`: of the block's variables at the start; they tell its cycles, and `settings` what its outputs describe.
+    `values`: the start values of the block's variables, with the lengths of its cycles and its first delay; `settings`:
+    the later changes of the delay.
 
     Raises:
         UserError: the first mistake in the table.

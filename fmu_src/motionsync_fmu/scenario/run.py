@@ -28,9 +28,8 @@ def points(scenario: Scenario, step_size: float) -> list[float]:
     extra += [e.at for e in scenario.expectations if isinstance(e, AtTime)]
     extra += [t for e in scenario.expectations if isinstance(e, Within) for t in (e.begin, e.end)]
     extra += [*scenario.master.breaks[1:], scenario.stop_time]
-    breaks = set(
-        scenario.master.breaks
-    )  # of equal times the script's break is kept: `until` then gives the motion that ends there
+    # Of points at nearly the same time the script's break is kept: `until` then gives the motion that ends there.
+    breaks = set(scenario.master.breaks)
     grid = [i * step_size for i in range(math.floor(scenario.stop_time / step_size * (1.0 + 1e-12)) + 1)]
     kept: list[float] = []
     exact = set(extra)
@@ -57,8 +56,8 @@ def inputs(scenario: Scenario, t: float, end: float) -> dict[str, float]:
 
 
 def schedule(scenario: Scenario, step_size: float) -> Iterator[tuple[float, float, dict[str, Any]]]:
-    """Of each step: its beginning, its end, and the inputs that are set for it: the axis, and the scenario's settings
-    at the step at which they change."""
+    """The begin and end of each step, and the inputs that are set before it: those of the axis, and the scenario's
+    settings that change at this step."""
     waiting = sorted(scenario.settings, key=lambda s: s.at)
     grid = points(scenario, step_size)
     for t, end in pairwise(grid):
@@ -119,7 +118,7 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Recording:
 
 
 def run_in_process(scenario: Scenario, step_size: float) -> Recording:
-    """Step the scenario's block in this process: what its FMU would put out, without one.
+    """Step the scenario's block in this process; the recording is what the block's FMU would put out.
 
     Raises:
         UserError: the block refused its initialization or a step; the message has the time and the reason.

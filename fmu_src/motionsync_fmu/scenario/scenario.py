@@ -36,12 +36,13 @@ class AtTime:
 
 @dataclass(frozen=True)
 class When:
-    """The first time, in s, at which a condition is expected to hold: a variable that compares so with a value.
+    """The first time, in s, at which a condition is expected to hold: a comparison of a variable with a value.
 
     Attributes:
         text: the condition as the file has it.
         comparison: a key of COMPARISONS.
-        tolerance: of the time; None: one step of the run, or one cycle of a cyclic block if that is longer.
+        tolerance: the tolerance of the time, in s; None: one step of the run, or one cycle of a cyclic block if that is
+            longer.
     """
 
     text: str
@@ -72,8 +73,8 @@ class Picture:
     Attributes:
         shaded: a Boolean output; the picture is shaded where it is true. Empty: nothing is shaded.
         curves: further outputs, each with the label of a plot of its own.
-        variants: runs that are shown beside one another: what each is called, and its further start values. Without any
-            the scenario itself is shown.
+        variants: the runs that are shown together: the name of each, and its further start values. Empty: the scenario
+            itself is shown.
     """
 
     shaded: str = ""
@@ -87,13 +88,14 @@ class Scenario:
 
     Attributes:
         recipe: the FMU that runs it.
-        unit: of positions, for reports; the numbers of the FMU do not depend on it.
-        slave_unit: of the slave's positions where the block tells both axes' units apart; empty: `unit`.
-        tolerance: of the reference, relative to the greatest magnitude of each variable in it.
+        unit: the unit of positions, for reports; the numbers of the FMU do not depend on it.
+        slave_unit: the unit of the slave's positions, for a block whose axes may have different units; empty: the same
+            as `unit`.
+        tolerance: the tolerance of the reference, relative to the greatest magnitude of each variable in it.
         master: the scripted axis; where it is a remote one, the true axis.
         remote: how the block sees a remote axis; None: the block has a master.
-        cuts: how its cuts are judged; None: they are not.
-        picture: how it is drawn where it is a block's example.
+        cuts: how its cuts are checked; None: they are not.
+        picture: how the scenario is drawn where it is a block's example.
     """
 
     file: Path
@@ -115,7 +117,7 @@ class Scenario:
 
     @property
     def name(self) -> str:
-        """The name of its folder."""
+        """The name of the scenario's folder."""
         return self.file.resolve().parent.name
 
     @property

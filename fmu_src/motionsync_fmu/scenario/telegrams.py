@@ -22,10 +22,10 @@ class Accuracy:
     """How near the block has to be to the truth.
 
     Attributes:
-        begin: from when on, in s.
-        index: of the corrected index to the sender's true index, peak to peak in the sender's cycles; None: it is
-            not judged.
-        position: of `slave.position` to the true axis, in u; None: it is not judged.
+        begin: the time from which this is checked, in s.
+        index: the greatest allowed error of the corrected index against the sender's true index, peak to peak in the
+            sender's cycles; None: this is not checked.
+        position: the greatest allowed distance of `slave.position` from the true axis, in u; None: this is not checked.
         behind: how many data cycles the slave is behind the axis by design.
     """
 
@@ -42,11 +42,11 @@ class Remote:
     Attributes:
         names: the block's variables that belong to the axis.
         axis: the true axis.
-        cycles: how many cycles of the receiver there are.
+        cycles: the number of the receiver's cycles in the run.
         data_cycle: nominal distance of the telegrams, in s.
         delays: by how much the block's outputs are later than a cycle's instant, from a time on, both in s; the first
             from 0 on.
-        accuracy: how near the block has to be to the truth; None: it is not judged.
+        accuracy: how near the block has to be to the truth; None: this is not checked.
     """
 
     names: RemoteAxis
@@ -75,10 +75,11 @@ class Errors:
 
     Attributes:
         time: in s.
-        received: the axis as the telegrams told it, shape (points - 1, 3): u, u/s, u/s2.
+        received: the axis as the telegrams described it, shape (points - 1, 3): u, u/s, u/s2.
         index, corrected_index: of the telegram and of the block, in the sender's cycles; positive: ahead of the
-            sender. As the telegrams' index wraps, so do they: to less than half of `Clocks.wraps_at`.
-        position, corrected_position: of the telegram at the cycle's instant, and of the slave, in u.
+            sender. The telegrams' index wraps; therefore these errors wrap, too, to less than half of
+            `Clocks.wraps_at`.
+        position, corrected_position: the errors of the telegram, at the cycle's instant, and of the slave, in u.
     """
 
     time: Reals
@@ -115,5 +116,5 @@ def _positions(axis: Script, times: Reals) -> Reals:
 
 
 def _wrapped(difference: Reals, wraps_at: int) -> Reals:
-    """A difference of indices, of which at least one wraps, without whole turns of the counter."""
+    """The difference of two indices, without whole turns of the counter."""
     return np.asarray(difference - wraps_at * np.round(difference / wraps_at))

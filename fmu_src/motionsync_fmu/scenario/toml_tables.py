@@ -1,6 +1,6 @@
-"""TOML files whose mistakes are told with file, line and key.
+"""TOML files whose mistakes are reported with file, line and key.
 
-`tomllib` does not tell on which line a key stands; the lines are found here by a look at the text.
+`tomllib` does not report the line of a key. Therefore this module searches the text for the lines.
 """
 
 import math
@@ -19,10 +19,10 @@ Place = tuple[str, int, str]
 
 
 def read_toml(file: Path, lists: Iterable[str] = ()) -> "Table":
-    """The top level of a file; `lists`: keys whose values are lists of tables, on a line each or not.
+    """The top level of a file; `lists`: keys whose values are lists of tables in braces, on one line or on several.
 
     Raises:
-        UserError: it cannot be read, or is no TOML.
+        UserError: the file cannot be read, or is not TOML.
     """
     text = ""
     try:
@@ -48,7 +48,7 @@ def literal(text: str) -> Any:
 
 
 def real(value: float) -> float:
-    """As a float; infinite where an integer is beyond all floats."""
+    """The value as a float; infinite for an integer that is greater than every float."""
     try:
         return float(value)
     except OverflowError:
@@ -67,7 +67,7 @@ class Table:
     """One table of a file. Its methods read a key's value, or fail with one `UserError` that names file, line and key.
 
     Attributes:
-        name: with dots; empty: the top level.
+        name: the table's name, with dots; empty: the top level.
         values: what the table holds.
     """
 
@@ -99,7 +99,7 @@ class Table:
         most: float = math.inf,
         below: float = math.inf,
     ) -> float:
-        """A finite number within these limits; the default need not be."""
+        """A finite number within these limits; the default is not checked."""
         value, given = self.values.get(key, default), key in self.values
         if value is None:
             self.fail(key, "is missing")
@@ -156,7 +156,7 @@ class Table:
         return InlineTable(self, key, value) if isinstance(value, dict) else None
 
     def fail(self, key: str, message: str) -> NoReturn:
-        """A mistake at a key, or with "" in the whole table.
+        """Report a mistake at a key; the key "" stands for the whole table.
 
         Raises:
             UserError: always.
@@ -169,7 +169,7 @@ class Table:
 
 
 class InlineTable(Table):
-    """A table in braces: its mistakes stand at its own key in the table around it."""
+    """A table in braces: its mistakes are reported at its own key in the table around it."""
 
     def __init__(self, around: Table, key: str, values: dict[str, Any]) -> None:
         super().__init__(around._source, f"{around.name}.{key}", 0, values)
@@ -180,7 +180,7 @@ class InlineTable(Table):
 
 
 def _lines(text: str, lists: tuple[str, ...]) -> dict[Place, int]:
-    """On which line each table and each key begins."""
+    """The line on which each table and each key begins."""
     found: dict[Place, int] = {}
     tables: Counter[str] = Counter()
     table, i, listing = "", 0, ""

@@ -15,10 +15,10 @@ class Subject:
     """The block whose variables a table names.
 
     Attributes:
-        name: the block's.
-        variables: all of them by name.
+        name: the block's name.
+        variables: the block's variables by name.
         scripted: the part of the block whose inputs no table sets, since they come from elsewhere.
-        origin: from where they come, in words.
+        origin: where these inputs come from, in words.
     """
 
     name: str
@@ -61,7 +61,7 @@ class VariableTable:
         return v
 
     def refuse(self, v: Variable, key: str) -> NoReturn:
-        """Fail since the table may not name the variable."""
+        """Fail because the table may not name the variable."""
         named = f"{v.name} " if key else ""
         self.table.fail(key or v.name, f"{named}is a {v.variability} {v.causality}, not {self.wanted}")
 
@@ -134,7 +134,7 @@ class FlagTable(VariableTable):
 
 
 def is_of_kind(v: Variable, value: Any) -> bool:
-    """Whether a TOML value is of the variable's type; a whole number is a Real too, a Boolean no number."""
+    """Whether a TOML value is of the variable's type; a whole number is a Real, too, and a Boolean is not a number."""
     if v.kind == "Boolean" or isinstance(value, bool):
         return v.kind == "Boolean" and isinstance(value, bool)
     return isinstance(value, int | float) if v.kind == "Real" else isinstance(value, int)

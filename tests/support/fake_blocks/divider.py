@@ -1,4 +1,4 @@
-"""A block with a variable of each type as an input, which fails in each way: for tests of what serves any block."""
+"""A block with an input of each type that fails in each possible way, for tests of tools that serve any block."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class Answer(Enumeration):
 
 @dataclass(slots=True)
 class Divider:
-    """A division by what it is given."""
+    """Divides a gain by a divisor."""
 
     divisor: float = var.input(1.0, "the divisor")
     gain: float = var.parameter(1.0, "a factor", tunable=True, above=0.0)

@@ -76,14 +76,14 @@ class Listener:
 
 @contextmanager
 def registered() -> Iterator[None]:
-    """The Listener among the blocks."""
+    """The context in which the Listener is one of the registered blocks."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(BLOCKS, "Listener", Listener)  # type: ignore[arg-type]
         yield
 
 
 class ListenerOracle:
-    """A Listener in the form of an oracle; beside its outputs it answers what it was shown."""
+    """A Listener in the form of an oracle; a step answers all its cells, the inputs included."""
 
     def __init__(self, parameters: dict[str, Any], shown: dict[str, Any]) -> None:
         self.stepper = Stepper(Listener()).set(parameters | shown)

@@ -1,6 +1,6 @@
 """A block around the slave's own motion: for tests of its compiled code.
 
-It stands alone since a module of tests, whose functions are wrapped, cannot be compiled.
+It has a module of its own, since the functions of a test module are wrapped and cannot be compiled.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from motionsync.motion import Motion
 
 @dataclass(slots=True)
 class Planner:
-    """Plans what `kind` tells from `given`, if it is not 0, and goes on by a step."""
+    """Each step plans the motion that `kind` selects from the numbers in `given` (0: none), and advances it."""
 
     motion: Motion = var.part(Motion)
     kind: int = 0

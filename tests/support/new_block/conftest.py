@@ -1,3 +1,3 @@
-"""The files below are those of a block that CONTRIBUTING adds; they run where a test has copied them to."""
+"""The files of the block in CONTRIBUTING's example; a test runs them in a copy of the project."""
 
 collect_ignore_glob = ["*"]

@@ -103,7 +103,7 @@ class Expressions(ast.NodeVisitor):
         if isinstance(meaning, ast.Assign | ast.AnnAssign) and meaning.value is not None:
             known = self.package.constants
             if meaning not in known:
-                known[meaning] = "?"  # for a constant that is computed from itself
+                known[meaning] = "?"  # in case the constant is computed from itself
                 known[meaning] = Expressions(self.package, self.package.homes[meaning], []).value(meaning.value)
             return known[meaning]
         if meaning in MATH_CONSTANTS:

@@ -14,7 +14,7 @@ Bound: TypeAlias = frozenset[str] | None  # the locals that have a value; None: 
 
 
 def meet(a: Bound, b: Bound) -> Bound:
-    """What is bound where two paths join."""
+    """The locals that have a value where two paths join."""
     if a is None or b is None:
         return b if a is None else a
     return a & b
@@ -195,7 +195,7 @@ class Body(Expressions):
                 self.flag(node, "for runs one variable over range")
 
     def forget_loop_variables(self, loop: ast.While | ast.For) -> None:
-        """In the next round of a loop, a variable that an inner `for` has left behind is not used before that `for`."""
+        """Forget the variables of inner `for` loops: a later round may not use them before the inner loop sets them."""
         targets = [inner.target for inner in ast.walk(loop) if isinstance(inner, ast.For)]
         names = {target.id for target in targets if isinstance(target, ast.Name)} - set(self.loops)
         self.ended |= names

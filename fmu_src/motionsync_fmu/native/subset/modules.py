@@ -122,7 +122,7 @@ class Module(Expressions):
 
 
 def violations(package: Package, file: str) -> list[Violation]:
-    """What is outside the subset in one module of a package, in the order of its lines."""
+    """The violations in one module of a package, in the order of its lines."""
     module = Module(package, file, [])
     for statement in without_docstring(package.trees[file].body):
         module.visit(statement)
@@ -130,7 +130,7 @@ def violations(package: Package, file: str) -> list[Violation]:
 
 
 def check(package_sources: Mapping[str, str]) -> list[Violation]:
-    """What is outside the subset in the modules of the model, given as path inside the package to text.
+    """The violations in the modules of the model; `package_sources`: each module's text by its path in the package.
 
     Raises SyntaxError, with file and line, if a text is not Python at all.
     """

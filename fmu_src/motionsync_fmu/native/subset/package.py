@@ -22,7 +22,7 @@ class Package:
         self.names = {file: dict(self.module_names(tree)) for file, tree in self.trees.items()}
         self.homes = {node: file for file, tree in self.trees.items() for node in tree.body}
         classes = [(node, file) for node, file in self.homes.items() if isinstance(node, ast.ClassDef)]
-        self.constants: dict[ast.stmt, Kind] = {}  # their kinds, as they become known
+        self.constants: dict[ast.stmt, Kind] = {}  # kinds of the constants that have been visited
         self.enumerations = {
             node for node, file in classes if any(self.meaning(file, base) in ENUMERATIONS for base in node.bases)
         }
@@ -33,7 +33,7 @@ class Package:
 
     @staticmethod
     def origin(file: str, node: ast.ImportFrom) -> PurePosixPath | None:
-        """What a relative import takes names from: a module, without suffix, or a folder; None outside the package."""
+        """The module (without suffix) or folder of a relative import; None if it lies outside the package."""
         parents = PurePosixPath(file).parents
         inside = 0 < node.level <= len(parents)
         return parents[node.level - 1].joinpath(*(node.module or "").split(".")) if inside else None
@@ -92,7 +92,7 @@ class Package:
         return found if isinstance(found, ast.ClassDef) else "?"
 
     def member(self, owner: ast.ClassDef, name: str, sort: type[ast.stmt]) -> "Kind | None":
-        """The kind of a field, or of what a method returns, also of an inherited one; None: there is none."""
+        """The kind of a field, or of what a method returns, inherited ones included; None if there is none."""
         for item in owner.body:
             match item:
                 case ast.AnnAssign(target=ast.Name(id=found), annotation=annotation) if found == name and sort is type(

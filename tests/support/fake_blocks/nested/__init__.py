@@ -1,1 +1,1 @@
-"""A block that is a package, for tests: they copy it into a copy of the model."""
+"""A block that is a package; tests copy it into a copy of the model."""

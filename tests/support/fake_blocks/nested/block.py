@@ -1,4 +1,4 @@
-"""A block that follows its master up to a limit, on a slanted way."""
+"""A block that follows its master up to a limit, on an inclined axis."""
 
 from dataclasses import dataclass
 
@@ -30,10 +30,10 @@ class Limit:
 
 @dataclass(slots=True)
 class Nested:
-    """Follows its master up to a limit, on a slanted way."""
+    """Follows its master up to a limit, on an inclined axis."""
 
     master: Master = var.part(Master)
-    angle: float = var.parameter(0.0, "between the two ways", Unit.ANGLE, above=-90.0, below=90.0)
+    angle: float = var.parameter(0.0, "between the two axes", Unit.ANGLE, above=-90.0, below=90.0)
     keep: Limit = var.part(Limit)
     slave: Slave = var.part(Slave, depends={"position": ("master.position", "master.period", "angle")})
     state: State = var.output(State.FREE, "what it does")

@@ -1,4 +1,4 @@
-"""How far the slave may go: a module that takes from its own package and from the one above."""
+"""How far the slave may go: a module that imports from the packages around it."""
 
 from ..cosine import cosine
 from ..limits import clamp

@@ -1,1 +1,1 @@
-"""Nobody imports this: it is not part of the block."""
+"""No module imports this one: it is not part of the block."""

@@ -48,7 +48,7 @@ class Shifter(ShifterInterface):
         return Refusal.NONE
 
     def obey(self) -> None:
-        """An edge takes the offset, or refuses it."""
+        """Carry out the command: its edge sets the offset, or is refused."""
         if self.apply_edge.try_rise(self.apply):
             if self.least_offset <= self.offset <= self.greatest_offset:
                 self.error_id = Fault.NONE
