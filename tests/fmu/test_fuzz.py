@@ -15,12 +15,11 @@ from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync.remote_sync.block import MOST_CYCLES
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.interface.variables import Variable, refusals, variables
+from motionsync_fmu.interface.variables import LONGEST_STEP, Variable, refusals, variables
 from motionsync_fmu.native import libraries
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.llvm_text import llvm_text
 from motionsync_fmu.native.tables import model_header
-from motionsync_fmu.python.slave import LONGEST_STEP
 
 FUZZ = Path(__file__).with_name("fuzz.c")
 UNIT = Path(libraries.__file__).parent

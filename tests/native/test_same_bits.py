@@ -21,10 +21,9 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
-from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.interface.variables import LONGEST_STEP, variables
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import PLATFORMS
-from motionsync_fmu.python.slave import LONGEST_STEP
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from motionsync_fmu.scenario.reader import find, load
 from motionsync_fmu.scenario.run import simulate

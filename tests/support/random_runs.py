@@ -36,26 +36,29 @@ def drawn(name: str, steps: int, count: int) -> list[Run]:
 
 @cache
 def calm(name: str, h: float, steps: int, *, count: int = 20) -> Run:
-    """A run with steps of size h, none of which is refused: of `count` drawn runs, the one that meets most."""
+    """A run with steps of size h, none of which is refused: of `count` drawn runs, the one that shows most
+    states, and of these the one that meets most."""
     allows = {v.name: v.allows for v in Recipe(name).variables.values()}
     runs = [
         Run(run.start, [(h, {n: x for n, x in values.items() if allows[n](x)}) for _, values in run.steps])
         for run in drawn(name, steps, count)
     ]
     met = [_met(name, run) for run in runs]
-    assert max(met) > 0, f"every run of {name} has a refused step"
+    assert max(met) > (0, 0), f"every run of {name} has a refused step"
     return runs[met.index(max(met))]
 
 
-def _met(name: str, run: Run) -> int:
-    """How many different things a run meets; 0 if anything is refused."""
+def _met(name: str, run: Run) -> tuple[int, int]:
+    """How many states a run shows, and how many different things it meets; 0 and 0 if anything is refused."""
     stepper = Stepper(Recipe(name).block())
     watch = strategy(name).watch
+    states: set[int] = set()
     seen: set[Any] = set()
     try:
         stepper.initialize(run.start)
         for h, values in run.steps:
             seen |= watch(stepper.step(h, values).block)
+            states.add(stepper["state_code"])
     except RefusedError:
-        return 0
-    return len(seen)
+        return 0, 0
+    return len(states), len(seen)

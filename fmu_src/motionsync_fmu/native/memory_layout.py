@@ -158,7 +158,12 @@ def _namespace(function: FunctionType) -> dict[str, Any]:
     return _namespaces[module]
 
 
-@cache
 def _compiled(function: FunctionType) -> Any:
     """The compiled function: the same object for all modules that use it, so that it is compiled once."""
+    _namespace(function)  # making it compiles all functions of its module, this one too: that must be over before
+    return _compiled_once(function)
+
+
+@cache
+def _compiled_once(function: FunctionType) -> Any:
     return text_of(**OPTIONS)(_rebased(function))

@@ -29,6 +29,7 @@ from ..scenario.telegrams import Remote, errors
 from .style import MASTER, SLAVE
 
 STYLE: Any = {  # the same picture at every build
+    "path.simplify_threshold": 0.6,  # of a point, by which a simplified curve may differ
     "svg.hashsalt": "motionsync",
     "svg.fonttype": "none",
     "font.family": "sans-serif",
@@ -38,7 +39,7 @@ STYLE: Any = {  # the same picture at every build
     "grid.alpha": 0.3,
 }
 VARIANTS = (SLAVE, "#1f6fb2")  # the slave's colour in each of an example's runs
-ICON_COLOURS = 32  # an icon needs few shades
+ICON_COLOURS = 16  # an icon needs few shades
 SHADE: Any = {"color": "#d5ead8", "linewidth": 0.0, "zorder": 0}
 MOST_POINTS = 270  # of a line; of a longer recording only every n-th point is drawn
 
@@ -190,18 +191,29 @@ def svg(example: Scenario, unit: str, slave_unit: str = "") -> bytes:
         parts[-1].set_xlabel("time in s")
         out = io.BytesIO()
         figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-    return re.sub(rb"-?\d+\.\d{3,}", lambda x: b"%g" % round(float(x[0]), 2), out.getvalue())  # half the size
+    return compact(out.getvalue())
+
+
+def compact(drawn: bytes) -> bytes:
+    """A picture of Matplotlib's without what nobody sees, so that an FMU stays small: a third shorter when packed.
+
+    Places are given to a tenth of a point. Metadata, indentation and names that nothing refers to are left out."""
+    text = re.sub(rb"-?\d+\.\d{2,}", lambda number: b"%g" % round(float(number[0]), 1), drawn)
+    text = re.sub(rb"\s*<metadata>.*?</metadata>", b"", text, flags=re.S)
+    used = set(re.findall(rb"#(\w+)", text))
+    text = re.sub(rb' id="(\w+)"', lambda name: name[0] if name[1] in used else b"", text)
+    return re.sub(rb"\n\s+", b"\n", text)
 
 
 def icon(example: Scenario) -> bytes:
     """The example's main plot without axes, as a PNG."""
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(1.6, 1.6), dpi=100, layout="constrained")
+        figure = Figure(figsize=(1.28, 1.28), dpi=100, layout="constrained")
         axes = figure.subplots()
         _plot(axes, panels(example, example.unit)[0])
         axes.grid(visible=False)
         axes.set(xticks=[], yticks=[])
-        axes.set_title(example.recipe.name, fontsize=9)
+        axes.set_title(example.recipe.name, fontsize=8)
         out, small = io.BytesIO(), io.BytesIO()
         figure.savefig(out, format="png", metadata={"Software": None})
     Image.open(out).convert("RGB").quantize(ICON_COLOURS).save(small, "PNG", optimize=True)

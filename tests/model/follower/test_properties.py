@@ -14,8 +14,7 @@ from motionsync.follower.block import Follower
 from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from motionsync.master import MasterInput
-from motionsync_fmu.interface.variables import cells, variables
-from motionsync_fmu.python.slave import LONGEST_STEP
+from motionsync_fmu.interface.variables import LONGEST_STEP, cells, variables
 from tests.model.follower import strategies as drive_follower
 from tests.model.follower.harness import FollowerHarness
 from tests.support.harness import MOTION

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from motionsync.remote_sync.faults import Fault, Refusal
 from motionsync.remote_sync.interface import Estimator, Mode
-from motionsync_fmu.python.slave import LONGEST_STEP
+from motionsync_fmu.interface.variables import LONGEST_STEP
 from tests.model.remote_sync import strategies as drive_remote_sync
 from tests.model.remote_sync.harness import RemoteSyncHarness, T
 from tests.oracle.remote_sync import RemoteSyncOracle
