@@ -6,7 +6,7 @@ Source: Robox mv_follow2; what is decided where it is silent stands in README.md
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import floor, nearest, wrap
+from ..grid import first_at_or_after, floor, nearest, wrap
 from ..laws import chain_rule
 from ..limits import MOST, clamp, usable
 from ..master import MasterInput
@@ -450,7 +450,7 @@ class Follower(FollowerInterface):
         approach = self.approach_travel()
         origin = self.meeting_origin()
         least = max(place - SAME_PLACE * cycle + approach, self.current.no_meeting_before)
-        meeting = origin - floor((origin - least) / cycle) * cycle
+        meeting = first_at_or_after(origin, cycle, least)
         self.current.aim(self, meeting, approach)
 
     def try_choose_value(self, piece: int, place: float) -> bool:
@@ -553,7 +553,7 @@ class Follower(FollowerInterface):
         """Fixed cycle: to the first meeting that is half a cycle ahead, or more."""
         origin = self.meeting_origin()
         least = self.current.meeting + (0.5 - SAME_PLACE) * self.master_cycle
-        meeting = origin - floor((origin - least) / self.master_cycle) * self.master_cycle
+        meeting = first_at_or_after(origin, self.master_cycle, least)
         return self.current.try_leave(self, meeting, True, self.stop_in_park or self.stay_at_park)
 
     def try_leave_to_value(self) -> Fault:
