@@ -54,11 +54,13 @@ class Unit(Enum):
 
 
 class Role(Enum):
-    """What a variable is to a block that works in cycles of its own, on telegrams from a controller with another clock.
+    """What a variable is to a tool, which finds it by its role, whatever its name is. A block gives each role at most
+    once.
 
-    A tool finds the variables by these roles, whatever their names are. It makes the telegrams from the motion of an
-    axis, and it judges what the block puts out. A block gives each role at most once. The part in which the
-    CYCLE_INDEX lies is the remote axis: it also has `position`, `velocity` and `acceleration`.
+    The first five belong to a block that works in cycles of its own, on telegrams from a controller with another clock.
+    A tool makes the telegrams from the motion of an axis, and it judges what the block puts out. The part in which the
+    CYCLE_INDEX lies is the remote axis: it also has `position`, `velocity` and `acceleration`. The others are the
+    limits of the slave's axis, beside which a tool shows what the slave did.
     """
 
     TASK_CYCLE = "the length of the block's own cycles, s"
@@ -66,6 +68,12 @@ class Role(Enum):
     DELAY = "a time by which the outputs are later than the cycle's instant, s"
     CYCLE_INDEX = "the sender's cycle counter, as the telegram tells it"
     CORRECTED_INDEX = "the sender's cycle index at the cycle's instant, as the block estimates it"
+    MIN_POSITION = "the lower end position of the slave's axis"
+    MAX_POSITION = "the upper end position of the slave's axis"
+    MAX_VELOCITY = "the greatest speed of the slave's axis; 0: no limit"
+    MAX_ACCELERATION = "the greatest acceleration of the slave's axis; 0: no limit"
+    MAX_DECELERATION = "the greatest deceleration of the slave's axis; 0: as its greatest acceleration"
+    MAX_JERK = "the greatest jerk of the slave's axis; 0: no limit"
 
 
 class Enumeration(IntEnum):

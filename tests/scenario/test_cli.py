@@ -24,6 +24,7 @@ from typer.testing import CliRunner
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import cli
+from motionsync_fmu.commands import run
 from tests import ROOT
 from tests.support.fmus import Shared
 
@@ -660,7 +661,7 @@ def test_a_mistake_in_run_is_one_line(workshop: Command, arguments: tuple[str, .
 
 
 def test_a_step_size_with_absurdly_many_steps_is_one_line(workshop: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cli, "_run", lambda *_, **__: pytest.fail("it would take hours and all memory"))
+    monkeypatch.setattr(run, "_run", lambda *_, **__: pytest.fail("it would take hours and all memory"))
     assert_one_line(workshop("run", "stop", "--step-size", "1e-10"), "--step-size 1e-10", "steps")
 
 

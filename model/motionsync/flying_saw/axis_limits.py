@@ -5,7 +5,7 @@ from math import isfinite
 
 from .. import var
 from ..limits import LEAST_LIMIT, MOST
-from ..var import Unit
+from ..var import Role, Unit
 
 
 @dataclass(slots=True)
@@ -25,6 +25,7 @@ class AxisLimits:
         max=MOST,
         smallest=LEAST_LIMIT,
         zero=False,
+        role=Role.MAX_VELOCITY,
     )
     max_acceleration: float = var.parameter(
         10000.0,
@@ -35,6 +36,7 @@ class AxisLimits:
         max=MOST,
         smallest=LEAST_LIMIT,
         zero=False,
+        role=Role.MAX_ACCELERATION,
     )
     max_deceleration: float = var.parameter(
         10000.0,
@@ -45,15 +47,24 @@ class AxisLimits:
         max=MOST,
         smallest=LEAST_LIMIT,
         zero=False,
+        role=Role.MAX_DECELERATION,
     )
     max_jerk: float = var.parameter(
-        100000.0, "jerk limit, not 0", Unit.JERK, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT, zero=False
+        100000.0,
+        "jerk limit, not 0",
+        Unit.JERK,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+        zero=False,
+        role=Role.MAX_JERK,
     )
     min_position: float = var.parameter(
-        -1e9, "lower software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST
+        -1e9, "lower software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST, role=Role.MIN_POSITION
     )
     max_position: float = var.parameter(
-        1e9, "upper software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST
+        1e9, "upper software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST, role=Role.MAX_POSITION
     )
 
 

@@ -9,7 +9,7 @@ from .. import var
 from ..limits import LEAST_LIMIT, MOST, usable
 from ..master import Master
 from ..slave import Slave
-from ..var import Enumeration, Unit
+from ..var import Enumeration, Role, Unit
 from .faults import Fault
 
 LEAST_LENGTH = 1e-9  # M or S: the least length that a phase's law is laid over
@@ -170,7 +170,13 @@ class FollowerInterface:
         False, "a sync_master set too late is met by joining the running motion, if limits allow it (command bit 21)"
     )
     max_speed: float = var.parameter(
-        0.0, "speed limit; 0: none (maxSpe)", Unit.SLAVE_VELOCITY, tunable=True, min=0.0, max=MOST
+        0.0,
+        "speed limit; 0: none (maxSpe)",
+        Unit.SLAVE_VELOCITY,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        role=Role.MAX_VELOCITY,
     )
     max_acceleration: float = var.parameter(
         0.0,
@@ -180,6 +186,7 @@ class FollowerInterface:
         min=0.0,
         max=MOST,
         smallest=LEAST_LIMIT,
+        role=Role.MAX_ACCELERATION,
     )
     check_speed: bool = var.parameter(True, "max_speed is checked (not command bit 17)", tunable=True)
     check_acceleration: bool = var.parameter(True, "max_acceleration is checked (not command bit 18)", tunable=True)
