@@ -78,6 +78,11 @@ def digest(files: Files) -> str:
     return h.hexdigest()
 
 
+def dated() -> bool:
+    """Whether SOURCE_DATE_EPOCH gives the build a date to tell."""
+    return bool(os.environ.get("SOURCE_DATE_EPOCH"))
+
+
 def epoch() -> int:
     """The build's time in s since 1970: SOURCE_DATE_EPOCH, or the first instant that a zip file can hold.
 

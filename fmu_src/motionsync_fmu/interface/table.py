@@ -3,13 +3,19 @@
 from dataclasses import dataclass
 from typing import Any
 
+from motionsync.var import LARGEST_INPUT
+
 from .units import unit_name
 from .variables import Variable, summary, variables
+
+EVERY_INPUT = f"{-LARGEST_INPUT:g} to {LARGEST_INPUT:g}"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One variable; every column as a text, empty where the column does not apply."""
+    """One variable; every column as a text, empty where the column does not apply.
+
+    The allowed range is empty too where it is that of all Real inputs, ±1e12."""
 
     name: str
     causality: str
@@ -47,13 +53,15 @@ def groups(block: Any, unit: str, slave_unit: str = "") -> list[Group]:
 
 
 def _row(v: Variable, unit: str, slave_unit: str) -> Row:
+    start = next((member.name for member in v.choices if member == v.start), v.literal(v.start))
+    limited = v.kind in ("Real", "Integer") and v.allowed_range != EVERY_INPUT
     return Row(
         v.name,
         v.causality,
         v.variability,
         v.cell.type.__name__ if v.choices else v.kind,
         unit_name(v.declaration.unit, unit, slave_unit),
-        v.literal(v.start) if v.settable else "",
-        v.allowed_range if v.settable and v.kind in ("Real", "Integer") else "",
+        start if v.settable else "",
+        v.allowed_range if v.settable and limited else "",
         v.declaration.description,
     )
