@@ -23,7 +23,7 @@ from fmpy import simulate_fmu
 from typer.testing import CliRunner
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import cli
+from motionsync_fmu import __version__, cli
 from motionsync_fmu.commands import run
 from tests import ROOT
 from tests.support.fmus import Shared
@@ -769,6 +769,11 @@ def test_a_terminal_that_cannot_show_a_sign_is_no_reason_to_fail(built: Path, tm
 )
 def test_wrong_usage_is_one_line(arguments: list[str], part: str, tmp_path: Path) -> None:
     assert_one_line(process(tmp_path, *arguments), part)
+
+
+def test_the_version_is_told(motionsync: Command) -> None:
+    told = motionsync("--version")
+    assert (told.status, told.out, told.err) == (0, f"motionsync {__version__}\n", "")
 
 
 def test_without_arguments_the_help_is_shown(tmp_path: Path) -> None:
