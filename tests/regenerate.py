@@ -12,9 +12,10 @@ from typing import Any
 
 from motionsync.master import MasterInput
 from motionsync_fmu.scenario.crosscheck import csv_text, inputs_csv, options_text
-from motionsync_fmu.scenario.reader import find, load
+from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import inputs, schedule
 from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 from tests.support.by_block import folder
 

@@ -11,7 +11,6 @@ from ..scenario.telegrams import Remote
 from ..scenario.toml_tables import Table
 from .line import ENABLE, RAMP, REMOTE, Line, expected_names
 
-PATTERN = "line*.toml"
 TABLES = ("remote", "remote_sync", "start", "set", "expect", "cuts", "switches")
 TOLERANCE = 1e-9  # of the reference that each scenario may have; a line has none, so this number has no effect
 

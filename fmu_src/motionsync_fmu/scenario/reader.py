@@ -26,26 +26,11 @@ from .telegrams import Remote
 from .toml_tables import Table, read_toml
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
-FILE = "scenario.toml"
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
 TABLES = ("interface", "start", "master", "remote", "set", "expect", "cuts", "picture")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 HELD = ("velocity", "acceleration", "jerk")  # what a segment may keep constant
 MOST_STEPS = 1_000_000  # their results still fit into memory
-
-
-def find(path: Path, pattern: str = FILE) -> list[Path]:
-    """The files at a path: the file itself, or all below a folder whose names match the pattern.
-
-    Raises:
-        UserError: there is none.
-    """
-    if path.is_file():
-        return [path]
-    found = sorted(path.rglob(pattern))
-    if not found:
-        raise UserError(f"{path}: {f'no {pattern} below it' if path.is_dir() else 'no such file or folder'}")
-    return found
 
 
 def load(file: Path) -> Scenario:
