@@ -35,7 +35,7 @@ def load_line(file: Path) -> Line:
     follower = Scenario(
         file,
         top.string("title"),
-        top.string("source"),
+        top.string("source", ""),
         reader.recipe,
         unit,
         slave_unit,
