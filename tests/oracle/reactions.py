@@ -1,9 +1,9 @@
 """When the reactions of a scenario happen, found from an oracle's own trajectory.
 
-A controller looks at the outputs 1/128 of a scan before each scan, and sets something from the scan on, or `after` that.
-The scans are the multiples of the scenario's `step_size`, before its `stop_time`; a condition that holds at 0 has not
-become true. Between two firings nothing is unknown: the oracle is asked for a stretch of looks, the first firings in it
-become sets, and it is asked again from there on.
+A controller looks at the outputs 1/128 of a scan before each scan, and sets something from the scan on, or `after`
+seconds later. The scans are the multiples of the scenario's `step_size`, before its `stop_time`; a condition that holds
+at 0 has not become true. Between two firings nothing is unknown: the oracle is asked for a stretch of looks, the first
+firings in it become sets, and it is asked again from there on.
 """
 
 from collections.abc import Callable, Mapping, Sequence

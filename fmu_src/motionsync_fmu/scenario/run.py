@@ -150,8 +150,8 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Recording:
     recorder = _Recorder(scenario)
     with FmuInstance(fmu) as instance:
         try:
-            for instance.time in _stepped(scenario, instance, step_size, recorder):
-                pass
+            for time in _stepped(scenario, instance, step_size, recorder):
+                instance.time = time
         except FmuError as e:
             raise UserError(f"{scenario.file}: at {recorder.now:g} s the FMU refused: {e}") from None
     return recorder.recording(instance.messages)
