@@ -527,12 +527,24 @@ def test_cuts_are_told_and_shown(workshop: Command) -> None:
     assert cut == pytest.approx({"begin": 0.0, "end": cut["end"], "mark": 0.5, "error": -0.5}, abs=1e-9)
 
 
-def test_a_run_without_a_cut_is_told(workshop: Command) -> None:
-    scenario("saw", STOP + '\n[cuts]\nwhile = "error"\nlength = 20.0\n')
+def test_a_run_without_a_cut_is_told_and_judged(workshop: Command) -> None:
+    """It is as expected only where the scenario wants no cut."""
+    table = '\n[cuts]\nwhile = "error"\nlength = 20.0\n'
+    scenario("saw", STOP + table)
     done = workshop("run", "saw")
-    assert (done.status, done.err) == (0, "")
+    assert (done.status, done.err) == (1, "")
     assert "  cuts: none\n" in done.out
     assert "There was none." in Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8")
+    scenario("saw", STOP + table + "count = 0\n")
+    assert workshop("run", "saw", "--no-report").status == 0
+
+
+def test_a_cut_is_judged_with_a_tenth_of_a_millimetre_where_the_scenario_does_not_say(workshop: Command) -> None:
+    """The cut is 0.5 mm before the mark, as above; in metres the tolerance would be 0.0001, too."""
+    table = '\n[cuts]\nwhile = "syn_synchronized"\nlength = 20.0\noffset = {}\n'
+    for offset, status in ((0.5, 1), (0.09, 0), (-0.09, 0), (0.11, 1)):
+        scenario("saw", STOP + table.format(offset))
+        assert workshop("run", "saw", "--no-report").status == status
 
 
 def test_the_step_size_can_be_chosen(workshop: Command) -> None:

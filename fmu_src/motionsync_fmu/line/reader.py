@@ -30,7 +30,7 @@ def load_line(file: Path) -> Line:
     if reader.axis:
         top.fail("fmu", f"{name} sees telegrams itself: name the block that follows it")
     start, settings, expectations = reader.start(), tuple(reader.settings()), _expectations(reader)
-    cuts, places = reader.cuts() if "cuts" in top else None, _places(top, reader.recipe)
+    cuts, places = reader.cuts(unit) if "cuts" in top else None, _places(top, reader.recipe)
     remote, remote_start = _remote(Reader(top, REMOTE, stop_time), step_size)
     follower = Scenario(
         file,

@@ -222,11 +222,11 @@ static void explain(Unit *u, Status status, const char *of, int messages, int64_
 
 const char *unit_guid(void) { return MODEL_GUID; }
 
-Unit *unit_new(size_t size, Write *write, int logged) {
+Unit *unit_new(size_t size, Write *write) {
     Unit *u = calloc(1, sizeof *u + size);
     if (!u) return NULL;
     u->write = write;
-    u->logged = logged;
+    u->logged = LOG_ALL;
     return u;
 }
 

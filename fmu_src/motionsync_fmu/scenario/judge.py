@@ -105,7 +105,7 @@ def _cuts(spec: CutSpec, recording: Recording) -> Iterator[Check]:
     found = find_cuts(spec, recording)
     if spec.count is not None:
         yield Check(f"number of cuts = {spec.count}", f"{len(found)}", len(found) == spec.count)
-    if spec.tolerance is not None:
+    if found or spec.count != 0:
         worst = max((abs(c.error) for c in found), default=math.inf)
         expected = f"cuts within {spec.tolerance:g} of a mark, one mark each {spec.length:g}"
         yield Check(expected, f"at most {worst:.3g} away" if found else "no cut", worst <= spec.tolerance)

@@ -14,7 +14,7 @@ from ..errors import UserError
 from ..interface.recipe import Recipe, check_slave_unit
 from ..interface.roles import remote_axis
 from ..interface.units import BASES
-from .cuts import CutSpec
+from .cuts import CutSpec, usual_tolerance
 from .expect_tables import read_expectation
 from .reaction_tables import read_reaction
 from .remote_table import KEYS as TELEGRAMS
@@ -76,7 +76,7 @@ def load(file: Path) -> Scenario:
         reader.remote(script, start, settings) if reader.axis else None,
         settings,
         tuple(reader.expectations()),
-        reader.cuts() if "cuts" in top else None,
+        reader.cuts(unit) if "cuts" in top else None,
         reader.picture(),
         tuple(reader.reactions()),
     )
@@ -182,7 +182,8 @@ class Reader:
         for table in self.top.tables("expect"):
             yield read_expectation(table, self.block, self.stop_time)
 
-    def cuts(self) -> CutSpec:
+    def cuts(self, unit: str) -> CutSpec:
+        """How cuts are found and checked; `unit`: the unit of positions."""
         table = self.top.table("cuts")
         table.allow_only("while", "length", "offset", "ratio", "tolerance", "count")
         name = table.string("while")
@@ -192,12 +193,13 @@ class Reader:
         count = table.whole("count") if "count" in table else None
         if (ratio := table.number("ratio", default=1.0)) == 0.0:
             table.fail("ratio", "0 is not allowed: the saw goes along with the material")
+        length = table.number("length", above=0.0)
         return CutSpec(
             name,
-            table.number("length", above=0.0),
+            length,
             table.number("offset", default=0.0),
             ratio,
-            table.number("tolerance", least=0.0) if "tolerance" in table else None,
+            table.number("tolerance", default=usual_tolerance(unit, length), least=0.0),
             count,
         )
 

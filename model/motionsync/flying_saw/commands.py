@@ -38,7 +38,7 @@ class Command:
         shown: `execute` when the outputs were shown last.
     """
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     busy: bool = var.output(False, "the command is under way")
     active: bool = var.output(False, "the command controls the axis (as busy)")
     command_aborted: bool = var.output(False, "another command has taken its place")
@@ -161,7 +161,7 @@ class MoveAbsolute(Limited):
 class GearOut:
     """MC_GearOut: uncouple; done at once."""
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     done: bool = var.output(False, "the slave is uncoupled")
     busy: bool = var.output(False, "always false: the command is done at once")
     error: bool = var.output(False, "the command was refused")
@@ -185,7 +185,7 @@ class GearOut:
 class Reset:
     """MC_Reset: clear the axis's error; done at once."""
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     done: bool = var.output(False, "the error is cleared")
     error: bool = var.output(False, "always false: the command is never refused")
     error_id: int = var.output(0, "always 0: the command is never refused")
