@@ -1,5 +1,6 @@
 """The tables [[on]] of a scenario file: what is set when a condition becomes true."""
 
+import math
 from typing import Any, NoReturn
 
 from ..interface.variables import Variable
@@ -26,6 +27,9 @@ class AddTable(SetTable):
 
     def refuse(self, v: Variable, key: str) -> NoReturn:
         self.table.fail(v.name, f"is a {v.variability} {v.kind} {v.causality}, not {self.wanted}")
+
+    def refusal(self, v: Variable, value: Any) -> str:
+        return "" if math.isfinite(value) else f"{value} is not allowed: it must be finite"
 
     def value(self, name: str, value: Any, key: str = "") -> Any:
         if value == LENGTH and self.length is None:
