@@ -26,7 +26,7 @@ def write_outcome(
     inputs = inputs_file(scenario)
     if not inputs.exists():  # a user's own scenario may have no such file
         inputs = folder / inputs.name
-        inputs.write_text(inputs_csv(scenario))
+        inputs.write_text(inputs_csv(scenario.settled(recording.settings)))
     page = folder / "report.html"
     if report:
         from .report import write_report  # noqa: PLC0415 (Plotly: it takes long to load)
