@@ -450,11 +450,15 @@ class Loads(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
         self.found: list[str] = []
+        self.links: list[str | None] = []
         self.words: list[str] = []
         self.tag = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tag = tag
+        if tag == "a":  # a link loads nothing until somebody follows it
+            self.links += [v for k, v in attrs if k == "href"]
+            return
         self.found += [f"{tag} {k}={v}" for k, v in attrs if k in ("src", "href", "srcset", "data", "action", "poster")]
         self.found += [f"{tag} {k}={v}" for k, v in attrs if k == "style" and "url(" in (v or "")]
 
@@ -475,6 +479,7 @@ def test_the_report_is_one_self_contained_page(workshop: Command) -> None:
     page = Loads()
     page.feed((folder / "report.html").read_text("utf-8"))
     assert page.found == []
+    assert page.links == ["Synchronizer_out.csv"]
     text = " ".join(page.words)
     for part in ("A stop along a parabola", "By hand", "slave.position = 27.5", "synchronized == false", "rest_value"):
         assert part in text
