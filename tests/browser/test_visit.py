@@ -1,4 +1,4 @@
-"""A page that says something, or asks for something, is caught: without that the other tests here would prove little."""
+"""A page that says something, or asks for something, is noticed: without that the other tests would prove little."""
 
 from pathlib import Path
 from typing import Any
