@@ -39,7 +39,7 @@ class Command:
         shown: `execute` when the outputs were shown last.
     """
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     busy: bool = var.output(False, "the command is under way")
     command_aborted: bool = var.output(False, "another command has taken its place")
     error: bool = var.output(False, "the command was refused")
@@ -202,7 +202,7 @@ class MoveAbsolute(Limited):
 class GearOut:
     """MC_GearOut: uncouple; done at once."""
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     done: bool = var.output(False, "the slave is uncoupled")
     error: bool = var.output(False, "the command was refused")
     error_id: int = var.local(0, "why it was refused, TwinCAT's number", codes=Fault)
@@ -226,7 +226,7 @@ class GearOut:
 class Reset:
     """MC_Reset: clear the axis's error; done at once."""
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     done: bool = var.output(False, "the error is cleared")
     error: bool = var.local(False, "always false: the command is never refused")
     error_id: int = var.local(0, "always 0: the command is never refused")
