@@ -210,8 +210,8 @@ def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool =
 
 
 def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
-    """For each output whose part declares its dependencies: the inputs and parameters on which the output depends after
-    the initialization."""
+    """For each output or local whose part declares its dependencies: the inputs and parameters on which it depends
+    after the initialization."""
     found: dict[str, tuple[str, ...]] = {}
     for f in fields(block):
         value = getattr(block, f.name)
