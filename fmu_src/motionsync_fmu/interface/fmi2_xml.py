@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from motionsync.var import Role, Unit
 
-from .. import __version__
+from .. import AUTHORS, COPYRIGHT, HOME, __version__
 from ..archive import build_time
 from .roles import with_role
 from .units import base_unit, unit_name
@@ -44,9 +44,11 @@ def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, s
         modelName=name,
         guid="",
         description=summary(type(block)),
+        author=AUTHORS,
         version=__version__,
+        copyright=COPYRIGHT,
         license="MIT",
-        generationTool=f"motionsync {__version__}",
+        generationTool=f"motionsync {__version__} ({HOME})",
         variableNamingConvention="structured",
     )
     SubElement(root, "CoSimulation", {"modelIdentifier": name} | ABILITIES)
@@ -66,7 +68,9 @@ def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, s
 
 
 def finish(root: Element, guid: str, abilities: Mapping[str, str] | None = None) -> bytes:
-    """The content of the file; `abilities`: attributes of the CoSimulation element that only one flavour has."""
+    """The content of the file, with a date if the build has one.
+
+    `abilities`: attributes of the CoSimulation element that only one flavour has."""
     root.set("guid", guid)
     for unit in root.iter("CoSimulation"):
         unit.attrib.update(abilities or {})

@@ -131,11 +131,10 @@ class Variable:
 
     def refusal(self, value: Any) -> str:
         """Why a value is not allowed, naming variable, value and range; empty if it is."""
-        return (
-            ""
-            if self.allows(value)
-            else f"{self.name} = {shown(value)} is not allowed: it must be {self.allowed_range}"
-        )
+        if self.allows(value):
+            return ""
+        unwired = "; an unwired input gives 0" if self.causality == "input" and value == 0 else ""
+        return f"{self.name} = {shown(value)} is not allowed: it must be {self.allowed_range}{unwired}"
 
 
 def summary(thing: Any) -> str:

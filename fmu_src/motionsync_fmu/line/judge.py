@@ -208,7 +208,7 @@ def _checks(line: Line, wired: Variant, synced: float, settled: float, agreement
     yield from check(replace(s, cuts=None), wired.recording)
     if s.cuts and s.cuts.count is not None:
         yield Check(f"number of cuts = {s.cuts.count}", f"{len(wired.cuts)}", len(wired.cuts) == s.cuts.count)
-    if s.cuts and s.cuts.tolerance is not None:
+    if s.cuts:
         judged = [abs(c.error) for c in wired.cuts if c.begin >= settled]
         expected = f"cuts within {s.cuts.tolerance:g} of a mark on the true axis, once in sync"
         yield _judged(expected, judged, s.cuts.tolerance, "cut")

@@ -11,7 +11,6 @@ from ..scenario.telegrams import Remote
 from ..scenario.toml_tables import Table
 from .line import ENABLE, RAMP, REMOTE, Line, expected_names
 
-PATTERN = "line*.toml"
 TABLES = ("remote", "remote_sync", "start", "set", "expect", "cuts", "switches")
 TOLERANCE = 1e-9  # of the reference that each scenario may have; a line has none, so this number has no effect
 
@@ -23,6 +22,8 @@ def load_line(file: Path) -> Line:
         UserError: the first mistake in it, with file, line and key.
     """
     top = read_file(file)
+    if "on" in top:
+        top.fail("on", "a line cannot react: its importers get all inputs before the run; give times in [[set]]")
     top.allow_only(*(key for key in SCALARS if key != "tolerance"), *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
@@ -30,12 +31,12 @@ def load_line(file: Path) -> Line:
     if reader.axis:
         top.fail("fmu", f"{name} sees telegrams itself: name the block that follows it")
     start, settings, expectations = reader.start(), tuple(reader.settings()), _expectations(reader)
-    cuts, places = reader.cuts() if "cuts" in top else None, _places(top, reader.recipe)
+    cuts, places = reader.cuts(unit) if "cuts" in top else None, _places(top, reader.recipe)
     remote, remote_start = _remote(Reader(top, REMOTE, stop_time), step_size)
     follower = Scenario(
         file,
         top.string("title"),
-        top.string("source"),
+        top.string("source", ""),
         reader.recipe,
         unit,
         slave_unit,

@@ -5,7 +5,7 @@ from typing import Any
 
 from motionsync.master import MasterInput
 
-from .. import __version__
+from .. import HOME, __version__
 from ..archive import Files
 from ..interface.table import groups
 from ..interface.variables import members, summary, variables
@@ -16,6 +16,7 @@ from .readme import readme, rendered
 from .style import TEMPLATES
 
 PICTURE = "example.svg"
+WIRED_BEFORE = "<h2>Names in the source system</h2>"  # what most readers do not need
 
 
 def pages(
@@ -36,11 +37,15 @@ def pages(
     Raises:
         UserError: the block has no README.md, or refuses its example.
     """
+    text = rendered(readme(type(block)), PICTURE, example.title)
+    use, head, details = text.partition(WIRED_BEFORE)
     values = {
         "name": type(block).__name__,
         "version": __version__,
+        "home": HOME,
         "summary": summary(type(block)),
-        "readme": rendered(readme(type(block)), PICTURE, example.title),
+        "use": use,
+        "details": head + details,
         "inputs": list(MasterInput),
         "remote": example.remote.names if example.remote else None,
         "groups": groups(block, unit, slave_unit, turned),

@@ -45,6 +45,8 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
+        self.logger: int | None = kwargs.get("logger")
+        self.switch_logging_on()
         self.block = self.block_type()
         self.variables = variables(self.block, self.turned)
         self.by_name = {v.name: v for v in self.variables}
@@ -133,7 +135,17 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     def say(self, text: str, status: Fmi2Status) -> None:
         """Log a text without percent signs: PythonFMU passes the text on as a C format."""
+        self.switch_logging_on()
         self.log(text.replace("%", "percent"), status)
+
+    def switch_logging_on(self) -> None:
+        """Let PythonFMU pass messages on to the importer, who may have switched logging off.
+
+        There are no messages but warnings and errors, which nobody should miss. PythonFMU 0.7 gives a slave the address
+        of its logger, an object of C++: the table of its functions, then the switch. A list of categories stays in
+        force."""
+        if self.logger is not None:
+            ctypes.c_bool.from_address(self.logger + ctypes.sizeof(ctypes.c_void_p)).value = True
 
     def _get(self, kinds: tuple[str, ...], references: list[int]) -> list[Any]:
         if self.initializing:  # outputs follow parameters and inputs; the end of this mode reports mistakes

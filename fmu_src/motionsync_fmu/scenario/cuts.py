@@ -8,7 +8,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..interface.units import BASES
 from .recording import Recording
+
+TOLERANCE = 1e-4  # m: how far a cut may be from its mark where the scenario does not say
+
+
+def usual_tolerance(unit: str, length: float) -> float:
+    """The tolerance of a scenario that gives none: 0.1 mm in its unit.
+
+    Where positions are angles or pure numbers it is a ten-thousandth of the distance of the marks."""
+    base, size = BASES[unit]
+    return TOLERANCE / size if base == "m" else 1e-4 * length
 
 
 @dataclass(frozen=True)
@@ -19,7 +30,7 @@ class CutSpec:
         name: the name of the Boolean.
         length: distance of the marks on the material, in u; one of them lies at `offset`.
         ratio: the slave's travel over the master's.
-        tolerance: the greatest allowed distance of a cut from its mark, in u; None: this is not checked.
+        tolerance: the greatest allowed distance of a cut from its mark, in u.
         count: how many cuts there have to be; None: any number.
     """
 
@@ -27,7 +38,7 @@ class CutSpec:
     length: float
     offset: float
     ratio: float
-    tolerance: float | None
+    tolerance: float
     count: int | None
 
     def nearest(self, place: float) -> float:

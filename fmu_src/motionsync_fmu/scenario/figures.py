@@ -1,0 +1,288 @@
+"""The figures of a run: how far the slave went beside the limits of its axis, and its cuts.
+
+The console and the report print the same texts of them.
+"""
+
+import math
+from dataclasses import dataclass
+from decimal import Decimal
+from itertools import islice
+
+import numpy as np
+
+from motionsync.var import Role, Unit
+
+from ..interface.roles import with_role
+from ..interface.units import unit_name
+from .cuts import Cut, CutSpec, find_cuts
+from .recording import Reals, Recording
+from .scenario import Scenario
+
+ROUNDING = 1e-9  # relative; what is smaller is rounding
+NOWHERE = 1e9  # u; an end position this far away bounds nothing
+MOST_MARKS = 10_000  # that passed uncut; more are not told apart
+TOLD_MARKS = 4  # uncut marks that a text names; of more it names the first two
+
+
+@dataclass(frozen=True)
+class Peak:
+    """How far one of the slave's values went, seen at the communication points.
+
+    Attributes:
+        name: "position", "velocity", "acceleration", "deceleration" or "jerk". An axis without a limit of its own for
+            the deceleration has none of that name; its "acceleration" is that of both.
+        least, greatest: between these the value was, in `unit`. The least deceleration and acceleration are 0 or more
+            where the two are told apart: they are magnitudes then.
+        at: the time at which the value was nearest to its limit, in s; without a limit, the time of its greatest
+            magnitude.
+        limit: the greatest allowed magnitude, of the position the upper end position; None: there is none.
+        lower: the lower end position; None: there is none, and for every value but the position.
+        exceeded: whether the value was beyond a limit at any time, by more than rounding.
+    """
+
+    name: str
+    unit: str
+    least: float
+    greatest: float
+    at: float
+    limit: float | None
+    lower: float | None
+    exceeded: bool
+
+    @property
+    def value(self) -> float:
+        """The greatest magnitude."""
+        return max(abs(self.least), abs(self.greatest))
+
+    @property
+    def value_text(self) -> str:
+        """The greatest magnitude, of a position the least and the greatest: `1200 mm/s`, `0 to 334.9 mm`."""
+        if self.name == "position":
+            return _span(self.least, self.greatest, self.unit, self.value)
+        return engineering(self.value, self.unit)
+
+    @property
+    def limit_text(self) -> str:
+        """The limit: `1500 mm/s`, `-250 to 650 mm`; empty if there is none."""
+        if self.lower is not None and self.limit is not None:
+            return _span(self.lower, self.limit, self.unit)
+        if self.lower is not None:
+            return f"at least {engineering(self.lower, self.unit)}"
+        if self.limit is None:
+            return ""
+        return f"{'at most ' if self.name == 'position' else ''}{engineering(self.limit, self.unit)}"
+
+    @property
+    def text(self) -> str:
+        """The whole figure: `velocity 1300 mm/s (limit 1200 mm/s: exceeded at 0.5 s)`."""
+        exceeded = f": exceeded at {engineering(self.at, 's')}" if self.exceeded else ""
+        limit = f" (limit {self.limit_text}{exceeded})" if self.limit_text else ""
+        return f"{self.name} {self.value_text}{limit}"
+
+
+@dataclass(frozen=True)
+class Figures:
+    """The figures of a run.
+
+    Attributes:
+        peaks: one for each of the slave's values.
+        cuts: the cuts in the order of time; empty if the scenario has no table [cuts].
+        uncut: the places of the marks that passed the saw without a cut, in u, in the order in which they passed; at
+            most MOST_MARKS of them.
+        tolerance: how far a cut may be from its mark, in u; None: the scenario has no table [cuts].
+        unit: the unit of the material's positions.
+        scale: the greatest magnitude of the positions of material and saw, in u: errors are compared with it.
+    """
+
+    peaks: tuple[Peak, ...]
+    cuts: tuple[Cut, ...]
+    uncut: tuple[float, ...]
+    tolerance: float | None
+    unit: str
+    scale: float
+
+    @property
+    def worst(self) -> Cut | None:
+        """The cut that is farthest from its mark; None without cuts."""
+        return max(self.cuts, key=lambda cut: abs(cut.error), default=None)
+
+    @property
+    def worst_text(self) -> str:
+        """How far the worst cut is from its mark: `0.0021 mm`, `0 (to rounding)`; empty without cuts."""
+        return engineering(abs(self.worst.error), self.unit, scale=self.scale) if self.worst else ""
+
+    @property
+    def cuts_text(self) -> str:
+        """The cuts in words; empty if the scenario has no table [cuts]."""
+        if self.tolerance is None:
+            return ""
+        if not self.worst:
+            return "no cut"
+        count = f"{len(self.cuts)} cut{'s' * (len(self.cuts) > 1)}, worst error {self.worst_text}"
+        if abs(self.worst.error) <= ROUNDING * self.scale:
+            return count
+        number = f"cut {1 + self.cuts.index(self.worst)}, " if len(self.cuts) > 1 else ""
+        return f"{count} ({number}mark {engineering(self.worst.mark, self.unit)})"
+
+    @property
+    def uncut_text(self) -> str:
+        """The marks that passed uncut, in words: `5 marks passed uncut: 1300, 1800, … mm`; empty if there are none."""
+        number = len(self.uncut)
+        if not number:
+            return ""
+        named = self.uncut if number <= TOLD_MARKS else self.uncut[:2]
+        places = ", ".join([*(engineering(place) for place in named), *(["…"] if number > len(named) else [])])
+        count = f"{'at least ' * (number == MOST_MARKS)}{number} mark{'s' * (number > 1)}"
+        return f"{count} passed uncut: {places} {self.unit}".strip()
+
+
+def engineering(value: float, unit: str = "", *, scale: float = 0.0, digits: int = 4) -> str:
+    """A value as engineers write it: `0.0021 mm`, `1200 mm/s`, `448623 mm/s2`, `3.6e-12 mm`.
+
+    A value with fewer than `digits` digits before its point has `digits` significant ones; the others are whole. One
+    below 1e-9 `scale` is `0 (to rounding)`; powers of ten stand for magnitudes below 1e-6 and from 1e9 on only."""
+    if not math.isfinite(value):
+        return f"{value} {unit}".strip()
+    if 0.0 < abs(value) <= ROUNDING * scale:
+        return "0 (to rounding)"
+    if value == 0.0:
+        return f"0 {unit}".strip()
+    if 1e-6 <= abs(value) < 1e9:
+        whole = math.floor(math.log10(abs(value))) + 1
+        text = format(Decimal(f"{value:.{max(digits, whole)}g}"), "f")
+    else:
+        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+        text = f"{float(mantissa):g}e{int(exponent)}"
+    return f"{text} {unit}".strip()
+
+
+def figures(scenario: Scenario, recording: Recording) -> Figures:
+    """The figures of a run of a scenario."""
+    spec = scenario.cuts
+    cuts = tuple(find_cuts(spec, recording)) if spec else ()
+    positions = recording.master[:, 0], recording.values["slave.position"]
+    return Figures(
+        tuple(_peaks(scenario, recording)),
+        cuts,
+        tuple(_uncut(spec, cuts, recording)) if spec else (),
+        spec.tolerance if spec else None,
+        unit_name(Unit.POSITION, scenario.unit),
+        max(float(np.abs(p).max()) for p in positions),
+    )
+
+
+# --- peaks ---
+
+
+def _peaks(scenario: Scenario, recording: Recording) -> list[Peak]:
+    def unit(kind: Unit) -> str:
+        return unit_name(kind, scenario.slave_unit or scenario.unit)
+
+    def limit(role: Role) -> Reals | None:
+        return _limit(scenario, recording, role)
+
+    position, velocity, acceleration, jerk = (recording.values[f"slave.{name}"] for name in _MOTION)
+    most, slowing = limit(Role.MAX_ACCELERATION), limit(Role.MAX_DECELERATION)
+    found = [
+        _stroke(position, limit(Role.MIN_POSITION), limit(Role.MAX_POSITION), recording.time, unit(Unit.POSITION)),
+        _peak("velocity", velocity, _positive(limit(Role.MAX_VELOCITY)), recording.time, unit(Unit.VELOCITY)),
+    ]
+    if slowing is None:
+        found.append(_peak("acceleration", acceleration, _positive(most), recording.time, unit(Unit.ACCELERATION)))
+    else:
+        faster, slower = _told_apart(velocity, acceleration)
+        slowing = np.where(slowing == 0.0, 0.0 if most is None else most, slowing)
+        for name, values, allowed in (("acceleration", faster, most), ("deceleration", slower, slowing)):
+            found.append(_peak(name, values, _positive(allowed), recording.time, unit(Unit.ACCELERATION)))
+    return [*found, _peak("jerk", jerk, _positive(limit(Role.MAX_JERK)), recording.time, unit(Unit.JERK))]
+
+
+_MOTION = ("position", "velocity", "acceleration", "jerk")
+
+
+def _limit(scenario: Scenario, recording: Recording, role: Role) -> Reals | None:
+    """The value of the variable with this role at each point; None if the block has none.
+
+    What is set at a time shows from the next point on."""
+    v = with_role(scenario.recipe.variables.values(), role)
+    if v is None:
+        return None
+    values = np.full(len(recording.time), float(scenario.start.get(v.name, v.start)))
+    for setting in scenario.settings:
+        if v.name in setting.values:
+            values[recording.time > setting.at + ROUNDING] = float(setting.values[v.name])
+    return values
+
+
+def _positive(limit: Reals | None) -> Reals | None:
+    """A limit whose 0 means that there is none, as infinity; None if it is nowhere finite."""
+    if limit is None or not limit.any():
+        return None
+    return np.where(limit == 0.0, math.inf, limit)
+
+
+def _told_apart(velocity: Reals, acceleration: Reals) -> tuple[Reals, Reals]:
+    """The magnitudes of the acceleration where the speed grows and where it falls; 0 elsewhere.
+
+    Where the slave stands still at a point, the points beside it tell whether its speed grows or falls."""
+    still = np.abs(velocity) <= ROUNDING * float(np.abs(velocity).max())
+    moving = np.where(still, 0.0, velocity)
+    before, after = np.concatenate([[0.0], moving[:-1]]), np.concatenate([moving[1:], [0.0]])
+    grows = np.where(still, after, moving) * acceleration > 0.0
+    falls = np.where(still, before, moving) * acceleration < 0.0
+    magnitude = np.abs(acceleration)
+    return np.where(grows, magnitude, 0.0), np.where(falls, magnitude, 0.0)
+
+
+def _peak(name: str, values: Reals, limit: Reals | None, time: Reals, unit: str) -> Peak:
+    magnitude = np.abs(values)
+    i = int(np.argmax(magnitude if limit is None else magnitude / limit))
+    if limit is not None and math.isinf(limit[i]):  # the slave moved only where there was no limit
+        i = int(np.argmax(magnitude))
+    allowed = None if limit is None or math.isinf(limit[i]) else float(limit[i])
+    exceeded = limit is not None and bool((magnitude > limit * (1.0 + ROUNDING)).any())
+    return Peak(name, unit, float(values.min()), float(values.max()), float(time[i]), allowed, None, exceeded)
+
+
+def _stroke(position: Reals, lower: Reals | None, upper: Reals | None, time: Reals, unit: str) -> Peak:
+    """The peak of the position, between two end positions that may be far away."""
+    below = np.full(len(time), -math.inf) if lower is None else lower - position
+    above = np.full(len(time), -math.inf) if upper is None else position - upper
+    beyond = np.maximum(below, above)
+    i = int(np.argmax(np.abs(position) if lower is None and upper is None else beyond))
+    allowed = ROUNDING * max(1.0, float(np.ptp(position)), float(np.abs(position).max()))
+
+    def end(limit: Reals | None) -> float | None:
+        return None if limit is None or abs(limit[i]) >= NOWHERE else float(limit[i])
+
+    exceeded = bool((beyond > allowed).any())
+    least, greatest = float(position.min()), float(position.max())
+    return Peak("position", unit, least, greatest, float(time[i]), end(upper), end(lower), exceeded)
+
+
+def _span(low: float, high: float, unit: str, scale: float = 0.0) -> str:
+    return f"{_bare(low, scale)} to {_bare(high, scale)} {unit}".strip()
+
+
+def _bare(value: float, scale: float) -> str:
+    """A number without its unit; 0 where it is rounding beside the scale."""
+    return engineering(0.0 if abs(value) <= ROUNDING * scale else value)
+
+
+# --- marks ---
+
+
+def _uncut(spec: CutSpec, cuts: tuple[Cut, ...], recording: Recording) -> list[float]:
+    """The marks that came from before the saw, went out of its reach, and are nobody's nearest mark.
+
+    The place at which the saw begins is none of them: there the material ends. The reach is as far as the saw went
+    along with the material in this run."""
+    sign = 1.0 if recording.master[-1, 0] >= recording.master[0, 0] else -1.0
+    material, saw = sign * recording.master[:, 0], sign * recording.values["slave.position"] / spec.ratio
+    begin, end = float(material[0] - saw[0]), float(material.max() - saw.max())
+    away = ROUNDING * max(spec.length, float(np.abs(material).max()))
+    first = math.floor((begin - sign * spec.offset + away) / spec.length) + 1
+    last = math.ceil((end - sign * spec.offset - away) / spec.length) - 1
+    marks = (spec.offset + sign * n * spec.length for n in range(first, last + 1))
+    done = {round((cut.mark - spec.offset) / spec.length) for cut in cuts}
+    return list(islice((m for m in marks if round((m - spec.offset) / spec.length) not in done), MOST_MARKS))
