@@ -28,7 +28,7 @@ from pathlib import Path
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import HOME, __version__
-from motionsync_fmu.archive import Files, epoch, write
+from motionsync_fmu.archive import Files, build_time, write
 from motionsync_fmu.build import Flavour, build
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
@@ -102,7 +102,7 @@ def dated(time: int) -> Iterator[None]:
     before = os.environ.get("SOURCE_DATE_EPOCH")
     os.environ["SOURCE_DATE_EPOCH"] = before or str(time)
     try:
-        epoch()
+        build_time()
         yield
     finally:
         if before is None:

@@ -10,7 +10,7 @@ belongs to the block's state, but nobody outside the block sees it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum, IntEnum
 from math import inf
 from typing import Protocol, Self, TypeVar
@@ -162,6 +162,12 @@ class Declaration:
     role: Role | None = None
     wraps_at: int = 0
     command: bool = False
+
+    def of_real_input(self) -> "Declaration":
+        """The declaration of a Real parameter that an FMU shows as an input: it lies within ±1e12, as Real inputs do.
+
+        It changes where a command reads it, not continuously."""
+        return replace(self, discrete=True, min=max(self.min, -LARGEST_INPUT), max=min(self.max, LARGEST_INPUT))
 
 
 def input(

@@ -164,7 +164,7 @@ def assert_one_line(outcome: Outcome, *parts: str) -> None:
 
 
 def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
-    done = motionsync("build", "--output", "here")
+    done = motionsync("build", "--folder", "here")
     assert (done.status, done.err) == (0, "")
     for flavour in FLAVOURS:
         assert sorted(f.name for f in Path(f"here/{flavour}").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
@@ -185,7 +185,7 @@ def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
     [("mm", {"m"}, 1e-3), ("m", {"m"}, 1.0), ("deg", {"rad"}, pi / 180.0), ("rad", {"rad"}, 1.0), ("1", set(), 1.0)],
 )
 def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str, base: set[str], factor: float) -> None:
-    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--folder", "here").status == 0
     xml = description(the_fmu("here"))
     for quantity, symbol in (("Position", unit), ("Velocity", f"{unit}/s"), ("Acceleration", f"{unit}/s2")):
         (real,) = xml.iterfind(f"TypeDefinitions/SimpleType[@name='{quantity}']/Real")
@@ -200,7 +200,7 @@ def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str,
 def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync: Command) -> None:
     starts = {"curve": "PARABOLA", "output_phasing": "-7.5", "rest_value": "-20", "active": "TRUE", "stop": "0"}
     options = [part for name, value in starts.items() for part in ("--start", f"{name}={value}")]
-    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--folder", "here").status == 0
     fmu = the_fmu("here")
     found = {name: start_value(fmu, name) for name in starts}
     assert found == {
@@ -225,8 +225,8 @@ def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync
 
 
 def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:
-    assert motionsync("build", "Synchronizer", "--output", "here").status == 0
-    assert process(tmp_path, "build", "Synchronizer", "--output", "there").status == 0
+    assert motionsync("build", "Synchronizer", "--folder", "here").status == 0
+    assert process(tmp_path, "build", "Synchronizer", "--folder", "there").status == 0
     for flavour in FLAVOURS:
         assert the_fmu(f"here/{flavour}").read_bytes() == the_fmu(f"there/{flavour}").read_bytes()
 
@@ -241,14 +241,14 @@ def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
     ]
     guids = []
     for i, option in enumerate(options):
-        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--output", str(i)).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--folder", str(i)).status == 0
         guids.append(description(the_fmu(str(i))).get("guid"))
     assert len(set(guids)) == len(options)
 
 
 def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Command) -> None:
     for folder, value in (("name", "PARABOLA"), ("number", "1")):
-        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--output", folder).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--folder", folder).status == 0
     assert the_fmu("name").read_bytes() == the_fmu("number").read_bytes()
 
 
@@ -296,7 +296,7 @@ def test_a_bad_source_date_epoch_is_one_line(motionsync: Command, monkeypatch: p
 
 def test_an_output_folder_that_cannot_be_made_is_one_line(workshop: Command) -> None:
     Path("taken").write_text("a file")
-    assert_one_line(workshop("build", "Synchronizer", "--output", "taken"), "taken")
+    assert_one_line(workshop("build", "Synchronizer", "--folder", "taken"), "taken")
     assert_one_line(workshop("run", "stop", "--no-report", "--output", "taken"), "taken")
 
 
@@ -637,7 +637,7 @@ def test_a_missing_fmu_is_built_and_told(motionsync: Command) -> None:
 def test_a_stale_fmu_is_rebuilt_and_told(workshop: Command, built: Path) -> None:
     fmu = Path("build/native/Synchronizer.fmu")
     fresh = (built / "native/Synchronizer.fmu").read_bytes()
-    assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--output", "other").status == 0
+    assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--folder", "other").status == 0
     for other in (the_fmu("other/native").read_bytes(), b"no FMU", fresh[:3000], b""):
         fmu.write_bytes(other)
         done = workshop("run", "stop", "--no-report")

@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from motionsync.var import Role, Unit
 
 from .. import AUTHORS, COPYRIGHT, HOME, __version__
-from ..archive import dated, epoch
+from ..archive import build_time
 from .roles import with_role
 from .units import base_unit, unit_name
 from .variables import Variable, members, summary, variables
@@ -30,13 +30,13 @@ CATEGORIES = {
 }
 
 
-def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
+def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, str] | None = None) -> Element:
     """The part of the description that both flavours and all builds of this source share; `finish` adds GUID and date.
 
     `unit`: the unit of positions, a key of `units.BASES`; `slave_unit`: the unit of the slave's positions (empty: the
-    same as `unit`).
+    same as `unit`); `turned`: as for `variables`.
     """
-    vs = variables(block)
+    vs = variables(block, turned)
     name = type(block).__name__
     root = Element(
         "fmiModelDescription",
@@ -74,8 +74,8 @@ def finish(root: Element, guid: str, abilities: Mapping[str, str] | None = None)
     root.set("guid", guid)
     for unit in root.iter("CoSimulation"):
         unit.attrib.update(abilities or {})
-    if dated():
-        root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(epoch())))
+    if (built := build_time()) is not None:
+        root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(built)))
     indent(root)
     return bytes(tostring(root, "UTF-8", xml_declaration=True)) + b"\n"
 

@@ -1,5 +1,6 @@
 """The pages inside an FMU: the block's README with a picture of its example, and its variables; all from its source."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from motionsync.master import MasterInput
@@ -18,11 +19,20 @@ PICTURE = "example.svg"
 WIRED_BEFORE = "<h2>Names in the source system</h2>"  # what most readers do not need
 
 
-def pages(block: Any, example: Scenario, unit: str, flavour: str, platforms: list[str], slave_unit: str = "") -> Files:
+def pages(
+    block: Any,
+    example: Scenario,
+    unit: str,
+    flavour: str,
+    platforms: list[str],
+    slave_unit: str = "",
+    turned: Mapping[str, str] | None = None,
+) -> Files:
     """index.html and its picture, and for the python flavour externalDependencies.html.
 
     `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: the unit of
-    positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`).
+    positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`); `turned`: as for
+    `variables`.
 
     Raises:
         UserError: the block has no README.md, or refuses its example.
@@ -38,7 +48,7 @@ def pages(block: Any, example: Scenario, unit: str, flavour: str, platforms: lis
         "details": head + details,
         "inputs": list(MasterInput),
         "remote": example.remote.names if example.remote else None,
-        "groups": groups(block, unit, slave_unit),
+        "groups": groups(block, unit, slave_unit, turned),
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,

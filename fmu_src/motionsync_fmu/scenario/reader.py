@@ -4,6 +4,7 @@ Every mistake is one `UserError` that begins with file and line and names the ke
 """
 
 from collections.abc import Iterator
+from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from motionsync.blocks import BLOCKS
 from ..errors import UserError
 from ..interface.recipe import Recipe, check_slave_unit
 from ..interface.roles import remote_axis
+from ..interface.turns import Interface, TurnError
 from ..interface.units import BASES
 from .cuts import CutSpec, usual_tolerance
 from .expect_tables import read_expectation
@@ -26,7 +28,7 @@ from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subje
 
 FILE = "scenario.toml"
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
-TABLES = ("start", "master", "remote", "set", "expect", "cuts", "picture")
+TABLES = ("interface", "start", "master", "remote", "set", "expect", "cuts", "picture")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 HELD = ("velocity", "acceleration", "jerk")  # what a segment may keep constant
 MOST_STEPS = 1_000_000  # their results still fit into memory
@@ -109,6 +111,19 @@ def read_times(top: Table) -> tuple[float, float]:
     return stop_time, step_size
 
 
+def read_interface(top: Table, name: str) -> Interface:
+    """The variables that are turned; `name`: the block's name."""
+    table = top.table("interface", required=False)
+    keys = [field.name for field in fields(Interface)]
+    table.allow_only(*keys)
+    interface = Interface(**{key: table.strings(key) for key in keys})
+    try:
+        interface.causalities(BLOCKS[name]())
+    except TurnError as e:
+        table.fail(e.causality, e.reason)
+    return interface
+
+
 class Reader:
     """Reads the tables of a file that concern one block.
 
@@ -121,7 +136,7 @@ class Reader:
         """`origin`: where the inputs of the scripted axis come from, in words; empty: from the script of the axis."""
         self.top = top
         self.stop_time = stop_time
-        self.recipe = Recipe(name)
+        self.recipe = Recipe(name, interface=read_interface(top, name))
         self.axis = remote_axis(self.recipe.variables.values())
         self.scripted = "remote" if self.axis else "master"
         part = self.axis.part if self.axis else "master"

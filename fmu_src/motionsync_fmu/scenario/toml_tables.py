@@ -134,6 +134,14 @@ class Table:
             self.fail(key, f"{value!r} is not a text")
         return value
 
+    def strings(self, key: str) -> tuple[str, ...]:
+        """A text or a list of texts; none if the key is missing."""
+        value = self.values.get(key, [])
+        texts = [value] if isinstance(value, str) else value
+        if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
+            self.fail(key, f"{value!r} is neither a text nor a list of texts")
+        return tuple(texts)
+
     def table(self, key: str, *, required: bool = True) -> "Table":
         """The table [key]; an empty one if it is missing and not required."""
         name = f"{self.name}.{key}".strip(".")
