@@ -18,6 +18,7 @@ from markdown_it import MarkdownIt
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__
+from motionsync_fmu.archive import write
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
@@ -137,10 +138,8 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
 
     def build(flavour: Flavour, recipe: Recipe, target: Path) -> Path:
         built.append((flavour, recipe.name, recipe.unit))
-        with zipfile.ZipFile(target.parent.parent / f"{target.name}", "w") as z:
-            z.writestr("documentation/index.html", "")
-            z.writestr("documentation/example.svg", "")
-            return Path(str(z.filename))
+        write(target, {"documentation/index.html": b"", "documentation/example.svg": b""})
+        return target
 
     monkeypatch.setattr(release, "build", build)
     monkeypatch.setattr(release, "package", lambda folder: None)
