@@ -1,4 +1,4 @@
-"""What the metadata of the package take from elsewhere: home and authors of the project, and the README for the index.
+"""The package metadata that come from elsewhere: the home and authors, and the README for the package index.
 
 Hatchling calls the hook whenever it makes metadata. The package index has no files but the README, so that the README's
 relative links and pictures are made absolute; they lead to the files of this very version."""

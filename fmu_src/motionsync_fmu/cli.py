@@ -24,8 +24,8 @@ app = typer.Typer(
     epilog="""Begin with:\n
     motionsync list\n
     motionsync build Synchronizer\n
-    motionsync run scenarios/Synchronizer\n
-    motionsync line scenarios/line""",
+    motionsync run Synchronizer\n
+    motionsync line""",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -225,9 +225,16 @@ def output(
 
 
 def local(
-    start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False, min: float = -inf, max: float = inf
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    discrete: bool = False,
+    min: float = -inf,
+    max: float = inf,
+    codes: type[Enumeration] | None = None,
 ) -> T:
-    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max))
+    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max, codes=codes))
 
 
 def part(

@@ -25,6 +25,7 @@ from typer.testing import CliRunner
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__, cli
 from motionsync_fmu.commands import run
+from motionsync_fmu.scenario.shipped import FILE, LINES, find
 from tests import ROOT
 from tests.support.fmus import Shared
 
@@ -303,28 +304,43 @@ def test_an_output_folder_that_cannot_be_made_is_one_line(workshop: Command) -> 
 # --- list, describe, help ---
 
 
-def test_list_names_blocks_and_scenarios_in_full(motionsync: Command) -> None:
-    long = Path("scenarios/Synchronizer/a_scenario_whose_name_says_all_that_happens_in_it")
-    scenario(str(long))
+def test_list_counts_the_scenarios_of_each_block(motionsync: Command) -> None:
     done = motionsync("list")
     assert (done.status, done.err) == (0, "")
-    for text in (*BLOCKS, str(long)):
-        assert text in done.out
-    assert "A stop along a parabola" in " ".join(done.out.split())
+    counts = dict(re.findall(r"^ *(\w+) +(\d+) ", done.out, re.M))
+    for name in BLOCKS:
+        files = (ROOT / "scenarios").rglob("scenario.toml")
+        assert counts[name] == str(sum(f'\nfmu = "{name}"\n' in file.read_text("utf-8") for file in files))
+    assert "line/line.toml" in done.out
 
 
-def test_list_without_scenarios_says_so(motionsync: Command) -> None:
+def test_list_of_a_block_names_what_can_be_run(motionsync: Command) -> None:
+    done = motionsync("list", "Synchronizer")
+    assert (done.status, done.err) == (0, "")
+    title = "A stop and a start along the 3-4-5 polynomial"
+    assert re.search(rf"^ *Synchronizer/polynomial +{title} *$", done.out, re.M)
+    assert "FlyingSaw" not in done.out
+
+
+def test_list_of_an_own_folder_names_its_scenarios_in_full(motionsync: Command) -> None:
+    long = Path("mine/Synchronizer/a_scenario_whose_name_says_all_that_happens_in_it")
+    scenario(str(long))
+    done = motionsync("list", "--scenarios", "mine")
+    assert (done.status, done.err) == (0, "")
+    assert re.search(rf"^ *{re.escape(str(long))} +A stop along a parabola *$", done.out, re.M)
+
+
+def test_list_of_a_folder_that_is_missing_says_so(motionsync: Command) -> None:
     done = motionsync("list", "--scenarios", "elsewhere")
     assert done.status == 0
-    assert "Synchronizer" in done.out
     assert "elsewhere" in done.out
 
 
 def test_list_tells_of_a_broken_scenario_in_one_line(motionsync: Command) -> None:
-    file = scenario("scenarios/x", STOP.replace("stop_time", "stop_tme"))
-    done = motionsync("list")
+    file = scenario("mine", STOP.replace("title =", "titel ="))
+    done = motionsync("list", "--scenarios", "mine")
     assert done.status == 2
-    assert done.err.startswith(f"motionsync: {file}:4: stop_tme: ")
+    assert done.err.startswith(f"motionsync: {file}:1: title: ")
     assert done.err.count("\n") == 1
 
 
@@ -371,8 +387,8 @@ def test_the_help_of_each_command_has_an_example_that_works(command: str) -> Non
     text = CliRunner().invoke(cli.app, [command, "--help"]).output
     _, _, examples = text.partition("Example")
     assert f"motionsync {command}" in examples
-    for path in re.findall(r"scenarios\S*", examples.partition("Options:")[0]):
-        assert (ROOT / path).exists()
+    for name in re.findall(r"motionsync (?:run|line) ([^-\s]\S*)", examples.partition("Options:")[0]):
+        assert find(Path(name), LINES if command == "line" else FILE)
 
 
 def test_help_lists_the_commands() -> None:
@@ -434,11 +450,15 @@ class Loads(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
         self.found: list[str] = []
+        self.links: list[str | None] = []
         self.words: list[str] = []
         self.tag = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tag = tag
+        if tag == "a":  # a link loads nothing until somebody follows it
+            self.links += [v for k, v in attrs if k == "href"]
+            return
         self.found += [f"{tag} {k}={v}" for k, v in attrs if k in ("src", "href", "srcset", "data", "action", "poster")]
         self.found += [f"{tag} {k}={v}" for k, v in attrs if k == "style" and "url(" in (v or "")]
 
@@ -459,6 +479,7 @@ def test_the_report_is_one_self_contained_page(workshop: Command) -> None:
     page = Loads()
     page.feed((folder / "report.html").read_text("utf-8"))
     assert page.found == []
+    assert page.links == ["Synchronizer_out.csv"]
     text = " ".join(page.words)
     for part in ("A stop along a parabola", "By hand", "slave.position = 27.5", "synchronized == false", "rest_value"):
         assert part in text
@@ -655,6 +676,8 @@ def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
     ("arguments", "parts"),
     [
         (("nowhere",), ("nowhere", "no such file or folder")),
+        (("Synchronizer/polynomal",), ("no such file or folder", "did you mean Synchronizer/polynomial")),
+        (("synchronizer",), ("no such file or folder", "did you mean Synchronizer or ")),
         (("stop", "nowhere/scenario.toml"), (str(Path("nowhere/scenario.toml")), "no such file or folder")),
         (("empty",), ("empty", "no scenario.toml")),
         (("stop", "--step-size", "0"), ("--step-size 0", "> 0")),
