@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 FLAGSHIP := scenarios/FlyingSaw/cyclic_cut
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
-.PHONY: run line quick check test build lint format references pictures benchmark clean help
+.PHONY: run line quick check test build lint format references pictures benchmark release clean help
 
 run: build ## build the FMUs and simulate the flagship scenario
 	$(BIN)/motionsync run $(FLAGSHIP)
@@ -50,6 +50,9 @@ benchmark: $(READY) ## what a step costs, what plans and accuracy are like
 	$(BIN)/python benchmarks/batch_throughput.py
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/accuracy.py
+
+release: $(READY) ## build/release: package, FMUs with their pages, notes, checksums
+	$(BIN)/python -m tools.release
 
 clean: ## remove whatever was made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
