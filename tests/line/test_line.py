@@ -52,7 +52,7 @@ def output(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFactory)
         for name in ("FlyingSaw", "Synchronizer"):
             fmus.copied(Flavour.NATIVE, name, folder)
         for file in (SAW, SYNCHRONIZER):
-            write_package(load_line(file), folder, lambda text: None)
+            write_package(load_line(file), Flavour.NATIVE, folder, lambda text: None)
 
     own = tmp_path_factory.mktemp("lines")
     return Path(shutil.copytree(shared.once("lines", fill), own, dirs_exist_ok=True))
@@ -60,7 +60,7 @@ def output(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFactory)
 
 def examined(file: Path, output: Path) -> Examined:
     line = load_line(file)
-    package = write_package(line, output, pytest.fail)
+    package = write_package(line, Flavour.NATIVE, output, pytest.fail)
     return Examined(line, package, examine(line, package))
 
 
@@ -131,7 +131,7 @@ def test_its_parameters_are_inside(saw: Examined) -> None:
 
 def test_a_package_is_the_same_every_time(saw: Examined, output: Path) -> None:
     before = saw.package.ssp.read_bytes()
-    write_package(saw.line, output, pytest.fail)
+    write_package(saw.line, Flavour.NATIVE, output, pytest.fail)
     assert saw.package.ssp.read_bytes() == before
 
 
@@ -335,7 +335,7 @@ def test_without_libcosim_it_says_so_and_runs_the_package(
     monkeypatch.setitem(sys.modules, "libcosimpy.CosimEnums", None)
     done = motionsync(short(tmp_path / "line.toml"), "--no-report")
     assert done.status == 0
-    assert "not run in libcosim: libcosimpy is not installed: pip install 'motionsync[line]'" in done.out
+    assert "not run in libcosim: libcosimpy is not installed (pip install '.[line]'" in done.out
     assert "agree" not in done.out
     assert "RemoteSync, PHASE" in done.out
 
