@@ -135,12 +135,12 @@ def shades(lanes: Sequence[Lane]) -> Iterator[tuple[str, list[tuple[float, float
 
 def lane_chart(lanes: list[Lane], stop_time: float, times: list[float], texts: list[str]) -> Chart:
     """A lane for each variable, the state at the top; at the bottom, marks of what was set, and when."""
-    rows = len(lanes) + 1
+    rows = len(lanes) + (1 if times else 0)
     name = "States, other discrete values, and what was set, over time"
     chart = Chart(name, [LANE * rows], "time in s", (0.0, stop_time), hover="closest")
     chart.axis(1).update(
         {
-            "range": [-0.5, rows - 0.4],
+            "range": [len(lanes) - rows + 0.5, len(lanes) + 0.6],
             "fixedrange": True,
             "showticklabels": False,
             "showgrid": False,
@@ -152,15 +152,20 @@ def lane_chart(lanes: list[Lane], stop_time: float, times: list[float], texts: l
         _title(chart, i, lane.title)
         for value in lane.values:
             _bars(chart, i, lane, value)
+    if times:
+        _draw_settings(chart, times, texts)
+    chart.layout["margin"]["t"] = 24
+    chart.layout["height"] -= 34
+    return chart
+
+
+def _draw_settings(chart: Chart, times: list[float], texts: list[str]) -> None:
     _title(chart, 0, "what was set")
     marks = {"color": INK, "size": 9, "symbol": "triangle-up"}
     trace = {"type": "scatter", "mode": "markers", "x": rounded(times, TIME_DIGITS), "y": [0] * len(times)}
     said = "%{x:.6~f} s: %{customdata}<extra></extra>"
     labels = [f"{escape(text)} ({i})" for i, text in enumerate(texts, 1)]
     chart.add(1, "set", trace | {"marker": marks, "customdata": labels, "hovertemplate": said}, legend=False)
-    chart.layout["margin"]["t"] = 24
-    chart.layout["height"] -= 34
-    return chart
 
 
 def _title(chart: Chart, lane: int, text: str) -> None:
