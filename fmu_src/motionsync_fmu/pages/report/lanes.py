@@ -12,7 +12,7 @@ from ...interface.variables import Variable
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from .chart import INK, Chart
-from .numbers import TIME_DIGITS, Indices, rounded
+from .numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 
 LANE = 36  # the height of a lane, in px
 BAR = 0.5  # the height of a bar, of its lane
@@ -116,13 +116,15 @@ def _joined(stretches: list[Stretch], stop_time: float) -> list[Stretch]:
 
 
 def changes(recording: Recording, lanes: Sequence[Lane], times: Sequence[float]) -> Indices:
-    """The points at which something discrete changes or is set, each with the one before it."""
+    """The points at which something discrete changes or is set, each with the one before it; none where there are more
+    than a curve has points on the screen."""
     at = [np.searchsorted(recording.time, times)]
     for lane in lanes:
         at.append(np.flatnonzero(np.diff(recording.values[lane.variable.name])) + 1)
     found = np.concatenate(at)
     both = np.union1d(found, found - 1)
-    return both[(both >= 0) & (both < len(recording.time))].astype(np.int64)
+    inside = both[(both >= 0) & (both < len(recording.time))].astype(np.int64)
+    return inside if len(inside) <= 2 * BUCKETS else NONE
 
 
 def shades(lanes: Sequence[Lane]) -> Iterator[tuple[str, list[tuple[float, float]]]]:
