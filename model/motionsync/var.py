@@ -10,7 +10,7 @@ belongs to the block's state, but nobody outside the block sees it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum, IntEnum
 from math import inf
 from typing import Protocol, Self, TypeVar
@@ -163,6 +163,12 @@ class Declaration:
     wraps_at: int = 0
     command: bool = False
 
+    def of_real_input(self) -> "Declaration":
+        """The declaration of a Real parameter that an FMU shows as an input: it lies within ±1e12, as Real inputs do.
+
+        It changes where a command reads it, not continuously."""
+        return replace(self, discrete=True, min=max(self.min, -LARGEST_INPUT), max=min(self.max, LARGEST_INPUT))
+
 
 def input(
     start: T,
@@ -219,9 +225,16 @@ def output(
 
 
 def local(
-    start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False, min: float = -inf, max: float = inf
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    discrete: bool = False,
+    min: float = -inf,
+    max: float = inf,
+    codes: type[Enumeration] | None = None,
 ) -> T:
-    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max))
+    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max, codes=codes))
 
 
 def part(

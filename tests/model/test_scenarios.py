@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.scenario.judge import check, compare
-from motionsync_fmu.scenario.reader import find, load
+from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 
 

@@ -23,8 +23,9 @@ from fmpy import simulate_fmu
 from typer.testing import CliRunner
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import cli
+from motionsync_fmu import __version__, cli
 from motionsync_fmu.commands import run
+from motionsync_fmu.scenario.shipped import FILE, LINES, find
 from tests import ROOT
 from tests.support.fmus import Shared
 
@@ -164,7 +165,7 @@ def assert_one_line(outcome: Outcome, *parts: str) -> None:
 
 
 def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
-    done = motionsync("build", "--output", "here")
+    done = motionsync("build", "--folder", "here")
     assert (done.status, done.err) == (0, "")
     for flavour in FLAVOURS:
         assert sorted(f.name for f in Path(f"here/{flavour}").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
@@ -185,7 +186,7 @@ def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
     [("mm", {"m"}, 1e-3), ("m", {"m"}, 1.0), ("deg", {"rad"}, pi / 180.0), ("rad", {"rad"}, 1.0), ("1", set(), 1.0)],
 )
 def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str, base: set[str], factor: float) -> None:
-    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--folder", "here").status == 0
     xml = description(the_fmu("here"))
     for quantity, symbol in (("Position", unit), ("Velocity", f"{unit}/s"), ("Acceleration", f"{unit}/s2")):
         (real,) = xml.iterfind(f"TypeDefinitions/SimpleType[@name='{quantity}']/Real")
@@ -200,7 +201,7 @@ def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str,
 def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync: Command) -> None:
     starts = {"curve": "PARABOLA", "output_phasing": "-7.5", "rest_value": "-20", "active": "TRUE", "stop": "0"}
     options = [part for name, value in starts.items() for part in ("--start", f"{name}={value}")]
-    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--folder", "here").status == 0
     fmu = the_fmu("here")
     found = {name: start_value(fmu, name) for name in starts}
     assert found == {
@@ -225,8 +226,8 @@ def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync
 
 
 def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:
-    assert motionsync("build", "Synchronizer", "--output", "here").status == 0
-    assert process(tmp_path, "build", "Synchronizer", "--output", "there").status == 0
+    assert motionsync("build", "Synchronizer", "--folder", "here").status == 0
+    assert process(tmp_path, "build", "Synchronizer", "--folder", "there").status == 0
     for flavour in FLAVOURS:
         assert the_fmu(f"here/{flavour}").read_bytes() == the_fmu(f"there/{flavour}").read_bytes()
 
@@ -241,14 +242,14 @@ def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
     ]
     guids = []
     for i, option in enumerate(options):
-        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--output", str(i)).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--folder", str(i)).status == 0
         guids.append(description(the_fmu(str(i))).get("guid"))
     assert len(set(guids)) == len(options)
 
 
 def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Command) -> None:
     for folder, value in (("name", "PARABOLA"), ("number", "1")):
-        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--output", folder).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--folder", folder).status == 0
     assert the_fmu("name").read_bytes() == the_fmu("number").read_bytes()
 
 
@@ -296,35 +297,50 @@ def test_a_bad_source_date_epoch_is_one_line(motionsync: Command, monkeypatch: p
 
 def test_an_output_folder_that_cannot_be_made_is_one_line(workshop: Command) -> None:
     Path("taken").write_text("a file")
-    assert_one_line(workshop("build", "Synchronizer", "--output", "taken"), "taken")
+    assert_one_line(workshop("build", "Synchronizer", "--folder", "taken"), "taken")
     assert_one_line(workshop("run", "stop", "--no-report", "--output", "taken"), "taken")
 
 
 # --- list, describe, help ---
 
 
-def test_list_names_blocks_and_scenarios_in_full(motionsync: Command) -> None:
-    long = Path("scenarios/Synchronizer/a_scenario_whose_name_says_all_that_happens_in_it")
-    scenario(str(long))
+def test_list_counts_the_scenarios_of_each_block(motionsync: Command) -> None:
     done = motionsync("list")
     assert (done.status, done.err) == (0, "")
-    for text in (*BLOCKS, str(long)):
-        assert text in done.out
-    assert "A stop along a parabola" in " ".join(done.out.split())
+    counts = dict(re.findall(r"^ *(\w+) +(\d+) ", done.out, re.M))
+    for name in BLOCKS:
+        files = (ROOT / "scenarios").rglob("scenario.toml")
+        assert counts[name] == str(sum(f'\nfmu = "{name}"\n' in file.read_text("utf-8") for file in files))
+    assert "line/line.toml" in done.out
 
 
-def test_list_without_scenarios_says_so(motionsync: Command) -> None:
+def test_list_of_a_block_names_what_can_be_run(motionsync: Command) -> None:
+    done = motionsync("list", "Synchronizer")
+    assert (done.status, done.err) == (0, "")
+    title = "A stop and a start along the 3-4-5 polynomial"
+    assert re.search(rf"^ *Synchronizer/polynomial +{title} *$", done.out, re.M)
+    assert "FlyingSaw" not in done.out
+
+
+def test_list_of_an_own_folder_names_its_scenarios_in_full(motionsync: Command) -> None:
+    long = Path("mine/Synchronizer/a_scenario_whose_name_says_all_that_happens_in_it")
+    scenario(str(long))
+    done = motionsync("list", "--scenarios", "mine")
+    assert (done.status, done.err) == (0, "")
+    assert re.search(rf"^ *{re.escape(str(long))} +A stop along a parabola *$", done.out, re.M)
+
+
+def test_list_of_a_folder_that_is_missing_says_so(motionsync: Command) -> None:
     done = motionsync("list", "--scenarios", "elsewhere")
     assert done.status == 0
-    assert "Synchronizer" in done.out
     assert "elsewhere" in done.out
 
 
 def test_list_tells_of_a_broken_scenario_in_one_line(motionsync: Command) -> None:
-    file = scenario("scenarios/x", STOP.replace("stop_time", "stop_tme"))
-    done = motionsync("list")
+    file = scenario("mine", STOP.replace("title =", "titel ="))
+    done = motionsync("list", "--scenarios", "mine")
     assert done.status == 2
-    assert done.err.startswith(f"motionsync: {file}:4: stop_tme: ")
+    assert done.err.startswith(f"motionsync: {file}:1: title: ")
     assert done.err.count("\n") == 1
 
 
@@ -371,8 +387,8 @@ def test_the_help_of_each_command_has_an_example_that_works(command: str) -> Non
     text = CliRunner().invoke(cli.app, [command, "--help"]).output
     _, _, examples = text.partition("Example")
     assert f"motionsync {command}" in examples
-    for path in re.findall(r"scenarios\S*", examples.partition("Options:")[0]):
-        assert (ROOT / path).exists()
+    for name in re.findall(r"motionsync (?:run|line) ([^-\s]\S*)", examples.partition("Options:")[0]):
+        assert find(Path(name), LINES if command == "line" else FILE)
 
 
 def test_help_lists_the_commands() -> None:
@@ -642,7 +658,7 @@ def test_a_missing_fmu_is_built_and_told(motionsync: Command) -> None:
 def test_a_stale_fmu_is_rebuilt_and_told(workshop: Command, built: Path) -> None:
     fmu = Path("build/native/Synchronizer.fmu")
     fresh = (built / "native/Synchronizer.fmu").read_bytes()
-    assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--output", "other").status == 0
+    assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--folder", "other").status == 0
     for other in (the_fmu("other/native").read_bytes(), b"no FMU", fresh[:3000], b""):
         fmu.write_bytes(other)
         done = workshop("run", "stop", "--no-report")
@@ -660,6 +676,8 @@ def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
     ("arguments", "parts"),
     [
         (("nowhere",), ("nowhere", "no such file or folder")),
+        (("Synchronizer/polynomal",), ("no such file or folder", "did you mean Synchronizer/polynomial")),
+        (("synchronizer",), ("no such file or folder", "did you mean Synchronizer or ")),
         (("stop", "nowhere/scenario.toml"), (str(Path("nowhere/scenario.toml")), "no such file or folder")),
         (("empty",), ("empty", "no scenario.toml")),
         (("stop", "--step-size", "0"), ("--step-size 0", "> 0")),
@@ -774,6 +792,11 @@ def test_a_terminal_that_cannot_show_a_sign_is_no_reason_to_fail(built: Path, tm
 )
 def test_wrong_usage_is_one_line(arguments: list[str], part: str, tmp_path: Path) -> None:
     assert_one_line(process(tmp_path, *arguments), part)
+
+
+def test_the_version_is_told(motionsync: Command) -> None:
+    told = motionsync("--version")
+    assert (told.status, told.out, told.err) == (0, f"motionsync {__version__}\n", "")
 
 
 def test_without_arguments_the_help_is_shown(tmp_path: Path) -> None:

@@ -32,9 +32,9 @@ def run(
 
     Examples:
 
-        motionsync run scenarios/Synchronizer/polynomial
+        motionsync run Synchronizer/polynomial
 
-        motionsync run scenarios --step-size 0.007 --no-report
+        motionsync run FlyingSaw --step-size 0.007 --no-report
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
@@ -68,7 +68,8 @@ def run(
 
 def _loaded(paths: list[Path], step_size: float | None) -> "list[Scenario]":
     """The scenarios at these paths; every mistake in them is reported before anything runs."""
-    from ..scenario.reader import MOST_STEPS, find, load
+    from ..scenario.reader import MOST_STEPS, load
+    from ..scenario.shipped import find
 
     scenarios = [load(file) for path in paths for file in find(path)]
     if step_size is not None and not 0.0 < step_size <= min(s.stop_time for s in scenarios):

@@ -27,7 +27,7 @@ def write_outcome(
     inputs = inputs_file(scenario)
     if not inputs.exists():  # a user's own scenario may have no such file
         inputs = folder / inputs.name
-        inputs.write_text(inputs_csv(scenario))
+        inputs.write_text(inputs_csv(scenario.settled(recording.settings)))
     page = folder / "report.html"
     if report:
         write_report(page, scenario, recording, checks, deviations, step_size, fmu, results)
