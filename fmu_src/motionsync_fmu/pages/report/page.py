@@ -14,6 +14,8 @@ from ...scenario.figures import engineering, figures
 from ...scenario.judge import Check, Deviation
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
+from ...scenario.settings import Reaction
+from ..machine.fragment import machine
 from ..style import TEMPLATES
 from .chart import Chart, align
 from .cutting import cut_chart
@@ -43,6 +45,7 @@ def write_report(
 
     `fmu`: the FMU that was run, None: the block ran in this process; `results`: the file with the outputs, which the
     page links to."""
+    scenario, asked = happened(scenario, recording), scenario
     found = figures(scenario, recording)
     charts = {name: chart.html() for name, chart in run_charts(scenario, recording).items()}
     text = TEMPLATES.get_template("report.html.j2").render(
@@ -52,6 +55,9 @@ def write_report(
         checks=checks,
         deviations=deviations,
         messages=recording.messages,
+        reactions=[_told(reaction, scenario) for reaction in asked.reactions],
+        unmet=recording.unmet,
+        machine=machine(scenario, recording),
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
         keys=keys_of(scenario, recording),
@@ -70,6 +76,21 @@ def write_report(
         bundle=bundle(),
     )
     file.write_text(text, "utf-8")
+
+
+def happened(scenario: Scenario, recording: Recording) -> Scenario:
+    """The scenario with all that was set in a run of it, each at its time, and without reactions."""
+    return scenario.settled(recording.settings or scenario.settings)
+
+
+def _told(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
+    """A reaction in words: its condition, how long after it, what it sets and adds, and how often."""
+    by_name = scenario.recipe.variables
+    given = [f"{name} = {by_name[name].text(value)}" for name, value in reaction.set.items()]
+    given += [f"{name} + {value:.10g}" for name, value in reaction.add.items()]
+    often = "each time" if reaction.times is None else "once" if reaction.times == 1 else f"{reaction.times} times"
+    after = engineering(reaction.after, "s") if reaction.after else "at once"
+    return reaction.condition.text, after, ", ".join(given), often
 
 
 def settings(scenario: Scenario) -> list[tuple[float, list[tuple[str, str]]]]:
