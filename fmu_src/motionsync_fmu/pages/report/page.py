@@ -14,6 +14,7 @@ from ...scenario.figures import engineering, figures
 from ...scenario.judge import Check, Deviation
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
+from ..machine.fragment import machine
 from ..style import TEMPLATES
 from .chart import Chart
 from .cutting import cut_chart
@@ -54,6 +55,7 @@ def write_report(
         messages=recording.messages,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
+        machine=machine(scenario, recording),
         keys=keys_of(scenario, recording),
         unit=unit_name(Unit.POSITION, scenario.unit),
         by_name=scenario.recipe.variables,
