@@ -24,7 +24,6 @@ def cut_chart(spec: CutSpec, scenario: Scenario, recording: Recording, found: Fi
     chart = Chart(
         "The saw among the passing marks, and the error of each cut", [330, 130], "time in s", (0.0, scenario.stop_time)
     )
-    chart.layout["xaxis"]["unifiedhovertitle"] = {"text": "%{x:.6~f} s"}
     chart.head(1, f"saw and marks{f' in {typeset(unit)}' if unit else ''}")
     chart.shade(chart.behind(1), "cut", [(c.begin, c.end) for c in found.cuts], "--cut")
     _draw_marks(chart, spec, recording, found, unit)
@@ -107,7 +106,11 @@ def _draw_marks(chart: Chart, spec: CutSpec, recording: Recording, found: Figure
                 ys += [*y, None]
                 names += [engineering(spec.offset + n * spec.length, unit)] * (len(x) + 1)
     for missed, (xs, ys, names) in sorted(gathered.items()):
-        line = {"color": BAD if missed else MASTER, "width": 1.6 if missed else 1.0}
+        line = {
+            "color": BAD if missed else MASTER,
+            "width": 1.6 if missed else 1.0,
+            "dash": "dot" if missed else "solid",
+        }
         said = "%{y:.6~g} " + unit + "<extra>mark %{customdata}</extra>"
         trace = {
             "type": "scatter",

@@ -16,10 +16,10 @@ from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ..machine.fragment import machine
 from ..style import TEMPLATES
-from .chart import Chart
+from .chart import Chart, align
 from .cutting import cut_chart
 from .lanes import changes, find_lanes, lane_chart
-from .motion import motion_chart
+from .motion import error_chart, motion_chart
 from .origin import here, now, origin
 
 BUNDLE = HERE / "pages" / "vendor" / "plotly-basic.min.js"
@@ -86,7 +86,7 @@ def keys_of(scenario: Scenario, recording: Recording) -> list[tuple[str, list[tu
 
 
 def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
-    """The charts of a run: "cuts" (if the scenario has a table [cuts]), "motion" and "lanes"."""
+    """The charts of a run: "cuts" (if there is a table [cuts]), "errors" (of a remote axis), "motion" and "lanes"."""
     found = figures(scenario, recording)
     lanes = find_lanes(scenario, recording)
     given = settings(scenario)
@@ -94,7 +94,9 @@ def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
     texts = [", ".join(f"{name} = {text}" for name, text in values) for _, values in given]
     kept = changes(recording, lanes, times)
     charts = {"cuts": cut_chart(scenario.cuts, scenario, recording, found, kept)} if scenario.cuts else {}
-    return charts | {
-        "motion": motion_chart(scenario, recording, found, lanes, times, kept),
-        "lanes": lane_chart(lanes, scenario.stop_time, times, texts),
-    }
+    if scenario.remote:
+        charts["errors"] = error_chart(scenario.remote, scenario, recording, kept)
+    charts["motion"] = motion_chart(scenario, recording, found, lanes, times, kept)
+    charts["lanes"] = lane_chart(lanes, scenario.stop_time, times, texts)
+    align(charts.values())
+    return charts
