@@ -54,7 +54,7 @@ benchmark: $(TESTABLE) ## what a step costs, what plans and accuracy are like
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/accuracy.py
 
-release: $(READY) ## build/release: package, FMUs with their pages, notes, checksums
+release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, notes, checksums
 	$(BIN)/python -m tools.release
 
 clean: ## remove whatever was made
