@@ -14,6 +14,7 @@ Readings of the description:
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from tests.oracle.flying_saw_curves import JERK, POSITION, VELOCITY, ZERO, Curve, derivative, joined, value
@@ -58,7 +59,7 @@ def by_plan(curve: Curve, axis: Axis) -> int:
         return NONE
     ends = [e.value for e in curve.extrema(POSITION)]
     speed, jerk = (max(abs(e.value) for e in curve.extrema(order)) for order in (VELOCITY, JERK))
-    faster, slower = curve.speeding()
+    faster, slower = curve.speeding
     return _first(axis, PLAN, ends, (speed, faster, slower, jerk))
 
 
@@ -86,7 +87,8 @@ def _first(axis: Axis, tolerance: Number, ends: Sequence[Number], sizes: Sequenc
     return NONE
 
 
-def own_curve(start: Motion, phases: Sequence[tuple[Number, Number]]) -> Curve:
+@lru_cache(maxsize=256)  # where a run has reactions, it is begun anew for each of them
+def own_curve(start: Motion, phases: tuple[tuple[Number, Number], ...]) -> Curve:
     """The slave's own motion, from its phases of (duration, jerk)."""
     parts, v, a = [], start.velocity, start.acceleration
     for duration, jerk in phases:
