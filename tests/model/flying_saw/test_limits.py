@@ -14,7 +14,6 @@ from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP
 from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, meeting, near
 from tests.model.flying_saw.strategies import STRATEGY
-from tests.oracle.flying_saw import reference
 from tests.support.runs import Run
 
 GENTLE = {"axis.max_velocity": 2000.0, "axis.max_acceleration": 1e5, "axis.max_deceleration": 1e5, "axis.max_jerk": 1e6}
@@ -273,8 +272,8 @@ def test_whatever_is_put_out_beyond_a_limit_is_told(run: Run, seed: int) -> None
     start |= {"axis.min_position": middle - span * r.random(), "axis.max_position": middle + span * r.random()}
     stepper = Stepper(STRATEGY.block()).initialize(start)
     inputs = [v for v in STRATEGY.variables() if v.real_input]
-    for h, values in run.steps:
-        values = {name: x for name, x in values.items() if name != "axis.max_jerk"}
+    for h, drawn in run.steps:
+        values = {name: x for name, x in drawn.items() if name != "axis.max_jerk"}
         if not 0.0 < h <= LONGEST_STEP or any(v.name in values and v.refusal(values[v.name]) for v in inputs):
             continue
         try:
