@@ -362,7 +362,7 @@ class _Run:
         """The phases from here on; `end`: the velocity, and for a move the position, to which it comes exactly."""
         self.time_based = None
         self.phases, self.own_end, self.own_state = list(phases), end, own_state
-        self.exceeded = by_motion(slave, phases, Axis.of(self.inputs))
+        self.exceeded = by_motion(slave, tuple(phases), Axis.of(self.inputs))
         self._next_phase(slave)
 
     def _next_phase(self, slave: Motion) -> None:

@@ -14,6 +14,7 @@ Readings of the description:
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -60,7 +61,7 @@ def by_plan(curve: Curve, axis: Axis) -> int:
         return NONE
     ends = [e.value for e in curve.extrema(POSITION)]
     speed, jerk = (max(abs(e.value) for e in curve.extrema(order)) for order in (VELOCITY, JERK))
-    faster, slower = curve.speeding()
+    faster, slower = curve.speeding
     return _first(axis, PLAN, ends, (speed, faster, slower, jerk))
 
 
@@ -88,7 +89,8 @@ def _first(axis: Axis, tolerance: Number, ends: Sequence[Number], sizes: Sequenc
     return NONE
 
 
-def by_motion(start: Motion, phases: Sequence[tuple[Number, Number]], axis: Axis) -> int:
+@lru_cache(maxsize=256)  # where a run has reactions, it is begun anew for each of them
+def by_motion(start: Motion, phases: tuple[tuple[Number, Number], ...], axis: Axis) -> int:
     """The same of the slave's own motion, from its phases of (duration, jerk); without a phase it exceeds nothing."""
     if not phases:
         return NONE
