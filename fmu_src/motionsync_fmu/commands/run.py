@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..build import Flavour, fmu_path, outdated
-from ..build import build as build_fmu
+from .. import places
+from ..build import Flavour
+from ..builds import at_hand, ready
 from ..errors import UserError
 from ..pages.console import err, print_outcome
+from ..pages.progress import doing
 
 if TYPE_CHECKING:
     from ..scenario.outcome import Outcome
@@ -18,17 +20,18 @@ if TYPE_CHECKING:
 
 def run(
     path: Annotated[list[Path], typer.Argument(help="Scenario files, or folders with scenarios in them.")],
-    flavour: Annotated[Flavour, typer.Option(help="Which FMU to run.")] = Flavour.NATIVE,
+    flavour: Annotated[Flavour | None, typer.Option(help="Which FMU to run; native if it can be compiled.")] = None,
     step_size: Annotated[float | None, typer.Option(help="In s, instead of the scenario's own.")] = None,
-    output: Annotated[Path, typer.Option(help="Where results and reports go: OUTPUT/<FMU>/<scenario>/.")] = Path(
-        "build/reports"
-    ),
+    output: Annotated[
+        Path | None, typer.Option(help="Where results and reports go: OUTPUT/<FMU>/<scenario>/; else to build/reports.")
+    ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
 ) -> None:
     """Run scenarios through their FMUs with FMPy, compare with expectations and reference, write CSV and report.
 
-    An FMU that is missing or stale is built first. The exit status is 1 if anything was not as expected.
+    Without an up-to-date FMU in build/<flavour>/, one for this machine is built in the user's cache. The exit status is
+    1 if anything was not as expected.
 
     Examples:
 
@@ -36,25 +39,17 @@ def run(
 
         motionsync run FlyingSaw --step-size 0.007 --no-report
     """
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
     scenarios = _loaded(path, step_size)
-    for target, recipe in {fmu_path(s.recipe, Path("build"), flavour): s.recipe for s in scenarios}.items():
-        if why := outdated(target, recipe):
-            build_fmu(flavour, recipe, target, err.print)
-            err.print(f"{target} was {why}: built")
+    fmus = ready([s.recipe for s in scenarios], flavour or at_hand(err.print)[0])
+    reports = output or places.output() / "reports"
     outcomes: list[tuple[Scenario, Outcome]] = []
     refused: list[UserError] = []
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*columns, console=err, transient=True, disable=len(scenarios) < 2 or not err.is_terminal) as progress:
-        task = progress.add_task("scenarios", total=len(scenarios))
-        for s in scenarios:
-            progress.update(task, description=s.name)
-            try:
-                outcomes.append((s, _run(s, flavour, step_size or s.step_size, output, report=not no_report)))
-            except UserError as e:  # reported at the end: the other scenarios' results are kept
-                refused.append(e)
-            progress.advance(task)
+    for i, (s, fmu) in enumerate(zip(scenarios, fmus, strict=True), 1):
+        try:
+            with doing(f"running {s.name} ({i} of {len(scenarios)})", at_once=False):
+                outcomes.append((s, _run(s, fmu, step_size or s.step_size, reports, report=not no_report)))
+        except UserError as e:  # reported at the end: the other scenarios' results are kept
+            refused.append(e)
     if as_json:
         print(json.dumps([outcome.as_json() for _, outcome in outcomes], indent=2))
     else:
@@ -83,10 +78,9 @@ def _loaded(paths: list[Path], step_size: float | None) -> "list[Scenario]":
     return scenarios
 
 
-def _run(s: "Scenario", flavour: Flavour, step_size: float, output: Path, *, report: bool) -> "Outcome":
+def _run(s: "Scenario", fmu: Path, step_size: float, output: Path, *, report: bool) -> "Outcome":
     from ..pages.results import write_outcome
     from ..scenario.run import simulate
 
-    fmu = fmu_path(s.recipe, Path("build"), flavour)
     recording = simulate(s, fmu, step_size)
     return write_outcome(s, fmu, recording, step_size, output / s.recipe.name / s.name, report=report)
