@@ -17,6 +17,7 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 
 from motionsync.remote_sync.interface import Estimator
 from motionsync_fmu import cli
+from motionsync_fmu.build import Flavour
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.line.judge import Result, examine
 from motionsync_fmu.line.line import Line
