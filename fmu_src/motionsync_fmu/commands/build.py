@@ -59,7 +59,7 @@ def build(
     for recipe in recipes:
         recipe.block()  # reports every mistake before anything is built
     epoch()
-    folder, flavours = output or places.output(), flavour or at_hand(err.print)
+    folder, flavours = output or places.output(err.print), flavour or at_hand(err.print)
     for recipe in recipes:
         for chosen in flavours:
             target = fmu_path(recipe, folder, chosen)
