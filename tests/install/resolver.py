@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tomllib
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 from packaging.markers import default_environment
@@ -69,7 +70,8 @@ def required(extra: str) -> list[Requirement]:
     """The requirements of an extra, or without an extra those of every installation, as pyproject.toml names them."""
     project = tomllib.loads(PROJECT.read_text("utf-8"))["project"]
     found = map(Requirement, project["optional-dependencies"][extra] if extra else project["dependencies"])
-    return [part for r in found for part in (sum(map(required, r.extras), []) if r.name == "motionsync" else [r])]
+    parts = (chain.from_iterable(map(required, r.extras)) if r.name == "motionsync" else [r] for r in found)
+    return list(chain.from_iterable(parts))
 
 
 def main() -> None:
