@@ -9,7 +9,7 @@ ALIVE = while sleep 1; do printf .; done & dots=$$!; trap "kill $$dots; echo" EX
 FLAGSHIP := FlyingSaw/cyclic_cut
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
-.PHONY: run line quick check test build lint format references pictures benchmark clean help
+.PHONY: run line quick check test build lint format references pictures benchmark release clean help
 
 run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
@@ -53,6 +53,9 @@ benchmark: $(TESTABLE) ## what a step costs, what plans and accuracy are like
 	$(BIN)/python benchmarks/batch_throughput.py
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/accuracy.py
+
+release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, notes, checksums
+	$(BIN)/python -m tools.release
 
 clean: ## remove whatever was made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

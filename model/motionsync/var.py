@@ -10,7 +10,7 @@ belongs to the block's state, but nobody outside the block sees it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum, IntEnum
 from math import inf
 from typing import Protocol, Self, TypeVar
@@ -139,7 +139,7 @@ class Declaration:
         above, below: limits, both of which are refused.
         smallest: the least magnitude of a value other than 0.
         zero: whether 0 itself is allowed.
-        depends: the inputs and parameters on which the value after initialization depends (outputs only).
+        depends: the inputs and parameters on which the value after initialization depends (of outputs and locals).
         codes: what the values of a plain Integer mean; a log message says so when the value changes, but not to 0.
         role: what the variable is to a block that works in cycles; None: nothing.
         wraps_at: a counter that begins again at 0 where it would reach this number; 0: it does not wrap.
@@ -162,6 +162,12 @@ class Declaration:
     role: Role | None = None
     wraps_at: int = 0
     command: bool = False
+
+    def of_real_input(self) -> "Declaration":
+        """The declaration of a Real parameter that an FMU shows as an input: it lies within ±1e12, as Real inputs do.
+
+        It changes where a command reads it, not continuously."""
+        return replace(self, discrete=True, min=max(self.min, -LARGEST_INPUT), max=min(self.max, LARGEST_INPUT))
 
 
 def input(
@@ -219,9 +225,16 @@ def output(
 
 
 def local(
-    start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False, min: float = -inf, max: float = inf
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    discrete: bool = False,
+    min: float = -inf,
+    max: float = inf,
+    codes: type[Enumeration] | None = None,
 ) -> T:
-    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max))
+    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max, codes=codes))
 
 
 def part(
@@ -233,7 +246,7 @@ def part(
 ) -> T:
     """An object that is made once with the block, and holds a part of its variables and state.
 
-    `depends`: what the outputs in the part depend on after initialization, by their names in the part.
+    `depends`: what the outputs and locals in the part depend on after initialization, by their names in the part.
     `hidden`: the part's declared fields are not variables of the block; it keeps values that such variables had.
     `slave_unit`: what the part declares in the position unit is in the slave's own position unit.
     """

@@ -24,6 +24,7 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
+from motionsync_fmu import __version__
 from motionsync_fmu.build import Flavour, build, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
@@ -179,10 +180,21 @@ def test_everything_is_described(block_fmu: Path) -> None:
     for tag in ("ScalarVariable", "SimpleType/Enumeration/Item", "Category"):
         for element in root.iter(tag.rpartition("/")[2]):
             assert element.get("description"), element.attrib
-    date = root.get("generationDateAndTime")
-    assert len(date) == 20
-    assert date[10] == "T"
-    assert date[19] == "Z"
+
+
+def test_the_project_is_named_and_no_date_is_made_up(block_fmu: Path) -> None:
+    root = description(block_fmu)
+    copyright_ = next(line for line in (ROOT / "LICENSE").read_text().splitlines() if line.startswith("Copyright"))
+    assert copyright_ == "Copyright (c) 2026 The motionsync authors"
+    named = {name: root.get(name) for name in ("author", "copyright", "license", "version", "generationTool")}
+    assert named == {
+        "author": "The motionsync authors",
+        "copyright": copyright_,
+        "license": "MIT",
+        "version": __version__,
+        "generationTool": f"motionsync {__version__} (https://github.com/motionsync/motionsync)",
+    }
+    assert root.get("generationDateAndTime") is None
 
 
 def test_the_limits_are_described(block: str, block_fmu: Path) -> None:
@@ -222,7 +234,8 @@ def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
 
 
 def test_dependencies_after_initialization_are_the_declared_ones(block: str) -> None:
-    """Moving an input or parameter changes exactly the outputs that say so, for at least one start."""
+    """Moving an input or parameter changes exactly the outputs that say so, for at least one start; local variables,
+    which may be turned to outputs, depend on nothing then."""
     declared = {(v.name, source) for v in variables(BLOCKS[block]()) for source in v.depends}
     found = set()
     for run in drawn(block, 0, 30):
@@ -245,14 +258,14 @@ def moved(v: Variable, value: Any) -> list[Any]:
 
 
 def outputs(block: str, start: dict[str, Any]) -> dict[str, Any] | None:
-    """The outputs after initialization; None if it is refused."""
+    """The outputs and local variables after initialization; None if it is refused."""
     instance = BLOCKS[block]()
     own = {v.name: v for v in variables(instance)}
     for name, value in start.items():
         own[name].cell.set(value)
     if instance.initialize():
         return None
-    return {v.name: v.cell.get() for v in own.values() if v.causality == "output"}
+    return {v.name: v.cell.get() for v in own.values() if not v.settable}
 
 
 # --- reproducible ---

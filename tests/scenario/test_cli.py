@@ -23,7 +23,7 @@ from fmpy import simulate_fmu
 from typer.testing import CliRunner
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import cli, places
+from motionsync_fmu import __version__, cli, places
 from motionsync_fmu.commands import run
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import here
@@ -177,7 +177,7 @@ def assert_one_line(outcome: Outcome, *parts: str) -> None:
 
 
 def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
-    done = motionsync("build", "--output", "here")
+    done = motionsync("build", "--folder", "here")
     assert done.status == 0
     for flavour in FLAVOURS:
         assert sorted(f.name for f in Path(f"here/{flavour}").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
@@ -198,7 +198,7 @@ def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
     [("mm", {"m"}, 1e-3), ("m", {"m"}, 1.0), ("deg", {"rad"}, pi / 180.0), ("rad", {"rad"}, 1.0), ("1", set(), 1.0)],
 )
 def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str, base: set[str], factor: float) -> None:
-    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--folder", "here").status == 0
     xml = description(the_fmu("here"))
     for quantity, symbol in (("Position", unit), ("Velocity", f"{unit}/s"), ("Acceleration", f"{unit}/s2")):
         (real,) = xml.iterfind(f"TypeDefinitions/SimpleType[@name='{quantity}']/Real")
@@ -213,7 +213,7 @@ def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str,
 def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync: Command) -> None:
     starts = {"curve": "PARABOLA", "output_phasing": "-7.5", "rest_value": "-20", "active": "TRUE", "stop": "0"}
     options = [part for name, value in starts.items() for part in ("--start", f"{name}={value}")]
-    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--folder", "here").status == 0
     fmu = the_fmu("here")
     found = {name: start_value(fmu, name) for name in starts}
     assert found == {
@@ -238,8 +238,8 @@ def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync
 
 
 def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:
-    assert motionsync("build", "Synchronizer", "--output", "here").status == 0
-    assert process(tmp_path, "build", "Synchronizer", "--output", "there").status == 0
+    assert motionsync("build", "Synchronizer", "--folder", "here").status == 0
+    assert process(tmp_path, "build", "Synchronizer", "--folder", "there").status == 0
     for flavour in FLAVOURS:
         assert the_fmu(f"here/{flavour}").read_bytes() == the_fmu(f"there/{flavour}").read_bytes()
 
@@ -254,14 +254,14 @@ def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
     ]
     guids = []
     for i, option in enumerate(options):
-        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--output", str(i)).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--folder", str(i)).status == 0
         guids.append(description(the_fmu(str(i))).get("guid"))
     assert len(set(guids)) == len(options)
 
 
 def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Command) -> None:
     for folder, value in (("name", "PARABOLA"), ("number", "1")):
-        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--output", folder).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--folder", folder).status == 0
     assert the_fmu("name").read_bytes() == the_fmu("number").read_bytes()
 
 
@@ -309,7 +309,7 @@ def test_a_bad_source_date_epoch_is_one_line(motionsync: Command, monkeypatch: p
 
 def test_an_output_folder_that_cannot_be_made_is_one_line(workshop: Command) -> None:
     Path("taken").write_text("a file")
-    assert_one_line(workshop("build", "Synchronizer", "--output", "taken"), "taken")
+    assert_one_line(workshop("build", "Synchronizer", "--folder", "taken"), "taken")
     assert_one_line(workshop("run", "stop", "--no-report", "--output", "taken"), "taken")
 
 
@@ -462,11 +462,15 @@ class Loads(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
         self.found: list[str] = []
+        self.links: list[str | None] = []
         self.words: list[str] = []
         self.tag = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tag = tag
+        if tag == "a":  # a link loads nothing until somebody follows it
+            self.links += [v for k, v in attrs if k == "href"]
+            return
         self.found += [f"{tag} {k}={v}" for k, v in attrs if k in ("src", "href", "srcset", "data", "action", "poster")]
         self.found += [f"{tag} {k}={v}" for k, v in attrs if k == "style" and "url(" in (v or "")]
 
@@ -487,6 +491,7 @@ def test_the_report_is_one_self_contained_page(workshop: Command) -> None:
     page = Loads()
     page.feed((folder / "report.html").read_text("utf-8"))
     assert page.found == []
+    assert page.links == ["Synchronizer_out.csv"]
     text = " ".join(page.words)
     for part in ("A stop along a parabola", "By hand", "slave.position = 27.5", "synchronized == false", "rest_value"):
         assert part in text
@@ -676,7 +681,7 @@ def test_a_missing_fmu_is_built_for_this_machine_and_told(motionsync: Command, c
 def test_a_stale_fmu_is_left_alone_and_another_one_is_run(workshop: Command, built: Path, cache: Path) -> None:
     fmu = Path("build/python/Synchronizer.fmu")
     fresh = fmu.read_bytes()
-    assert workshop("build", "Synchronizer", *PYTHON, "--start", "rest_value=5", "--output", "other").status == 0
+    assert workshop("build", "Synchronizer", *PYTHON, "--start", "rest_value=5", "--folder", "other").status == 0
     for other in (the_fmu("other").read_bytes(), b"no FMU", fresh[:3000], b""):
         fmu.write_bytes(other)
         done = workshop("run", "stop", "--no-report", *PYTHON)
@@ -825,6 +830,11 @@ def test_a_terminal_that_cannot_show_a_sign_is_no_reason_to_fail(built: Path, tm
 )
 def test_wrong_usage_is_one_line(arguments: list[str], part: str, tmp_path: Path) -> None:
     assert_one_line(process(tmp_path, *arguments), part)
+
+
+def test_the_version_is_told(motionsync: Command) -> None:
+    told = motionsync("--version")
+    assert (told.status, told.out, told.err) == (0, f"motionsync {__version__}\n", "")
 
 
 def test_without_arguments_the_help_is_shown(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, as_completed, wait
 from importlib.util import find_spec
 from pathlib import Path
@@ -45,9 +45,15 @@ ZIG = _package("ziglang")
 
 
 def libraries(
-    block: Any, guid: str, platforms: Sequence[Platform] = ROWS, progress: Callable[[str], None] = lambda text: None
+    block: Any,
+    guid: str,
+    platforms: Sequence[Platform] = ROWS,
+    progress: Callable[[str], None] = lambda text: None,
+    turned: Mapping[str, str] | None = None,
 ) -> Files:
     """The library of each platform, by its path in the FMU; `progress` gets lines of text if this takes long.
+
+    `turned`: as for `variables`.
 
     Raises:
         UserError: zig failed.
@@ -58,7 +64,7 @@ def libraries(
         for source in HERE.glob("*.[ch]"):
             (work / source.name).write_bytes(source.read_bytes())
         (work / "model.ll").write_text(llvm_text(block), "utf-8", newline="\n")
-        (work / "model.h").write_text(model_header(block, guid), "utf-8", newline="\n")
+        (work / "model.h").write_text(model_header(block, guid, turned), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
                 target: pool.submit(_compile, target, flags, f"{target}/{name}.{platform.suffix}", work)

@@ -22,6 +22,7 @@ typedef struct {
     double min, max, above, below, smallest; /* of a number: min and max are allowed, above and below are not;
                                                 smallest: the least magnitude but for 0 */
     bool zero; /* whether a number may be 0 */
+    bool judged; /* a Real whose range each step checks */
     int choices; /* of an enumeration: how many members it has, then their numbers */
     int range; /* the allowed values in words */
 } Variable;
@@ -68,7 +69,7 @@ _Static_assert(sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 8 * 8 + size
 
 struct Unit {
     State now;
-    int unfit; /* the number of Real inputs outside their ranges; a step needs 0 */
+    int unfit; /* the number of judged Reals outside their ranges; a step needs 0 */
     int logged; /* a set of Category */
     Write *write;
     void *importer[]; /* of the size given to unit_new, aligned for pointers */
@@ -179,19 +180,24 @@ static bool allows(Unit *u, const Variable *v) {
     return false;
 }
 
+static bool is_zero(Unit *u, const Variable *v) {
+    return v->kind == REAL ? *(double *)at(&u->now.model, v) == 0.0 : *(int64_t *)at(&u->now.model, v) == 0;
+}
+
 /* Whether a variable has an allowed value; if not, an error is logged. */
 static bool judge(Unit *u, const Variable *v) {
     if (allows(u, v)) return true;
     Text text = {.length = 0};
     append_value(&text, u, v);
-    append(&text, " is not allowed: it must be %s", words(v->range));
+    const char *unwired = v->access == INPUT && is_zero(u, v) ? "; an unwired input gives 0" : "";
+    append(&text, " is not allowed: it must be %s%s", words(v->range), unwired);
     unit_say(u, UNIT_ERROR, text.bytes);
     return false;
 }
 
-/* No step is done while a Real input is unfit. Unfit inputs are counted where they are set, so that a step need not
- * look at each. An input has no limits but min and max; NaN fails both. */
-static bool unfit(const Variable *v, double x) { return v->access == INPUT && !(x >= v->min && x <= v->max); }
+/* No step is done while a Real is unfit that each step checks. Unfit Reals are counted where they are set, so that a
+ * step need not look at each. */
+static bool unfit(const Variable *v, double x) { return v->judged && !fits(v, x); }
 
 static void count_unfit(Unit *u) {
     u->unfit = 0;
@@ -322,7 +328,7 @@ static bool ready(Unit *u, double h) {
         return false;
     }
     for (int i = 0; u->unfit && i < COUNT; i++)
-        if (VARIABLES[i].access == INPUT && !judge(u, VARIABLES + i)) return false;
+        if (VARIABLES[i].judged && !judge(u, VARIABLES + i)) return false;
     return true;
 }
 

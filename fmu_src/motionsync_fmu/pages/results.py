@@ -8,6 +8,7 @@ from ..scenario.judge import check, compare
 from ..scenario.outcome import Outcome
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
+from .report.page import write_report
 
 
 def write_outcome(
@@ -26,12 +27,10 @@ def write_outcome(
     inputs = inputs_file(scenario)
     if not inputs.exists():  # a user's own scenario may have no such file
         inputs = folder / inputs.name
-        inputs.write_text(inputs_csv(scenario))
+        inputs.write_text(inputs_csv(scenario.settled(recording.settings)))
     page = folder / "report.html"
     if report:
-        from .report import write_report  # noqa: PLC0415 (Plotly: it takes long to load)
-
-        write_report(page, scenario, recording, checks, deviations, step_size)
+        write_report(page, scenario, recording, checks, deviations, step_size, fmu, results)
     return Outcome(
         scenario=str(scenario.file.parent),
         title=scenario.title,

@@ -11,7 +11,8 @@ import numpy as np
 from ..errors import UserError
 from .cuts import CutSpec, find_cuts
 from .recording import Recording
-from .scenario import COMPARISONS, AtTime, Scenario, When, Within
+from .scenario import AtTime, Scenario, When, Within
+from .settings import COMPARISONS
 from .telegrams import Remote, errors
 
 
@@ -47,7 +48,8 @@ class Deviation:
 
 
 def check(scenario: Scenario, recording: Recording) -> list[Check]:
-    """What was found for every expectation of the scenario; its cuts and its remote axis come last."""
+    """What was found for every expectation of the scenario; then for the reactions that it requires and that did not
+    happen, its cuts and its remote axis."""
     found: list[Check] = []
     texts = {name: v.text for name, v in scenario.recipe.variables.items()}
     for e in scenario.expectations:
@@ -58,6 +60,7 @@ def check(scenario: Scenario, recording: Recording) -> list[Check]:
                 found.append(_when(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
             case Within():
                 found += _within(e, recording)
+    found += [Check(u.expected, u.found, False) for u in recording.unmet if u.reaction.required]
     if scenario.cuts:
         found += _cuts(scenario.cuts, recording)
     if scenario.remote:
