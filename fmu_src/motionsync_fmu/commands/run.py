@@ -41,7 +41,7 @@ def run(
     """
     scenarios = _loaded(path, step_size)
     fmus = ready([s.recipe for s in scenarios], flavour or at_hand(err.print)[0])
-    reports = output or places.output() / "reports"
+    reports = output or places.output(err.print) / "reports"
     outcomes: list[tuple[Scenario, Outcome]] = []
     refused: list[UserError] = []
     for i, (s, fmu) in enumerate(zip(scenarios, fmus, strict=True), 1):
