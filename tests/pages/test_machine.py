@@ -129,11 +129,11 @@ def test_the_saw_is_down_while_it_cuts() -> None:
 
 
 def test_the_window_holds_the_end_positions_that_are_near() -> None:
-    """cyclic_cut: the saw runs from 0 to 600, the end positions are -250 and 650; position_example_1 has none."""
+    """cyclic_cut: the saw runs from 0 to 620, the end positions are -250 and 800; position_example_1 has none."""
     data = data_of("FlyingSaw/cyclic_cut")
-    assert data["ends"] == [-250.0, 650.0]
+    assert data["ends"] == [-250.0, 800.0]
     assert data["window"][0] < -250.0
-    assert data["window"][1] > 650.0
+    assert data["window"][1] > 800.0
     assert data_of("FlyingSaw/position_example_1")["ends"] == [None, None]
 
 
