@@ -99,10 +99,10 @@ def test_a_held_signal_has_its_changes_alone() -> None:
     "name", ["FlyingSaw/cyclic_cut", "FlyingSaw/negative_ratio", "Follower/linear_wait_in_park", "Gearing/ccw_direct"]
 )
 def test_the_page_knows_both_axes_far_better_than_a_screen_shows(name: str) -> None:
-    """The picture is about 1000 px wide: half a millionth of its span is 0.0005 px."""
+    """The picture is about 1000 px wide: a fifth of a millionth of its span is 0.0002 px."""
     _, recording = run(name)
     data = data_of(name)
-    assert data["within"] <= 5e-7 * data["span"]
+    assert data["within"] <= 2e-7 * data["span"]
     axes = (data["master"], recording.master[:, 0]), (data["slave"], recording.values["slave.position"])
     for signal, recorded in axes:
         found = [value(signal, t) for t in recording.time[::13].tolist()]
