@@ -301,7 +301,6 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
     "min above max": ("min = 0.0, max = 90.0", "min = 91.0, max = 90.0", "slave.velocity", ("max", "90", ">= 91")),
     # what every scenario has
     "title missing": ('title = "A good one"\n', "", "title", ("missing",), "source"),
-    "source missing": ('source = "By hand"\n', "", "source", ("missing",), "title"),
     "fmu missing": ('fmu = "Synchronizer"\n', "", "fmu", ("missing",), "title"),
     "stop_time missing": ("stop_time = 4.0\n", "", "stop_time", ("missing",), "title"),
     "step_size missing": ("step_size = 0.01\n", "", "step_size", ("missing",), "title"),
@@ -456,6 +455,12 @@ def test_without_a_mistake_it_is_read(tmp_path: Path) -> None:
     assert [(s.at, s.values) for s in scenario.settings] == [(0.5, {"stop": True}), (1.5, {"output_phasing": 45.0})]
     assert scenario.master.at(2.0).position == pytest.approx(90.0 * 2.0 + 0.5 + 1.0)
     assert [type(e) for e in scenario.expectations] == [AtTime, When, Within]
+
+
+def test_a_scenario_needs_no_source(tmp_path: Path) -> None:
+    file = tmp_path / "scenario.toml"
+    file.write_text(GOOD.replace('source = "By hand"\n', ""), "utf-8")
+    assert load(file).source == ""
 
 
 def test_line_ends_and_a_byte_order_mark_of_windows_editors_do_no_harm(tmp_path: Path) -> None:
