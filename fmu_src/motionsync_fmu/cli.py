@@ -14,7 +14,7 @@ from .commands.describe import describe
 from .commands.line import line
 from .commands.list import list_all
 from .commands.run import run
-from .errors import UserError
+from .errors import Interrupted, UserError
 from .pages.console import err
 
 app = typer.Typer(
@@ -55,7 +55,11 @@ def main() -> None:
     except OSError as e:  # a folder that cannot be written, a full disk
         err.print(f"motionsync: {e.filename}: {e.strerror}" if e.filename else f"motionsync: {e}")
         sys.exit(2)
+    except Interrupted as e:
+        err.print(f"motionsync: {e}")
+        sys.exit(130)
     except (KeyboardInterrupt, typer.Abort):
+        err.print("motionsync: interrupted")
         sys.exit(130)
 
 

@@ -11,6 +11,10 @@ class UserError(Exception):
     """One sentence that names what was wrong, its value and what is allowed."""
 
 
+class Interrupted(Exception):  # noqa: N818 (no error: the user wants it)
+    """The user broke off a command; the text says how far it had come."""
+
+
 def choose(known: Mapping[str, T], name: str, what: str) -> T:
     """The entry of that name.
 

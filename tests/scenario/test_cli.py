@@ -25,6 +25,7 @@ from typer.testing import CliRunner
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import cli
 from motionsync_fmu.commands import run
+from motionsync_fmu.pages import results
 from tests import ROOT
 from tests.support.fmus import Shared
 
@@ -386,15 +387,122 @@ def test_help_lists_the_commands() -> None:
 
 def test_run_takes_a_file_a_folder_and_several(workshop: Command) -> None:
     file = scenario("more/other", STOP.replace("A stop along", "Another stop along"))
-    for paths, titles in (
-        ([file], ["Another stop along a parabola"]),
-        (["stop"], ["A stop along a parabola"]),
-        (["more", "stop/scenario.toml"], ["Another stop along a parabola", "A stop along a parabola"]),
-        (["."], ["Another stop along a parabola", "A stop along a parabola"]),
-    ):
+    done = workshop("run", file, "--no-report")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.startswith(f"Another stop along a parabola ({file.parent}): as expected\n")
+    for paths in (["more", "stop/scenario.toml"], ["."]):
         done = workshop("run", *paths, "--no-report")
         assert (done.status, done.err) == (0, "")
-        assert re.findall(r"^(\w.*) \(.*\): as expected$", done.out, re.MULTILINE) == titles
+        names = re.findall(r"^ok +(\S+) ", done.out, re.MULTILINE)
+        assert names == ["Synchronizer/other", "Synchronizer/stop"]
+
+
+# The slave goes with 100 mm/s, and from there to rest between 20 and 30: a = v^2/(2 s) = 10000/20 = 500 mm/s2; a
+# parabola's acceleration jumps, so its jerk is told as 0.
+PEAKS = "v 100 mm/s, a 500 mm/s2, j 0 mm/s3"
+
+
+def test_a_result_is_a_line_and_a_summary_ends_with_the_address(workshop: Command) -> None:
+    scenario("other")
+    done = workshop("run", ".")
+    assert (done.status, done.err) == (0, "")
+    page = Path("build/reports/index.html").resolve()
+    assert done.out.splitlines() == [
+        f"ok  Synchronizer/other  {PEAKS}",
+        f"ok  Synchronizer/stop   {PEAKS}",
+        "",
+        "2 scenarios: all as expected",
+        f"report: {page.as_uri()}",
+    ]
+    links = re.findall(r'href="([^"]*)"', page.read_text("utf-8"))
+    assert links == ["Synchronizer/other/report.html", "Synchronizer/stop/report.html"]
+    assert all((page.parent / link).is_file() for link in links)
+
+
+def test_the_result_of_one_scenario_has_a_line_for_each_figure(workshop: Command) -> None:
+    done = workshop("run", "stop")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.splitlines() == [
+        "A stop along a parabola (stop): as expected",
+        "  position      0 to 30 mm",
+        "  velocity      100 mm/s",
+        "  acceleration  500 mm/s2",
+        "  jerk          0 mm/s3",
+        "  expectations  4 of 4 kept",
+        f"  result        {Path('build/reports/Synchronizer/stop/Synchronizer_out.csv')}",
+        f"report: {Path('build/reports/Synchronizer/stop/report.html').resolve().as_uri()}",
+    ]
+
+
+def test_verbose_tells_all_that_was_judged(workshop: Command) -> None:
+    done = workshop("run", "stop", "--no-report", "--verbose")
+    assert done.status == 0
+    assert done.out.count("  kept    ") == 4
+    assert "the same with FMPy alone: fmpy simulate " in done.out
+    assert "fmpy simulate" not in workshop("run", "stop", "--no-report").out
+
+
+def test_the_report_is_opened_in_the_browser(workshop: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[str] = []
+    monkeypatch.setattr("webbrowser.open", shown.append)
+    assert workshop("run", "stop", "--open").status == 0
+    assert shown == [Path("build/reports/Synchronizer/stop/report.html").resolve().as_uri()]
+    assert_one_line(workshop("run", "stop", "--open", "--no-report"), "--open", "--no-report")
+
+
+def test_marks_that_pass_uncut_are_told_beside_a_good_result(workshop: Command) -> None:
+    """The material goes on to 50 mm, the slave stops at 30 mm: of the marks at 0.05, 2.05, ... the first is cut, and
+    those below 50 - 30 have passed."""
+    table = '\n[cuts]\nwhile = "syn_synchronized"\nlength = 2.0\noffset = 0.05\n'
+    scenario("saw", STOP + table)
+    alone = workshop("run", "saw", "--no-report")
+    assert alone.status == 0
+    assert "(saw): as expected, with 1 remark\n  ! 9 marks passed uncut: 2.05, 4.05, … mm\n" in alone.out
+    both = workshop("run", "saw", "stop", "--no-report")
+    assert both.status == 0
+    assert f"ok! Synchronizer/saw   1 cut, worst error 0.05 mm (mark 0.05 mm); {PEAKS}\n" in both.out
+    assert "2 scenarios: all as expected\n! 1 result with a remark: Synchronizer/saw\n" in both.out
+
+
+def test_a_scenario_that_judges_nothing_says_so(workshop: Command) -> None:
+    scenario("free", STOP[: STOP.index("[[expect]]")])
+    done = workshop("run", "free", "--no-report")
+    assert done.status == 0
+    assert "as expected, with 1 remark\n  ! nothing is judged" in done.out
+
+
+def test_what_the_fmu_logs_is_counted_and_shown(workshop: Command) -> None:
+    """A phasing of 0 is refused when a stop reads it."""
+    scenario("refused", STOP.replace("stop = true", "stop = true\noutput_phasing = 0.0").split("[[expect]]")[0])
+    assert re.search(r"^  the FMU logged: .*output_phasing = 0", workshop("run", "refused").out, re.MULTILINE)
+    assert "; 1 message of the FMU\n" in workshop("run", "refused", "stop").out
+
+
+@pytest.mark.parametrize(("options", "printed"), [((), "1 of 3"), (("--json",), "1 of 3")])
+def test_an_interruption_keeps_what_is_finished(
+    workshop: Command, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], printed: str
+) -> None:
+    for name in ("a", "b"):
+        scenario(name)
+    write = results.write_outcome
+
+    def interrupted(s: Any, *arguments: Any, **options: Any) -> Any:
+        if s.name == "b":
+            monkeypatch.setattr(results, "inputs_csv", interrupted_too)
+        return write(s, *arguments, **options)
+
+    def interrupted_too(_: Any) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(results, "write_outcome", interrupted)
+    done = workshop("run", ".", *options)
+    assert (done.status, done.err) == (130, f"motionsync: interrupted after {printed}\n")
+    if options:
+        assert [result["name"] for result in json.loads(done.out)] == ["Synchronizer/a"]
+    else:
+        assert done.out.startswith(f"ok  Synchronizer/a     {PEAKS}\n\n1 scenario: as expected\n")
+    assert sorted(p.name for p in Path("build/reports").iterdir()) == ["Synchronizer", "index.html"]
+    assert [p.name for p in Path("build/reports/Synchronizer").iterdir()] == ["a"]
 
 
 def test_run_writes_results_and_report(workshop: Command) -> None:
@@ -402,7 +510,14 @@ def test_run_writes_results_and_report(workshop: Command) -> None:
     with Path("results/Synchronizer/stop/Synchronizer_out.csv").open(newline="") as f:
         header, *rows = list(csv.reader(f))
     assert header[0] == "time"
-    assert {"slave.position", "slave.jerk", "state_code", "local.progress"} <= set(header)
+    axis = [
+        f"{part}.{name}" for part in ("master", "slave") for name in ("position", "velocity", "acceleration", "jerk")
+    ]
+    assert header[:10] == ["time", *axis, "state"]
+    assert {"state_code", "local.progress"} <= set(header)
+    assert {row[header.index("state")] for row in rows} <= {"0", "1", "2"}
+    assert {row[header.index("synchronized")] for row in rows} == {"0", "1"}
+    assert [float(row[header.index("master.position")]) for row in rows[::10]] == pytest.approx([0, 10, 20, 30, 40, 50])
     times = [float(row[0]) for row in rows]
     assert times == pytest.approx([i * 0.01 for i in range(51)], abs=1e-12)
     position = header.index("slave.position")
@@ -483,20 +598,31 @@ def test_json_has_all_that_was_found_and_nothing_else_is_printed(workshop: Comma
     (deviation,) = result["reference"]
     assert deviation.pop("max_difference") <= 3e-8
     assert deviation.pop("at") in (0.0, 0.1, 0.3, 0.5)
+    peaks = {p["name"]: (p["least"], p["greatest"], p["limit"], p["exceeded"]) for p in result.pop("peaks")}
+    assert {name: of[2:] for name, of in peaks.items()} == dict.fromkeys(peaks, (None, False))
+    assert {name: of[:2] for name, of in peaks.items()} == {
+        "position": (0.0, 30.0),
+        "velocity": (0.0, 100.0),
+        "acceleration": (pytest.approx(-500.0), 0.0),
+        "jerk": (0.0, 0.0),
+    }
     assert result == {
         "scenario": "stop",
+        "name": "Synchronizer/stop",
         "title": "A stop along a parabola",
         "fmu": "Synchronizer",
         "step_size": 0.01,
         "passed": True,
         "expectations": [
-            {"expected": "slave.position = 27.5 ± 1e-09 at 0.3 s", "passed": True},
-            {"expected": "slave.velocity = 50 ± 1e-09 at 0.3 s", "passed": True},
+            {"expected": "slave.position = 27.5 ± 1e-9 at 0.3 s", "passed": True},
+            {"expected": "slave.velocity = 50 ± 1e-9 at 0.3 s", "passed": True},
             {"expected": "first synchronized == false at 0.4 s ± 0.01", "passed": True},
-            {"expected": "slave.velocity from 0 to 100 ± 1e-09 between 0 s and 0.5 s", "passed": True},
+            {"expected": "slave.velocity from 0 to 100 ± 1e-9 between 0 s and 0.5 s", "passed": True},
         ],
         "reference": [{"variable": "slave.position", "allowed": pytest.approx(3e-8), "passed": True}],
         "cuts": [],
+        "uncut": [],
+        "remarks": [],
         "messages": [],
         "result": str(Path("build/reports/Synchronizer/stop/Synchronizer_out.csv")),
         "report": None,
@@ -511,8 +637,9 @@ def test_cuts_are_told_and_shown(workshop: Command) -> None:
     scenario("saw", STOP + table.format(0.6))
     done = workshop("run", "saw")
     assert (done.status, done.err) == (0, "")
-    assert "  cuts: 1, the worst 0.5 mm from its mark: cut 1, mark 0.5 mm\n" in done.out
-    assert "kept    cuts within 0.6 of a mark, one mark each 20: found at most 0.5 away\n" in done.out
+    assert "  saw           1 cut, worst error 0.5 mm (mark 0.5 mm); 0.6 mm allowed\n" in done.out
+    verbose = workshop("run", "saw", "--no-report", "-v").out
+    assert "kept    cuts within 0.6 mm of a mark, one mark each 20 mm: found at most 0.5 mm away\n" in verbose
     page = Loads()
     page.feed(Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8"))
     assert page.found == []
@@ -533,7 +660,7 @@ def test_a_run_without_a_cut_is_told_and_judged(workshop: Command) -> None:
     scenario("saw", STOP + table)
     done = workshop("run", "saw")
     assert (done.status, done.err) == (1, "")
-    assert "  cuts: none\n" in done.out
+    assert "  saw           no cut; 0.1 mm allowed\n" in done.out
     assert "There was none." in Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8")
     scenario("saw", STOP + table + "count = 0\n")
     assert workshop("run", "saw", "--no-report").status == 0
@@ -568,11 +695,17 @@ def test_a_broken_expectation_is_exit_status_1(workshop: Command) -> None:
     scenario("wrong", STOP.replace("= 27.5", "= 27.6").replace("time = 0.4\n", "time = 0.2\n"))
     done = workshop("run", "wrong", "stop")
     assert (done.status, done.err) == (1, "")
-    assert "(wrong): NOT as expected" in done.out
-    assert "(stop): as expected" in done.out
-    assert "broken  slave.position = 27.6 ± 1e-09 at 0.3 s: found 27.5\n" in done.out
-    assert "broken  first synchronized == false at 0.2 s ± 0.01: found 0.4 s\n" in done.out
-    assert "kept    slave.velocity = 50 ± 1e-09 at 0.3 s: found 50\n" in done.out
+    assert done.out.splitlines()[:-1] == [
+        f"NOT Synchronizer/wrong  {PEAKS}",
+        "    broken  slave.position = 27.6 ± 1e-9 at 0.3 s: found 27.5",
+        "    broken  first synchronized == false at 0.2 s ± 0.01: found 0.4 s",
+        f"ok  Synchronizer/stop   {PEAKS}",
+        "",
+        "2 scenarios: 1 as expected, 1 not: Synchronizer/wrong",
+    ]
+    alone = workshop("run", "wrong", "-v", "--no-report")
+    assert "kept    slave.velocity = 50 ± 1e-9 at 0.3 s: found 50\n" in alone.out
+    assert "broken  slave.position = 27.6" in workshop("run", "wrong", "--no-report").out
     assert "broken" in Path("build/reports/Synchronizer/wrong/report.html").read_text("utf-8")
 
 

@@ -23,7 +23,7 @@ def load_line(file: Path) -> Line:
         UserError: the first mistake in it, with file, line and key.
     """
     top = read_file(file)
-    top.allow_only(*(key for key in SCALARS if key != "tolerance"), *TABLES)
+    top.allow_only(*(key for key in SCALARS if key not in ("tolerance", "step_bound")), *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
     reader = Reader(top, name, stop_time, REMOTE)

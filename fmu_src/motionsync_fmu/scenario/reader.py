@@ -25,7 +25,7 @@ from .toml_tables import Table, read_toml
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
 FILE = "scenario.toml"
-SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
+SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "step_bound", "tolerance")
 TABLES = ("start", "master", "remote", "set", "expect", "cuts", "picture")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 HELD = ("velocity", "acceleration", "jerk")  # what a segment may keep constant
@@ -76,6 +76,7 @@ def load(file: Path) -> Scenario:
         tuple(reader.expectations()),
         reader.cuts(unit) if "cuts" in top else None,
         reader.picture(),
+        top.string("step_bound", ""),
     )
 
 

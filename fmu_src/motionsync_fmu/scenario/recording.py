@@ -1,6 +1,5 @@
 """Recorded outputs of one run."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +19,3 @@ class Recording:
     values: dict[str, Reals]
     master: Reals
     messages: list[str]
-
-    def rows(self) -> Iterator[tuple[float, ...]]:
-        """Time, then the variables, point by point."""
-        return zip(self.time.tolist(), *(v.tolist() for v in self.values.values()), strict=True)
