@@ -136,8 +136,8 @@ def drawn(seed: int, number: int) -> Orders:
         "diagonal_angle": angle,
         "axis.initial_position": position,
         "axis.initial_velocity": initial,
-        "gear_in_pos.ratio_numerator": np.where(d.seldom(0.003), 0.0, ratio),
-        "gear_in_pos.ratio_denominator": np.where(d.seldom(0.003), d.choice(0, -3), denominator),
+        "gear_in_pos.ratio_numerator": ratio,
+        "gear_in_pos.ratio_denominator": denominator,
         "gear_in_pos.master_sync_position": place + speed * duration * np.where(d.seldom(0.01), -1.0, 1.0),
         "gear_in_pos.slave_sync_position": position + initial * before + distance * np.where(d.seldom(0.01), -1.0, 1.0),
         "gear_in_pos.master_start_distance": np.abs(speed) * duration * _distance(d),
@@ -154,7 +154,20 @@ def drawn(seed: int, number: int) -> Orders:
     chosen = d.r.choice(len(BEFORE), number, p=[0.4, 0.3, 0.2, 0.08, 0.02])
     for i, group in enumerate(BEFORE):
         inputs[f"{group}.execute"] = np.repeat((moved & (chosen == i))[:, None], STEPS, axis=1)
+    for name, values in _wrong(d, start).items():
+        inputs[name] = np.repeat(values[:, None], STEPS, axis=1)
     return Orders(h, inputs, start)
+
+
+def _wrong(d: Dice, start: Values) -> Values:
+    """Values that now and then no command can be made of; set after the initialization, which would refuse them."""
+    return {
+        "gear_in_pos.ratio_numerator": np.where(d.seldom(0.003), 0.0, start["gear_in_pos.ratio_numerator"]),
+        "gear_in_pos.ratio_denominator": np.where(
+            d.seldom(0.003), d.choice(0, -3), start["gear_in_pos.ratio_denominator"]
+        ),
+        "gear_in_pos.jerk": np.where(d.seldom(0.005), -1.0, start["gear_in_pos.jerk"]),
+    }
 
 
 def _limits(d: Dice, scale: Reals, duration: Reals, position: Reals, length: Reals) -> Values:
@@ -165,12 +178,12 @@ def _limits(d: Dice, scale: Reals, duration: Reals, position: Reals, length: Rea
         "deceleration": scale / duration * d.either(d.powers(-0.3, 1.5), d.powers(-4.0, 5.0)),
         "jerk": scale / duration**2 * d.either(d.powers(0.0, 2.5), d.powers(-4.0, 6.0)),
     }
+    limits = {name: np.clip(x, 1e-9, LARGEST_INPUT) for name, x in limits.items()}
     own = {name: np.where(d.seldom(0.3), x * d.powers(-0.5, 0.5), 0.0) for name, x in limits.items()}
-    own["jerk"][d.seldom(0.005)] = -1.0
     return {
         "axis.min_position": position - length * d.powers(-2.0, 1.0),
         "axis.max_position": position + length * d.powers(-2.0, 1.0),
-        **{f"axis.max_{name}": np.clip(x, 1e-9, LARGEST_INPUT) for name, x in limits.items()},
+        **{f"axis.max_{name}": x for name, x in limits.items()},
         **{f"gear_in_pos.{name}": x for name, x in own.items()},
     }
 

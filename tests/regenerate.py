@@ -4,7 +4,7 @@ python -m tests.regenerate
 """
 
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,10 +12,13 @@ from typing import Any
 
 from motionsync.master import MasterInput
 from motionsync_fmu.scenario.crosscheck import csv_text, inputs_csv, options_text
-from motionsync_fmu.scenario.reader import find, load
+from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import inputs, schedule
 from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.scenario.settings import Reaction, Setting
+from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
+from tests.oracle.reactions import settled
 from tests.support.by_block import folder
 
 SCENARIOS = ROOT / "scenarios"
@@ -42,6 +45,8 @@ def oracle(name: str) -> Any:
 def files(scenario_file: Path) -> dict[Path, str]:
     """The cross-check files that belong beside a scenario, with their text."""
     scenario = load(scenario_file)
+    script = independent_script(scenario)
+    scenario = scenario.settled(settings(script)) if scenario.reactions else scenario
     name = scenario.recipe.name
     steps = round(scenario.stop_time / scenario.step_size)
     stride = max(steps // POINTS, 1)
@@ -50,7 +55,6 @@ def files(scenario_file: Path) -> dict[Path, str]:
     if scenario.remote:
         rows = stepped(getattr(independent, f"{name}Oracle"), scenario, times[1:])
     else:
-        script = tomllib.loads(scenario_file.read_text()) | {"start": scenario.start}  # members' names as numbers
         rows = independent.reference(script, times)
     estimated = scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY  # an estimate lags at jumps
     columns = ("time", *(("slave.position",) if estimated else independent.COLUMNS))
@@ -60,6 +64,37 @@ def files(scenario_file: Path) -> dict[Path, str]:
         beside / f"{name}_ref.csv": csv_text(columns, [[row[c] for c in columns] for row in rows]),
         beside / f"{name}_ref.opt": options_text(scenario),
     }
+
+
+def independent_script(scenario: Scenario) -> dict[str, Any]:
+    """What an oracle gets: the tables of the file, with the members of enumerations as numbers, and with the sets that
+    its own trajectory makes of the reactions.
+
+    Raises:
+        LookupError: the scenario reacts, and the oracle is one that is stepped.
+    """
+    script = tomllib.loads(scenario.file.read_text()) | {"start": scenario.start}
+    if not scenario.reactions:
+        return script
+    if scenario.remote:
+        raise LookupError(f"{scenario.file}: the oracle of a block with a remote axis finds no reactions")
+    declared = scenario.recipe.variables
+    added = {name: declared[name].start for r in scenario.reactions for name in r.add}
+    tables = [on_table(r) for r in scenario.reactions]
+    script |= {"start": {**added, **scenario.start}, "on": tables}
+    return settled(script, oracle(scenario.recipe.name).reference)
+
+
+def on_table(reaction: Reaction) -> dict[str, Any]:
+    """A reaction as a table [[on]] in numbers."""
+    c = reaction.condition
+    table = {"when": f"{c.name} {c.comparison} {c.value!r}", "after": reaction.after}
+    return {**table, "set": reaction.set, "add": reaction.add, "times": reaction.times}
+
+
+def settings(script: Mapping[str, Any]) -> list[Setting]:
+    """The tables [[set]] of a script."""
+    return [Setting(t["at"], {name: value for name, value in t.items() if name != "at"}) for t in script["set"]]
 
 
 def stepped(made: Callable[..., Any], scenario: Scenario, times: Sequence[float]) -> list[dict[str, float]]:

@@ -87,7 +87,7 @@ CASES = Cases(
         ),
         Steady(
             "synchronising, time based",
-            start={"axis.max_acceleration": 1e-6, "axis.max_deceleration": 1e-6, "sync_mode.time_based": True},
+            start={"axis.max_acceleration": 1e-6, "axis.max_position": 1e12, "sync_mode.time_based": True},
             begin={"gear_in_velo.execute": True},
             holds={"state_code": State.SYNCHRONIZING, "characteristics.profile": ProfileKind.JERK_LIMITED},
         ),

@@ -1,3 +1,7 @@
 """From a block to an FMU: variables, modelDescription, documentation, both flavours, and the command line."""
 
-__version__ = "0.1.0"
+# What package, FMUs and pages tell of the project: it stands here only, and hatch_build.py reads it too.
+__version__ = "0.2.0"
+HOME = "https://github.com/motionsync/motionsync"
+AUTHORS = "The motionsync authors"
+COPYRIGHT = f"Copyright (c) 2026 {AUTHORS}"

@@ -15,6 +15,7 @@ from .errors import UserError
 
 HERE = Path(__file__).parent
 Files = dict[str, bytes]
+FIRST_INSTANT = 315532800  # s since 1970, the first that a zip file can hold
 
 
 def sources(module: str) -> Files:
@@ -78,23 +79,26 @@ def digest(files: Files) -> str:
     return h.hexdigest()
 
 
-def epoch() -> int:
-    """The build's time in s since 1970: SOURCE_DATE_EPOCH, or the first instant that a zip file can hold.
+def build_time() -> int | None:
+    """The build's time in s since 1970, from SOURCE_DATE_EPOCH; None if it is not set.
 
     Raises:
         UserError: SOURCE_DATE_EPOCH is no such time.
     """
-    text = os.environ.get("SOURCE_DATE_EPOCH") or "0"
+    text = os.environ.get("SOURCE_DATE_EPOCH")
+    if not text:
+        return None
     if not text.isdecimal() or int(text) > 4354819198:  # the last instant a zip file can hold
         raise UserError(f"SOURCE_DATE_EPOCH = {text} is not allowed: it must be whole seconds from 0 to 4354819198")
-    return max(int(text), 315532800)
+    return max(int(text), FIRST_INSTANT)
 
 
 def write(target: Path, files: Files) -> None:
     """Write a zip file of the sorted, compressed files, each with the build's time.
 
-    The file appears at `target` only when it is complete."""
-    stamp = time.gmtime(epoch())[:6]
+    Without such a time each has the first that a zip file can hold. The file appears at `target` only when it is
+    complete."""
+    stamp = time.gmtime(build_time() or FIRST_INSTANT)[:6]
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_suffix(f".{os.getpid()}.part")
     with zipfile.ZipFile(part, "w") as z:

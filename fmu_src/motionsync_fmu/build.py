@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import ParseError, fromstring
 
-from .archive import Files, epoch, runtime, sources, write
+from .archive import Files, build_time, digest, runtime, sources, write
 from .errors import UserError
 from .interface.fmi2_xml import describe, finish
 from .interface.recipe import Recipe
@@ -27,6 +27,7 @@ class {name}Slave(BlockSlave):
     block_type = {name}
     build = "{tag}"
     starts = {starts!r}
+    turned = {turned!r}
 """
 
 
@@ -51,7 +52,9 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     tag = guid[1:9] + guid[10:14]
     package, _, module = type(block).__module__.partition(".")
     starts = {v.name: plain(v.start) for v in variables(block) if v.name in recipe.starts}
-    script = SCRIPT.format(name=name, tag=tag, package=package, module=module, starts=starts)
+    script = SCRIPT.format(
+        name=name, tag=tag, package=package, module=module, starts=starts, turned=dict(recipe.turned)
+    )
     files: Files = {
         f"resources/{name.lower()}_{tag}.py": script.encode(),
         "resources/slavemodule.txt": f"{name.lower()}_{tag}".encode(),
@@ -84,7 +87,7 @@ def build_native(recipe: Recipe, target: Path, progress: Callable[[str], None] =
             f"the native flavour is compiled with {e.name}, which is not installed: install it with "
             "pip install 'motionsync[native]', or take --flavour python"
         ) from None
-    files = libraries.libraries(block, recipe.guid(), progress)
+    files = libraries.libraries(block, recipe.guid(), progress, recipe.turned)
     texts = licences("motionsync", "numba", "ziglang") | libraries.linked_licences()
     files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
     return _write(target, recipe, Flavour.NATIVE, files, tables.abilities(block))
@@ -109,14 +112,16 @@ def _write(
     from .pages.pictures import icon  # noqa: PLC0415
     from .scenario.example import example_of  # noqa: PLC0415 (NumPy)
 
-    epoch()  # refuses a bad SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
+    build_time()  # refuses a bad SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
     block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
-    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit)
+    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned)
     files = files | {f"documentation/{n}": text for n, text in texts.items()}
     files |= {
         "model.png": icon(example),
-        "modelDescription.xml": finish(describe(block, recipe.unit, recipe.slave_unit), recipe.guid(), abilities),
+        "modelDescription.xml": finish(
+            describe(block, recipe.unit, recipe.slave_unit, recipe.turned), recipe.guid(), abilities
+        ),
     }
     write(target, files)
     return target
@@ -139,8 +144,9 @@ def licences(*distributions: str) -> Files:
 
 
 def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:
-    """<folder>/<flavour>/<FMU>.fmu."""
-    return folder / flavour.value / f"{recipe.name}.fmu"
+    """<folder>/<flavour>/<FMU>.fmu; an FMU with turned variables has its own name, <FMU>-<hash of these>.fmu."""
+    turned = digest({name: causality.encode() for name, causality in recipe.turned.items()})[:8]
+    return folder / flavour.value / f"{recipe.name}{f'-{turned}' if recipe.turned else ''}.fmu"
 
 
 def outdated(fmu: Path, recipe: Recipe) -> str:

@@ -5,10 +5,11 @@ A command imports what it needs where it runs: the libraries of all of them toge
 
 import io
 import sys
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
+from . import __version__
 from .commands.build import build
 from .commands.describe import describe
 from .commands.line import line
@@ -23,8 +24,8 @@ app = typer.Typer(
     epilog="""Begin with:\n
     motionsync list\n
     motionsync build Synchronizer\n
-    motionsync run scenarios/Synchronizer\n
-    motionsync line scenarios/line""",
+    motionsync run Synchronizer\n
+    motionsync line""",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -35,6 +36,23 @@ app.command("list")(list_all)
 app.command()(describe)
 app.command()(run)
 app.command()(line)
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        print(f"motionsync {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def without_command(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """What can be asked for without a command."""
+
+
 USAGE: Any = typer.BadParameter.__base__  # what typer raises at wrong usage; it has no public name of its own
 
 

@@ -10,7 +10,7 @@ belongs to the block's state, but nobody outside the block sees it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum, IntEnum
 from math import inf
 from typing import Protocol, Self, TypeVar
@@ -102,6 +102,7 @@ class Block(Protocol):
     `step` again and again. The runner guarantees what `initialize` and `step` may rely on: every value is within its
     declared limits, Real inputs are finite and within ±1e12, and a step is longer than 0 and at most 1e6 s. Only a
     tunable parameter may have any value after initialization; a command that needs a good one is refused by the block.
+    These are the causalities that the block declares; it does not know whether an FMU shows others.
 
     The block guarantees in return:
     - Neither method raises an exception, and no output and no part of the state ever becomes NaN or infinite.
@@ -131,7 +132,7 @@ class Declaration:
     """What the outside world knows of a variable.
 
     Attributes:
-        causality: FMI's `input`, `parameter`, `output` or `local`.
+        causality: FMI's `input`, `parameter`, `output` or `local`; an FMU may be built with another one.
         discrete: a Real that changes at commands only (Integers, Booleans and enumerations always are discrete).
         tunable: a parameter that may change while running.
         min, max: limits, both of which are allowed.
@@ -142,6 +143,7 @@ class Declaration:
         codes: what the values of a plain Integer mean; a log message says so when the value changes, but not to 0.
         role: what the variable is to a block that works in cycles; None: nothing.
         wraps_at: a counter that begins again at 0 where it would reach this number; 0: it does not wrap.
+        command: a Boolean input whose edge gives a command.
     """
 
     causality: str
@@ -159,6 +161,13 @@ class Declaration:
     codes: type[Enumeration] | None = None
     role: Role | None = None
     wraps_at: int = 0
+    command: bool = False
+
+    def of_real_input(self) -> "Declaration":
+        """The declaration of a Real parameter that an FMU shows as an input: it lies within ±1e12, as Real inputs do.
+
+        It changes where a command reads it, not continuously."""
+        return replace(self, discrete=True, min=max(self.min, -LARGEST_INPUT), max=min(self.max, LARGEST_INPUT))
 
 
 def input(
@@ -174,6 +183,11 @@ def input(
     limit = LARGEST_INPUT if isinstance(start, float) else inf
     declaration = Declaration("input", description, unit, discrete, min=-limit, max=limit, role=role, wraps_at=wraps_at)
     return _declared(start, declaration)
+
+
+def command(start: bool, description: str) -> bool:
+    """A Boolean input whose edge gives a command."""
+    return _declared(start, Declaration("input", description, command=True))
 
 
 def parameter(
@@ -211,9 +225,16 @@ def output(
 
 
 def local(
-    start: T, description: str, unit: Unit = Unit.NONE, *, discrete: bool = False, min: float = -inf, max: float = inf
+    start: T,
+    description: str,
+    unit: Unit = Unit.NONE,
+    *,
+    discrete: bool = False,
+    min: float = -inf,
+    max: float = inf,
+    codes: type[Enumeration] | None = None,
 ) -> T:
-    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max))
+    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max, codes=codes))
 
 
 def part(

@@ -339,7 +339,7 @@ static void instantiate(Slot *s) {
     s->name = name ? strdup(name) : NULL;
     s->callbacks = (fmi2CallbackFunctions){one_in(6) ? NULL : note, calloc, free, NULL, s};
     if (one_in(4)) s->callbacks.allocateMemory = NULL, s->callbacks.freeMemory = NULL;
-    s->logged = logging && s->callbacks.logger ? -1 : 0;
+    s->logged = s->callbacks.logger ? -1 : 0;
     const char *resources = one_in(3) ? NULL : "file:///nowhere";
     called(s);
     scarce = one_in(30);
@@ -391,7 +391,7 @@ static void set_debug_logging(Slot *s) {
     fmi2Boolean on = !one_in(4);
     fmi2Status status = fmi2SetDebugLogging(called(s), on, n, categories);
     concluded(s, SetDebugLogging, status, expected(good), false);
-    if (!status) s->logged = on && s->callbacks.logger ? chosen : 0;
+    if (!status) s->logged = !s->callbacks.logger ? 0 : on ? chosen : -1;
     free(categories);
 }
 

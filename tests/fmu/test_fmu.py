@@ -24,6 +24,7 @@ from libcosimpy.CosimSlave import CosimLocalSlave
 
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
+from motionsync_fmu import __version__
 from motionsync_fmu.build import Flavour, build, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
@@ -179,10 +180,21 @@ def test_everything_is_described(block_fmu: Path) -> None:
     for tag in ("ScalarVariable", "SimpleType/Enumeration/Item", "Category"):
         for element in root.iter(tag.rpartition("/")[2]):
             assert element.get("description"), element.attrib
-    date = root.get("generationDateAndTime")
-    assert len(date) == 20
-    assert date[10] == "T"
-    assert date[19] == "Z"
+
+
+def test_the_project_is_named_and_no_date_is_made_up(block_fmu: Path) -> None:
+    root = description(block_fmu)
+    copyright_ = next(line for line in (ROOT / "LICENSE").read_text().splitlines() if line.startswith("Copyright"))
+    assert copyright_ == "Copyright (c) 2026 The motionsync authors"
+    named = {name: root.get(name) for name in ("author", "copyright", "license", "version", "generationTool")}
+    assert named == {
+        "author": "The motionsync authors",
+        "copyright": copyright_,
+        "license": "MIT",
+        "version": __version__,
+        "generationTool": f"motionsync {__version__} (https://github.com/motionsync/motionsync)",
+    }
+    assert root.get("generationDateAndTime") is None
 
 
 def test_the_limits_are_described(block: str, block_fmu: Path) -> None:

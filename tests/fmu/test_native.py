@@ -282,8 +282,8 @@ def test_a_fault_is_a_warning(host: Logged) -> None:
         (True, ["logStatusWarning"], True, False),
         (True, ["logStatusError"], False, True),
         (True, ["logStatusError", "logStatusWarning"], True, True),
-        (False, [], False, False),
-        (False, ["logStatusError"], False, False),
+        (False, [], True, True),
+        (False, ["logStatusError"], True, True),
     ],
 )
 def test_only_the_categories_asked_for_are_logged(

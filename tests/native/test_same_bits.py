@@ -25,8 +25,9 @@ from motionsync_fmu.interface.variables import LONGEST_STEP, variables
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
-from motionsync_fmu.scenario.reader import find, load
+from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import simulate
+from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 from tests.support.compiled import Compiled, equal
 from tests.support.fmus import Fmus

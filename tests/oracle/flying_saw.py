@@ -99,6 +99,13 @@ BITS = (
     "ignore_slave_acceleration",
     "detailed_error_codes",
 )
+CHECKED_AT_FIRST = (
+    "check_min_position",
+    "check_max_position",
+    "check_max_velocity",
+    "check_max_acceleration",
+    "check_max_deceleration",
+)
 LIMITS = ("velocity", "acceleration", "deceleration", "jerk")
 GEAR = ("ratio_numerator", "ratio_denominator", *LIMITS)
 INPUTS = {
@@ -114,11 +121,11 @@ INPUTS = {
 DEFAULTS: dict[str, Any] = {
     "axis.max_velocity": 2000.0,
     "axis.max_acceleration": 10000.0,
-    "axis.max_deceleration": 10000.0,
+    "axis.max_deceleration": 0.0,
     "axis.max_jerk": 100000.0,
     "axis.min_position": -1e9,
     "axis.max_position": 1e9,
-    **{f"sync_mode.{bit}": False for bit in BITS},
+    **{f"sync_mode.{bit}": bit in CHECKED_AT_FIRST for bit in BITS},
     **{f"{group}.{name}": 1 if name.startswith("ratio") else 0.0 for group in GROUPS for name in INPUTS[group]},
     **{f"{group}.execute": False for group in GROUPS},
 }
@@ -649,7 +656,12 @@ class _Run:
     def _limit(self, group: str, name: str) -> Number:
         """A limit of a command; 0 means the axis's."""
         given = self.inputs[f"{group}.{name}"]
-        return mp.mpf(given if given != 0 else self.inputs[f"axis.max_{name}"])
+        return mp.mpf(given) if given != 0 else self._axis_limit(name)
+
+    def _axis_limit(self, name: str) -> Number:
+        """A limit of the axis; a deceleration of 0 means the acceleration."""
+        given = self.inputs[f"axis.max_{name}"]
+        return mp.mpf(self.inputs["axis.max_acceleration"] if name == "deceleration" and given == 0 else given)
 
     def _valid(self, *limits: Number) -> bool:
         return all(mp.isfinite(limit) and limit > 0 for limit in limits)

@@ -4,6 +4,7 @@ A motion is a list of phases (duration in s, jerk in u/s3) from a known state.
 """
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import TypeAlias
 
 from tests.oracle.flying_saw_curves import ZERO, solve
@@ -84,6 +85,7 @@ def stop(state: Motion, deceleration: Number, jerk: Number) -> Phases:
     return ramp(state.velocity, state.acceleration, ZERO, deceleration, jerk)
 
 
+@lru_cache(maxsize=256)  # where a run has reactions, it is begun anew for each of them
 def move(
     start: Motion, target: Number, velocity: Number, acceleration: Number, deceleration: Number, jerk: Number
 ) -> Phases:

@@ -21,7 +21,7 @@ Readings of the specification that it leaves open:
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
 from tests.oracle.flying_saw_curves import (
@@ -208,7 +208,7 @@ class Plan:
         """The master position at which the profile ends."""
         return self.request.master.position + self.request.master.velocity * self.curve.duration
 
-    @property
+    @cached_property
     def characteristics(self) -> dict[str, Number]:
         """Every characteristic value; see the specification for the names."""
         return _characteristics(self)
@@ -239,6 +239,7 @@ def plan(
     )
 
 
+@lru_cache(maxsize=256)  # where a run has reactions, it is begun anew for each of them
 def planned(request: Request) -> Plan:
     """The plan of a request, with the first error that applies."""
     if error := refusal(request):

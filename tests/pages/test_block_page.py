@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motionsync_fmu import __version__
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.block_page import pages
@@ -157,9 +158,44 @@ def test_the_page_is_well_formed_and_tells_every_variable_and_state(block: str) 
     parser.feed(page)
     assert not parser.open
     for name in recipe.variables:
-        assert f'<td class="name">{name}</td>' in page
+        group, _, rest = name.partition(".")
+        table = page[page.index(f'<tr id="variables-{group if rest else ""}">') :]
+        assert f'<td class="name">{rest or group}</td>' in table
     assert 'class="states"' in page
     assert not set(re.findall(r'(?:href|src)="(?!http|#)([^"]*)"', page)) - files.keys()
+
+
+def test_the_page_tells_how_to_use_and_wire_a_block_before_the_names_of_its_source(block: str) -> None:
+    page = page_of(block)
+    heads = re.findall(r"<h2>(.*?)</h2>", page)
+    assert heads.index("How to use it") < heads.index("Wiring") < heads.index("Names in the source system")
+    assert heads.index("States") < heads.index("Variables")
+
+
+def test_the_page_names_the_project_and_its_version(block: str) -> None:
+    (footer,) = re.findall(r"<footer>(.*?)</footer>", page_of(block))
+    assert footer == f'<a href="https://github.com/motionsync/motionsync">motionsync</a> {__version__}'
+
+
+def test_the_table_of_variables_is_short(block: str) -> None:
+    """The range of all Real inputs stands once, in a sentence; an enumeration starts with a name."""
+    page = page_of(block)
+    assert "1e+12 to 1e+12" not in page
+    assert page.count("±1e12") == 1
+    for v in Recipe(block).variables.values():
+        if v.choices and v.settable:
+            assert f"<td>{v.start.name}</td>" in page
+
+
+def test_a_plot_of_characters_keeps_its_lines() -> None:
+    """The code of a running text is not broken; that of a plot has lines and blanks."""
+    page = page_of("FlyingSaw")
+    assert "<pre><code>T_a + T_b\n   |\n" in page
+    assert "pre code { white-space: pre; }" in page
+
+
+def page_of(block: str) -> str:
+    return pages(Recipe(block).block(), example_of(block), "mm", "native", ["linux64"])["index.html"].decode()
 
 
 @pytest.mark.parametrize(

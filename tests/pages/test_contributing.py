@@ -73,7 +73,7 @@ def test_the_list_is_complete() -> None:
 
 @pytest.mark.parametrize("flavour", ["python", "native"])
 def test_the_new_block_becomes_an_fmu(copy: Path, flavour: str) -> None:
-    run(copy, "-m", "motionsync_fmu.cli", "build", "Shifter", "--flavour", flavour, "--output", "built")
+    run(copy, "-m", "motionsync_fmu.cli", "build", "Shifter", "--flavour", flavour, "--folder", "built")
     (fmu,) = copy.glob(f"built/**/{flavour}/Shifter.fmu") or copy.glob("built/**/Shifter.fmu")
     assert validate_fmu(str(fmu)) == []
     told = run(copy, "-m", "motionsync_fmu.cli", "run", "scenarios/Shifter/shift", "--flavour", flavour)

@@ -23,11 +23,13 @@ from fmpy import simulate_fmu
 from typer.testing import CliRunner
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import cli
+from motionsync_fmu import __version__, cli
+from motionsync_fmu.build import Flavour
 from motionsync_fmu.commands import run
 from motionsync_fmu.pages import results
+from motionsync_fmu.scenario.shipped import FILE, LINES, find
 from tests import ROOT
-from tests.support.fmus import Shared
+from tests.support.fmus import Fmus, Shared
 
 COMMANDS = ("build", "list", "describe", "run", "line")
 FLAVOURS = ("native", "python")
@@ -165,7 +167,7 @@ def assert_one_line(outcome: Outcome, *parts: str) -> None:
 
 
 def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
-    done = motionsync("build", "--output", "here")
+    done = motionsync("build", "--folder", "here")
     assert (done.status, done.err) == (0, "")
     for flavour in FLAVOURS:
         assert sorted(f.name for f in Path(f"here/{flavour}").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
@@ -186,7 +188,7 @@ def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
     [("mm", {"m"}, 1e-3), ("m", {"m"}, 1.0), ("deg", {"rad"}, pi / 180.0), ("rad", {"rad"}, 1.0), ("1", set(), 1.0)],
 )
 def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str, base: set[str], factor: float) -> None:
-    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", unit, "--folder", "here").status == 0
     xml = description(the_fmu("here"))
     for quantity, symbol in (("Position", unit), ("Velocity", f"{unit}/s"), ("Acceleration", f"{unit}/s2")):
         (real,) = xml.iterfind(f"TypeDefinitions/SimpleType[@name='{quantity}']/Real")
@@ -201,7 +203,7 @@ def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command, unit: str,
 def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync: Command) -> None:
     starts = {"curve": "PARABOLA", "output_phasing": "-7.5", "rest_value": "-20", "active": "TRUE", "stop": "0"}
     options = [part for name, value in starts.items() for part in ("--start", f"{name}={value}")]
-    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--output", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--folder", "here").status == 0
     fmu = the_fmu("here")
     found = {name: start_value(fmu, name) for name in starts}
     assert found == {
@@ -226,8 +228,8 @@ def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync
 
 
 def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:
-    assert motionsync("build", "Synchronizer", "--output", "here").status == 0
-    assert process(tmp_path, "build", "Synchronizer", "--output", "there").status == 0
+    assert motionsync("build", "Synchronizer", "--folder", "here").status == 0
+    assert process(tmp_path, "build", "Synchronizer", "--folder", "there").status == 0
     for flavour in FLAVOURS:
         assert the_fmu(f"here/{flavour}").read_bytes() == the_fmu(f"there/{flavour}").read_bytes()
 
@@ -242,14 +244,14 @@ def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
     ]
     guids = []
     for i, option in enumerate(options):
-        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--output", str(i)).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--folder", str(i)).status == 0
         guids.append(description(the_fmu(str(i))).get("guid"))
     assert len(set(guids)) == len(options)
 
 
 def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Command) -> None:
     for folder, value in (("name", "PARABOLA"), ("number", "1")):
-        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--output", folder).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--folder", folder).status == 0
     assert the_fmu("name").read_bytes() == the_fmu("number").read_bytes()
 
 
@@ -297,35 +299,50 @@ def test_a_bad_source_date_epoch_is_one_line(motionsync: Command, monkeypatch: p
 
 def test_an_output_folder_that_cannot_be_made_is_one_line(workshop: Command) -> None:
     Path("taken").write_text("a file")
-    assert_one_line(workshop("build", "Synchronizer", "--output", "taken"), "taken")
+    assert_one_line(workshop("build", "Synchronizer", "--folder", "taken"), "taken")
     assert_one_line(workshop("run", "stop", "--no-report", "--output", "taken"), "taken")
 
 
 # --- list, describe, help ---
 
 
-def test_list_names_blocks_and_scenarios_in_full(motionsync: Command) -> None:
-    long = Path("scenarios/Synchronizer/a_scenario_whose_name_says_all_that_happens_in_it")
-    scenario(str(long))
+def test_list_counts_the_scenarios_of_each_block(motionsync: Command) -> None:
     done = motionsync("list")
     assert (done.status, done.err) == (0, "")
-    for text in (*BLOCKS, str(long)):
-        assert text in done.out
-    assert "A stop along a parabola" in " ".join(done.out.split())
+    counts = dict(re.findall(r"^ *(\w+) +(\d+) ", done.out, re.M))
+    for name in BLOCKS:
+        files = (ROOT / "scenarios").rglob("scenario.toml")
+        assert counts[name] == str(sum(f'\nfmu = "{name}"\n' in file.read_text("utf-8") for file in files))
+    assert "line/line.toml" in done.out
 
 
-def test_list_without_scenarios_says_so(motionsync: Command) -> None:
+def test_list_of_a_block_names_what_can_be_run(motionsync: Command) -> None:
+    done = motionsync("list", "Synchronizer")
+    assert (done.status, done.err) == (0, "")
+    title = "A stop and a start along the 3-4-5 polynomial"
+    assert re.search(rf"^ *Synchronizer/polynomial +{title} *$", done.out, re.M)
+    assert "FlyingSaw" not in done.out
+
+
+def test_list_of_an_own_folder_names_its_scenarios_in_full(motionsync: Command) -> None:
+    long = Path("mine/Synchronizer/a_scenario_whose_name_says_all_that_happens_in_it")
+    scenario(str(long))
+    done = motionsync("list", "--scenarios", "mine")
+    assert (done.status, done.err) == (0, "")
+    assert re.search(rf"^ *{re.escape(str(long))} +A stop along a parabola *$", done.out, re.M)
+
+
+def test_list_of_a_folder_that_is_missing_says_so(motionsync: Command) -> None:
     done = motionsync("list", "--scenarios", "elsewhere")
     assert done.status == 0
-    assert "Synchronizer" in done.out
     assert "elsewhere" in done.out
 
 
 def test_list_tells_of_a_broken_scenario_in_one_line(motionsync: Command) -> None:
-    file = scenario("scenarios/x", STOP.replace("stop_time", "stop_tme"))
-    done = motionsync("list")
+    file = scenario("mine", STOP.replace("title =", "titel ="))
+    done = motionsync("list", "--scenarios", "mine")
     assert done.status == 2
-    assert done.err.startswith(f"motionsync: {file}:4: stop_tme: ")
+    assert done.err.startswith(f"motionsync: {file}:1: title: ")
     assert done.err.count("\n") == 1
 
 
@@ -372,8 +389,8 @@ def test_the_help_of_each_command_has_an_example_that_works(command: str) -> Non
     text = CliRunner().invoke(cli.app, [command, "--help"]).output
     _, _, examples = text.partition("Example")
     assert f"motionsync {command}" in examples
-    for path in re.findall(r"scenarios\S*", examples.partition("Options:")[0]):
-        assert (ROOT / path).exists()
+    for name in re.findall(r"motionsync (?:run|line) ([^-\s]\S*)", examples.partition("Options:")[0]):
+        assert find(Path(name), LINES if command == "line" else FILE)
 
 
 def test_help_lists_the_commands() -> None:
@@ -464,6 +481,20 @@ def test_marks_that_pass_uncut_are_told_beside_a_good_result(workshop: Command) 
     assert "2 scenarios: all as expected\n! 1 result with a remark: Synchronizer/saw\n" in both.out
 
 
+def test_a_reaction_that_never_happens_is_told(workshop: Command) -> None:
+    """The slave never goes beyond 30 mm; a required reaction is judged."""
+    table = '\n[[on]]\nwhen = "slave.position > 31"\nset = { rest_value = 5.0 }\n'
+    scenario("late", STOP + table)
+    done = workshop("run", "late", "stop", "--no-report")
+    assert done.status == 0
+    assert "    ! reaction to slave.position > 31 once: found never\n" in done.out
+    assert "2 scenarios: all as expected\n! 1 result with a remark: Synchronizer/late\n" in done.out
+    scenario("late", STOP + table + "required = true\n")
+    done = workshop("run", "late", "stop", "--no-report")
+    assert done.status == 1
+    assert "    broken  reaction to slave.position > 31 once: found never\n" in done.out
+
+
 def test_a_scenario_that_judges_nothing_says_so(workshop: Command) -> None:
     scenario("free", STOP[: STOP.index("[[expect]]")])
     done = workshop("run", "free", "--no-report")
@@ -549,11 +580,15 @@ class Loads(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
         self.found: list[str] = []
+        self.links: list[str | None] = []
         self.words: list[str] = []
         self.tag = ""
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tag = tag
+        if tag == "a":  # a link loads nothing until somebody follows it
+            self.links += [v for k, v in attrs if k == "href"]
+            return
         self.found += [f"{tag} {k}={v}" for k, v in attrs if k in ("src", "href", "srcset", "data", "action", "poster")]
         self.found += [f"{tag} {k}={v}" for k, v in attrs if k == "style" and "url(" in (v or "")]
 
@@ -574,6 +609,7 @@ def test_the_report_is_one_self_contained_page(workshop: Command) -> None:
     page = Loads()
     page.feed((folder / "report.html").read_text("utf-8"))
     assert page.found == []
+    assert page.links == ["Synchronizer_out.csv"]
     text = " ".join(page.words)
     for part in ("A stop along a parabola", "By hand", "slave.position = 27.5", "synchronized == false", "rest_value"):
         assert part in text
@@ -682,6 +718,32 @@ def test_the_step_size_can_be_chosen(workshop: Command) -> None:
     assert {round(t, 9) for t in times} == regular | {0.1, 0.3, 0.5}
 
 
+def test_what_cannot_run_at_a_step_size_is_left_out_with_the_reason(motionsync: Command, fmus: Fmus) -> None:
+    for name in ("FlyingSaw", "Synchronizer"):
+        fmus.copied(Flavour.PYTHON, name, Path("build"))
+    names = ("FlyingSaw/diagonal_saw", "Synchronizer/phasing_changed_while_executing")
+    left_out = ("RemoteSync/accelerating_axis", "RemoteSync/no_drift", "Synchronizer/position_only_input")
+    done = motionsync("run", *PYTHON, *names, *left_out, "--step-size", "0.007", "--no-report")
+    assert (done.status, done.err) == (0, "")
+    assert re.findall(r"^ok +(\S+) ", done.out, re.MULTILINE) == list(names)
+    assert done.out.splitlines()[-3:] == [
+        "2 scenarios: all as expected",
+        "! 2 not run: RemoteSync works in cycles of 0.002 s, and a step of 0.007 s is longer: "
+        "RemoteSync/accelerating_axis, RemoteSync/no_drift",
+        "! 1 not run: POSITION_ONLY takes the velocity from the last two positions: Synchronizer/position_only_input",
+    ]
+    alone = motionsync("run", *PYTHON, left_out[0], "--step-size", "0.007")
+    assert_one_line(alone, "--step-size 0.007", "RemoteSync works in cycles of 0.002 s")
+
+
+def test_the_line_for_fmpy_has_the_step_that_was_run(workshop: Command) -> None:
+    (result,) = json.loads(workshop("run", "stop", "--no-report", "--json", "--step-size", "0.02").out)
+    assert "--output-interval 0.02 " in result["fmpy"]
+    with Path("build/reports/Synchronizer/stop/Synchronizer_in.csv").open(newline="") as f:
+        times = [float(row["time"]) for row in csv.DictReader(f)]
+    assert times == pytest.approx([0.02 * i for i in range(25)], abs=1e-12)
+
+
 def test_an_event_may_come_a_step_late_whatever_the_step_size(workshop: Command) -> None:
     """An expectation without a tolerance allows one step, the run's."""
     done = workshop("run", "stop", "--no-report", "--json", "--step-size", "0.16")
@@ -770,7 +832,7 @@ def test_a_missing_fmu_is_built_and_told(motionsync: Command) -> None:
 def test_a_stale_fmu_is_rebuilt_and_told(workshop: Command, built: Path) -> None:
     fmu = Path("build/native/Synchronizer.fmu")
     fresh = (built / "native/Synchronizer.fmu").read_bytes()
-    assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--output", "other").status == 0
+    assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--folder", "other").status == 0
     for other in (the_fmu("other/native").read_bytes(), b"no FMU", fresh[:3000], b""):
         fmu.write_bytes(other)
         done = workshop("run", "stop", "--no-report")
@@ -788,6 +850,8 @@ def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
     ("arguments", "parts"),
     [
         (("nowhere",), ("nowhere", "no such file or folder")),
+        (("Synchronizer/polynomal",), ("no such file or folder", "did you mean Synchronizer/polynomial")),
+        (("synchronizer",), ("no such file or folder", "did you mean Synchronizer or ")),
         (("stop", "nowhere/scenario.toml"), (str(Path("nowhere/scenario.toml")), "no such file or folder")),
         (("empty",), ("empty", "no scenario.toml")),
         (("stop", "--step-size", "0"), ("--step-size 0", "> 0")),
@@ -902,6 +966,11 @@ def test_a_terminal_that_cannot_show_a_sign_is_no_reason_to_fail(built: Path, tm
 )
 def test_wrong_usage_is_one_line(arguments: list[str], part: str, tmp_path: Path) -> None:
     assert_one_line(process(tmp_path, *arguments), part)
+
+
+def test_the_version_is_told(motionsync: Command) -> None:
+    told = motionsync("--version")
+    assert (told.status, told.out, told.err) == (0, f"motionsync {__version__}\n", "")
 
 
 def test_without_arguments_the_help_is_shown(tmp_path: Path) -> None:

@@ -46,8 +46,9 @@ def told(
     }
     axis = np.zeros((5, 4))
     axis[:, 0] = master
-    recording = Recording(np.arange(5.0), values | {"in_sync": np.array(cutting, float)}, axis, [])
-    return figures(load(file), recording)
+    scenario = load(file)
+    values["in_sync"] = np.array(cutting, float)
+    return figures(scenario, Recording(np.arange(5.0), values, axis, [], scenario.settings))
 
 
 def peak(found: Figures, name: str) -> Peak:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.pages.report import plots, write_report
+from motionsync_fmu.pages.report.page import run_charts, write_report
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 from motionsync_fmu.scenario.crosscheck import inputs_csv
 from motionsync_fmu.scenario.judge import check
@@ -319,11 +319,11 @@ def test_the_accuracy_is_an_expectation(accuracy: str, found: list[tuple[str, bo
 def test_the_report_shows_what_was_received_and_both_errors(tmp_path: Path) -> None:
     s = scenario(tmp_path)
     recording = run_in_process(s, 0.002)
-    figure = plots(s, recording, s.recipe.variables)
-    titles = [axis.title.text for axis in figure.select_yaxes()]
-    derivatives = ["velocity<br>mm/s", "acceleration<br>mm/s2", "jerk<br>mm/s3"]
-    assert titles[:6] == ["position<br>mm", *derivatives, "index error<br>cycles", "axis error<br>mm"]
-    lines = {(trace.yaxis, trace.name) for trace in figure.data if getattr(trace, "mode", "") == "lines"}
+    chart = run_charts(s, recording)["motion"]
+    heads = [note["text"] for note in chart.layout["annotations"]]
+    derivatives = ["velocity in mm/s", "acceleration in mm/s²", "jerk in mm/s³"]
+    assert heads[:6] == ["position in mm", *derivatives, "index error in cycles", "axis error in mm"]
+    lines = {(t["yaxis"], t["name"]) for t in chart.traces if t["mode"] == "lines" and "fill" not in t}
     assert lines == {
         *((f"y{row}", name) for row in ("", 2, 3, 4) for name in ("remote axis", "slave")),
         *((f"y{row}", "received") for row in ("", 2, 3, 5, 6)),

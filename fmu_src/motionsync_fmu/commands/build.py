@@ -8,12 +8,18 @@ from rich.markup import escape
 
 from motionsync.blocks import BLOCKS
 
-from ..build import Flavour, fmu_path
+from ..build import Flavour, fmu_path, outdated
 from ..build import build as build_fmu
 from ..errors import UserError
 from ..interface.recipe import Recipe
+from ..interface.turns import Interface, TurnError
 from ..pages.console import err, out
 from .options import UNITS
+
+Turned = Annotated[
+    list[str] | None,
+    typer.Option(metavar="PATTERN", help="Turn these variables to such ones; may be repeated. For one block only."),
+]
 
 
 def build(
@@ -31,9 +37,17 @@ def build(
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="Bake in a start value; may be repeated. For one block only."),
     ] = None,
-    output: Annotated[Path, typer.Option(help="Where to put the FMUs: OUTPUT/<flavour>/<FMU>.fmu.")] = Path("build"),
+    input: Turned = None,
+    output: Turned = None,
+    parameter: Turned = None,
+    local: Turned = None,
+    folder: Annotated[Path, typer.Option(help="Where to put the FMUs: FOLDER/<flavour>/<FMU>.fmu.")] = Path("build"),
+    force: Annotated[bool, typer.Option("--force", help="Build FMUs that are up to date, too.")] = False,
 ) -> None:
-    """Build FMUs.
+    """Build FMUs that are missing or stale.
+
+    A tunable parameter can be turned to an input, an input to a parameter, an output to a local variable, and back.
+    Such an FMU has a name of its own.
 
     Examples:
 
@@ -44,25 +58,45 @@ def build(
         motionsync build Synchronizer --start curve=PARABOLA --start output_phasing=45
 
         motionsync build Follower --unit mm --slave-unit deg
+
+        motionsync build Gearing --input "gearing.*" --parameter activate
     """
     names = fmu or list(BLOCKS)
-    starts = dict(_assignment(text) for text in start or [])
-    if starts and len(names) != 1:
-        raise UserError("--start: name the one block that it is for, as in: motionsync build Synchronizer --start ...")
-    recipes = [Recipe(name, unit, starts, slave_unit) for name in names]
+    starts = _assignments(start or [])
+    interface = Interface(input or (), output or (), parameter or (), local or ())
+    turned = next((f"--{causality}" for causality, _ in interface.patterns()), "")
+    if (option := "--start" if starts else turned) and len(names) != 1:
+        one = f"motionsync build Synchronizer {option} ..."
+        raise UserError(f"{option}: name the one block that it is for, as in: {one}")
+    recipes = [Recipe(name, unit, starts, slave_unit, interface) for name in names]
     for recipe in recipes:
-        recipe.block()  # reports every mistake before anything is built
+        _check(recipe)
     for recipe in recipes:
         for chosen in flavour or Flavour:
-            target = fmu_path(recipe, output, chosen)
+            target = fmu_path(recipe, folder, chosen)
+            if not (force or outdated(target, recipe)):
+                out.print(f"{escape(str(target))}  is up to date")
+                continue
             with err.status(f"building {target}"):
                 build_fmu(chosen, recipe, target, err.print)
             of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
             out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")
 
 
-def _assignment(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not equals:
-        raise UserError(f"--start {text}: write NAME=VALUE, as in: --start output_phasing=45")
-    return name.strip(), value.strip()
+def _check(recipe: Recipe) -> None:
+    """Report every mistake before anything is built."""
+    try:
+        recipe.block()
+    except TurnError as e:
+        raise UserError(f"--{e}") from None
+
+
+def _assignments(texts: list[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            raise UserError(f"--start {text}: write NAME=VALUE, as in: --start output_phasing=45")
+        if (other := found.setdefault(name, value)) != value:
+            raise UserError(f"--start {name} is given twice, as {other} and as {value}")
+    return found

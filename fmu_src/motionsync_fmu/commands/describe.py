@@ -32,4 +32,4 @@ def describe(
         recipe = recipe_of(Path(fmu))
     block = replace(recipe, starts={}).block()
     out.print(f"{recipe.name}: {summary(type(block))}\n")
-    print_variables(block, recipe.unit, recipe.slave_unit, recipe.starts)
+    print_variables(block, recipe.unit, recipe.slave_unit, recipe.starts, recipe.turned)

@@ -35,16 +35,16 @@ def line(
 
     Examples:
 
-        motionsync line scenarios/line
+        motionsync line
 
-        motionsync line scenarios/line/line.toml --output elsewhere
+        motionsync line line/line.toml --output elsewhere
     """
     from ..line.console import print_line
     from ..line.outcome import write_outcome
     from ..line.package import write_package
 
     outcomes = []
-    for each in _lines(path or [Path("scenarios/line")]):
+    for each in _lines(path or [Path("line")]):
         package = write_package(each, output, err.print)
         result = _examined(each, package)
         folder = output / "reports" / "line" / each.name
@@ -59,10 +59,10 @@ def line(
 
 def _lines(paths: list[Path]) -> "list[Line]":
     """The lines at these paths; every mistake in them is reported before anything runs."""
-    from ..line.reader import PATTERN, load_line
-    from ..scenario.reader import find
+    from ..line.reader import load_line
+    from ..scenario.shipped import LINES, find
 
-    lines = [load_line(file) for path in paths for file in find(path, PATTERN)]
+    lines = [load_line(file) for path in paths for file in find(path, LINES)]
     files: dict[str, Path] = {}
     for line in lines:
         if (other := files.setdefault(line.name, line.follower.file)) != line.follower.file:

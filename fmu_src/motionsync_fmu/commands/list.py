@@ -1,5 +1,6 @@
 """motionsync list"""
 
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -9,35 +10,70 @@ from rich.table import Table
 
 from motionsync.blocks import BLOCKS
 
+from ..errors import choose
 from ..interface.variables import summary
 from ..pages.console import out, wide
+from ..scenario.shipped import FILE, LINES, called, shipped
+from ..scenario.toml_tables import Table as TomlTable
+from ..scenario.toml_tables import read_toml
 
 
 def list_all(
-    scenarios: Annotated[Path, typer.Option(help="Where scenarios lie.")] = Path("scenarios"),
+    block: Annotated[str, typer.Argument(help="A block, to see its scenarios.")] = "",
+    scenarios: Annotated[
+        Path | None, typer.Option(help="A folder of your own; else what comes with motionsync is listed.")
+    ] = None,
 ) -> None:
-    """List the blocks that can be built, and the scenarios and lines that can be run.
+    """List the blocks, and what can be run by name.
 
-    Example: motionsync list --scenarios scenarios/Synchronizer
+    Examples:
+
+        motionsync list
+
+        motionsync list FlyingSaw
+
+        motionsync list --scenarios my_scenarios
     """
-    from ..line.reader import PATTERN, load_line
-    from ..scenario.reader import FILE, load
-
-    blocks = Table("block", "what it does", title="Blocks", title_justify="left", box=None)
-    for name, block_type in BLOCKS.items():
-        blocks.add_row(name, summary(block_type))
-    wide.print(blocks)
-    if not scenarios.is_dir():
-        out.print(f"\nNo scenarios: there is no folder {escape(str(scenarios))}")
+    if block:
+        choose(BLOCKS, block, "block")
+    place = scenarios or shipped()
+    if not place.is_dir():
+        out.print(f"No scenarios: there is no folder {escape(str(place))}")
         return
-    table = Table("path", "title", "source", title="\nScenarios", title_justify="left", box=None)
-    for file in sorted(scenarios.rglob(FILE)):
-        s = load(file)
-        table.add_row(str(file.parent), s.title, s.source)
-    wide.print(table)
-    lines = Table("path", "title", "source", title="\nLines", title_justify="left", box=None)
-    for file in sorted(scenarios.rglob(PATTERN)):
-        s = load_line(file).follower
-        lines.add_row(str(file), s.title, s.source)
-    if lines.rows:
-        wide.print(lines)
+    found = [read_toml(file) for file in sorted(place.rglob(FILE))]
+    if block or scenarios:
+        _print("Scenarios", [top for top in found if block in ("", top.string("fmu"))])
+    else:
+        _print_blocks(Counter(top.string("fmu") for top in found))
+    if not block:
+        _print("Lines", [read_toml(file) for file in sorted(place.rglob(LINES))])
+    if not (block or scenarios):
+        out.print(
+            "\nmotionsync list FlyingSaw lists the scenarios of a block; motionsync run and motionsync line run them."
+        )
+
+
+def _print_blocks(counts: Counter[str]) -> None:
+    table = Table("block", "scenarios", "what it does", box=None)
+    for name, block_type in BLOCKS.items():
+        table.add_row(name, str(counts[name]), summary(block_type))
+    _show(table)
+
+
+def _print(title: str, files: list[TomlTable]) -> None:
+    """Print the names by which these files are run, and their titles; nothing if there are none."""
+    if not files:
+        return
+    table = Table("name", "title", title=f"\n{title}", title_justify="left", box=None)
+    table.columns[0].overflow = "fold"
+    for top in files:
+        table.add_row(called(top.file), top.string("title"))
+    _show(table)
+
+
+def _show(table: Table) -> None:
+    """Print a table as wide as the terminal; where there is none, a row is one line."""
+    if out.is_terminal:
+        out.print(table, soft_wrap=False)
+    else:
+        wide.print(table)

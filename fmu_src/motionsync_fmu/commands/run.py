@@ -41,9 +41,9 @@ def run(
 
     Examples:
 
-        motionsync run scenarios/Synchronizer/polynomial --open
+        motionsync run Synchronizer/polynomial --open
 
-        motionsync run scenarios --step-size 0.007 --no-report
+        motionsync run FlyingSaw --step-size 0.007 --no-report
     """
     if show and no_report:
         raise UserError("--open shows the report, which --no-report leaves out")
@@ -104,7 +104,8 @@ class _Batch:
 
 def _loaded(paths: list[Path], step_size: float | None) -> _Batch:
     """The scenarios at these paths. Every mistake in them is reported before anything runs."""
-    from ..scenario.reader import MOST_STEPS, find, load
+    from ..scenario.reader import MOST_STEPS, load
+    from ..scenario.shipped import find
 
     scenarios = [load(file) for path in paths for file in find(path)]
     folders: dict[str, Path] = {}

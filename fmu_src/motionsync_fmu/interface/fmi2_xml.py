@@ -8,8 +8,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from motionsync.var import Role, Unit
 
-from .. import __version__
-from ..archive import epoch
+from .. import AUTHORS, COPYRIGHT, HOME, __version__
+from ..archive import build_time
 from .roles import with_role
 from .units import base_unit, unit_name
 from .variables import Variable, members, summary, variables
@@ -30,13 +30,13 @@ CATEGORIES = {
 }
 
 
-def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
+def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, str] | None = None) -> Element:
     """The part of the description that both flavours and all builds of this source share; `finish` adds GUID and date.
 
     `unit`: the unit of positions, a key of `units.BASES`; `slave_unit`: the unit of the slave's positions (empty: the
-    same as `unit`).
+    same as `unit`); `turned`: as for `variables`.
     """
-    vs = variables(block)
+    vs = variables(block, turned)
     name = type(block).__name__
     root = Element(
         "fmiModelDescription",
@@ -44,9 +44,11 @@ def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
         modelName=name,
         guid="",
         description=summary(type(block)),
+        author=AUTHORS,
         version=__version__,
+        copyright=COPYRIGHT,
         license="MIT",
-        generationTool=f"motionsync {__version__}",
+        generationTool=f"motionsync {__version__} ({HOME})",
         variableNamingConvention="structured",
     )
     SubElement(root, "CoSimulation", {"modelIdentifier": name} | ABILITIES)
@@ -66,11 +68,14 @@ def describe(block: Any, unit: str, slave_unit: str = "") -> Element:
 
 
 def finish(root: Element, guid: str, abilities: Mapping[str, str] | None = None) -> bytes:
-    """The content of the file; `abilities`: attributes of the CoSimulation element that only one flavour has."""
+    """The content of the file, with a date if the build has one.
+
+    `abilities`: attributes of the CoSimulation element that only one flavour has."""
     root.set("guid", guid)
     for unit in root.iter("CoSimulation"):
         unit.attrib.update(abilities or {})
-    root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(epoch())))
+    if (built := build_time()) is not None:
+        root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(built)))
     indent(root)
     return bytes(tostring(root, "UTF-8", xml_declaration=True)) + b"\n"
 

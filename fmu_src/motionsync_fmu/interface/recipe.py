@@ -13,6 +13,7 @@ from motionsync.blocks import BLOCKS
 from ..archive import compilers, digest, runtime, sources
 from ..errors import UserError, choose
 from .fmi2_xml import describe
+from .turns import Interface
 from .units import BASES
 from .variables import Variable, variables
 
@@ -27,21 +28,24 @@ class Recipe:
         starts: start values to bake in, as texts by the variables' names.
         slave_unit: the unit of the slave's positions, for a block whose axes may have different units; empty: the same
             as `unit`.
+        interface: the variables with another causality than the block declares.
     """
 
     name: str
     unit: str = "mm"
     starts: Mapping[str, str] = field(default_factory=dict)
     slave_unit: str = ""
+    interface: Interface = field(default_factory=Interface)
 
     def block(self) -> Any:
         """A new block with the baked start values.
 
         Raises:
-            UserError: an unknown block, unit or variable, a value that the variable does not allow, or a slave unit
-                for a block whose slave is in the master's unit.
+            UserError: an unknown block, unit or variable, a value that the variable does not allow, a slave unit for a
+                block whose slave is in the master's unit, or a variable that cannot be turned so.
         """
         block = choose(BLOCKS, self.name, "block")()
+        self.interface.causalities(block)
         choose(BASES, self.unit, "unit")
         check_slave_unit(block, self.slave_unit)
         if self.starts:
@@ -59,14 +63,23 @@ class Recipe:
         to run a block, take the cells from `variables(block)`.
         """
         block = self.block()
-        return _by_name(block) if self.starts else _declared(block.__class__)
+        return _by_name(block, self.turned) if self.starts or self.turned else _declared(block.__class__)
+
+    @cached_property
+    def turned(self) -> Mapping[str, str]:
+        """The causality of each variable that has another one than the block declares, by name.
+
+        Raises:
+            UserError: an unknown block, or a variable that cannot be turned so.
+        """
+        return MappingProxyType(self.interface.causalities(choose(BLOCKS, self.name, "block")()))
 
     def guid(self) -> str:
         """A hash of the variables and of the source: the same for both flavours, and for every build of them."""
         block = self.block()
         files = sources(type(block).__module__)
         files |= {f"fmu/{name}": text for name, text in (runtime() | compilers()).items()}
-        h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit, self.slave_unit))})
+        h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit, self.slave_unit, self.turned))})
         return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 
@@ -74,11 +87,11 @@ class Recipe:
 def _declared(block_type: type) -> Mapping[str, Variable]:
     """The variables of a block without baked start values: the same for all its recipes, so that a hundred scenarios
     share them."""
-    return _by_name(block_type())
+    return _by_name(block_type(), {})
 
 
-def _by_name(block: Any) -> Mapping[str, Variable]:
-    return MappingProxyType({v.name: v for v in variables(block)})
+def _by_name(block: Any, turned: Mapping[str, str]) -> Mapping[str, Variable]:
+    return MappingProxyType({v.name: v for v in variables(block, turned)})
 
 
 def check_slave_unit(block: Any, unit: str) -> None:

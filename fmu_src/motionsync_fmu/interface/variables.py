@@ -37,12 +37,17 @@ class Cell:
 
 @dataclass(frozen=True)
 class Variable:
-    """A declared cell. Its index in `variables()` is its value reference in both flavours."""
+    """A declared cell. Its index in `variables()` is its value reference in both flavours.
+
+    Attributes:
+        causality: what the FMU shows; the block may declare another one, which `declaration` has.
+    """
 
     cell: Cell
     declaration: "Declaration"
     depends: tuple[str, ...]
     start: Any
+    causality: str
 
     @property
     def name(self) -> str:
@@ -54,13 +59,9 @@ class Variable:
         return KINDS.get(self.cell.type, "Enumeration")
 
     @property
-    def causality(self) -> str:
-        return self.declaration.causality
-
-    @property
     def variability(self) -> str:
         if self.causality == "parameter":
-            return "tunable" if self.declaration.tunable else "fixed"
+            return "tunable" if self.declaration.tunable or self.declaration.causality == "input" else "fixed"
         return "continuous" if self.kind == "Real" and not self.declaration.discrete else "discrete"
 
     @property
@@ -68,9 +69,17 @@ class Variable:
         return self.causality in ("input", "parameter")
 
     @property
-    def real_input(self) -> bool:
-        """Whether each step checks the value's range; initialization alone checks the other variables."""
-        return self.causality == "input" and self.kind == "Real"
+    def judged(self) -> bool:
+        """Whether each step checks the value's range; initialization alone checks the other variables.
+
+        These are the Real inputs: those that the FMU shows, and those that the block declares and so relies on."""
+        return self.kind == "Real" and "input" in (self.causality, self.declaration.causality)
+
+    @property
+    def restricted(self) -> bool:
+        """Whether more than a least and a greatest value limits the range."""
+        d = self.declaration
+        return d.above > -inf or d.below < inf or d.smallest > 0.0 or not d.zero
 
     @property
     def choices(self) -> list[Any]:
@@ -213,11 +222,19 @@ def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
     return found
 
 
-def variables(block: Any) -> list[Variable]:
-    """The declared variables with the block's present values as start values."""
-    depends = dependencies(block)
+def variables(block: Any, turned: Mapping[str, str] | None = None) -> list[Variable]:
+    """The declared variables with the block's present values as start values.
+
+    `turned`: by name, the causality of each variable that has another one than the block declares."""
+    depends, turned = dependencies(block), turned or {}
     return [
-        Variable(c, c.declaration, depends.get(c.name, c.declaration.depends), c.get())
+        Variable(
+            c,
+            c.declaration.of_real_input() if c.type is float and turned.get(c.name) == "input" else c.declaration,
+            depends.get(c.name, c.declaration.depends),
+            c.get(),
+            turned.get(c.name, c.declaration.causality),
+        )
         for c in cells(block)
         if c.declaration
     ]

@@ -57,7 +57,7 @@ def write_outcome(line: Line, package: Package, result: Result, folder: Path, *,
     file.write_text(csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True)))
     page = folder / "report.html"
     if report:
-        write_line_report(page, line, result)
+        write_line_report(page, line, package, result, file)
     return LineOutcome(
         str(line.follower.file),
         line.follower.title,

@@ -11,7 +11,6 @@ from ..scenario.telegrams import Remote
 from ..scenario.toml_tables import Table
 from .line import ENABLE, RAMP, REMOTE, Line, expected_names
 
-PATTERN = "line*.toml"
 TABLES = ("remote", "remote_sync", "start", "set", "expect", "cuts", "switches")
 TOLERANCE = 1e-9  # of the reference that each scenario may have; a line has none, so this number has no effect
 
@@ -23,6 +22,8 @@ def load_line(file: Path) -> Line:
         UserError: the first mistake in it, with file, line and key.
     """
     top = read_file(file)
+    if "on" in top:
+        top.fail("on", "a line cannot react: its importers get all inputs before the run; give times in [[set]]")
     top.allow_only(*(key for key in SCALARS if key not in ("tolerance", "step_bound")), *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
@@ -35,7 +36,7 @@ def load_line(file: Path) -> Line:
     follower = Scenario(
         file,
         top.string("title"),
-        top.string("source"),
+        top.string("source", ""),
         reader.recipe,
         unit,
         slave_unit,

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
+from math import inf, nextafter
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, choose
+from ..interface.turns import Interface
 from ..interface.variables import (
     LONGEST_STEP,
     Variable,
@@ -95,9 +97,10 @@ def simulate_many(
     block: str | type[Any],
     step_size: ArrayLike,
     inputs: Inputs,
-    outputs: Sequence[str],
+    outputs: str | Sequence[str],
     *,
     start: Mapping[str, ArrayLike] | None = None,
+    interface: Interface | None = None,
     steps: int | None = None,
     instances: int | None = None,
     threads: int | None = None,
@@ -113,7 +116,7 @@ def simulate_many(
 
     Numbers: float64 for a Real, int64 for an Integer or enumeration and bool for a Boolean are read where they lie,
     with any strides; other numbers are converted piece by piece while the batch runs. A Boolean may be 0 or 1 in an
-    array of any type; an enumeration is given by its values.
+    array of any type; an enumeration is given by its values, or by the names of its members.
 
     The function works in threads of its own, without the interpreter's lock; any number of threads may call it at the
     same time. The first call for a block compiles it, which takes some seconds a process.
@@ -124,8 +127,9 @@ def simulate_many(
         inputs: inputs and tunable parameters by name. The values of a step are set before the step. Those of the first
             step are also set before the initialization, except for variables in `start`. So a command that is true in
             the first step has a rising edge there only if `start` sets it to false.
-        outputs: the names of any variables of the block.
+        outputs: the name of any variable of the block, or several.
         start: start values by name, each a scalar or of shape (instances,), for parameters and inputs.
+        interface: the variables with another causality than the block declares, as in the FMU.
         steps: the number of steps, where no array has that axis.
         instances: the number of instances, where no array has that axis.
         threads: the greatest number of threads; by default the number of cores.
@@ -137,10 +141,11 @@ def simulate_many(
         parameters and inputs at initialization, Real inputs and the step size at each step, and what the block refuses.
 
     Raises:
-        UserError: before anything runs: an unknown block or variable, a variable that cannot be set, a shape that does
-            not fit, or a value of the wrong kind (text; 0.5 for a Boolean).
+        UserError: before anything runs: an unknown block or variable, a variable that cannot be set or turned so, a
+            shape that does not fit, or a value of the wrong kind (text that names no member; 0.5 for a Boolean).
     """
-    batch = _Batch(block, step_size, inputs, start or {}, outputs, steps, instances)
+    outputs = [outputs] if isinstance(outputs, str) else outputs
+    batch = _Batch(block, step_size, inputs, start or {}, outputs, interface or Interface(), steps, instances)
     out = batch.target(out)
     if threads is not None and threads < 1:
         raise UserError(f"threads = {threads} is not allowed: it must be >= 1")
@@ -175,16 +180,20 @@ class _Batch:
         inputs: Inputs,
         start: Mapping[str, ArrayLike],
         outputs: Sequence[str],
+        interface: Interface,
         steps: int | None,
         instances: int | None,
     ) -> None:
         self.type: type[Any] = choose(BLOCKS, block, "block") if isinstance(block, str) else block
         self.image = image(self.type())
-        self.variables = {v.name: v for v in variables(self.type())}
+        self.variables = {v.name: v for v in variables(self.type(), interface.causalities(self.type()))}
         self.outputs = [choose(self.variables, name, f"variable of {self.type.__name__}") for name in outputs]
         self.step_sizes = _column("step_size", step_size)
-        running = [self.checked(c, "inputs") for c in _split(inputs)]
-        starts = [self.checked(_column(name, values, per_step=False), "start") for name, values in start.items()]
+        running = [self.checked(c, "inputs") for c in _split({n: self.numbered(n, x) for n, x in inputs.items()})]
+        starts = [
+            self.checked(_column(name, self.numbered(name, values), per_step=False), "start")
+            for name, values in start.items()
+        ]
         self.instances = _length("instances", instances, 0, [self.step_sizes, *running, *starts])
         self.steps = _length("steps", steps, 1, [self.step_sizes, *running])
         self.starts = starts + [c for c in running if c.name not in start]
@@ -192,6 +201,16 @@ class _Batch:
         self.judged = self.to_judge({c.name for c in self.starts})
         self.refusals = {member.value: member for member in refusals(self.type)}
         self.code: Code = code(self.type)
+
+    def numbered(self, name: Any, values: ArrayLike) -> ArrayLike:
+        """The values; for an enumeration whose members are given by name, their numbers."""
+        v = self.variables.get(name) if isinstance(name, str) else None
+        if v is None or not v.choices or (texts := _array(v.name, values)).dtype.kind != "U":
+            return values
+        members = {member.name: member.value for member in v.choices}
+        named, places = np.unique(texts, return_inverse=True)
+        numbers = [choose(members, str(text), f"member of {name}") for text in named]
+        return np.array(numbers)[places].reshape(texts.shape)
 
     def checked(self, column: _Column, where: str) -> _Column:
         """The column, if its variable can be set there and all its numbers are of the variable's kind."""
@@ -211,8 +230,8 @@ class _Batch:
         by_name = {c.name: c for c in columns}
         varying = [(v, by_name[v.name]) for v in self.variables.values() if v.name in by_name]
         return Groups(
-            reals=[(v, c) for v, c in varying if v.real_input],  # these are checked at each step
-            words=[(v, c) for v, c in varying if not v.real_input and v.kind != "Boolean"],
+            reals=[(v, c) for v, c in varying if v.judged],
+            words=[(v, c) for v, c in varying if not v.judged and v.kind != "Boolean"],
             flags=[(v, c) for v, c in varying if v.kind == "Boolean"],
         )
 
@@ -307,7 +326,7 @@ class _Task:
             step_sizes=np.array(_source(self.step_sizes)),
             longest=LONGEST_STEP,
             sources=Groups(*(self.sources(group) for group in self.values)),
-            limits=np.array([(v.declaration.min, v.declaration.max) for v, _ in batch.varying.reals]).reshape(-1, 2),
+            limits=np.array([_limits(v) for v, _ in batch.varying.reals]).reshape(-1, 4),
             sinks=Groups(self.sinks("Real"), self.sinks("Integer", "Enumeration"), self.sinks("Boolean")),
             target=np.array([target.ctypes.data, *target.strides[:2]]),
             reports=self.reports,
@@ -358,6 +377,13 @@ def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
     fits = np.isfinite(values) & (d.min <= values) & (values <= d.max)
     fits &= (d.above < values) & (values < d.below)
     return fits & np.where(values == 0.0, d.zero, np.abs(values) >= d.smallest)
+
+
+def _limits(v: Variable) -> tuple[float, float, float, float]:
+    """The range of a Real, as the plan's `limits` have it."""
+    d = v.declaration
+    least, greatest = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
+    return least, greatest, d.smallest or (0.0 if d.zero else nextafter(0.0, 1.0)), float(d.zero)
 
 
 def _field(memory: Array, name: str) -> Array:
@@ -411,11 +437,15 @@ def _column(name: str, values: ArrayLike, per_step: bool = True) -> _Column:
     return _Column(name, array if per_step else array.T, given)
 
 
-def _numbers(name: str, values: ArrayLike) -> Array:
+def _array(name: str, values: ArrayLike) -> Array:
     try:
-        array = np.asarray(values)
+        return np.asarray(values)
     except ValueError as e:
         raise UserError(f"{name} is no array: {e}") from None
+
+
+def _numbers(name: str, values: ArrayLike) -> Array:
+    array = _array(name, values)
     if array.dtype.kind not in NUMBERS:
         raise UserError(f"{name} is of the type {array.dtype}: it must be real numbers or Booleans")
     return array

@@ -52,7 +52,7 @@ STEP_SIZE, INPUT, REFUSED, RAISED = (int(c) for c in (Cause.STEP_SIZE, Cause.INP
 ADDRESS, PER_INSTANCE, PER_STEP, OFFSET = range(4)  # of a source; step sizes and target have the first three
 SIZE, INSTANCES, STEPS = range(1, 4)  # of the blocks, after ADDRESS
 FROM, TO = range(2)  # of a sink
-LEAST, GREATEST = range(2)  # of a limit
+LEAST, GREATEST, SMALLEST, ZERO = range(4)  # of a limit
 CAUSE, STEP, NUMBER = range(3)  # of a report
 
 
@@ -74,7 +74,8 @@ class Plan:
         longest: the greatest allowed step size.
         sources: the values to set: Real inputs, which are checked at each step; all else of 8 bytes; Booleans. A row
             for each variable: address, stride over instances, stride over steps, offset in the block.
-        limits: least and greatest value of each Real input in `sources`.
+        limits: of each Real input in `sources` the least and greatest value, the least magnitude of a value other than
+            0, and 1 where 0 is allowed, else 0.
         sinks: the values to read: Reals; Integers and enumerations; Booleans. A row for each variable: offset in the
             block, offset in the target.
         target: the array for the values that are read: address, stride over instances, stride over steps.
@@ -203,6 +204,8 @@ def _stepped() -> Any:
                 x = get_real(reals[k, ADDRESS] + i * reals[k, PER_INSTANCE] + t * reals[k, PER_STEP])
                 set_real(block + reals[k, OFFSET], x)
                 if not limits[k, LEAST] <= x <= limits[k, GREATEST]:  # NaN is not allowed either
+                    return INPUT, t, k
+                if abs(x) < limits[k, SMALLEST] and (x != 0.0 or limits[k, ZERO] == 0.0):
                     return INPUT, t, k
             for k in range(len(words)):
                 word = get_word(words[k, ADDRESS] + i * words[k, PER_INSTANCE] + t * words[k, PER_STEP])

@@ -30,6 +30,8 @@ enum { SETTABLE = INSTANTIATED | INITIALIZING | STEPPING, READABLE = INITIALIZIN
 
 /* --- life --- */
 
+/* Whether logging is on makes no difference: there are only warnings and errors, and nobody should miss these. */
+
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 const char *fmi2GetVersion(void) { return fmi2Version; }
 
@@ -37,7 +39,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     if (!callbacks) return NULL;
     const char *called = name ? name : "";
-    Unit *c = unit_new(sizeof(Importer) + strlen(called) + 1, log_to, logging ? LOG_ALL : LOG_NOTHING);
+    Unit *c = unit_new(sizeof(Importer) + strlen(called) + 1, log_to);
     if (!c) return NULL;
     Importer *importer = unit_importer(c);
     importer->logger = callbacks->logger;
@@ -63,7 +65,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
     return fmi2OK;
 }
 
-/* With a list of categories only these are logged; with an empty list, all. */
+/* With a list of categories only these are logged; with an empty list, or with logging off, all. */
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
     static const struct { const char *name; Category category; } KNOWN[] = {
         {"logStatusWarning", LOG_WARNING}, {"logStatusError", LOG_ERROR}, {"logAll", LOG_ALL}};
@@ -77,7 +79,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
         if (!found) ANSWER(unit_fail(c, "%s: the categories are logStatusWarning, logStatusError, logAll", __func__));
         chosen |= found;
     }
-    unit_log(c, on ? chosen : LOG_NOTHING);
+    unit_log(c, on ? chosen : LOG_ALL);
     return fmi2OK;
 }
 

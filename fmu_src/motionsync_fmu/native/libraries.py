@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from importlib.util import find_spec
 from pathlib import Path
@@ -44,8 +44,15 @@ HEADERS = _package("fmpy") / "c-code"  # FMI's
 ZIG = _package("ziglang")
 
 
-def libraries(block: Any, guid: str, progress: Callable[[str], None] = lambda text: None) -> Files:
+def libraries(
+    block: Any,
+    guid: str,
+    progress: Callable[[str], None] = lambda text: None,
+    turned: Mapping[str, str] | None = None,
+) -> Files:
     """The library of every platform, by its path in the FMU; `progress` gets a sentence if this will take minutes.
+
+    `turned`: as for `variables`.
 
     Raises:
         UserError: zig failed.
@@ -56,7 +63,7 @@ def libraries(block: Any, guid: str, progress: Callable[[str], None] = lambda te
         for source in HERE.glob("*.[ch]"):
             (work / source.name).write_bytes(source.read_bytes())
         (work / "model.ll").write_text(llvm_text(block), "utf-8", newline="\n")
-        (work / "model.h").write_text(model_header(block, guid), "utf-8", newline="\n")
+        (work / "model.h").write_text(model_header(block, guid, turned), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
                 target: pool.submit(_compile, target, flags, f"{target}/{name}.{platform.suffix}", work)

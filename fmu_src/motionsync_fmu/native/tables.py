@@ -1,6 +1,6 @@
 """What the C files know of a block: model.h, with its memory's start image and the tables of its variables."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import isinf
 from pathlib import Path
 from typing import Any
@@ -24,9 +24,11 @@ LAST_MESSAGE: Row = (0, 0, 0)
 LAST_CODED: Row = (-1, 0)
 
 
-def model_header(block: Any, guid: str) -> str:
-    """The text of model.h: the block's memory, its variables, what it refuses, and what its codes mean."""
-    layout, vs, pool = dtype(block), variables(block), Pool()
+def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None) -> str:
+    """The text of model.h: the block's memory, its variables, what it refuses, and what its codes mean.
+
+    `turned`: as for `variables`."""
+    layout, vs, pool = dtype(block), variables(block, turned), Pool()
     index = {v.name: i for i, v in enumerate(vs)}
     rows = [_variable(v, layout, pool) for v in vs]
     messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
@@ -94,6 +96,7 @@ def _variable(v: Variable, layout: Any, pool: Pool) -> Row:
         offset(layout, v.name),
         *(number(x) for x in (d.min, d.max, d.above, d.below, d.smallest)),
         str(d.zero).lower(),
+        str(v.judged).lower(),
         pool.numbers(len(v.choices), *(int(m) for m in v.choices)),
         pool.text(v.allowed_range),
     )

@@ -22,6 +22,7 @@ typedef struct {
     double min, max, above, below, smallest; /* of a number: min and max are allowed, above and below are not;
                                                 smallest: the least magnitude but for 0 */
     bool zero; /* whether a number may be 0 */
+    bool judged; /* a Real whose range each step checks */
     int choices; /* of an enumeration: how many members it has, then their numbers */
     int range; /* the allowed values in words */
 } Variable;
@@ -68,7 +69,7 @@ _Static_assert(sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 8 * 8 + size
 
 struct Unit {
     State now;
-    int unfit; /* the number of Real inputs outside their ranges; a step needs 0 */
+    int unfit; /* the number of judged Reals outside their ranges; a step needs 0 */
     int logged; /* a set of Category */
     Write *write;
     void *importer[]; /* of the size given to unit_new, aligned for pointers */
@@ -189,9 +190,9 @@ static bool judge(Unit *u, const Variable *v) {
     return false;
 }
 
-/* No step is done while a Real input is unfit. Unfit inputs are counted where they are set, so that a step need not
- * look at each. An input has no limits but min and max; NaN fails both. */
-static bool unfit(const Variable *v, double x) { return v->access == INPUT && !(x >= v->min && x <= v->max); }
+/* No step is done while a Real is unfit that each step checks. Unfit Reals are counted where they are set, so that a
+ * step need not look at each. */
+static bool unfit(const Variable *v, double x) { return v->judged && !fits(v, x); }
 
 static void count_unfit(Unit *u) {
     u->unfit = 0;
@@ -222,11 +223,11 @@ static void explain(Unit *u, Status status, const char *of, int messages, int64_
 
 const char *unit_guid(void) { return MODEL_GUID; }
 
-Unit *unit_new(size_t size, Write *write, int logged) {
+Unit *unit_new(size_t size, Write *write) {
     Unit *u = calloc(1, sizeof *u + size);
     if (!u) return NULL;
     u->write = write;
-    u->logged = logged;
+    u->logged = LOG_ALL;
     return u;
 }
 
@@ -322,7 +323,7 @@ static bool ready(Unit *u, double h) {
         return false;
     }
     for (int i = 0; u->unfit && i < COUNT; i++)
-        if (VARIABLES[i].access == INPUT && !judge(u, VARIABLES + i)) return false;
+        if (VARIABLES[i].judged && !judge(u, VARIABLES + i)) return false;
     return true;
 }
 

@@ -27,9 +27,9 @@ typedef void Write(const void *importer, Status status, const char *text);
 
 const char *unit_guid(void);
 
-/* A unit with `size` bytes, all 0, for what the FMI functions keep with it; NULL if memory is lacking. It must be reset
- * before anything but unit_importer, unit_fail and free is called with it. */
-Unit *unit_new(size_t size, Write *write, int logged);
+/* A unit that logs all; `size` bytes, all 0, are for what the FMI functions keep with it. NULL if memory is lacking. It
+ * must be reset before anything but unit_importer, unit_fail and free is called with it. */
+Unit *unit_new(size_t size, Write *write);
 void *unit_importer(Unit *u);
 void unit_reset(Unit *u);
 

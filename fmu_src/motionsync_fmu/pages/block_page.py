@@ -1,10 +1,11 @@
 """The pages inside an FMU: the block's README with a picture of its example, and its variables; all from its source."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from motionsync.master import MasterInput
 
-from .. import __version__
+from .. import HOME, __version__
 from ..archive import Files
 from ..interface.table import groups
 from ..interface.variables import members, summary, variables
@@ -15,25 +16,39 @@ from .readme import readme, rendered
 from .style import TEMPLATES
 
 PICTURE = "example.svg"
+WIRED_BEFORE = "<h2>Names in the source system</h2>"  # what most readers do not need
 
 
-def pages(block: Any, example: Scenario, unit: str, flavour: str, platforms: list[str], slave_unit: str = "") -> Files:
+def pages(
+    block: Any,
+    example: Scenario,
+    unit: str,
+    flavour: str,
+    platforms: list[str],
+    slave_unit: str = "",
+    turned: Mapping[str, str] | None = None,
+) -> Files:
     """index.html and its picture, and for the python flavour externalDependencies.html.
 
     `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: the unit of
-    positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`).
+    positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`); `turned`: as for
+    `variables`.
 
     Raises:
         UserError: the block has no README.md, or refuses its example.
     """
+    text = rendered(readme(type(block)), PICTURE, example.title)
+    use, head, details = text.partition(WIRED_BEFORE)
     values = {
         "name": type(block).__name__,
         "version": __version__,
+        "home": HOME,
         "summary": summary(type(block)),
-        "readme": rendered(readme(type(block)), PICTURE, example.title),
+        "use": use,
+        "details": head + details,
         "inputs": list(MasterInput),
         "remote": example.remote.names if example.remote else None,
-        "groups": groups(block, unit, slave_unit),
+        "groups": groups(block, unit, slave_unit, turned),
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,

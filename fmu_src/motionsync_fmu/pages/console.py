@@ -19,16 +19,18 @@ wide = Console(highlight=False, markup=False, width=1000)  # for tables: the ter
 err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 
 
-def print_variables(block: Any, unit: str, slave_unit: str, starts: Mapping[str, str]) -> None:
+def print_variables(
+    block: Any, unit: str, slave_unit: str, starts: Mapping[str, str], turned: Mapping[str, str]
+) -> None:
     """Print a block's variables, and its enumerations with their members.
 
     `unit`: the unit of positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`);
-    `starts`: start values in place of the block's, as texts by name.
+    `starts`: start values in place of the block's, as texts by name; `turned`: as for `interface.variables.variables`.
     """
     columns = ("name", "causality", "type", "unit", "start", "allowed_range", "description")
     table = Table(*(column.removeprefix("allowed_") for column in columns), box=None)
     table.columns[0].no_wrap = True
-    for i, group in enumerate(groups(block, unit, slave_unit)):
+    for i, group in enumerate(groups(block, unit, slave_unit, turned)):
         if i:
             table.add_row()
         for row in group.rows:

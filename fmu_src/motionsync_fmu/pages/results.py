@@ -11,6 +11,8 @@ from ..scenario.judge import check, compare
 from ..scenario.outcome import Outcome
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
+from ..scenario.shipped import called
+from .report.page import write_report
 
 FIRST = ("state", "in_sync")  # columns of the CSV file, after time, master and slave
 MASTER = ("position", "velocity", "acceleration", "jerk")
@@ -29,19 +31,18 @@ def write_outcome(
     """
     name = scenario.recipe.name
     checks, deviations = check(scenario, recording), compare(scenario, recording)
-    inputs = inputs_file(scenario)
+    inputs, results, page = inputs_file(scenario), folder / f"{name}_out.csv", folder / "report.html"
+    happened = scenario.settled(recording.settings)
     with _filled(folder) as part:
-        (part / f"{name}_out.csv").write_text(_outputs_csv(scenario, recording))
+        (part / results.name).write_text(_outputs_csv(scenario, recording))
         if not own_step or not inputs.exists():  # a user's own scenario may have no such file
             inputs = folder / inputs.name
-            (part / inputs.name).write_text(inputs_csv(scenario))
+            (part / inputs.name).write_text(inputs_csv(happened))
         if report:
-            from .report import write_report  # noqa: PLC0415 (Plotly: it takes long to load)
-
-            write_report(part / "report.html", scenario, recording, checks, deviations, scenario.step_size)
+            write_report(part / page.name, happened, recording, checks, deviations, scenario.step_size, fmu, results)
     return Outcome(
-        scenario=str(scenario.file.parent),
-        name=f"{name}/{scenario.name}",
+        scenario=called(scenario.file),
+        name=scenario.label,
         title=scenario.title,
         fmu=name,
         step_size=scenario.step_size,
@@ -49,8 +50,9 @@ def write_outcome(
         expectations=checks,
         reference=deviations,
         messages=recording.messages,
-        result=str(folder / f"{name}_out.csv"),
-        report=str(folder / "report.html") if report else None,
+        unmet=[f"{u.expected}: found {u.found}" for u in recording.unmet if not u.reaction.required],
+        result=str(results),
+        report=str(page) if report else None,
         fmpy=command_line(scenario, fmu, inputs),
     )
 

@@ -4,7 +4,7 @@ This module is part of the Python FMU. It must not import motionsync, which the 
 
 import ctypes
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import partialmethod
 from operator import attrgetter
@@ -35,21 +35,26 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         block_type: the block.
         build: the content hash of this FMU; the state of another FMU is refused.
         starts: start values that were baked into this FMU.
+        turned: the causality of each variable that has another one than the block declares.
     """
 
     block_type: ClassVar[type]
     build: ClassVar[str]
     starts: ClassVar[dict[str, Any]]
+    turned: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
+        self.logger: int | None = kwargs.get("logger")
+        self.switch_logging_on()
         self.block = self.block_type()
-        self.variables = variables(self.block)
+        self.variables = variables(self.block, self.turned)
         self.by_name = {v.name: v for v in self.variables}
         for name, value in self.starts.items():
             self.by_name[name].cell.set(value)
         self.settable = [v for v in self.variables if v.settable]
-        self.inputs = [v for v in self.variables if v.real_input]
+        self.inputs = [v for v in self.variables if v.judged]
+        self.restricted = [v for v in self.inputs if v.restricted]
         self.limits = [(v.declaration.min, v.declaration.max) for v in self.inputs]
         self.read_inputs = reader(v.name for v in self.inputs)
         self.codes = [v for v in self.variables if v.declaration.codes]
@@ -88,6 +93,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             for value, (low, high) in zip(self.read_inputs(self.block), self.limits, strict=True):
                 if not low <= value <= high:  # NaN fails every comparison
                     self.judge(self.inputs)
+            self.judge(self.restricted)
             self.attempt(self.block.step, step_size)
         except FAILURES as e:
             self.say(str(e), Fmi2Status.error)
@@ -129,7 +135,17 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     def say(self, text: str, status: Fmi2Status) -> None:
         """Log a text without percent signs: PythonFMU passes the text on as a C format."""
+        self.switch_logging_on()
         self.log(text.replace("%", "percent"), status)
+
+    def switch_logging_on(self) -> None:
+        """Let PythonFMU pass messages on to the importer, who may have switched logging off.
+
+        There are no messages but warnings and errors, which nobody should miss. PythonFMU 0.7 gives a slave the address
+        of its logger, an object of C++: the table of its functions, then the switch. A list of categories stays in
+        force."""
+        if self.logger is not None:
+            ctypes.c_bool.from_address(self.logger + ctypes.sizeof(ctypes.c_void_p)).value = True
 
     def _get(self, kinds: tuple[str, ...], references: list[int]) -> list[Any]:
         if self.initializing:  # outputs follow parameters and inputs; the end of this mode reports mistakes

@@ -4,6 +4,7 @@ import math
 import re
 
 from .scenario import AtTime, Expectation, When, Within
+from .settings import Condition
 from .toml_tables import Table, literal
 from .variable_tables import OutputTable, Subject
 
@@ -41,6 +42,21 @@ def _at_time(outputs: OutputTable, stop_time: float) -> AtTime:
 def _when(outputs: OutputTable, stop_time: float) -> When:
     table = outputs.table
     table.allow_only("when", "time", "tolerance")
+    condition = read_condition(outputs)
+    time = table.number("time", least=0.0, most=stop_time)
+    tolerance = table.number("tolerance", least=0.0) if "tolerance" in table else None
+    return When(condition.text, condition.name, condition.comparison, condition.value, time, tolerance)
+
+
+def read_condition(outputs: OutputTable) -> Condition:
+    """The condition at the key `when`.
+
+    Raises:
+        UserError: it is not a comparison of an output with a value that it may have.
+    """
+    table = outputs.table
+    if "when" not in table:
+        table.fail("when", "is missing")
     text = table.values["when"]
     match = CONDITION.fullmatch(text) if isinstance(text, str) else None
     if not match:
@@ -50,9 +66,7 @@ def _when(outputs: OutputTable, stop_time: float) -> When:
     if value is None and v.kind != "Boolean":
         table.fail("when", f"{name} is a {v.kind}: compare it, as in {name!r} == VALUE")
     wanted = 1.0 if value is None else float(outputs.value(name, literal(value), "when"))
-    time = table.number("time", least=0.0, most=stop_time)
-    tolerance = table.number("tolerance", least=0.0) if "tolerance" in table else None
-    return When(text, name, comparison, wanted, time, tolerance)
+    return Condition(match.string, name, comparison, wanted)
 
 
 def _within(outputs: OutputTable, stop_time: float) -> Within:

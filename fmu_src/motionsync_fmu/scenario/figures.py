@@ -217,7 +217,7 @@ def _limit(scenario: Scenario, recording: Recording, role: Role) -> Reals | None
     if v is None:
         return None
     values = np.full(len(recording.time), float(scenario.start.get(v.name, v.start)))
-    for setting in scenario.settings:
+    for setting in recording.settings:
         if v.name in setting.values:
             values[recording.time > setting.at + ROUNDING] = float(setting.values[v.name])
     return values

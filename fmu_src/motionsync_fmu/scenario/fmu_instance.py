@@ -10,14 +10,18 @@ import fmpy
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
+from motionsync.blocks import BLOCKS
+
 from ..errors import UserError
 from ..interface.recipe import Recipe
+from ..interface.turns import NAMES, Interface
+from ..interface.variables import Variable
 
 TYPES = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
 
 
 def recipe_of(fmu: Path) -> Recipe:
-    """The recipe of a built FMU, with the start values of all its parameters and inputs.
+    """The recipe of a built FMU, with the start values of all its parameters and inputs, and its turned variables.
 
     Raises:
         UserError: the file is not an FMU that can be read.
@@ -27,8 +31,26 @@ def recipe_of(fmu: Path) -> Recipe:
     except Exception as e:  # FMPy raises whatever it meets in a file that is no FMU
         raise UserError(f"{fmu}: not an FMU that can be read: {str(e).strip().splitlines()[0]}") from None
     units = {t.name: t.unit for t in description.typeDefinitions}
-    starts = {v.name: v.start for v in description.modelVariables if v.start is not None}
-    return Recipe(description.modelName, units.get("Position") or "1", starts, units.get("SlavePosition") or "")
+    name = description.modelName
+    declared = Recipe(name).variables if name in BLOCKS else {}
+    starts = {v.name: _start(declared.get(v.name), v.start) for v in description.modelVariables if v.start is not None}
+    return Recipe(
+        name, units.get("Position") or "1", starts, units.get("SlavePosition") or "", _interface(declared, description)
+    )
+
+
+def _start(v: Variable | None, text: str) -> str:
+    """A start value as people write it: that of an enumeration is a name."""
+    return v.text(int(text)) if v and v.choices else text
+
+
+def _interface(declared: Mapping[str, Variable], description: Any) -> Interface:
+    """The variables whose causality is not the one that the block declares."""
+    turned: dict[str, list[str]] = {}
+    for v in description.modelVariables:
+        if v.name in declared and declared[v.name].causality != v.causality in NAMES:
+            turned.setdefault(v.causality, []).append(v.name)
+    return Interface(**turned)
 
 
 class FmuError(Exception):

@@ -15,7 +15,8 @@ from ..interface.units import unit_name
 from .cuts import CutSpec, find_cuts
 from .figures import engineering, greatest_position
 from .recording import Recording
-from .scenario import COMPARISONS, AtTime, Scenario, When, Within
+from .scenario import AtTime, Scenario, When, Within
+from .settings import COMPARISONS
 from .telegrams import Remote, errors
 
 
@@ -67,7 +68,8 @@ class Deviation:
 
 
 def check(scenario: Scenario, recording: Recording) -> list[Check]:
-    """What was found for every expectation of the scenario; its cuts and its remote axis come last."""
+    """What was found for every expectation of the scenario; then for the reactions that it requires and that did not
+    happen, its cuts and its remote axis."""
     found: list[Check] = []
     texts = {name: v.text for name, v in scenario.recipe.variables.items()}
     for e in scenario.expectations:
@@ -78,6 +80,7 @@ def check(scenario: Scenario, recording: Recording) -> list[Check]:
                 found.append(_when(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
             case Within():
                 found += _within(e, recording)
+    found += [Check(u.expected, u.found, False) for u in recording.unmet if u.reaction.required]
     unit = unit_name(Unit.POSITION, scenario.unit)
     if scenario.cuts:
         found += _cuts(scenario.cuts, recording, unit)

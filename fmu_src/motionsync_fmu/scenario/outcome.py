@@ -19,6 +19,8 @@ class Outcome:
         figures: the cuts, and how far the slave went beside the limits of its axis.
         reference: how far the run is from the reference; empty without one.
         messages: what the FMU logged.
+        unmet: the reactions that happened less often than they could have, in words; without those that are required,
+            which are among the expectations.
         result: the CSV file with the outputs.
         report: the HTML page; None: no page is written.
         fmpy: the command line that does the same with FMPy alone.
@@ -33,6 +35,7 @@ class Outcome:
     expectations: list[Check]
     reference: list[Deviation]
     messages: list[str]
+    unmet: list[str]
     result: str
     report: str | None
     fmpy: str
@@ -54,6 +57,7 @@ class Outcome:
         found = [f"beyond the limit of the axis: {p.text}" for p in self.figures.peaks if p.exceeded]
         if self.figures.uncut:
             found.append(self.figures.uncut_text)
+        found += self.unmet
         if not self.expectations and not self.reference:
             found.append("nothing is judged: the scenario has no [[expect]], no [cuts] and no reference")
         return found
@@ -66,5 +70,6 @@ class Outcome:
             {"variable": d.name, "max_difference": d.greatest, "at": d.at, "allowed": d.allowed, "passed": d.passed}
             for d in self.reference
         ]
+        del found["unmet"]  # a part of the remarks
         kept = {key: figures[key] for key in ("cuts", "uncut", "peaks")}
         return found | kept | {"reference": reference, "remarks": self.remarks}

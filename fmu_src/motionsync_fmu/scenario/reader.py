@@ -4,6 +4,7 @@ Every mistake is one `UserError` that begins with file and line and names the ke
 """
 
 from collections.abc import Iterator
+from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,37 +14,25 @@ from motionsync.blocks import BLOCKS
 from ..errors import UserError
 from ..interface.recipe import Recipe, check_slave_unit
 from ..interface.roles import remote_axis
+from ..interface.turns import Interface, TurnError
 from ..interface.units import BASES
 from .cuts import CutSpec, usual_tolerance
 from .expect_tables import read_expectation
+from .reaction_tables import read_reaction
 from .remote_table import KEYS as TELEGRAMS
 from .remote_table import LISTS, read_remote
-from .scenario import Expectation, Picture, Scenario, Setting
+from .scenario import Expectation, Picture, Scenario
 from .script import Script, Segment
+from .settings import Reaction, Setting
 from .telegrams import Remote
 from .toml_tables import Table, read_toml
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
-FILE = "scenario.toml"
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "step_bound", "tolerance")
-TABLES = ("start", "master", "remote", "set", "expect", "cuts", "picture")
+TABLES = ("interface", "start", "master", "remote", "set", "on", "expect", "cuts", "picture")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 HELD = ("velocity", "acceleration", "jerk")  # what a segment may keep constant
 MOST_STEPS = 1_000_000  # their results still fit into memory
-
-
-def find(path: Path, pattern: str = FILE) -> list[Path]:
-    """The files at a path: the file itself, or all below a folder whose names match the pattern.
-
-    Raises:
-        UserError: there is none.
-    """
-    if path.is_file():
-        return [path]
-    found = sorted(path.rglob(pattern))
-    if not found:
-        raise UserError(f"{path}: {f'no {pattern} below it' if path.is_dir() else 'no such file or folder'}")
-    return found
 
 
 def load(file: Path) -> Scenario:
@@ -62,7 +51,7 @@ def load(file: Path) -> Scenario:
     return Scenario(
         file,
         top.string("title"),
-        top.string("source"),
+        top.string("source", ""),
         reader.recipe,
         unit,
         slave_unit,
@@ -76,6 +65,7 @@ def load(file: Path) -> Scenario:
         tuple(reader.expectations()),
         reader.cuts(unit) if "cuts" in top else None,
         reader.picture(),
+        tuple(reader.reactions()),
         top.string("step_bound", ""),
     )
 
@@ -110,6 +100,19 @@ def read_times(top: Table) -> tuple[float, float]:
     return stop_time, step_size
 
 
+def read_interface(top: Table, name: str) -> Interface:
+    """The variables that are turned; `name`: the block's name."""
+    table = top.table("interface", required=False)
+    keys = [field.name for field in fields(Interface)]
+    table.allow_only(*keys)
+    interface = Interface(**{key: table.strings(key) for key in keys})
+    try:
+        interface.causalities(BLOCKS[name]())
+    except TurnError as e:
+        table.fail(e.causality, e.reason)
+    return interface
+
+
 class Reader:
     """Reads the tables of a file that concern one block.
 
@@ -122,7 +125,7 @@ class Reader:
         """`origin`: where the inputs of the scripted axis come from, in words; empty: from the script of the axis."""
         self.top = top
         self.stop_time = stop_time
-        self.recipe = Recipe(name)
+        self.recipe = Recipe(name, interface=read_interface(top, name))
         self.axis = remote_axis(self.recipe.variables.values())
         self.scripted = "remote" if self.axis else "master"
         part = self.axis.part if self.axis else "master"
@@ -167,6 +170,14 @@ class Reader:
             if not values:
                 table.fail("at", "sets nothing")
             yield Setting(at, values)
+
+    def reactions(self) -> Iterator[Reaction]:
+        length = self.top.table("cuts", required=False).values.get("length")
+        for table in self.top.tables("on"):
+            reaction = read_reaction(table, self.block, self.stop_time, length)
+            if self.axis and self.axis.delay in {*reaction.set, *reaction.add}:
+                table.fail("when", f"{self.axis.delay} changes at known times only: set it in [[set]]")
+            yield reaction
 
     def expectations(self) -> Iterator[Expectation]:
         for table in self.top.tables("expect"):

@@ -1,9 +1,12 @@
 """Recorded outputs of one run."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from .settings import Setting, Unmet
 
 Reals = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -12,10 +15,14 @@ Reals = np.ndarray[Any, np.dtype[np.float64]]
 class Recording:
     """What the FMU put out: `values[name]`, shape (points,), at the communication points `time`, shape (points,), s.
 
-    `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3.
+    `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3. `settings`: all that
+    was set, by the scenario's settings and by its reactions, in this order; `unmet`: the reactions that happened less
+    often than they could have.
     """
 
     time: Reals
     values: dict[str, Reals]
     master: Reals
     messages: list[str]
+    settings: Sequence[Setting] = ()
+    unmet: Sequence[Unmet] = ()

@@ -6,8 +6,8 @@ from typing import Any
 
 from ..interface.roles import RemoteAxis
 from .clocks import Clocks, Rate
-from .scenario import Setting
 from .script import Script
+from .settings import Setting
 from .telegrams import Accuracy, Remote
 from .toml_tables import Table
 

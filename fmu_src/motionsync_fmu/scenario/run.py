@@ -1,10 +1,9 @@
 """Runs a scenario: through a built FMU, or through the block in this process."""
 
 import math
-from collections.abc import Iterator, Mapping
-from itertools import pairwise
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from motionsync.master import MasterInput
 from ..errors import UserError
 from ..interface.stepper import RefusedError, Stepper
 from .fmu_instance import FmuError, FmuInstance
+from .reactions import Program, scans
 from .recording import Recording
 from .scenario import AtTime, Scenario, Within
 from .script import Motion
@@ -21,12 +21,14 @@ CLOSE = 1e-9  # of a step: communication points nearer to one another are one
 
 
 def points(scenario: Scenario, step_size: float) -> list[float]:
-    """The communication points: a regular grid, and each time of a setting, an expectation or a script break.
+    """The communication points that are known before the run: a regular grid, and each time of a setting, of an
+    expectation, of a script break, and of a scan if the scenario reacts.
 
     So everything happens at its own time, whatever the step size."""
     extra = [s.at for s in scenario.settings]
     extra += [e.at for e in scenario.expectations if isinstance(e, AtTime)]
     extra += [t for e in scenario.expectations if isinstance(e, Within) for t in (e.begin, e.end)]
+    extra += scans(scenario) if scenario.reactions else ()
     extra += [*scenario.master.breaks[1:], scenario.stop_time]
     # Of points at nearly the same time the script's break is kept: `until` then gives the motion that ends there.
     breaks = set(scenario.master.breaks)
@@ -55,16 +57,28 @@ def inputs(scenario: Scenario, t: float, end: float) -> dict[str, float]:
     }
 
 
-def schedule(scenario: Scenario, step_size: float) -> Iterator[tuple[float, float, dict[str, Any]]]:
-    """The begin and end of each step, and the inputs that are set before it: those of the axis, and the scenario's
-    settings that change at this step."""
-    waiting = sorted(scenario.settings, key=lambda s: s.at)
-    grid = points(scenario, step_size)
-    for t, end in pairwise(grid):
-        values: dict[str, Any] = dict(inputs(scenario, t, end))
-        while waiting and waiting[0].at <= t + CLOSE * step_size:
-            values |= waiting.pop(0).values
-        yield t, end, values
+Step = tuple[float, float, dict[str, Any]]
+"""Begin and end of a step, in s, and the inputs that are set before it: those of the axis, and what changes then."""
+
+
+def schedule(scenario: Scenario, step_size: float) -> Iterator[Step]:
+    """All steps of a scenario that does not react."""
+    assert not scenario.reactions, "what a reaction sets is known after a run only"
+    return _steps(scenario, step_size, Program(scenario))
+
+
+def _steps(scenario: Scenario, step_size: float, program: Program) -> Iterator[Step]:
+    """The steps, one by one. Where a step ends depends on what the program sees at the end of the one before."""
+    close = CLOSE * step_size
+    known = points(scenario, step_size)
+    t, i = known[0], 1
+    while i < len(known):
+        changed = program.take(t + close)
+        end = min(program.next_look, program.next_setting)
+        if end >= known[i] - close:
+            end, i = known[i], i + 1
+        yield t, end, inputs(scenario, t, end) | changed
+        t = end
 
 
 class _Recorder:
@@ -73,14 +87,21 @@ class _Recorder:
     Attributes:
         names: the outputs and locals that are recorded.
         times: the points so far, in s.
+        program: what sets the inputs of the run.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self.names = [v.name for v in scenario.recipe.variables.values() if not v.settable]
         self.times: list[float] = []
+        self.program = Program(scenario)
         self._master = scenario.master
         self._rows: list[list[float]] = []
         self._motions: list[Motion] = []
+
+    @property
+    def now(self) -> float:
+        """The latest point, in s; 0 before the first one."""
+        return self.times[-1] if self.times else 0.0
 
     def add(self, time: float, values: Mapping[str, Any]) -> None:
         self._rows.append([float(values[n]) for n in self.names])
@@ -93,7 +114,31 @@ class _Recorder:
             dict(zip(self.names, np.array(self._rows).T, strict=True)),
             np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in self._motions]),
             messages,
+            self.program.settings,
+            self.program.unmet,
         )
+
+
+class _Unit(Protocol):
+    """What a scenario runs: an FMU, or a block in this process."""
+
+    def initialize(self, values: Mapping[str, Any]) -> object: ...
+    def step(self, h: float, values: Mapping[str, Any]) -> object: ...
+    def get(self, names: Iterable[str]) -> dict[str, Any]: ...
+
+
+def _stepped(scenario: Scenario, unit: _Unit, step_size: float, recorder: _Recorder) -> Iterator[float]:
+    """Step the unit along the scenario; yields the time of each step before the step is done, in s."""
+    program = recorder.program
+    unit.initialize({**scenario.start, **inputs(scenario, 0.0, 0.0)})
+    recorder.add(0.0, unit.get(recorder.names))
+    program.begin(unit.get(program.names))
+    for time, end, values in _steps(scenario, step_size, program):
+        yield time
+        unit.step(end - time, values)
+        recorder.add(end, unit.get(recorder.names))
+        if program.next_look <= end + CLOSE * step_size:
+            program.look(unit.get(program.names))
 
 
 def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Recording:
@@ -103,17 +148,12 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Recording:
         UserError: the FMU refused a start value or a step; the message has the time and what it logged.
     """
     recorder = _Recorder(scenario)
-    time = 0.0
     with FmuInstance(fmu) as instance:
         try:
-            instance.initialize({**scenario.start, **inputs(scenario, 0.0, 0.0)})
-            recorder.add(time, instance.get(recorder.names))
-            for time, end, values in schedule(scenario, step_size):
+            for time in _stepped(scenario, instance, step_size, recorder):
                 instance.time = time
-                instance.step(end - time, values)
-                recorder.add(end, instance.get(recorder.names))
         except FmuError as e:
-            raise UserError(f"{scenario.file}: at {time:g} s the FMU refused: {e}") from None
+            raise UserError(f"{scenario.file}: at {recorder.now:g} s the FMU refused: {e}") from None
     return recorder.recording(instance.messages)
 
 
@@ -125,13 +165,9 @@ def run_in_process(scenario: Scenario, step_size: float) -> Recording:
     """
     recorder = _Recorder(scenario)
     stepper = Stepper(scenario.recipe.block())
-    time = 0.0
     try:
-        stepper.initialize({**scenario.start, **inputs(scenario, 0.0, 0.0)})
-        recorder.add(time, stepper.get(recorder.names))
-        for time, end, values in schedule(scenario, step_size):
-            stepper.step(end - time, values)
-            recorder.add(end, stepper.get(recorder.names))
+        for _ in _stepped(scenario, stepper, step_size, recorder):
+            pass
     except RefusedError as e:
-        raise UserError(f"{scenario.file}: at {time:g} s {e}") from None
+        raise UserError(f"{scenario.file}: at {recorder.now:g} s {e}") from None
     return recorder.recording([])

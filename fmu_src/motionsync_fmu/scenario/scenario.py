@@ -4,26 +4,16 @@
 """
 
 import math
-import operator
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from ..interface.recipe import Recipe
 from .cuts import CutSpec
 from .script import Script
+from .settings import Condition, Reaction, Setting
 from .telegrams import Remote
-
-COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {"==": operator.eq, "<": operator.lt, ">": operator.gt}
-
-
-@dataclass(frozen=True)
-class Setting:
-    """Variables that are set at a time, in s."""
-
-    at: float
-    values: Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -36,20 +26,14 @@ class AtTime:
 
 
 @dataclass(frozen=True)
-class When:
-    """The first time, in s, at which a condition is expected to hold: a comparison of a variable with a value.
+class When(Condition):
+    """The first time, in s, at which a condition is expected to hold.
 
     Attributes:
-        text: the condition as the file has it.
-        comparison: a key of COMPARISONS.
         tolerance: the tolerance of the time, in s; None: one step of the run, or one cycle of a cyclic block if that is
             longer.
     """
 
-    text: str
-    name: str
-    comparison: str
-    value: float
     time: float
     tolerance: float | None
 
@@ -95,6 +79,8 @@ class Scenario:
         tolerance: the tolerance of the reference, relative to the greatest magnitude of each variable in it.
         master: the scripted axis; where it is a remote one, the true axis.
         remote: how the block sees a remote axis; None: the block has a master.
+        settings: what is set, each at its time.
+        reactions: what is set when the block puts out something.
         cuts: how its cuts are checked; None: they are not.
         picture: how the scenario is drawn where it is a block's example.
         step_bound: why the scenario means something at its own step size only; empty: it means the same at every one.
@@ -116,6 +102,7 @@ class Scenario:
     expectations: tuple[Expectation, ...]
     cuts: CutSpec | None
     picture: Picture = field(default_factory=Picture)
+    reactions: tuple[Reaction, ...] = ()
     step_bound: str = ""
 
     @property
@@ -139,3 +126,7 @@ class Scenario:
     def period(self) -> float:
         """The master's period, in u; 0: it is a linear axis."""
         return float(self.start.get("master.period", 0.0))
+
+    def settled(self, settings: Iterable[Setting]) -> Self:
+        """The same scenario with all that a run of it has set, each at its time, and without reactions."""
+        return replace(self, settings=tuple(settings), reactions=())

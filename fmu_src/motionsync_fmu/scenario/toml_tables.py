@@ -134,13 +134,28 @@ class Table:
             self.fail(key, f"{value!r} is not a text")
         return value
 
+    def strings(self, key: str) -> tuple[str, ...]:
+        """A text or a list of texts; none if the key is missing."""
+        value = self.values.get(key, [])
+        texts = [value] if isinstance(value, str) else value
+        if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
+            self.fail(key, f"{value!r} is neither a text nor a list of texts")
+        return tuple(texts)
+
+    def flag(self, key: str) -> bool:
+        """A Boolean; false if it is missing."""
+        value = self.values.get(key, False)
+        if not isinstance(value, bool):
+            self.fail(key, f"{value!r} is neither true nor false")
+        return value
+
     def table(self, key: str, *, required: bool = True) -> "Table":
         """The table [key]; an empty one if it is missing and not required."""
         name = f"{self.name}.{key}".strip(".")
         value = self.values.get(key, None if required else {})
         if not isinstance(value, dict):
             self.fail(key, "is missing" if value is None else f"must be a table: [{name}]")
-        return Table(self._source, name, 0, value)
+        return Table(self._source, name, self._i, value)
 
     def tables(self, key: str, form: str = "") -> "list[Table]":
         """The tables [[key]], none if they are missing; `form`: how they are written instead, for the message."""
@@ -163,7 +178,8 @@ class Table:
         """
         outer, _, last = self.name.rpartition(".")
         inner = f"{self.name}.{key}".strip(".")
-        places = [(self.name, self._i, key), (inner, 0, ""), (self.name, self._i, ""), (outer, 0, last)]
+        places = [(self.name, self._i, key), (inner, 0, ""), (self.name, self._i, "")]
+        places += [(outer, self._i, last), (outer, 0, last)]
         line = next((self._source.lines[place] for place in places if place in self._source.lines), 1)
         raise UserError(f"{self.file}:{line}: {key or self.name}: {message}")
 
@@ -179,22 +195,30 @@ class InlineTable(Table):
         self._around.fail(self._key, f"{key}: {message}" if key else message)
 
 
+HEADER = re.compile(r"\s*\[(\[?)\s*([\w.-]+)\s*\]\]?\s*(#.*)?$")
+KEY = re.compile(r"""\s*(["']?)([\w.-]+)\1\s*=""")
+INNER_KEY = re.compile(r"""\s*([\w-]+)\s*\.\s*(["']?)([\w.-]+)\2\s*=""")
+
+
 def _lines(text: str, lists: tuple[str, ...]) -> dict[Place, int]:
     """The line on which each table and each key begins."""
     found: dict[Place, int] = {}
     tables: Counter[str] = Counter()
     table, i, listing = "", 0, ""
     for n, line in enumerate(text.split("\n"), 1):
-        if header := re.match(r"\s*\[\[?\s*([\w.-]+)\s*\]\]?\s*(#.*)?$", line):
-            table, listing = header[1], ""
-            i = tables[table]
+        if header := HEADER.match(line):
+            table, listing = header[2], ""
+            around = tables[table.rpartition(".")[0]]
+            i = around - 1 if around and not header[1] else tables[table]  # [a.b] belongs to the last [[a]]
             tables[table] += 1
             found[table, i, ""] = n
-        elif key := re.match(r"""\s*(["']?)([\w.-]+)\1\s*=""", line):
+        elif key := KEY.match(line):
             found.setdefault((table, i, key[2]), n)
-            if not key[1]:  # a.b = ... is a table a to TOML
-                found.setdefault((table, i, key[2].partition(".")[0]), n)
             listing = f"{table}.{key[2]}" if key[2] in lists else ""
+        if inner := INNER_KEY.match(line):  # a.b = ... is a table a to TOML
+            found.setdefault((table, i, inner[1]), n)
+            found.setdefault((f"{table}.{inner[1]}".strip("."), i, inner[3]), n)
+            listing = ""
         for _ in range(line.count("{") if listing else 0):
             found[listing, tables[listing], ""] = n
             tables[listing] += 1

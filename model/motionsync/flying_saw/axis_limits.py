@@ -39,14 +39,13 @@ class AxisLimits:
         role=Role.MAX_ACCELERATION,
     )
     max_deceleration: float = var.parameter(
-        10000.0,
-        "deceleration limit, not 0",
+        0.0,
+        "deceleration limit; 0: as the acceleration limit",
         Unit.ACCELERATION,
         tunable=True,
         min=0.0,
         max=MOST,
         smallest=LEAST_LIMIT,
-        zero=False,
         role=Role.MAX_DECELERATION,
     )
     max_jerk: float = var.parameter(
@@ -67,10 +66,15 @@ class AxisLimits:
         1e9, "upper software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST, role=Role.MAX_POSITION
     )
 
+    def deceleration(self) -> float:
+        """The deceleration limit in use, u/s2."""
+        return limit_in_use(self.max_deceleration, self.max_acceleration)
 
-def limit_in_use(limit: float, axis_limit: float) -> float:
-    """The limit that a command goes by: its own, or the axis's if its own is 0."""
-    return axis_limit if limit == 0.0 else limit
+
+def limit_in_use(limit: float, otherwise: float) -> float:
+    """A limit that stands for another one where it is 0: a command's for the axis's, the deceleration's for the
+    acceleration's."""
+    return otherwise if limit == 0.0 else limit
 
 
 def are_finite(lowest: float, highest: float) -> bool:

@@ -104,6 +104,8 @@ class FlyingSaw(FlyingSawInterface):
 
     def initialize(self) -> Refusal:
         """The axis stands, or moves at its initial velocity; may be called again while parameters still change."""
+        if self.axis.min_position > self.axis.max_position:
+            return Refusal.END_POSITIONS
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.cosine = cosine(self.diagonal_angle)
@@ -172,7 +174,7 @@ class FlyingSaw(FlyingSawInterface):
 
     def command_halt(self, command: Halt, owner: Owner) -> None:
         """halt or stop: to rest with the command's deceleration; stop locks the axis."""
-        deceleration = limit_in_use(command.deceleration, self.axis.max_deceleration)
+        deceleration = limit_in_use(command.deceleration, self.axis.deceleration())
         jerk = limit_in_use(command.jerk, self.axis.max_jerk)
         fault = Fault.NONE
         if self.locked and owner != Owner.STOP:
@@ -186,7 +188,7 @@ class FlyingSaw(FlyingSawInterface):
 
     def command_move_velocity(self) -> None:
         acceleration = limit_in_use(self.move_velocity.acceleration, self.axis.max_acceleration)
-        deceleration = limit_in_use(self.move_velocity.deceleration, self.axis.max_deceleration)
+        deceleration = limit_in_use(self.move_velocity.deceleration, self.axis.deceleration())
         jerk = limit_in_use(self.move_velocity.jerk, self.axis.max_jerk)
         target = self.move_velocity.velocity
         fault = Fault.NONE
@@ -206,7 +208,7 @@ class FlyingSaw(FlyingSawInterface):
     def command_move_absolute(self) -> None:
         velocity = limit_in_use(self.move_absolute.velocity, self.axis.max_velocity)
         acceleration = limit_in_use(self.move_absolute.acceleration, self.axis.max_acceleration)
-        deceleration = limit_in_use(self.move_absolute.deceleration, self.axis.max_deceleration)
+        deceleration = limit_in_use(self.move_absolute.deceleration, self.axis.deceleration())
         jerk = limit_in_use(self.move_absolute.jerk, self.axis.max_jerk)
         limits_usable = usable(velocity) and usable(acceleration) and usable(deceleration) and usable(jerk)
         target = self.move_absolute.position

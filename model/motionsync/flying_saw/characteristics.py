@@ -17,84 +17,82 @@ from .profile import ProfileKind
 class Characteristics:
     """Those of the last synchronisation that has begun; 0 before the first. Names as in MC_FlyingSawCharacValues."""
 
-    profile: ProfileKind = var.output(ProfileKind.NONE, "the polynomials of the profile")
-    master_velocity_nominal: float = var.output(
+    profile: ProfileKind = var.local(ProfileKind.NONE, "the polynomials of the profile")
+    master_velocity_nominal: float = var.local(
         0.0, "master velocity at the start, taken as constant (fMasterVeloNom)", Unit.VELOCITY, discrete=True
     )
-    master_position_start: float = var.output(
+    master_position_start: float = var.local(
         0.0, "master position at the start (fMasterPosStart)", Unit.POSITION, discrete=True
     )
-    slave_position_start: float = var.output(
+    slave_position_start: float = var.local(
         0.0, "slave position at the start (fSlavePosStart)", Unit.POSITION, discrete=True
     )
-    slave_velocity_start: float = var.output(
+    slave_velocity_start: float = var.local(
         0.0, "slave velocity at the start (fSlaveVeloStart)", Unit.VELOCITY, discrete=True
     )
-    slave_acceleration_start: float = var.output(
+    slave_acceleration_start: float = var.local(
         0.0, "the profile's acceleration at the start (fSlaveAccStart)", Unit.ACCELERATION, discrete=True
     )
-    slave_jerk_start: float = var.output(
+    slave_jerk_start: float = var.local(
         0.0, "the profile's jerk at the start (fSlaveJerkStart)", Unit.JERK, discrete=True
     )
-    master_position_end: float = var.output(
+    master_position_end: float = var.local(
         0.0, "master position at the end (fMasterPosEnd)", Unit.POSITION, discrete=True
     )
-    slave_position_end: float = var.output(
-        0.0, "slave position at the end (fSlavePosEnd)", Unit.POSITION, discrete=True
-    )
-    slave_velocity_end: float = var.output(
+    slave_position_end: float = var.local(0.0, "slave position at the end (fSlavePosEnd)", Unit.POSITION, discrete=True)
+    slave_velocity_end: float = var.local(
         0.0, "slave velocity at the end (fSlaveVeloEnd)", Unit.VELOCITY, discrete=True
     )
-    slave_acceleration_end: float = var.output(
+    slave_acceleration_end: float = var.local(
         0.0, "slave acceleration at the end (fSlaveAccEnd)", Unit.ACCELERATION, discrete=True
     )
-    slave_jerk_end: float = var.output(0.0, "slave jerk at the end (fSlaveJerkEnd)", Unit.JERK, discrete=True)
-    slave_position_min: float = var.output(0.0, "least slave position (fSlavePosMin)", Unit.POSITION, discrete=True)
-    slave_position_max: float = var.output(0.0, "greatest slave position (fSlavePosMax)", Unit.POSITION, discrete=True)
-    master_position_at_slave_position_min: float = var.output(
+    slave_jerk_end: float = var.local(0.0, "slave jerk at the end (fSlaveJerkEnd)", Unit.JERK, discrete=True)
+    slave_position_min: float = var.local(0.0, "least slave position (fSlavePosMin)", Unit.POSITION, discrete=True)
+    slave_position_max: float = var.local(0.0, "greatest slave position (fSlavePosMax)", Unit.POSITION, discrete=True)
+    master_position_at_slave_position_min: float = var.local(
         0.0, "master position there (fMPosAtSPosMin)", Unit.POSITION, discrete=True
     )
-    master_position_at_slave_position_max: float = var.output(
+    master_position_at_slave_position_max: float = var.local(
         0.0, "master position there (fMPosAtSPosMax)", Unit.POSITION, discrete=True
     )
-    slave_velocity_min: float = var.output(0.0, "least slave velocity (fSlaveVeloMin)", Unit.VELOCITY, discrete=True)
-    slave_velocity_max: float = var.output(0.0, "greatest slave velocity (fSlaveVeloMax)", Unit.VELOCITY, discrete=True)
-    master_position_at_slave_velocity_min: float = var.output(
+    slave_velocity_min: float = var.local(0.0, "least slave velocity (fSlaveVeloMin)", Unit.VELOCITY, discrete=True)
+    slave_velocity_max: float = var.local(0.0, "greatest slave velocity (fSlaveVeloMax)", Unit.VELOCITY, discrete=True)
+    master_position_at_slave_velocity_min: float = var.local(
         0.0, "master position there (fMPosAtSVeloMin)", Unit.POSITION, discrete=True
     )
-    master_position_at_slave_velocity_max: float = var.output(
+    master_position_at_slave_velocity_max: float = var.local(
         0.0, "master position there (fMPosAtSVeloMax)", Unit.POSITION, discrete=True
     )
-    slave_acceleration_min: float = var.output(
+    slave_acceleration_min: float = var.local(
         0.0, "least slave acceleration (fSlaveAccMin)", Unit.ACCELERATION, discrete=True
     )
-    slave_acceleration_max: float = var.output(
+    slave_acceleration_max: float = var.local(
         0.0, "greatest slave acceleration (fSlaveAccMax)", Unit.ACCELERATION, discrete=True
     )
-    master_position_at_slave_acceleration_min: float = var.output(
+    master_position_at_slave_acceleration_min: float = var.local(
         0.0, "master position there (fMPosAtSAccMin)", Unit.POSITION, discrete=True
     )
-    master_position_at_slave_acceleration_max: float = var.output(
+    master_position_at_slave_acceleration_max: float = var.local(
         0.0, "master position there (fMPosAtSAccMax)", Unit.POSITION, discrete=True
     )
-    slave_velocity_at_slave_acceleration_min: float = var.output(
+    slave_velocity_at_slave_acceleration_min: float = var.local(
         0.0, "slave velocity there (fSVeloAtSAccMin)", Unit.VELOCITY, discrete=True
     )
-    slave_velocity_at_slave_acceleration_max: float = var.output(
+    slave_velocity_at_slave_acceleration_max: float = var.local(
         0.0, "slave velocity there (fSVeloAtSAccMax)", Unit.VELOCITY, discrete=True
     )
-    slave_jerk_min: float = var.output(0.0, "least slave jerk (fSlaveJerkMin)", Unit.JERK, discrete=True)
-    slave_jerk_max: float = var.output(0.0, "greatest slave jerk (fSlaveJerkMax)", Unit.JERK, discrete=True)
-    slave_dynamic_momentum_min: float = var.output(
+    slave_jerk_min: float = var.local(0.0, "least slave jerk (fSlaveJerkMin)", Unit.JERK, discrete=True)
+    slave_jerk_max: float = var.local(0.0, "greatest slave jerk (fSlaveJerkMax)", Unit.JERK, discrete=True)
+    slave_dynamic_momentum_min: float = var.local(
         0.0, "least velocity times acceleration (fSlaveDynMomMin)", Unit.MOMENTUM, discrete=True
     )
-    slave_dynamic_momentum_max: float = var.output(
+    slave_dynamic_momentum_max: float = var.local(
         0.0, "greatest velocity times acceleration (fSlaveDynMomMax)", Unit.MOMENTUM, discrete=True
     )
-    slave_velocity_mean: float = var.output(
+    slave_velocity_mean: float = var.local(
         0.0, "mean over time of the speed (fSlaveVeloMean)", Unit.VELOCITY, discrete=True
     )
-    slave_acceleration_effective: float = var.output(
+    slave_acceleration_effective: float = var.local(
         0.0, "root mean square over time (fSlaveAccEff)", Unit.ACCELERATION, discrete=True
     )
 

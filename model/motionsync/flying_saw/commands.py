@@ -9,6 +9,7 @@ control, TS5055, section 12.
 from dataclasses import dataclass
 
 from .. import var
+from ..limits import LEAST_LIMIT, MOST
 from ..slave import Edge
 from ..var import Enumeration, Unit
 from .faults import Fault
@@ -38,12 +39,12 @@ class Command:
         shown: `execute` when the outputs were shown last.
     """
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     busy: bool = var.output(False, "the command is under way")
-    active: bool = var.output(False, "the command controls the axis (as busy)")
     command_aborted: bool = var.output(False, "another command has taken its place")
     error: bool = var.output(False, "the command was refused")
-    error_id: int = var.output(0, "why it was refused, TwinCAT's number", codes=Fault)
+    error_id: int = var.local(0, "why it was refused, TwinCAT's number", codes=Fault)
+    active: bool = var.local(False, "the command controls the axis (as busy)")
     edge: Edge = var.part(Edge)
     phase: Phase = Phase.IDLE
     answers: bool = True
@@ -100,18 +101,46 @@ class Command:
 class Limited(Command):
     """A command that may have limits of its own for speeding up and slowing down."""
 
-    acceleration: float = var.input(0.0, "acceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    deceleration: float = var.input(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    jerk: float = var.input(0.0, "jerk limit; 0: the axis's", Unit.JERK, discrete=True)
+    acceleration: float = var.parameter(
+        0.0,
+        "acceleration limit; 0: the axis's",
+        Unit.ACCELERATION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+    )
+    deceleration: float = var.parameter(
+        0.0,
+        "deceleration limit; 0: the axis's",
+        Unit.ACCELERATION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+    )
+    jerk: float = var.parameter(
+        0.0, "jerk limit; 0: the axis's", Unit.JERK, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT
+    )
 
 
 @dataclass(slots=True)
 class GearInVelo(Limited):
     """MC_GearInVelo: couple the slave to the master's velocity."""
 
-    ratio_numerator: float = var.input(1.0, "slave per master: numerator, may be negative", discrete=True)
-    ratio_denominator: int = var.input(1, "slave per master: denominator, at least 1")
-    velocity: float = var.input(0.0, "velocity limit; 0: the axis's", Unit.VELOCITY, discrete=True)
+    ratio_numerator: float = var.parameter(
+        1.0,
+        "slave per master: numerator, not 0, may be negative",
+        tunable=True,
+        min=-MOST,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+        zero=False,
+    )
+    ratio_denominator: int = var.parameter(1, "slave per master: denominator, at least 1", tunable=True, min=1)
+    velocity: float = var.parameter(
+        0.0, "velocity limit; 0: the axis's", Unit.VELOCITY, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT
+    )
     start_sync: bool = var.output(False, "the synchronisation has begun")
     in_sync: bool = var.output(False, "the slave is in sync with the master")
 
@@ -135,8 +164,18 @@ class GearInPos(GearInVelo):
 class Halt(Command):
     """MC_Halt, MC_Stop: come to rest; stop locks the axis meanwhile."""
 
-    deceleration: float = var.input(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION, discrete=True)
-    jerk: float = var.input(0.0, "jerk limit; 0: the axis's", Unit.JERK, discrete=True)
+    deceleration: float = var.parameter(
+        0.0,
+        "deceleration limit; 0: the axis's",
+        Unit.ACCELERATION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        smallest=LEAST_LIMIT,
+    )
+    jerk: float = var.parameter(
+        0.0, "jerk limit; 0: the axis's", Unit.JERK, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT
+    )
     done: bool = var.output(False, "the axis stands")
 
 
@@ -153,7 +192,9 @@ class MoveAbsolute(Limited):
     """MC_MoveAbsolute: go to a position and rest there."""
 
     position: float = var.input(0.0, "where to go", Unit.POSITION, discrete=True)
-    velocity: float = var.input(0.0, "velocity limit; 0: the axis's", Unit.VELOCITY, discrete=True)
+    velocity: float = var.parameter(
+        0.0, "velocity limit; 0: the axis's", Unit.VELOCITY, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT
+    )
     done: bool = var.output(False, "the axis stands at the position")
 
 
@@ -161,11 +202,11 @@ class MoveAbsolute(Limited):
 class GearOut:
     """MC_GearOut: uncouple; done at once."""
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     done: bool = var.output(False, "the slave is uncoupled")
-    busy: bool = var.output(False, "always false: the command is done at once")
     error: bool = var.output(False, "the command was refused")
-    error_id: int = var.output(0, "why it was refused, TwinCAT's number", codes=Fault)
+    error_id: int = var.local(0, "why it was refused, TwinCAT's number", codes=Fault)
+    busy: bool = var.local(False, "always false: the command is done at once")
     edge: Edge = var.part(Edge)
 
     def conclude(self, fault: Fault) -> None:
@@ -185,10 +226,10 @@ class GearOut:
 class Reset:
     """MC_Reset: clear the axis's error; done at once."""
 
-    execute: bool = var.input(False, "rising edge: give the command")
+    execute: bool = var.command(False, "rising edge: give the command")
     done: bool = var.output(False, "the error is cleared")
-    error: bool = var.output(False, "always false: the command is never refused")
-    error_id: int = var.output(0, "always 0: the command is never refused")
+    error: bool = var.local(False, "always false: the command is never refused")
+    error_id: int = var.local(0, "always 0: the command is never refused")
     edge: Edge = var.part(Edge)
 
     def show(self) -> None:

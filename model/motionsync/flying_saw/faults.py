@@ -33,7 +33,8 @@ class Fault(Enumeration):
     )
     FACTOR = (
         0x425B,
-        "refused (0x425B): the coupling factor must be finite and not 0, the denominator at least 1",
+        "refused (0x425B): the coupling factor must be finite, its numerator not 0 and its denominator at least 1; an "
+        "unwired connection gives 0",
         *RATIO,
     )
     MASTER_STANDING = (
@@ -181,3 +182,4 @@ class Refusal(Enumeration):
 
     NONE = 0, "done"
     MASTER_TURNS = 1, *TURNS
+    END_POSITIONS = 2, "the lower software end position must not lie above the upper one", *END_POSITIONS

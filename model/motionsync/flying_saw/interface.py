@@ -1,7 +1,8 @@
 """All variables of the FlyingSaw in the order in which the FMU shows them, and the enumerations that it shows.
 
-The parts with variables of their own stand in `master`, `slave`, `axis_limits`, `sync_mode`, `commands` and
-`characteristics`.
+What is wired comes first: the master, the commands, the slave and the block's status. Then come what is set once for a
+machine and what is watched. The parts with variables of their own stand in `master`, `slave`, `axis_limits`,
+`sync_mode`, `commands` and `characteristics`.
 """
 
 from dataclasses import dataclass
@@ -94,31 +95,31 @@ class FlyingSawInterface:
     """The inputs, parameters, outputs and locals of the block."""
 
     master: Master = var.part(Master)
-    axis: AxisLimits = var.part(AxisLimits)
-    diagonal_angle: float = var.parameter(
-        0.0, "angle between the saw's and the master's travel", Unit.ANGLE, above=-90.0, below=90.0
-    )
-    sync_mode: SyncMode = var.part(SyncMode)
-    gear_in_velo: GearInVelo = var.part(GearInVelo)
     gear_in_pos: GearInPos = var.part(GearInPos)
+    gear_in_velo: GearInVelo = var.part(GearInVelo)
     gear_out: GearOut = var.part(GearOut)
+    move_absolute: MoveAbsolute = var.part(MoveAbsolute)
+    move_velocity: MoveVelocity = var.part(MoveVelocity)
     halt: Halt = var.part(Halt)
     stop: Halt = var.part(Halt)
-    move_velocity: MoveVelocity = var.part(MoveVelocity)
-    move_absolute: MoveAbsolute = var.part(MoveAbsolute)
     reset: Reset = var.part(Reset)
     slave: Slave = var.part(
         Slave, depends={"position": ("axis.initial_position",), "velocity": ("axis.initial_velocity",)}
     )
+    in_sync: bool = var.output(False, "the slave is in sync with the master")
+    coupled: bool = var.output(False, "the slave is coupled to the master: states 11 to 13")
+    coupling_factor: float = var.output(0.0, "slave velocity per master velocity; 0 while uncoupled", discrete=True)
     state: State = var.output(State.INACTIVE, "what moves the axis (nAxisState)", depends=("axis.initial_velocity",))
     state_code: int = var.output(0, "the state as a plain integer", depends=("axis.initial_velocity",))
     plcopen_state: PlcopenState = var.output(
         PlcopenState.STANDSTILL, "the axis in PLCopen's state diagram", depends=("axis.initial_velocity",)
     )
-    in_sync: bool = var.output(False, "the slave is in sync with the master")
-    coupled: bool = var.output(False, "the slave is coupled to the master: states 11 to 13")
-    coupling_factor: float = var.output(0.0, "slave velocity per master velocity; 0 while uncoupled", discrete=True)
     error: bool = var.output(False, "a command was refused, and none accepted since")
     error_id: int = var.output(0, "why the last refused command was: TwinCAT's number")
-    characteristics: Characteristics = var.part(Characteristics)
+    axis: AxisLimits = var.part(AxisLimits)
+    diagonal_angle: float = var.parameter(
+        0.0, "angle between the saw's and the master's travel", Unit.ANGLE, above=-90.0, below=90.0
+    )
+    sync_mode: SyncMode = var.part(SyncMode)
     local: Local = var.part(Local)
+    characteristics: Characteristics = var.part(Characteristics)

@@ -48,7 +48,7 @@ class Order:
         self.factor = command.ratio_numerator / denominator / cosine if denominator > 0 else 0.0
         self.velocity = limit_in_use(command.velocity, axis.max_velocity)
         self.acceleration = limit_in_use(command.acceleration, axis.max_acceleration)
-        self.deceleration = limit_in_use(command.deceleration, axis.max_deceleration)
+        self.deceleration = limit_in_use(command.deceleration, axis.deceleration())
         self.jerk = limit_in_use(command.jerk, axis.max_jerk)
         self.min_position = axis.min_position
         self.max_position = axis.max_position

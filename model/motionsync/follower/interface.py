@@ -93,6 +93,42 @@ class FollowerInterface:
     """All variables of a Follower; what it does with them is in `Follower`."""
 
     master: Master = var.part(Master)
+    sync_master: float = var.input(
+        0.0,
+        "where master and slave meet: within the cycle; with variable_cycle absolute (qSyncMaster)",
+        Unit.POSITION,
+        discrete=True,
+    )
+    position_to_park: bool = var.command(False, "rising edge, at standstill: move to the park (command bit 1)")
+    position_to_cycle: bool = var.command(
+        False, "rising edge, at standstill: move to where the cycle has the slave, and go on (command bit 2)"
+    )
+    end_synchronism: bool = var.command(
+        False, "rising edge in M_SYNCHRONIZED: the present position is this cycle's sync_out (command bit 3)"
+    )
+    skip_next_cycle: bool = var.input(False, "while set the slave stays at the park (command bit 0)")
+    stop_after_forward: bool = var.input(
+        False, "while set a linear slave stays at the end of its forward stroke (command bit 4)"
+    )
+    sync_assumed: bool = var.input(
+        False, "while set sync_master is only assumed: the next meeting is not carried out (command bit 5)"
+    )
+    reset: bool = var.command(False, "rising edge, at standstill: leave M_IN_ALARM and clear the error")
+    slave: FollowerSlave = var.part(
+        FollowerSlave, depends={"position": ("slave.initial_position", "slave_cycle")}, slave_unit=True
+    )
+    state: State = var.output(State.M_IDLE, "what the slave does")
+    state_code: int = var.output(1, "the state as a plain integer")
+    master_to_start: float = var.output(
+        0.0, "master travel missing to the start of the way to the meeting; 0: passed or none known", Unit.POSITION
+    )
+    master_to_sync: float = var.output(0.0, "master travel missing to the meeting; 0: as above", Unit.POSITION)
+    master_to_out: float = var.output(
+        0.0, "master travel missing to the end of the synchronized phase; 0: as above", Unit.POSITION
+    )
+    cycle: int = var.output(0, "cycles completed: counted at the end of the synchronized phase")
+    error: bool = var.output(False, "a positioning was refused, or the slave is in M_IN_ALARM")
+    error_id: int = var.output(0, "why: 1 positioning refused; 2 to 14 alarms", codes=Fault)
     master_cycle: float = var.parameter(
         1000.0,
         "length C of the master's cycle, not 0; of a variable one the least length (masterCycle)",
@@ -105,12 +141,6 @@ class FollowerInterface:
     )
     variable_cycle: bool = var.parameter(
         False, "each new value of sync_master is the next meeting (command bit 16); else one meeting a master_cycle"
-    )
-    sync_master: float = var.input(
-        0.0,
-        "where master and slave meet: within the cycle; with variable_cycle absolute (qSyncMaster)",
-        Unit.POSITION,
-        discrete=True,
     )
     slave_cycle: float = var.parameter(
         0.0,
@@ -191,34 +221,4 @@ class FollowerInterface:
     check_speed: bool = var.parameter(True, "max_speed is checked (not command bit 17)", tunable=True)
     check_acceleration: bool = var.parameter(True, "max_acceleration is checked (not command bit 18)", tunable=True)
     positioning: Positioning = var.part(Positioning, slave_unit=True)
-    position_to_park: bool = var.input(False, "rising edge, at standstill: move to the park (command bit 1)")
-    position_to_cycle: bool = var.input(
-        False, "rising edge, at standstill: move to where the cycle has the slave, and go on (command bit 2)"
-    )
-    end_synchronism: bool = var.input(
-        False, "rising edge in M_SYNCHRONIZED: the present position is this cycle's sync_out (command bit 3)"
-    )
-    skip_next_cycle: bool = var.input(False, "while set the slave stays at the park (command bit 0)")
-    stop_after_forward: bool = var.input(
-        False, "while set a linear slave stays at the end of its forward stroke (command bit 4)"
-    )
-    sync_assumed: bool = var.input(
-        False, "while set sync_master is only assumed: the next meeting is not carried out (command bit 5)"
-    )
-    reset: bool = var.input(False, "rising edge, at standstill: leave M_IN_ALARM and clear the error")
-    slave: FollowerSlave = var.part(
-        FollowerSlave, depends={"position": ("slave.initial_position", "slave_cycle")}, slave_unit=True
-    )
-    state: State = var.output(State.M_IDLE, "what the slave does")
-    state_code: int = var.output(1, "the state as a plain integer")
-    master_to_start: float = var.output(
-        0.0, "master travel missing to the start of the way to the meeting; 0: passed or none known", Unit.POSITION
-    )
-    master_to_sync: float = var.output(0.0, "master travel missing to the meeting; 0: as above", Unit.POSITION)
-    master_to_out: float = var.output(
-        0.0, "master travel missing to the end of the synchronized phase; 0: as above", Unit.POSITION
-    )
-    cycle: int = var.output(0, "cycles completed: counted at the end of the synchronized phase")
-    error: bool = var.output(False, "a positioning was refused, or the slave is in M_IN_ALARM")
-    error_id: int = var.output(0, "why: 1 positioning refused; 2 to 14 alarms", codes=Fault)
     local: Local = var.part(Local)

@@ -8,8 +8,8 @@ class Fault(Enumeration):
     """Why a command was refused"""
 
     NONE = 0, "no fault"
-    DENOMINATOR = 1, "refused: gearing.denominator must not be 0", "gearing.denominator"
-    NUMERATOR = 2, "refused: gearing.numerator must not be 0", "gearing.numerator"
+    DENOMINATOR = 1, "refused: gearing.denominator = 0 is not allowed: an unwired input gives 0"
+    NUMERATOR = 2, "refused: gearing.numerator = 0 is not allowed: an unwired input gives 0"
     TIME = (
         3,
         "refused: the time of a time-based transition must be 1e-9 to 1e12",
@@ -32,7 +32,7 @@ class Refusal(Enumeration):
 
     NONE = 0, "done"
     MASTER_TURNS = 1, *TURNS
-    DENOMINATOR = 2, "the ratio's denominator must not be 0", "gearing.denominator"
-    NUMERATOR = 3, "the ratio's numerator must not be 0", "gearing.numerator"
+    DENOMINATOR = 2, "gearing.denominator = 0 is not allowed: an unwired input gives 0"
+    NUMERATOR = 3, "gearing.numerator = 0 is not allowed: an unwired input gives 0"
     GEAR_IN_TIME = 4, "a time-based transition must last 1e-9 s to 1e12 s", "gear_in.time"
     GEAR_OUT_TIME = 5, "a time-based transition must last 1e-9 s to 1e12 s", "gear_out.time"

@@ -120,7 +120,7 @@ class GearOut:
 class SynchronousPointInput:
     """Sets half of the synchronous point, the master's or the slave's position, while the block is not active."""
 
-    execute: bool = var.input(False, "rising edge, while activate is false: set this half of the synchronous point")
+    execute: bool = var.command(False, "rising edge, while activate is false: set this half of the synchronous point")
     value: float = var.input(0.0, "the position to which it is set", Unit.POSITION, discrete=True)
 
 
@@ -162,11 +162,8 @@ class GearingInterface:
 
     master: Master = var.part(Master)
     activate: bool = var.input(True, "false: the slave stops at its last setpoint")
-    start: bool = var.input(False, "rising edge: engage; falling edge: disengage (xStart)")
-    reset: bool = var.input(False, "rising edge: clear the fault")
-    gearing: Ratio = var.part(Ratio)
-    gear_in: GearIn = var.part(GearIn)
-    gear_out: GearOut = var.part(GearOut)
+    start: bool = var.command(False, "rising edge: engage; falling edge: disengage (xStart)")
+    reset: bool = var.command(False, "rising edge: clear the fault")
     set_master: SynchronousPointInput = var.part(SynchronousPointInput)
     set_slave: SynchronousPointInput = var.part(SynchronousPointInput)
     slave: GearedSlave = var.part(GearedSlave, depends={"position": ("slave.initial_position", "slave.period")})
@@ -177,4 +174,7 @@ class GearingInterface:
     error_id: int = var.output(
         0, "why: 1 denominator 0, 2 numerator 0, 3 time, 4 distance, 5 unknown mode", codes=Fault
     )
+    gearing: Ratio = var.part(Ratio)
+    gear_in: GearIn = var.part(GearIn)
+    gear_out: GearOut = var.part(GearOut)
     local: Local = var.part(Local)

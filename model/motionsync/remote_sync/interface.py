@@ -75,8 +75,36 @@ class Local:
 class RemoteSyncInterface:
     """What the outside world sees of a RemoteSync."""
 
-    enable: bool = var.input(True, "false: as received, without any fault; rising edge: a new start (bEnable)")
     remote: RemoteAxis = var.part(RemoteAxis)
+    enable: bool = var.input(True, "false: as received, without any fault; rising edge: a new start (bEnable)")
+    slave: Slave = var.part(
+        Slave,
+        depends={
+            "position": ("remote.position",),
+            "velocity": ("remote.velocity",),
+            "acceleration": ("remote.acceleration",),
+        },
+    )
+    state: Mode = var.output(Mode.BYPASS, "where the axis values come from", depends=("enable", "start_up_mode"))
+    state_code: int = var.output(1, "the state as a plain integer", depends=("enable", "start_up_mode"))
+    synced: bool = var.output(False, "the drift is known and used (bSynced)")
+    start_up: bool = var.output(True, "enabled, without fault, not yet in sync (bStartUp)", depends=("enable",))
+    warning: bool = var.output(False, "the drift has changed significantly")
+    error: bool = var.output(False, "a fault is present")
+    error_id: int = var.output(0, "which: the source's number, 0x4B51 to 0x4B59", codes=Fault)
+    correction_time: float = var.output(
+        0.0, "by which the received values are shifted (fCorrectionTime)", Unit.TIME, discrete=True
+    )
+    corrected_cycle_index: float = var.output(
+        0.0,
+        "the even cycle index, never wrapped",
+        discrete=True,
+        depends=("remote.cycle_index",),
+        role=Role.CORRECTED_INDEX,
+    )
+    drift: float = var.output(
+        0.0, "of the sender's clock in ppm; negative: its cycle is the longer one; 0: not known", discrete=True
+    )
     task_cycle_time: float = var.parameter(
         0.002,
         "the receiver's cycle time, not 0 (fTaskCycleTime)",
@@ -157,36 +185,8 @@ class RemoteSyncInterface:
     blending_time: float = var.parameter(
         0.06, "time of the blending from one mode to another (fBlendingTime)", Unit.TIME, min=0.0, max=LONGEST
     )
-    slave: Slave = var.part(
-        Slave,
-        depends={
-            "position": ("remote.position",),
-            "velocity": ("remote.velocity",),
-            "acceleration": ("remote.acceleration",),
-        },
-    )
-    state: Mode = var.output(Mode.BYPASS, "where the axis values come from", depends=("enable", "start_up_mode"))
-    state_code: int = var.output(1, "the state as a plain integer", depends=("enable", "start_up_mode"))
-    correction_time: float = var.output(
-        0.0, "by which the received values are shifted (fCorrectionTime)", Unit.TIME, discrete=True
-    )
-    corrected_cycle_index: float = var.output(
-        0.0,
-        "the even cycle index, never wrapped",
-        discrete=True,
-        depends=("remote.cycle_index",),
-        role=Role.CORRECTED_INDEX,
-    )
-    drift: float = var.output(
-        0.0, "of the sender's clock in ppm; negative: its cycle is the longer one; 0: not known", discrete=True
-    )
-    synced: bool = var.output(False, "the drift is known and used (bSynced)")
-    start_up: bool = var.output(True, "enabled, without fault, not yet in sync (bStartUp)", depends=("enable",))
-    warning: bool = var.output(False, "the drift has changed significantly")
-    error: bool = var.output(False, "a fault is present")
-    error_id: int = var.output(0, "which: the source's number, 0x4B51 to 0x4B59", codes=Fault)
-    cycle_index_difference: int = var.output(0, "step of the received cycle index since the last cycle")
-    equal_data_total: int = var.output(0, "cycles in which the index had not changed, since the initialization")
-    equal_data_consecutive: int = var.output(0, "the same, one after the other, up to now")
-    beats: int = var.output(0, "beats identified since the first cycle, or since the drift changed its sign")
+    cycle_index_difference: int = var.local(0, "step of the received cycle index since the last cycle")
+    equal_data_total: int = var.local(0, "cycles in which the index had not changed, since the initialization")
+    equal_data_consecutive: int = var.local(0, "the same, one after the other, up to now")
+    beats: int = var.local(0, "beats identified since the first cycle, or since the drift changed its sign")
     local: Local = var.part(Local)

@@ -56,20 +56,9 @@ class SynchronizerInterface:
     """What the outside world sees of a Synchronizer."""
 
     master: Master = var.part(Master)
-    curve: Curve = var.parameter(Curve.POLYNOMIAL_3_4_5, "law of the transition")
-    output_phasing: float = var.parameter(
-        90.0,
-        "the slave's travel in a transition, not 0; its sign is the direction of travel in which commands are executed",
-        Unit.POSITION,
-        tunable=True,
-        min=-GREATEST_PHASING,
-        max=GREATEST_PHASING,
-        smallest=LEAST_PHASING,
-        zero=False,
-    )
     active: bool = var.input(True, "the block is part of a running pipe; inactive, commands act at once")
-    start: bool = var.input(False, "rising edge: synchronize")
-    stop: bool = var.input(False, "rising edge: unsynchronize and come to rest at rest_value")
+    start: bool = var.command(False, "rising edge: synchronize")
+    stop: bool = var.command(False, "rising edge: unsynchronize and come to rest at rest_value")
     rest_value: float = var.input(
         0.0, "where the slave comes to rest; read at the edge of stop", Unit.POSITION, discrete=True
     )
@@ -90,4 +79,15 @@ class SynchronizerInterface:
     syn_ramp_on: bool = var.output(False, "the ramp generator drives the slave")
     error: bool = var.output(False, "the last command was refused")
     error_id: int = var.output(0, "why: 1, output_phasing out of its range", codes=Fault)
+    curve: Curve = var.parameter(Curve.POLYNOMIAL_3_4_5, "law of the transition")
+    output_phasing: float = var.parameter(
+        90.0,
+        "the slave's travel in a transition, not 0; its sign is the direction of travel in which commands are executed",
+        Unit.POSITION,
+        tunable=True,
+        min=-GREATEST_PHASING,
+        max=GREATEST_PHASING,
+        smallest=LEAST_PHASING,
+        zero=False,
+    )
     local: Local = var.part(Local)

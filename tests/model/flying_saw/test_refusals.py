@@ -5,8 +5,10 @@ from typing import Any
 
 import pytest
 
+from motionsync.flying_saw.faults import Refusal
 from motionsync.flying_saw.interface import State
 from motionsync.flying_saw.profile import ProfileKind
+from motionsync_fmu.interface.stepper import RefusedError
 from tests.model.flying_saw.harness import (
     AIMS,
     INSTANT,
@@ -70,10 +72,17 @@ def test_wrong_values_of_own_motions(begin: Any, group: str, values: dict[str, A
     assert_refused(begin(), group, code, **values)
 
 
-@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
-@pytest.mark.parametrize("name", ["max_velocity", "max_acceleration", "max_deceleration", "max_jerk"])
+WRONG_MACHINE_DATA = [
+    (name, value)
+    for name in ("max_velocity", "max_acceleration", "max_deceleration", "max_jerk")
+    for value in (0.0, -1.0, math.nan, math.inf)
+    if (name, value) != ("max_deceleration", 0.0)  # this one means: as the acceleration
+]
+
+
+@pytest.mark.parametrize(("name", "value"), WRONG_MACHINE_DATA)
 def test_wrong_machine_data_are_judged_by_the_commands_that_read_them(name: str, value: float) -> None:
-    saw = moving().put({f"axis.{name}": value})
+    saw = moving().put({"axis.max_deceleration": 1e4, f"axis.{name}": value})
     limit = name.removeprefix("max_")
     for group, values in [("gear_in_velo", {}), ("gear_in_pos", AIMS), ("move_absolute", {"position": 5.0})]:
         assert_refused(saw, group, 0x42DD, **values)
@@ -94,6 +103,23 @@ def test_a_limit_of_0_is_the_axis_s_and_one_above_it_is_used_as_given() -> None:
     saw = FlyingSawHarness({"axis.max_velocity": 90.0}, speed=100.0).modes("check_max_velocity")
     assert_refused(saw, "gear_in_velo", 0x42DD)
     assert saw.order("gear_in_velo", velocity=110.0).run(INSTANT).state == State.SYNCHRONIZING
+
+
+def test_a_deceleration_limit_of_0_is_the_acceleration_limit() -> None:
+    """From 200 to 100 the ramp takes 1.5 dv / a: 0.3 s with 500, 0.6 s with 250. The first is what it is at first."""
+    for values, duration in [({}, 0.3), ({"max_deceleration": 0.0}, 0.3), ({"max_deceleration": 250.0}, 0.6)]:
+        machine = {"axis.initial_velocity": 200.0, "axis.max_acceleration": 500.0}
+        machine |= {f"axis.{name}": value for name, value in values.items()}
+        saw = FlyingSawHarness(machine, speed=100.0).order("gear_in_velo")
+        assert saw.run(duration - 1e-6).state == State.SYNCHRONIZING
+        assert saw.run(2e-6).state == State.SYNCHRON
+
+
+def test_end_positions_in_the_wrong_order_refuse_the_initialization() -> None:
+    with pytest.raises(RefusedError, match=r"axis.min_position = 10, axis.max_position = 9\.5") as caught:
+        FlyingSawHarness({"axis.min_position": 10.0, "axis.max_position": 9.5})
+    assert caught.value.refusal == Refusal.END_POSITIONS
+    assert FlyingSawHarness({"axis.min_position": 10.0, "axis.max_position": 10.0}).state == State.INACTIVE
 
 
 @ANY_MOTION
@@ -236,7 +262,7 @@ def test_broken_checks_and_their_codes(
 ) -> None:
     saw = FlyingSawHarness({"axis.initial_velocity": v0, **{f"axis.{k}": x for k, x in machine.items()}}, speed=vm)
     aims = {"master_sync_position": vm, "slave_sync_position": distance, "ratio_numerator": vs / vm}
-    free = saw.twin().order("gear_in_pos", **aims).run(INSTANT)
+    free = saw.twin().modes().order("gear_in_pos", **aims).run(INSTANT)
     assert free.state == State.SYNCHRONIZING  # unchecked
     assert_refused(saw.twin().modes(check), "gear_in_pos", 0x42DF, **aims)
     assert_refused(saw.modes(check, "detailed_error_codes"), "gear_in_pos", code, **aims)

@@ -380,7 +380,7 @@ def test_no_command_and_no_master_leads_to_a_number_that_is_none(run: Run) -> No
     """But for parameters that are set to none."""
     block = Follower()
     by_name = {cell.name: cell for cell in cells(block)}
-    judged = [v for v in variables(block) if v.real_input]
+    judged = [v for v in variables(block) if v.judged]
     outputs = [v.cell for v in variables(block) if v.causality in ("output", "local")]
     for name, value in run.start.items():
         by_name[name].set(value)

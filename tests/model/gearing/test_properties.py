@@ -327,7 +327,7 @@ def test_mirrored_axes_do_the_mirrored(rng: Random, mode: MasterInput) -> None:
 def test_whatever_comes_all_numbers_are_finite(run: Run) -> None:
     block = Gearing()
     by_name = {c.name: c for c in cells(block)}
-    inputs = [v for v in variables(block) if v.real_input]
+    inputs = [v for v in variables(block) if v.judged]
     given_names = {v.name for v in variables(block) if v.settable}
     own = [c for c in by_name.values() if c.type is float and c.name not in given_names]
     for name, value in run.start.items():

@@ -41,8 +41,12 @@ INPUTS = {
     "remote.acceleration": 0.0,
 }
 OUTPUTS = {
-    *("correction_time", "corrected_cycle_index", "drift", "synced", "start_up", "warning", "cycle_index_difference"),
-    *("equal_data_total", "equal_data_consecutive", "beats", "state", "state_code", "error", "error_id"),
+    *("correction_time", "corrected_cycle_index", "drift", "synced", "start_up", "warning"),
+    *("state", "state_code", "error", "error_id"),
+}
+WATCHED = {
+    *("cycle_index_difference", "equal_data_total", "equal_data_consecutive", "beats"),
+    *("local.cycles", "local.difference", "local.transition", "local.beat_distance"),
 }
 
 
@@ -58,6 +62,7 @@ def test_variables_are_those_of_the_description() -> None:
     assert of("input", "discrete") == INPUTS
     assert of("input", "continuous") == {}
     assert set(of("output", "discrete")) == OUTPUTS
+    assert set(of("local", "discrete")) == WATCHED
     motion = {f"slave.{name}" for name in ("position", "velocity", "acceleration", "jerk")}
     assert set(of("output", "continuous")) == motion
     assert not hasattr(block, "master")

@@ -21,7 +21,7 @@ class State(Enumeration):
 class Limit:
     """The command that sets a limit."""
 
-    execute: bool = var.input(False, "rising edge: take the limit")
+    execute: bool = var.command(False, "rising edge: take the limit")
     limit: float = var.input(1.0, "greatest position, > 0", Unit.POSITION, discrete=True)
     error: bool = var.output(False, "the limit was refused")
     error_id: int = var.output(0, "why", codes=Fault)

@@ -21,12 +21,10 @@ class ShifterInterface:
     """All variables, in the order in which the FMU lists them."""
 
     master: Master = var.part(Master)
-    apply: bool = var.input(False, "rising edge: take the offset")
+    apply: bool = var.command(False, "rising edge: take the offset")
     offset: float = var.input(
         0.0, "how far the slave is ahead of its master; read at the edge of apply", Unit.POSITION, discrete=True
     )
-    least_offset: float = var.parameter(-100.0, "least offset that is taken", Unit.POSITION, min=-1e12, max=1e12)
-    greatest_offset: float = var.parameter(100.0, "greatest offset that is taken", Unit.POSITION, min=-1e12, max=1e12)
     slave: Slave = var.part(
         Slave,
         depends={
@@ -39,3 +37,5 @@ class ShifterInterface:
     state_code: int = var.output(0, "the state as a plain integer")
     error: bool = var.output(False, "the last command was refused")
     error_id: int = var.output(0, "why: 1, the offset is out of its range", codes=Fault)
+    least_offset: float = var.parameter(-100.0, "least offset that is taken", Unit.POSITION, min=-1e12, max=1e12)
+    greatest_offset: float = var.parameter(100.0, "greatest offset that is taken", Unit.POSITION, min=-1e12, max=1e12)

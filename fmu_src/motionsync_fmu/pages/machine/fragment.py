@@ -1,0 +1,56 @@
+"""The animated picture of a run's machine, as one self-contained part of a page: it needs no other file and no library.
+
+Where a page has plots, too, both share their time by the event `motionsync:time` of the document, whose detail has the
+`time` in s and the `source`: "machine" or "plots".
+"""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from ...scenario.recording import Recording
+from ...scenario.scenario import Scenario
+from ..style import TEMPLATES
+from . import axes, belt
+from .remote_axis import remote_axis
+from .run import Run
+
+HERE = Path(__file__).parent
+SCENE = "/* the scene */\n"  # where machine.js takes up the code of the scene
+
+
+def machine(scenario: Scenario, recording: Recording) -> Markup:
+    """The picture of the run, with a slider, a play button and readouts; empty for a block that has no picture."""
+    run = Run(scenario, recording)
+    data = _scene(run)
+    if data is None:
+        return Markup("")
+    code = _text("machine.js").replace(SCENE, _text(f"{data['scene']}.js"))
+    page = TEMPLATES.get_template("machine.html.j2")
+    return Markup(page.render(data=data, style=Markup(_text("machine.css")), code=Markup(code)))
+
+
+def _scene(run: Run) -> dict[str, Any] | None:
+    """What the page draws; None: nothing."""
+    if run.scenario.remote:
+        return remote_axis(run, run.scenario.remote)
+    scenes: dict[str, Callable[[Run], dict[str, Any]]] = {
+        "FlyingSaw": belt.flying_saw,
+        "Follower": _follower,
+        "Gearing": axes.gearing,
+        "Synchronizer": axes.synchronizer,
+    }
+    make = scenes.get(run.scenario.recipe.name)
+    return make(run) if make else None
+
+
+def _follower(run: Run) -> dict[str, Any]:
+    return axes.follower(run) if run.start("slave_cycle") else belt.follower(run)
+
+
+@cache
+def _text(name: str) -> str:
+    return (HERE / name).read_text("utf-8")

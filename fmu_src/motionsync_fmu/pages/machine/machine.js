@@ -1,0 +1,206 @@
+"use strict";
+// The animated picture of a run's machine. The data beside this script are those of signals.py; the scene below draws
+// them at a time. `window.motionsyncMachine.show(t)` shows the machine at t, in s.
+(() => {
+const root = document.currentScript.closest(".motionsync-machine");
+const data = JSON.parse(root.querySelector("script[type='application/json']").textContent);
+const svg = root.querySelector("svg");
+const [button, slider, clock, speed] =
+  ["button", "input", "output", "select"].map((name) => root.querySelector(`.controls ${name}`));
+const calm = matchMedia("(prefers-reduced-motion: reduce)"); // whoever wants less motion sees a few pictures a second
+
+// --- signals ---
+
+/** The place of the last entry of `times` that is not after t; the first one if all are. */
+function last(times, t) {
+  let low = 0, high = times.length;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= t) low = middle; else high = middle;
+  }
+  return low;
+}
+
+/** The value of a held signal at t. */
+const held = (signal, t) => signal.x[last(signal.t, t)];
+
+/** Position and velocity of a smooth signal at t: the cubic between two knots, with their values and slopes. */
+function smooth(signal, t) {
+  const i = Math.min(last(signal.t, t), signal.t.length - 2), h = signal.t[i + 1] - signal.t[i];
+  if (!(h > 0)) return [signal.x[i + 1], signal.v[i + 1]];
+  const u = (t - signal.t[i]) / h, w = 1 - u;
+  const [x0, x1, s0, s1] = [signal.x[i], signal.x[i + 1], h * signal.v[i], h * signal.v[i + 1]];
+  return [
+    w * w * ((1 + 2 * u) * x0 + u * s0) + u * u * ((1 + 2 * w) * x1 - w * s1),
+    (6 * u * w * (x1 - x0) + w * (1 - 3 * u) * s0 + u * (1 - 3 * w) * s1) / h,
+  ];
+}
+
+// --- drawing ---
+
+/** A new SVG element in a parent. */
+function draw(parent, name, attributes = {}) {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
+  parent.appendChild(element);
+  return set(element, attributes);
+}
+
+function set(element, attributes) {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === "text") element.textContent = value;
+    else element.setAttribute(name, typeof value === "number" ? +value.toFixed(3) : value);
+  }
+  return element;
+}
+
+/** Elements that come and go: `use(i, attributes)` shows the i-th, `end(count)` hides those after the first `count`. */
+function pool(parent, name, attributes = {}) {
+  const elements = [];
+  return {
+    use(i, values) {
+      while (elements.length <= i) elements.push(draw(parent, name, attributes));
+      return set(elements[i], {visibility: "visible", ...values});
+    },
+    end(count) {
+      for (const element of elements.slice(count)) element.setAttribute("visibility", "hidden");
+    },
+  };
+}
+
+/** A number that tells `unit` to what the picture can be trusted in, without a negative zero. */
+function number(value, unit, fineness = data.within) {
+  const decimals = Math.min(Math.max(-Math.floor(Math.log10(fineness) + 1e-9) - 1, 0), 6);
+  const text = value.toFixed(decimals);
+  return (/^-0\.?0*$/.test(text) ? text.slice(1) : text).replace("-", "\u2212") + (unit ? ` ${unit}` : "");
+}
+
+/** Round distances for ticks: about one each `pixels` px. */
+function tick(span, width, pixels) {
+  const least = span * pixels / width, power = 10 ** Math.floor(Math.log10(least));
+  return power * [1, 2, 5, 10].find((factor) => factor * power >= least);
+}
+
+/** A ruler with ticks and numbers, from low to high, `at` giving the place in px; each call draws it anew. */
+function ruler(parent, y, [low, high], at, unit) {
+  parent.replaceChildren();
+  const distance = tick(high - low, Math.abs(at(high) - at(low)), 70);
+  const decimals = Math.max(0, -Math.floor(Math.log10(distance) + 1e-9));
+  draw(parent, "line", {x1: at(low), x2: at(high), y1: y, y2: y, stroke: "var(--m-soft)"});
+  for (let n = Math.ceil(low / distance); n * distance <= high; n++) {
+    const x = at(n * distance);
+    draw(parent, "line", {x1: x, x2: x, y1: y, y2: y + 5, stroke: "var(--m-soft)"});
+    const text = (n * distance).toFixed(decimals).replace("-", "\u2212");
+    draw(parent, "text", {x, y: y + 18, class: "soft", "text-anchor": "middle", text});
+  }
+  draw(parent, "text", {x: at(high) + 5, y: y + 4, class: "soft", text: unit});
+}
+
+/** An arrow of a velocity: a shaft with a head, from (x, y) by `length` px to the right. */
+function arrow(x, y, length) {
+  const size = Math.sign(length) * Math.min(7, Math.abs(length));
+  const end = x + length, neck = end - size;
+  return Math.abs(length) < 1 ? "" : `M${x} ${y}H${neck}M${neck} ${y - 4}L${end} ${y}L${neck} ${y + 4}Z`;
+}
+
+const readouts = new Map();
+
+/** Show a value under its name. */
+function tell(name, value, title = "") {
+  if (!readouts.has(name)) {
+    const row = document.createElement("div"), dt = document.createElement("dt"), dd = document.createElement("dd");
+    if (name === "state") row.className = "wide";
+    dt.textContent = name;
+    row.append(dt, dd);
+    root.querySelector(".readouts").append(row);
+    readouts.set(name, dd);
+  }
+  const shown = readouts.get(name);
+  shown.textContent = value;
+  shown.title = title;
+}
+
+/** Show the state: its name, and what it means. */
+function tellState(t) {
+  const [name, meaning] = data.states[held(data.state, t)] ?? ["", ""];
+  root.dataset.state = name;
+  tell("state", `${name} \u2013 ${meaning}`, meaning);
+}
+
+/* the scene */
+
+// --- time ---
+
+let now = 0, playing = false, before = 0, waited = 0;
+
+/** Show the machine at t, and tell the rest of the page, unless it is the page that told it. */
+function show(t, source = "machine") {
+  now = Math.min(Math.max(t, 0), data.stop);
+  slider.value = now;
+  clock.textContent = `${now.toFixed(3)} s`;
+  slider.setAttribute("aria-valuetext", clock.textContent);
+  root.dataset.time = now;
+  tellState(now);
+  scene.show(now);
+  if (source === "machine") {
+    document.dispatchEvent(new CustomEvent("motionsync:time", {detail: {time: now, source}}));
+  }
+}
+
+function play(on) {
+  if (on && now >= data.stop) show(0);
+  playing = on;
+  before = waited = 0;
+  button.textContent = on ? "\u275A\u275A" : "\u25B6";
+  button.setAttribute("aria-label", on ? "Pause" : "Play");
+  root.dataset.playing = on;
+  if (on) requestAnimationFrame(step);
+}
+
+/** One picture of the motion; `stamp`: the browser's time, in ms. */
+function step(stamp) {
+  if (!playing) return;
+  if (before) waited += Math.min(stamp - before, 100);
+  before = stamp;
+  if (waited >= (calm.matches ? 250 : 1)) {
+    show(now + waited / 1000 * Number(speed.value));
+    waited = 0;
+  }
+  if (now >= data.stop) play(false);
+  else requestAnimationFrame(step);
+}
+
+function key(event) {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.target === speed) return;
+  const stride = (event.shiftKey ? 10 : 1) * 0.02 * Number(speed.value);
+  const places = {ArrowLeft: now - stride, ArrowRight: now + stride, Home: 0, End: data.stop};
+  if (event.key === " ") {
+    play(!playing);
+  } else if (event.key in places) {
+    play(false);
+    show(places[event.key]);
+  } else {
+    return;
+  }
+  event.preventDefault();
+}
+
+button.addEventListener("click", () => play(!playing));
+button.addEventListener("keyup", (event) => event.key === " " && event.preventDefault()); // the key has done it
+slider.addEventListener("input", () => {
+  play(false);
+  show(Number(slider.value));
+});
+root.addEventListener("keydown", key);
+document.addEventListener("motionsync:time", ({detail}) => {
+  if (detail.source === "machine") return;
+  play(false);
+  show(detail.time, detail.source);
+});
+new ResizeObserver(() => {
+  scene.resize(svg.clientWidth);
+  scene.show(now);
+}).observe(svg);
+window.motionsyncMachine = {show, play};
+scene.resize(svg.clientWidth);
+show(0, "beginning");
+})();

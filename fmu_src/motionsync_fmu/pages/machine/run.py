@@ -1,0 +1,85 @@
+"""What the machines of all blocks are drawn from: a scenario and its recording, asked for signals and values."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from motionsync.var import Unit
+
+from ...interface.units import unit_name
+from ...scenario.recording import Reals, Recording
+from ...scenario.scenario import Scenario
+from .signals import Signal, held, smooth
+
+FINENESS = 5e-7  # of the range of what is drawn, by which a smooth signal may differ from the recording
+
+
+@dataclass(frozen=True)
+class Run:
+    """A scenario and its recording."""
+
+    scenario: Scenario
+    recording: Recording
+
+    @property
+    def unit(self) -> str:
+        """The name of the unit of the master's positions."""
+        return unit_name(Unit.POSITION, self.scenario.unit)
+
+    @property
+    def slave_unit(self) -> str:
+        """The name of the unit of the slave's positions."""
+        return unit_name(Unit.POSITION, self.scenario.slave_unit or self.scenario.unit)
+
+    def values(self, name: str) -> Reals:
+        """An output or local at the communication points, shape (points,)."""
+        return self.recording.values[name]
+
+    def is_member(self, name: str, *members: str) -> Any:
+        """Where an enumeration has one of these members, shape (points,)."""
+        numbers = [int(m) for m in self.scenario.recipe.variables[name].choices if m.name in members]
+        return np.isin(self.values(name), numbers)
+
+    def start(self, name: str) -> float:
+        """The start value of a parameter or input."""
+        given = self.scenario.start.get(name, self.scenario.recipe.variables[name].start)
+        return float(given)
+
+    def setting(self, name: str) -> Signal:
+        """A parameter or input over time: its start value, and what the scenario sets it to."""
+        at = [0.0] + [s.at for s in self.scenario.settings if name in s.values]
+        values = [self.start(name)] + [float(s.values[name]) for s in self.scenario.settings if name in s.values]
+        return {"t": at, "x": values}
+
+    def held(self, name: str) -> Signal:
+        """A discrete output or local over time."""
+        return held(self.recording.time, self.values(name))
+
+    def axes(self, positions: Reals, span: float) -> dict[str, Any]:
+        """What a scene of two axes needs.
+
+        Args:
+            positions: the slave's positions, without wrapping.
+            span: the length of what is drawn, in units of the slave's positions.
+        """
+        tolerance = FINENESS * span
+        time, master = self.recording.time, self.recording.master
+        slave, within = smooth(time, positions, self.values("slave.velocity"), tolerance)
+        return self.common(span) | {
+            "within": within,
+            "master": smooth(time, master[:, 0], master[:, 1], tolerance)[0],
+            "slave": slave,
+        }
+
+    def common(self, span: float) -> dict[str, Any]:
+        """What every scene needs: its length, the end of time, units, the states by their numbers."""
+        choices = self.scenario.recipe.variables["state"].choices
+        return {
+            "stop": float(self.recording.time[-1]),
+            "unit": self.unit,
+            "slave_unit": self.slave_unit,
+            "span": span,
+            "state": self.held("state"),
+            "states": {str(int(member)): [member.name, member.description] for member in choices},
+        }

@@ -1,0 +1,52 @@
+"""Which points of a curve are drawn, and with how many digits: as much as a screen shows."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...scenario.recording import Reals
+
+Indices = NDArray[np.int64]
+
+BUCKETS = 1500  # stretches of a curve with more than two points each; a screen has about as many columns
+DIGITS = 7  # significant digits of a value
+TIME_DIGITS = 9  # of a time
+ROUNDING = 1e-9  # relative to the greatest magnitude of what is computed with: what is smaller is rounding
+NONE: Indices = np.array([], np.int64)
+
+
+def thinned(values: Reals, kept: Indices = NONE) -> Indices:
+    """The indices of the points to draw: all, or of many points the least and the greatest of each stretch.
+
+    `kept`: indices that are drawn in any case."""
+    if len(values) <= 2 * BUCKETS:
+        return np.arange(len(values))
+    size = -(-len(values) // BUCKETS)
+    whole = len(values) // size * size
+    stretches, begins = values[:whole].reshape(-1, size), np.arange(0, whole, size)
+    extremes = (begins + stretches.argmin(axis=1), begins + stretches.argmax(axis=1))
+    return np.unique(np.concatenate([[0], kept, *extremes, np.arange(whole, len(values))]))
+
+
+def rounded(values: Iterable[float], digits: int = DIGITS) -> list[Any]:
+    """The values with so many significant digits, as JSON has them: None is a gap, whole numbers are integers."""
+    return [_number(float(f"{value:.{digits}g}")) for value in values]
+
+
+def _number(value: float) -> Any:
+    if not np.isfinite(value):
+        return None
+    return int(value) if value.is_integer() and abs(value) < 1e9 else value
+
+
+def points(
+    time: Reals, values: Reals, kept: Indices = NONE, period: float = 0.0
+) -> tuple[list[float], list[float | None]]:
+    """The places of a curve's points on the screen, with a gap where a value jumps by its period (0: it has none)."""
+    jumps = np.flatnonzero(np.abs(np.diff(values)) > 0.5 * period) + 1 if period else NONE
+    chosen = thinned(values, np.union1d(kept, np.union1d(jumps, jumps - 1)).astype(np.int64))
+    x, y = time[chosen], values[chosen]
+    gaps = np.searchsorted(chosen, jumps)
+    return rounded(np.insert(x, gaps, x[gaps]), TIME_DIGITS), rounded(np.insert(y, gaps, np.nan))

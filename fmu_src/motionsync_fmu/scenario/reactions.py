@@ -1,0 +1,125 @@
+"""The reactions of a scenario in one run: the program of a controller with a task cycle.
+
+The cycle is the *scan*: the multiples of the scenario's own step size, whatever the step size of the run is. At each
+scan the program knows the outputs of a little earlier, LOOK of a scan before. So it sees what happens exactly at a scan
+at the next one, and rounding has no say in it. What it sets acts from the scan on, or `after` seconds later.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from heapq import heappop, heappush
+from itertools import count
+from typing import Any
+
+from .scenario import Scenario
+from .settings import Condition, Setting, Unmet
+
+LOOK = 1.0 / 128.0  # of a scan: how long before it the outputs are looked at
+MARGIN = 1e-9  # of a value, at least of 1: by so much it is beyond another, or else it is equal
+DECIMALS = 12  # of a scan's time in s: then a time that is typed is the same number
+
+
+@dataclass(order=True, frozen=True)
+class _Waiting:
+    """What is to be set at a time; of the same time, in this order."""
+
+    at: float
+    order: int
+    set: Mapping[str, Any] = field(compare=False)
+    add: Mapping[str, Any] = field(compare=False)
+
+
+class Program:
+    """Everything that a scenario sets in one run: its settings, and what its reactions make of the outputs.
+
+    Attributes:
+        names: the outputs that the conditions compare.
+        settings: what has been set so far.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.names = sorted({r.condition.name for r in scenario.reactions})
+        self.settings: list[Setting] = []
+        self._reactions = scenario.reactions
+        self._stop_time = scenario.stop_time
+        self._looks = _looks(scenario) if self._reactions else iter(())
+        self._next = next(self._looks, None)
+        self._held = [True] * len(self._reactions)
+        self._happened = [0] * len(self._reactions)
+        declared = scenario.recipe.variables
+        added = {name for r in self._reactions for name in r.add}
+        self._present = {name: scenario.start.get(name, declared[name].start) for name in added}
+        self._order = count()
+        self._waiting: list[_Waiting] = []
+        for setting in scenario.settings:
+            self._wait(setting.at, setting.values, {})
+
+    @property
+    def next_look(self) -> float:
+        """When the outputs are looked at next, in s; infinite: never again."""
+        return self._next[0] if self._next else math.inf
+
+    @property
+    def next_setting(self) -> float:
+        """The earliest time, in s, at which something is set, as far as it is known; infinite: there is nothing."""
+        return self._waiting[0].at if self._waiting else math.inf
+
+    @property
+    def unmet(self) -> list[Unmet]:
+        """The reactions that happened less often than they could have."""
+        return [Unmet(r, n) for r, n in zip(self._reactions, self._happened, strict=True) if n < r.least]
+
+    def begin(self, outputs: Mapping[str, Any]) -> None:
+        """The outputs at time 0: a condition that holds has not become true."""
+        self._held = [_holds(r.condition, outputs) for r in self._reactions]
+
+    def look(self, outputs: Mapping[str, Any]) -> None:
+        """The outputs at `next_look`: each condition that has become true is reacted to, from the scan on."""
+        assert self._next
+        (_, scan), self._next = self._next, next(self._looks, None)
+        for i, r in enumerate(self._reactions):
+            held, self._held[i] = self._held[i], _holds(r.condition, outputs)
+            at = round(scan + r.after, DECIMALS)
+            if self._held[i] and not held and self._happened[i] != r.times and at < self._stop_time:
+                self._happened[i] += 1
+                self._wait(at, r.set, r.add)
+
+    def take(self, until: float) -> dict[str, Any]:
+        """The values that are set up to a time, in s; they count as set from now on."""
+        values: dict[str, Any] = {}
+        while self.next_setting <= until:
+            due = heappop(self._waiting)
+            given = {**due.set, **{name: self._present[name] + more for name, more in due.add.items()}}
+            self._present |= {name: value for name, value in given.items() if name in self._present}
+            self.settings.append(Setting(due.at, given))
+            values |= given
+        return values
+
+    def _wait(self, at: float, values: Mapping[str, Any], add: Mapping[str, Any]) -> None:
+        heappush(self._waiting, _Waiting(at, next(self._order), values, add))
+
+
+def scans(scenario: Scenario) -> Iterator[float]:
+    """The times of the scans, in s: one step size, two, ... before the end of the run."""
+    i = 1
+    while (scan := round(i * scenario.step_size, DECIMALS)) < scenario.stop_time:
+        yield scan
+        i += 1
+
+
+def _looks(scenario: Scenario) -> Iterator[tuple[float, float]]:
+    """When the outputs are looked at for each scan, and the scan; both in s."""
+    return ((scan - LOOK * scenario.step_size, scan) for scan in scans(scenario))
+
+
+def _holds(condition: Condition, outputs: Mapping[str, Any]) -> bool:
+    beyond = float(outputs[condition.name]) - condition.value
+    margin = MARGIN * max(1.0, abs(condition.value))
+    match condition.comparison:
+        case "<":
+            return beyond < -margin
+        case ">":
+            return beyond > margin
+        case _:
+            return abs(beyond) <= margin

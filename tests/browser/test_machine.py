@@ -1,0 +1,332 @@
+"""The picture of the machine on a page of its own: it shows what the recording has, and does what it is told."""
+
+import random
+from collections.abc import Callable
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motionsync_fmu.pages.machine.fragment import machine
+from motionsync_fmu.scenario.cuts import find_cuts
+from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.recording import Recording
+from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.scenario import Scenario
+from tests import ROOT
+from tests.browser.conftest import Open
+from tests.browser.visit import Visit
+
+FLAGSHIP = "FlyingSaw/cyclic_cut"
+SMALL = "FlyingSaw/diagonal_saw"
+PAGE = "<!doctype html><html lang=en><meta charset=utf-8><title>{}</title><body style='margin: 1rem'>{}</body></html>"
+
+OpenRun = Callable[..., Visit]
+
+
+@cache
+def run(name: str) -> tuple[Scenario, Recording]:
+    scenario = load(ROOT / "scenarios" / name / "scenario.toml")
+    return scenario, run_in_process(scenario, scenario.step_size)
+
+
+@pytest.fixture
+def open_run(open_page: Open, tmp_path: Path) -> OpenRun:
+    """Opens the machine of a scenario's run: `open_run(name, ...)`, the rest as for `open_page`."""
+
+    def opened(name: str, **options: object) -> Visit:
+        file = tmp_path / "machine.html"
+        file.write_text(PAGE.format(name, machine(*run(name))), "utf-8")
+        return open_page(file, **options)
+
+    return opened
+
+
+def some_times(recording: Recording, count: int) -> list[int]:
+    """The numbers of some points of a recording: both ends, and others at random."""
+    inner = random.Random(1).sample(range(1, len(recording.time) - 1), count)
+    return [0, *sorted(inner), len(recording.time) - 1]
+
+
+# --- what it shows ---
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        FLAGSHIP,
+        SMALL,
+        "FlyingSaw/rotary_master",
+        "Follower/linear_wait_in_park",
+        "Follower/cyclic_park",
+        "Gearing/rotary_axes",
+        "Gearing/rotary_master_downwards",
+        "Gearing/stop_position_master_based",
+        "Synchronizer/polynomial",
+        "RemoteSync/slow_sender",
+    ],
+)
+def test_the_slave_is_where_the_recording_has_it(open_run: OpenRun, name: str) -> None:
+    """A slave with a period is compared on the circle: just before and just after 0 are the same place."""
+    scenario, recording = run(name)
+    visit = open_run(name)
+    period = scenario.period if name.startswith("Synchronizer") else 0.0
+    period = float(scenario.start.get("slave.period", scenario.start.get("slave_cycle", period)))
+    for i in some_times(recording, 25):
+        visit.show(float(recording.time[i]))
+        away = visit.number("[data-slave-position]", "slave-position") - recording.values["slave.position"][i]
+        assert abs(away - period * round(away / period) if period else away) <= 1e-3
+
+
+def test_the_saw_stands_over_its_position_on_the_ruler(open_run: OpenRun) -> None:
+    """The scale is that of the ruler: its numbers and the places where they stand. 0.1 px, as drawn on the screen."""
+    _, recording = run(FLAGSHIP)
+    visit = open_run(FLAGSHIP)
+    ruler = "[...document.querySelectorAll('.motionsync-machine .ground text[text-anchor=middle].soft')]"
+    texts, places = visit.page.evaluate(f"[{ruler}.map(e => e.textContent), {ruler}.map(e => +e.getAttribute('x'))]")
+    numbers = [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
+    assert len(numbers) > 5
+    scale = (places[-1] - places[0]) / (numbers[-1] - numbers[0])
+    left = visit.page.locator(".motionsync-machine svg").bounding_box()["x"]
+    for i in some_times(recording, 25):
+        visit.show(float(recording.time[i]))
+        box = visit.page.locator(".motionsync-machine .carriage rect[rx='5']").bounding_box()
+        expected = left + places[0] + scale * (recording.values["slave.position"][i] - numbers[0])
+        assert box["x"] + box["width"] / 2 == pytest.approx(expected, abs=0.1)
+
+
+def test_the_blade_is_down_while_the_saw_cuts(open_run: OpenRun) -> None:
+    scenario, recording = run(FLAGSHIP)
+    visit = open_run(FLAGSHIP)
+    cuts = find_cuts(scenario.cuts, recording)
+    seen = []
+    for before, cut, after in zip([None, *cuts], cuts, [*cuts[1:], None], strict=False):
+        visit.show(0.5 * (cut.begin + cut.end))
+        seen.append(visit.page.locator(".carriage").get_attribute("data-tool"))
+        visit.show(0.5 * (cut.end + (after.begin if after else scenario.stop_time)))
+        seen.append(visit.page.locator(".carriage").get_attribute("data-tool"))
+        assert visit.number(".stock", "cuts") == cuts.index(cut) + 1
+        assert before is None or before.end < cut.begin
+    assert seen == ["down", "up"] * 20
+
+
+def test_a_cut_piece_falls_apart_from_the_material(open_run: OpenRun) -> None:
+    """The saw has cut until 3.5 s, at 500 mm; at 3.8 s this place of the material is 300 mm farther, with a gap."""
+    visit = open_run(FLAGSHIP)
+    pieces = "[...document.querySelectorAll('.stock rect[visibility=visible]')]"
+    ends = f"{pieces}.map(e => [+e.getAttribute('x'), +e.getAttribute('width')])"
+    visit.show(3.4)
+    assert len(visit.page.evaluate(ends)) == 1
+    visit.show(3.8)
+    (begin, width), piece = sorted(visit.page.evaluate(ends))
+    end = begin + width
+    assert 5.0 < piece[0] - end < 20.0
+    low, high = visit.number(".carriage", "x"), visit.number(".carriage", "slave-position")
+    visit.show(3.3)
+    scale = (visit.number(".carriage", "x") - low) / (visit.number(".carriage", "slave-position") - high)
+    assert end == pytest.approx(low + scale * (800.0 - high), abs=0.1)
+
+
+def test_the_distance_from_the_saw_to_its_mark_is_told(open_run: OpenRun) -> None:
+    """Marks each 1500 mm: the distance of master - slave from the nearest multiple of 1500, the saw being ahead > 0."""
+    _, recording = run(FLAGSHIP)
+    visit = open_run(FLAGSHIP)
+    for i in some_times(recording, 25):
+        visit.show(float(recording.time[i]))
+        place = recording.master[i, 0] - recording.values["slave.position"][i]
+        mark = round(place / 1500.0)
+        away = 1500.0 * mark - place
+        assert visit.number("", "distance") == pytest.approx(away, abs=3e-3) or abs(abs(away) - 750.0) < 3e-3
+        number, _, text = visit.readout("saw to mark").partition(" mm ")
+        assert float(number.replace("\N{MINUS SIGN}", "-")) == pytest.approx(away, abs=0.01)
+        assert text == f"(mark {mark})"
+
+
+def test_state_and_velocity_are_told(open_run: OpenRun) -> None:
+    """At 22.6 s the saw cuts mark 13 at 1100 mm/s; at 36 s it stands at home."""
+    visit = open_run(FLAGSHIP)
+    visit.show(22.6)
+    assert visit.readout("state") == "SYNCHRON \N{EN DASH} coupled, in sync"
+    assert visit.readout("velocity") == "1100 mm/s"
+    assert visit.readout("saw to mark") == "0.000 mm (mark 13)"
+    visit.show(36.0)
+    assert visit.readout("state") == "INACTIVE \N{EN DASH} it stands"
+    assert visit.readout("cuts") == "20 of 20"
+
+
+def test_the_discs_turn_with_their_axes(open_run: OpenRun) -> None:
+    """At 1 s master and slave are at 90 of 360 degrees; at 3 s the slave rests at 180, and the master is at 270."""
+    visit = open_run("Synchronizer/polynomial")
+    for t, angles in ((1.0, [90.0, 90.0]), (3.0, [270.0, 180.0])):
+        visit.show(t)
+        hands = visit.page.evaluate("[...document.querySelectorAll('.hand')].map(e => e.getAttribute('transform'))")
+        assert [float(hand[len("rotate(") : -1]) for hand in hands] == pytest.approx(angles, abs=1e-3)
+
+
+def test_the_window_shows_how_far_the_telegram_is_off(open_run: OpenRun) -> None:
+    """slow_sender, steps of a cycle: an output belongs to the cycle before, and the slave describes that instant."""
+    scenario, recording = run("RemoteSync/slow_sender")
+    assert scenario.remote
+    visit = open_run("RemoteSync/slow_sender")
+    for i in (500, 1500, 2400):
+        visit.show(float(recording.time[i]))
+        truth = scenario.master.at(float(recording.time[i - 1])).position
+        shown = visit.number(".slave", "error")
+        behind = scenario.remote.accuracy.behind if scenario.remote.accuracy else 0.0
+        allowed = abs(250.0 * behind * scenario.remote.data_cycle) + 1e-3
+        assert shown == pytest.approx(recording.values["slave.position"][i] - truth, abs=allowed)
+
+
+# --- what it does ---
+
+
+def test_the_slider_moves_the_saw(open_run: OpenRun) -> None:
+    _, recording = run(FLAGSHIP)
+    visit = open_run(FLAGSHIP)
+    box = visit.page.locator(".motionsync-machine input[type=range]").bounding_box()
+    for share in (0.1, 0.35, 0.8):
+        visit.page.mouse.click(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+        assert visit.time == pytest.approx(36.0 * share, abs=0.5)
+        expected = np.interp(visit.time, recording.time, recording.values["slave.position"])
+        assert visit.number(".carriage", "slave-position") == pytest.approx(expected, abs=0.05)
+        assert visit.page.locator(".motionsync-machine output").inner_text() == f"{visit.time:.3f} s"
+
+
+@pytest.mark.parametrize("speed", ["0.1", "1", "5"])
+def test_playing_takes_as_long_as_the_speed_says(open_run: OpenRun, speed: str) -> None:
+    visit = open_run(FLAGSHIP)
+    visit.freeze()
+    visit.page.locator(".motionsync-machine select").select_option(speed)
+    visit.page.get_by_role("button", name="Play").click()
+    visit.wait(2000)
+    assert visit.time == pytest.approx(2.0 * float(speed), rel=0.05)
+    visit.page.get_by_role("button", name="Pause").click()
+    paused = visit.time
+    visit.wait(1000)
+    assert visit.time == paused
+
+
+def test_playing_stops_at_the_end_and_begins_again(open_run: OpenRun) -> None:
+    visit = open_run(SMALL)
+    stop = run(SMALL)[0].stop_time
+    visit.freeze()
+    visit.show(stop - 0.1)
+    visit.page.get_by_role("button", name="Play").click()
+    visit.wait(1000)
+    assert visit.time == stop
+    visit.page.get_by_role("button", name="Play").click()
+    visit.wait(500)
+    assert visit.time == pytest.approx(0.5, abs=0.05)
+
+
+def test_keys_play_and_step(open_run: OpenRun) -> None:
+    visit = open_run(FLAGSHIP)
+    visit.freeze()
+    visit.page.locator(".motionsync-machine").focus()
+    keyboard = visit.page.keyboard
+    times = []
+    for key in ("End", "ArrowLeft", "Home", "ArrowRight", "ArrowRight", "Shift+ArrowRight"):
+        keyboard.press(key)
+        times.append(visit.time)
+    assert times == pytest.approx([36.0, 35.98, 0.0, 0.02, 0.04, 0.24])
+    keyboard.press(" ")
+    visit.wait(1000)
+    keyboard.press(" ")
+    assert visit.time == pytest.approx(1.24, abs=0.05)
+    assert visit.page.locator(".motionsync-machine").get_attribute("data-playing") == "false"
+
+
+def test_space_on_the_button_plays_once(open_run: OpenRun) -> None:
+    visit = open_run(FLAGSHIP)
+    visit.freeze()
+    visit.page.get_by_role("button", name="Play").focus()
+    visit.page.keyboard.press(" ")
+    visit.wait(500)
+    assert visit.time == pytest.approx(0.5, abs=0.05)
+
+
+def test_the_machine_follows_the_plots_and_tells_them_its_time(open_run: OpenRun) -> None:
+    visit = open_run(FLAGSHIP)
+    visit.listen()
+    event = "new CustomEvent('motionsync:time', {detail: {time: 12.5, source: 'plots'}})"
+    visit.page.evaluate(f"document.dispatchEvent({event})")
+    assert visit.time == 12.5
+    assert visit.told() == [["plots", 12.5]]
+    visit.show(3.25)
+    assert visit.told() == [["plots", 12.5], ["machine", 3.25]]
+
+
+def test_who_wants_less_motion_sees_a_few_pictures_a_second(open_run: OpenRun) -> None:
+    visit = open_run(FLAGSHIP, reduced_motion="reduce")
+    visit.freeze()
+    visit.listen()
+    visit.page.get_by_role("button", name="Play").click()
+    visit.wait(2000)
+    times = [time for _, time in visit.told()]
+    assert len(times) in (7, 8)
+    assert all(0.25 <= after - before < 0.3 for before, after in pairwise(times))
+
+
+# --- how it looks ---
+
+
+def test_dark_colours_are_others(open_run: OpenRun) -> None:
+    seen = {}
+    for scheme in ("light", "dark"):
+        visit = open_run(FLAGSHIP, color_scheme=scheme)
+        fill = "e => getComputedStyle(e).fill"
+        parts = (".carriage rect[rx='5']", ".stock rect", ".ground text >> nth=0")
+        seen[scheme] = [visit.page.locator(part).first.evaluate(fill) for part in parts]
+    assert all(light != dark for light, dark in zip(seen["light"], seen["dark"], strict=True))
+
+
+def test_the_colours_of_the_page_are_taken(open_run: OpenRun) -> None:
+    visit = open_run(FLAGSHIP)
+    visit.page.add_style_tag(content=":root { --slave: rgb(1, 2, 3); }")
+    assert visit.page.locator(".carriage rect[rx='5']").evaluate("e => getComputedStyle(e).fill") == "rgb(1, 2, 3)"
+
+
+@pytest.mark.parametrize("name", [FLAGSHIP, "Synchronizer/polynomial", "Gearing/ccw_direct", "RemoteSync/slow_sender"])
+@pytest.mark.parametrize("width", [320, 500, 1600])
+def test_the_picture_fits_its_window(open_run: OpenRun, name: str, width: int) -> None:
+    visit = open_run(name, width=width)
+    visit.show(1.0)
+    assert visit.overflow() <= 0.0
+    box = visit.page.locator(".motionsync-machine svg").bounding_box()
+    assert box["width"] == pytest.approx(width - 32, abs=1.0)
+
+
+def test_the_picture_follows_the_size_of_its_window(open_run: OpenRun) -> None:
+    """The saw stays over its position: 400 mm at 3.4 s."""
+    visit = open_run(FLAGSHIP)
+    visit.show(3.4)
+    wide = visit.number(".carriage", "x")
+    visit.page.set_viewport_size({"width": 500, "height": 800})
+    visit.page.wait_for_function("x => +document.querySelector('.carriage').dataset.x < x", arg=wide - 1.0)
+    low, high = run_window(visit)
+    width = visit.page.locator(".motionsync-machine svg").bounding_box()["width"]
+    assert visit.number(".carriage", "x") == pytest.approx(
+        32.0 + (400.0 - low) / (high - low) * (width - 64.0), abs=0.1
+    )
+
+
+def run_window(visit: Visit) -> tuple[float, float]:
+    """The ends of the ruler, from its first and last number and the ends of its line."""
+    ruler = "[...document.querySelectorAll('.motionsync-machine .ground text[text-anchor=middle].soft')]"
+    texts, places = visit.page.evaluate(f"[{ruler}.map(e => e.textContent), {ruler}.map(e => +e.getAttribute('x'))]")
+    numbers = [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
+    scale = (numbers[-1] - numbers[0]) / (places[-1] - places[0])
+    width = visit.page.locator(".motionsync-machine svg").bounding_box()["width"]
+    return numbers[0] + (32.0 - places[0]) * scale, numbers[0] + (width - 32.0 - places[0]) * scale
+
+
+def test_a_screen_reader_is_told_what_there_is(open_run: OpenRun) -> None:
+    visit = open_run(FLAGSHIP)
+    group = visit.page.get_by_role("group", name="Animated picture of the machine")
+    assert group.get_by_role("slider", name="Time").count() == 1
+    assert group.get_by_role("img").count() == 1
+    assert group.get_by_role("combobox", name="Speed").count() == 1
+    visit.show(3.25)
+    assert group.get_by_role("slider").get_attribute("aria-valuetext") == "3.250 s"

@@ -1,0 +1,67 @@
+"""One page in the browser, and what a test asks of it."""
+
+from pathlib import Path
+from typing import Any
+
+
+class Visit:
+    """A page that has been opened.
+
+    Attributes:
+        page: Playwright's page.
+        said: its console messages of any level, its errors and its failed requests, as texts.
+        asked: the addresses that it has asked for.
+    """
+
+    def __init__(self, context: Any, file: Path) -> None:
+        self.context, self.file = context, file
+        self.said: list[str] = []
+        self.asked: list[str] = []
+        self.page = context.new_page()
+        self.page.on("console", lambda message: self.said.append(f"{message.type}: {message.text}"))
+        self.page.on("pageerror", lambda error: self.said.append(f"error: {error}"))
+        self.page.on("requestfailed", lambda request: self.said.append(f"failed: {request.url}"))
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.goto(file.as_uri())
+
+    def show(self, t: float) -> None:
+        """Show the machine at a time, in s."""
+        self.page.evaluate("t => window.motionsyncMachine.show(t)", t)
+
+    def freeze(self) -> None:
+        """From now on the browser's own time goes on by `wait` alone."""
+        self.page.clock.install(time=0)
+        self.page.clock.pause_at(1000)
+
+    def wait(self, milliseconds: int) -> None:
+        """Let the browser's own time go on."""
+        self.page.clock.run_for(milliseconds)
+
+    @property
+    def time(self) -> float:
+        """The time of the machine that is shown, in s."""
+        return float(self.page.locator(".motionsync-machine").get_attribute("data-time"))
+
+    def number(self, selector: str, name: str) -> float:
+        """A number that an element of the machine tells in its data attributes."""
+        return float(self.page.locator(f".motionsync-machine {selector}").get_attribute(f"data-{name}"))
+
+    def readout(self, name: str) -> str:
+        """What the machine tells under a name."""
+        row = self.page.locator(".motionsync-machine .readouts div", has=self.page.locator(f"dt:text-is('{name}')"))
+        return str(row.locator("dd").inner_text())
+
+    def listen(self) -> None:
+        """Keep what is told of the time in `window.told`, as pairs of source and time."""
+        self.page.evaluate(
+            "() => { window.told = [];"
+            " document.addEventListener('motionsync:time', e => told.push([e.detail.source, e.detail.time])); }"
+        )
+
+    def told(self) -> list[list[Any]]:
+        """What has been told of the time since `listen`."""
+        return list(self.page.evaluate("told"))
+
+    def overflow(self) -> float:
+        """By how many px the page is wider than its window."""
+        return float(self.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))

@@ -1,0 +1,26 @@
+"""The order in which a block's variables are listed, and how many ports the largest block has."""
+
+from motionsync_fmu.interface.recipe import Recipe
+
+SIGNALS, SETTINGS, WATCHED = range(3)
+SECTION = {"input": SIGNALS, "output": SIGNALS, "parameter": SETTINGS, "local": WATCHED}
+
+
+def test_signals_come_first_then_settings_then_what_is_watched(block: str) -> None:
+    """A group, such as `slave.*`, stands where its first variable belongs; the axis that leads opens the list."""
+    table = Recipe(block).variables
+    sections = {}
+    for name, v in table.items():
+        group = name.partition(".")[0]
+        sections.setdefault(group, SECTION[v.causality])
+    assert next(iter(sections)) in ("master", "remote")
+    assert list(sections.values()) == sorted(sections.values()), sections
+    listed = list(sections)
+    commands = [name.partition(".")[0] for name, v in table.items() if v.declaration.command]
+    assert max(map(listed.index, commands), default=0) < listed.index("slave") < listed.index("state")
+
+
+def test_the_flying_saw_has_few_ports() -> None:
+    table = Recipe("FlyingSaw").variables.values()
+    assert sum(v.causality == "input" for v in table) <= 30
+    assert sum(v.causality == "output" for v in table) <= 45

@@ -1,0 +1,95 @@
+"""When the reactions of a scenario happen, found from an oracle's own trajectory.
+
+A controller looks at the outputs 1/128 of a scan before each scan, and sets something from the scan on, or `after`
+seconds later. The scans are the multiples of the scenario's `step_size`, before its `stop_time`; a condition that holds
+at 0 has not become true. Between two firings nothing is unknown: the oracle is asked for a stretch of looks, the first
+firings in it become sets, and it is asked again from there on.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+Rows = Callable[[Mapping[str, Any], Sequence[float]], Sequence[Mapping[str, float]]]
+"""An oracle's `reference`: the outputs for a script at some times."""
+
+STRETCH = 128
+"""Looks that the oracle is asked for at once."""
+
+
+@dataclass(slots=True)
+class _Reaction:
+    """One table [[on]], with the values of enumerations as numbers."""
+
+    table: Mapping[str, Any]
+    held: bool = True
+    fired: int = 0
+
+    def holds(self, row: Mapping[str, float]) -> bool:
+        """A number is beyond another by more than 1e-9 of it, at least of 1; or it is equal to it."""
+        name, comparison, value = self.table["when"].split()
+        beyond, margin = row[name] - float(value), 1e-9 * max(1.0, abs(float(value)))
+        return {"==": abs(beyond) <= margin, "<": beyond < -margin, ">": beyond > margin}[comparison]
+
+    def rises(self, row: Mapping[str, float]) -> bool:
+        before, self.held = self.held, self.holds(row)
+        return self.held and not before
+
+
+@dataclass(slots=True)
+class _Found:
+    """What is set: (time, values, additions), in the order in which it was ordered."""
+
+    sets: list[tuple[float, Mapping[str, Any], Mapping[str, Any]]] = field(default_factory=list)
+
+    def tables(self, start: Mapping[str, Any]) -> list[dict[str, Any]]:
+        """The tables [[set]]; an addition counts from the value of that time."""
+        present, tables = dict(start), []
+        for at, values, additions in sorted(self.sets, key=lambda one: one[0]):
+            given = dict(values) | {name: present.get(name, 0) + more for name, more in additions.items()}
+            present |= given
+            tables.append({"at": at, **given})
+        return tables
+
+
+def settled(script: Mapping[str, Any], rows: Rows) -> dict[str, Any]:
+    """The script without [[on]]: all that its reactions set is in [[set]]. Steps end at the looks, too.
+
+    `script`: a condition is written as NAME COMPARISON NUMBER; a variable that is added to has a start value.
+
+    Raises:
+        ArithmeticError: a condition changes exactly at a look, so that rounding decides what happens.
+    """
+    scan, stop = float(script["step_size"]), float(script["stop_time"])
+    scans: list[float] = []
+    while (time := round((len(scans) + 1) * scan, 12)) < stop:
+        scans.append(time)
+    looks = [time - scan / 128 for time in scans]
+    reactions = [_Reaction(table) for table in script["on"]]
+    found = _Found([(t["at"], {k: v for k, v in t.items() if k != "at"}, {}) for t in script.get("set", ())])
+    ends = [*script.get("expect", ()), *({"at": look} for look in looks)]
+    known = {k: v for k, v in script.items() if k != "on"} | {"expect": ends}
+
+    def now() -> dict[str, Any]:
+        return known | {"set": found.tables(script["start"])}
+
+    (first,) = rows(now() | {"stop_time": scan}, [0.0])
+    for reaction in reactions:
+        reaction.held = reaction.holds(first)
+    i = 0
+    while i < len(looks):
+        stretch = looks[i : i + STRETCH]
+        seen = rows(now() | {"stop_time": scans[i + len(stretch) - 1]}, stretch)
+        if len(seen) != len(stretch):
+            raise ArithmeticError(f"something happens exactly at a look between {stretch[0]} and {stretch[-1]}")
+        for row in seen:
+            fired = [r for r in reactions if r.rises(row) and r.fired != r.table.get("times")]
+            fired = [r for r in fired if round(scans[i] + r.table.get("after", 0.0), 12) < stop]
+            for r in fired:
+                r.fired += 1
+                at = round(scans[i] + r.table.get("after", 0.0), 12)
+                found.sets.append((at, r.table.get("set", {}), r.table.get("add", {})))
+            i += 1
+            if fired:
+                break
+    return now()

@@ -1,0 +1,442 @@
+"""Scenarios that react: when a reaction happens and what it sets, at every step size, and what the reader refuses.
+
+In most of these runs a free saw moves at 100 mm/s from 0 on: it is at 100 t, and passes 50 exactly at a scan.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.line.reader import load_line
+from motionsync_fmu.scenario.crosscheck import inputs_csv
+from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.recording import Recording
+from motionsync_fmu.scenario.run import run_in_process, simulate
+from motionsync_fmu.scenario.scenario import Scenario
+from tests import ROOT, regenerate
+from tests.support.fmus import Fmus
+
+MOVING = """\
+title = "A free saw at 100 mm/s"
+fmu = "FlyingSaw"
+stop_time = 2.0
+step_size = 0.01
+
+[start]
+"axis.initial_velocity" = 100.0
+"move_velocity.velocity" = 100.0
+
+[master]
+velocity = 500.0
+"""
+FINE = 0.001
+STEP_SIZES = (0.01, FINE, 0.007, 0.0333, 0.3)  # s
+
+
+def written(text: str, folder: Path) -> Path:
+    file = folder / "scenario.toml"
+    file.write_text(text, "utf-8")
+    return file
+
+
+def ran(text: str, folder: Path, step_size: float = 0.01) -> Recording:
+    return run_in_process(load(written(text, folder)), step_size)
+
+
+def told(recording: Recording) -> list[tuple[float, dict[str, Any]]]:
+    """What was set, and when."""
+    return [(s.at, dict(s.values)) for s in recording.settings]
+
+
+# --- when a reaction happens ---
+
+
+@pytest.mark.parametrize("step_size", STEP_SIZES)
+@pytest.mark.parametrize(
+    ("when", "at"),
+    [
+        ("slave.position > 50", 0.51),  # at 50 exactly at 0.5: not yet beyond it there
+        ("slave.position > 49.9999", 0.51),  # beyond it for a microsecond at 0.5, which that scan does not see
+        ("slave.position > 49.99", 0.5),  # for 100 microseconds; it sees what was there 78 microseconds before
+        ("slave.position > 50.1", 0.51),
+        ("slave.position == 50", 0.0),  # no scan sees it there
+    ],
+)
+def test_a_scan_sees_what_was_there_shortly_before_it(when: str, at: float, step_size: float, tmp_path: Path) -> None:
+    reaction = f'[[on]]\nwhen = "{when}"\nset = {{ "halt.execute" = true }}\n'
+    recording = ran(MOVING + reaction, tmp_path, step_size)
+    assert told(recording) == ([(at, {"halt.execute": True})] if at else [])
+    if at:  # from there on it slows down, and not before
+        rises = np.flatnonzero(recording.values["slave.acceleration"] != 0.0)
+        assert recording.time[rises[0] - 1] == at
+        assert recording.values["slave.position"][rises[0] - 1] == pytest.approx(100.0 * at, abs=1e-12)
+
+
+@pytest.mark.parametrize("step_size", STEP_SIZES)
+def test_it_sets_some_time_later_at_a_point_of_its_own(step_size: float, tmp_path: Path) -> None:
+    """Seen by the scan at 0.51; 0.3333 s later is no multiple of any step size."""
+    reaction = '[[on]]\nwhen = "slave.position > 50"\nafter = 0.3333\nset = { "halt.execute" = true }\n'
+    recording = ran(MOVING + reaction, tmp_path, step_size)
+    assert told(recording) == [(0.8433, {"halt.execute": True})]
+    i = int(np.flatnonzero(recording.time == 0.8433)[0])
+    assert recording.values["slave.position"][i] == pytest.approx(84.33, abs=1e-12)
+    assert recording.values["slave.acceleration"][i : i + 2].tolist()[0] == 0.0
+    assert recording.values["slave.acceleration"][i + 1] < 0.0
+
+
+def test_what_holds_at_the_beginning_has_not_become_true(tmp_path: Path) -> None:
+    """It stands from 0.57 on. From 1 s on it takes 2 sqrt(100/100000) = 0.0632 s to 100, with a jerk of 100000, and
+    half of that to 50: the scan at 1.04 sees it beyond 50."""
+    text = MOVING + (
+        '[[set]]\nat = 0.5\n"halt.execute" = true\n[[set]]\nat = 1.0\n"move_velocity.execute" = true\n'
+        '[[on]]\nwhen = "slave.velocity > 50"\nrepeat = true\nset = { "halt.execute" = false }\n'
+    )
+    assert [at for at, _ in told(ran(text, tmp_path))] == [0.5, 1.0, 1.04]
+
+
+def test_rounding_makes_nothing_greater_or_smaller_than_itself(tmp_path: Path) -> None:
+    """At constant velocity its numbers lie around 100, at some points above, at others below."""
+    reactions = "".join(
+        f'[[on]]\nwhen = "slave.velocity {c}"\nrepeat = true\nset = {{ "halt.jerk" = 1.0 }}\n'
+        for c in ("> 100", "< 100", "> 99.99999999", "== 100.000001")
+    )
+    noisy = MOVING.replace("= 100.0\n", "= 100.00000000000003\n", 1)
+    assert told(ran(noisy + reactions, tmp_path)) == []
+    equal = '[[on]]\nwhen = "slave.velocity == 300"\nset = { "halt.jerk" = 1.0 }\n[[set]]\nat = 0.5\n'
+    faster = '"move_velocity.velocity" = 300.0\n"move_velocity.execute" = true\n'
+    assert len(told(ran(MOVING + equal + faster, tmp_path))) == 2
+
+
+def test_an_enumeration_is_compared_by_the_name_of_a_member(tmp_path: Path) -> None:
+    """halt at 0.5, from 100 with 10000 mm/s2 and its jerk of 100000: 2 sqrt(100/100000) = 0.063 s; at rest at 0.57."""
+    text = MOVING + (
+        '[[set]]\nat = 0.5\n"halt.execute" = true\n'
+        '[[on]]\nwhen = "plcopen_state == STANDSTILL"\nset = { "halt.execute" = false }\n'
+    )
+    assert told(ran(text, tmp_path)) == [(0.5, {"halt.execute": True}), (0.57, {"halt.execute": False})]
+
+
+# --- what a reaction sets, and in which order ---
+
+
+def test_what_is_set_at_one_time_is_set_in_the_order_of_the_file_after_what_has_a_time(tmp_path: Path) -> None:
+    """The later one wins; a delayed reaction comes before one that sees its condition only then."""
+    text = MOVING + (
+        '[[on]]\nwhen = "slave.position > 50"\nset = { "halt.jerk" = 1.0 }\n'
+        '[[on]]\nwhen = "slave.position > 50"\nset = { "halt.jerk" = 2.0 }\nadd = { "halt.deceleration" = 3.0 }\n'
+        '[[on]]\nwhen = "slave.position > 40"\nafter = 0.1\nset = { "halt.jerk" = 4.0 }\n'
+        '[[set]]\nat = 0.51\n"halt.jerk" = 5.0\n"halt.deceleration" = 6.0\n'
+    )
+    assert told(ran(text, tmp_path)) == [
+        (0.51, {"halt.jerk": 5.0, "halt.deceleration": 6.0}),
+        (0.51, {"halt.jerk": 4.0}),
+        (0.51, {"halt.jerk": 1.0}),
+        (0.51, {"halt.jerk": 2.0, "halt.deceleration": 9.0}),
+    ]
+
+
+def test_what_a_reaction_sets_is_seen_by_the_next_scan(tmp_path: Path) -> None:
+    """Since outputs change in a step only: each link of a chain takes a scan."""
+    text = MOVING + (
+        '[[on]]\nwhen = "slave.position > 50"\nset = { "move_velocity.execute" = true }\n'
+        '[[on]]\nwhen = "move_velocity.in_velocity"\nset = { "reset.execute" = true }\n'
+        '[[on]]\nwhen = "reset.done"\nset = { "halt.execute" = true }\n'
+    )
+    assert [at for at, _ in told(ran(text, tmp_path))] == [0.51, 0.52, 0.53]
+
+
+def test_an_addition_counts_from_the_present_value(tmp_path: Path) -> None:
+    """From the start value, from what was set, and from the last addition; whole numbers stay whole."""
+    pulses = "".join(
+        f'[[set]]\nat = {at}\n"move_velocity.execute" = {level}\n'
+        for at, level in ((0.105, "true"), (0.205, "false"), (0.305, "true"), (0.405, "false"), (0.505, "true"))
+    )
+    text = MOVING.replace("[master]", '"halt.jerk" = 10.0\n\n[master]') + (
+        f'{pulses}[[set]]\nat = 0.35\n"halt.jerk" = 100.0\n'
+        '[[on]]\nwhen = "move_velocity.in_velocity"\nrepeat = true\n'
+        'add = { "halt.jerk" = 1.5, "halt.deceleration" = 2, "gear_in_pos.ratio_numerator" = -2 }\n'
+    )
+    given = [(at, values) for at, values in told(ran(text, tmp_path)) if "gear_in_pos.ratio_numerator" in values]
+    assert [at for at, _ in given] == [0.11, 0.31, 0.51]
+    assert [v["halt.jerk"] for _, v in given] == [11.5, 13.0, 101.5]
+    assert [v["halt.deceleration"] for _, v in given] == [2.0, 4.0, 6.0]
+    assert [v["gear_in_pos.ratio_numerator"] for _, v in given] == [-1.0, -3.0, -5.0]
+
+
+@pytest.mark.parametrize(
+    ("often", "times"),
+    [("", 1), ("times = 2\n", 2), ("repeat = true\n", 3), ("times = 9\n", 3), ("repeat = false\n", 1)],
+)
+def test_it_happens_once_or_some_times_or_each_time(often: str, times: int, tmp_path: Path) -> None:
+    """reset is done three times."""
+    levels = [(0.1 * i, "true" if i % 2 else "false") for i in range(1, 7)]
+    pulses = "".join(f'[[set]]\nat = {at:g}\n"reset.execute" = {level}\n' for at, level in levels)
+    recording = ran(f'{MOVING}{pulses}[[on]]\nwhen = "reset.done"\n{often}set = {{ "halt.jerk" = 1.0 }}\n', tmp_path)
+    assert [at for at, values in told(recording) if "halt.jerk" in values] == [0.11, 0.31, 0.51][:times]
+    assert [(u.found, u.expected) for u in recording.unmet] == (
+        [("3 times", "reaction to reset.done 9 times")] if "9" in often else []
+    )
+
+
+def test_what_would_be_set_at_the_end_does_not_happen(tmp_path: Path) -> None:
+    reaction = '[[on]]\nwhen = "slave.position > {}"\nafter = {}\nset = {{ "halt.execute" = true }}\n'
+    for position, after, times in ((50, 1.49, 0), (50, 1.48, 1), (197.5, 0.0, 1), (198.5, 0.0, 1), (199.5, 0.0, 0)):
+        recording = ran(MOVING + reaction.format(position, after), tmp_path)
+        assert (len(recording.settings), len(recording.unmet)) == (times, 1 - times)
+
+
+def test_without_reactions_there_are_no_scans(tmp_path: Path) -> None:
+    assert len(ran(MOVING, tmp_path, 0.5).time) == 5
+
+
+PROGRAM = """
+[[set]]
+at = 0.51
+"move_velocity.execute" = true
+"halt.jerk" = 300.0
+
+[[on]]
+when = "slave.position > 50"
+set = { "halt.jerk" = 1000.0 }
+
+[[on]]
+when = "move_velocity.in_velocity"
+after = 0.2
+times = 2
+set = { "move_velocity.execute" = false }
+add = { "move_velocity.velocity" = 50.0, "halt.jerk" = 1.0 }
+
+[[on]]
+when = "slave.position > 75"
+after = 0.15
+set = { "move_velocity.execute" = true }
+
+[[on]]
+when = "plcopen_state == CONTINUOUS_MOTION"
+set = { "reset.execute" = true }
+"""
+
+
+def test_the_oracle_finds_the_same_by_itself(tmp_path: Path) -> None:
+    """The last reaction has its state from the beginning. The others: by hand."""
+    scenario = load(written(MOVING + PROGRAM, tmp_path))
+    expected = [
+        (0.51, {"move_velocity.execute": True, "halt.jerk": 300.0}),
+        (0.51, {"halt.jerk": 1000.0}),
+        (0.72, {"move_velocity.execute": False, "move_velocity.velocity": 150.0, "halt.jerk": 1001.0}),
+        (0.91, {"move_velocity.execute": True}),
+        (1.16, {"move_velocity.execute": False, "move_velocity.velocity": 200.0, "halt.jerk": 1002.0}),
+    ]
+    assert told(run_in_process(scenario, 0.01)) == expected
+    found = regenerate.settings(regenerate.independent_script(scenario))
+    assert [(s.at, dict(s.values)) for s in found] == expected
+
+
+# --- what did not happen ---
+
+
+@pytest.mark.parametrize(
+    ("often", "expected"),
+    [
+        ("", "reaction to slave.position > 1000 once"),
+        ("times = 2\n", "reaction to slave.position > 1000 2 times"),
+        ("repeat = true\n", "reaction to slave.position > 1000 at least once"),
+    ],
+)
+def test_what_never_happened_is_told_and_judged_if_it_is_required(often: str, expected: str, tmp_path: Path) -> None:
+    text = f'{MOVING}[[on]]\nwhen = "slave.position > 1000"\n{often}set = {{ "halt.execute" = true }}\n'
+    scenario = load(written(text, tmp_path))
+    recording = run_in_process(scenario, 0.01)
+    (unmet,) = recording.unmet
+    assert (unmet.expected, unmet.found) == (expected, "never")
+    assert check(scenario, recording) == []
+    required = load(written(text.replace("[[on]]", "[[on]]\nrequired = true"), tmp_path))
+    (judged,) = check(required, run_in_process(required, 0.01))
+    assert (judged.expected, judged.found, judged.passed) == (expected, "never", False)
+
+
+# --- the flagship ---
+
+FLAGSHIP = ROOT / "scenarios" / "FlyingSaw" / "cyclic_cut" / "scenario.toml"
+
+
+def of_the_oracle(scenario: Scenario) -> str:
+    return (scenario.file.parent / f"{scenario.recipe.name}_in.csv").read_text()
+
+
+@pytest.mark.parametrize("step_size", [0.01, 0.001, 0.007])
+def test_reactions_happen_at_the_scans_of_the_oracle(step_size: float) -> None:
+    """The oracle has found them from its own trajectory, and has made the input file of them."""
+    scenario = load(FLAGSHIP)
+    assert scenario.reactions
+    assert inputs_csv(scenario.settled(run_in_process(scenario, step_size).settings)) == of_the_oracle(scenario)
+
+
+@pytest.mark.parametrize("step_size", [0.01, 0.007])
+def test_they_happen_there_in_an_fmu_too(step_size: float, fmus: Fmus) -> None:
+    scenario = load(FLAGSHIP)
+    recording = simulate(scenario, fmus.python("FlyingSaw"), step_size)
+    assert inputs_csv(scenario.settled(recording.settings)) == of_the_oracle(scenario)
+
+
+@given(st.floats(0.001, 0.5))
+@settings(deadline=None, max_examples=15)
+def test_a_scenario_that_reacts_means_the_same_at_every_step_size(step_size: float) -> None:
+    """The first five cuts; both runs have the scans and their looks in common."""
+    scenario = load(FLAGSHIP)
+    scenario = replace(scenario, stop_time=8.0, expectations=(), cuts=None)
+    one, other = (run_in_process(scenario, h) for h in (scenario.step_size, step_size))
+    assert told(one) == told(other)
+    common, i, j = np.intersect1d(one.time, other.time, return_indices=True)
+    assert len(common) >= 1590  # 800 scans, and a look before each
+    for name in ("slave.position", "slave.velocity", "state_code", "in_sync", "gear_in_pos.busy"):
+        scale = max(1.0, float(np.abs(one.values[name]).max()))
+        np.testing.assert_allclose(one.values[name][i], other.values[name][j], atol=1e-9 * scale, rtol=0.0)
+
+
+# --- files with a mistake ---
+
+GOOD = (
+    MOVING
+    + """\
+[[on]]
+when = "in_sync"
+set = { "halt.execute" = true }
+
+[[on]]
+when = "state == SYNCHRON"
+after = 0.5
+times = 2
+set."halt.execute" = true
+add."halt.jerk" = 1.0
+
+[[on]]
+when = "slave.position < 5"
+
+[on.set]
+"move_absolute.execute" = true
+
+[cuts]
+while = "in_sync"
+length = 100.0
+"""
+)
+
+MISTAKES = {
+    "no condition": ('when = "in_sync"\n', "", "when", 12, ("is missing",)),
+    "unknown output": ('"in_sync"\nset', '"in_snc"\nset', "when", 13, ("FlyingSaw has no", "'in_sync'")),
+    "input": ("slave.position < 5", "master.position < 5", "when", 24, ("master.position", "input", "output or local")),
+    "parameter": ("slave.position < 5", "axis.max_jerk < 5", "when", 24, ("axis.max_jerk", "parameter")),
+    "no comparison": ('"slave.position < 5"', '"slave.position"', "when", 24, ("compare",)),
+    "no such comparison": ("position < 5", "position >= 5", "when", 24, ("NAME > VALUE",)),
+    "no text": ('"in_sync"\nset', "true\nset", "when", 13, ("NAME == VALUE",)),
+    "no member": ("== SYNCHRON", "== SYNCRON", "when", 17, ("SYNCRON", "SYNCHRON")),
+    "before": ("after = 0.5", "after = -0.5", "after", 18, ("-0.5", ">= 0")),
+    "too late": ("after = 0.5", "after = 2.0", "after", 18, ("2", "< 2")),
+    "never": ("times = 2", "times = 0", "times", 19, ("0 is not allowed",)),
+    "fraction": ("times = 2", "times = 2.5", "times", 19, ("2.5", "whole")),
+    "times and repeat": ("times = 2", "times = 2\nrepeat = true", "times", 19, ("repeat", "one of both")),
+    "repeat is no Boolean": ("times = 2", 'repeat = "yes"', "repeat", 19, ("'yes'", "true nor false")),
+    "required is no Boolean": ("times = 2", "required = 1", "required", 19, ("1", "true nor false")),
+    "unknown key": ("times = 2", "time = 2", "time", 19, ("unknown key", "times")),
+    "unknown input in braces": (
+        '{ "halt',
+        '{ "hlt',
+        "hlt.execute",
+        14,
+        ("no variable 'hlt.execute'", "'halt.execute'"),
+    ),
+    "unknown input": ('set."halt', 'set."hlt', "hlt.execute", 20, ("no variable", "'halt.execute'")),
+    "unknown input in a table": ('"move_absolute.e', '"move_absolut.e', "move_absolut.execute", 27, ("no variable",)),
+    "set of an output": (
+        'set."halt.execute" = true',
+        'set."in_sync" = true',
+        "in_sync",
+        20,
+        ("output", "input or tunable"),
+    ),
+    "set of the axis": (
+        'set."halt.execute" = true',
+        'set."master.velocity" = 1.0',
+        "master.velocity",
+        20,
+        ("[master]",),
+    ),
+    "set of another type": (
+        'set."halt.execute" = true',
+        'set."halt.execute" = 1',
+        "halt.execute",
+        20,
+        ("1 is no Boolean",),
+    ),
+    "set is no table": ('set = { "halt.execute" = true }', "set = true", "set", 14, ("must be a table",)),
+    "nothing": ('set = { "halt.execute" = true }\n', "", "when", 13, ("sets nothing",)),
+    "added to a Boolean": (
+        'add."halt.jerk" = 1.0',
+        'add."stop.execute" = 1.0',
+        "stop.execute",
+        21,
+        ("Boolean", "number"),
+    ),
+    "a text is added": (
+        'add."halt.jerk" = 1.0',
+        'add."halt.jerk" = "length"',
+        "halt.jerk",
+        21,
+        ("'length' is no Real",),
+    ),
+    "too much is added": ('add."halt.jerk" = 1.0', 'add."halt.jerk" = inf', "halt.jerk", 21, ("finite",)),
+    "set and added": (
+        'add."halt.jerk"',
+        'set."halt.jerk" = 1.0\nadd."halt.jerk"',
+        "add",
+        22,
+        ("halt.jerk", "one of both"),
+    ),
+    "one table": ('[[on]]\nwhen = "in_sync', '[on]\nwhen = "in_sync', "on", 12, ("list of tables", "[[on]]")),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> None:
+    old, new, key, line, words = MISTAKES[name]
+    assert load(written(GOOD, tmp_path))
+    text = GOOD.replace(old, new, 1)
+    if name == "one table":
+        text = text[: text.index("[[on]]")]
+    file = written(text, tmp_path)
+    with pytest.raises(UserError) as found:
+        load(file)
+    assert str(found.value).startswith(f"{file}:{line}: {key}: ")
+    assert [word for word in words if word not in str(found.value)] == []
+    assert "\n" not in str(found.value)
+
+
+def test_the_length_of_the_cuts_can_be_added(tmp_path: Path) -> None:
+    text = GOOD.replace('add."halt.jerk" = 1.0', 'add."halt.jerk" = "cuts.length"')
+    assert load(written(text, tmp_path)).reactions[1].add == {"halt.jerk": 100.0}
+    file = written(text[: text.index("[cuts]")], tmp_path)
+    with pytest.raises(UserError, match=r":21: halt\.jerk: .*no length in a table \[cuts\]"):
+        load(file)
+
+
+def test_a_line_does_not_react(tmp_path: Path) -> None:
+    line = (ROOT / "scenarios" / "line" / "line.toml").read_text()
+    file = tmp_path / "line.toml"
+    file.write_text(line + '\n[[on]]\nwhen = "in_sync"\nset = { "halt.execute" = true }\n')
+    with pytest.raises(UserError, match=rf":{len(line.splitlines()) + 2}: on: a line cannot react: .*\[\[set\]\]"):
+        load_line(file)
+
+
+def test_the_delay_of_a_remote_axis_is_not_set_by_a_reaction(tmp_path: Path) -> None:
+    text = (ROOT / "scenarios" / "RemoteSync" / "no_drift" / "scenario.toml").read_text()
+    reaction = '\n[[on]]\nwhen = "slave.position > 1"\nset = { "delay_time_offset" = 0.002 }\n'
+    with pytest.raises(UserError, match=r"when: delay_time_offset .*\[\[set\]\]"):
+        load(written(text + reaction, tmp_path))

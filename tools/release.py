@@ -1,0 +1,178 @@
+"""Makes all files of a release: `python -m tools.release` writes them to build/release.
+
+| file | what it is |
+| --- | --- |
+| motionsync-<version>-py3-none-any.whl, motionsync-<version>.tar.gz | the package, as wheel and as source |
+| motionsync-<version>-fmus.zip | the FMUs of all blocks in several units, each with its page |
+| RELEASE_NOTES.md | what CHANGELOG.md says of this version |
+| SHA256SUMS | the other files' checksums, for `sha256sum --check` |
+
+The date of the version in CHANGELOG.md is that of all files, unless SOURCE_DATE_EPOCH gives another: the same sources
+make the same bytes.
+"""
+
+import base64
+import calendar
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from motionsync.blocks import BLOCKS
+from motionsync_fmu import HOME, __version__
+from motionsync_fmu.archive import Files, epoch, write
+from motionsync_fmu.build import Flavour, build
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.variables import summary
+from motionsync_fmu.pages.block_page import PICTURE
+from motionsync_fmu.pages.style import TEMPLATES
+
+ROOT = Path(__file__).parent.parent
+UNITS = ("mm", "m", "deg")
+RECIPES = [Recipe(block, unit) for unit in UNITS for block in BLOCKS]
+SECTION = r"^## \[{version}\] - (\d{{4}})-(\d\d)-(\d\d)$(.*?)(?=^## |^\[[^]]+\]: |\Z)"  # of Keep a Changelog
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Notes:
+    """What the changelog says of a version.
+
+    Attributes:
+        text: in Markdown, without the section's heading.
+        time: the version's date, in s since 1970.
+    """
+
+    text: str
+    time: int
+
+
+def notes(changelog: str, version: str) -> Notes:
+    """The changelog's section of a version.
+
+    Raises:
+        UserError: there is none, or nothing stands in it.
+    """
+    found = re.search(SECTION.format(version=re.escape(version)), changelog, re.M | re.S)
+    if not found or not found[4].strip():
+        raise UserError(
+            f"CHANGELOG.md says nothing of version {version}: write what has changed under "
+            f"'## [{version}] - <year>-<month>-<day>' before it is released"
+        )
+    year, month, day = (int(part) for part in found.groups()[:3])
+    return Notes(found[4].strip() + "\n", calendar.timegm((year, month, day, 0, 0, 0)))
+
+
+def release(folder: Path, recipes: list[Recipe], flavour: Flavour, progress: Progress) -> None:
+    """Make a release in a folder that then holds nothing else; `progress` is called with a line before each task.
+
+    Raises:
+        UserError: the changelog says nothing of this version, or an FMU cannot be built.
+    """
+    told = notes((ROOT / "CHANGELOG.md").read_text("utf-8"), __version__)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with dated(told.time), tempfile.TemporaryDirectory(dir=folder.parent, prefix=f"{folder.name}.") as made:
+        part = Path(made, folder.name)
+        part.mkdir()
+        progress("wheel and source")
+        package(part)
+        write(part / f"motionsync-{__version__}-fmus.zip", fmus(recipes, flavour, progress))
+        (part / "RELEASE_NOTES.md").write_bytes(told.text.encode())
+        (part / "SHA256SUMS").write_bytes(checksums(part).encode())
+        shutil.rmtree(folder, ignore_errors=True)
+        part.rename(folder)
+
+
+@contextmanager
+def dated(time: int) -> Iterator[None]:
+    """All that is made meanwhile has this time, in s since 1970, unless SOURCE_DATE_EPOCH gives one already.
+
+    Raises:
+        UserError: SOURCE_DATE_EPOCH is no such time.
+    """
+    before = os.environ.get("SOURCE_DATE_EPOCH")
+    os.environ["SOURCE_DATE_EPOCH"] = before or str(time)
+    try:
+        epoch()
+        yield
+    finally:
+        if before is None:
+            del os.environ["SOURCE_DATE_EPOCH"]
+        else:
+            os.environ["SOURCE_DATE_EPOCH"] = before
+
+
+def package(folder: Path) -> None:
+    """The package as wheel and as source.
+
+    Raises:
+        UserError: Hatchling failed.
+    """
+    command = [sys.executable, "-m", "hatchling", "build", "--directory", str(folder)]
+    done = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
+    if done.returncode:
+        raise UserError(f"the package cannot be made: {done.stderr.strip()}")
+
+
+def fmus(recipes: list[Recipe], flavour: Flavour, progress: Progress) -> Files:
+    """What lies in the archive of FMUs: <unit>/<block>_<unit>.fmu and its page, a first page, the licence."""
+    files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first_page(recipes)}
+    with tempfile.TemporaryDirectory() as folder:
+        for i, recipe in enumerate(recipes, 1):
+            name = f"{recipe.unit}/{recipe.name}_{recipe.unit}"
+            progress(f"{name}.fmu ({i} of {len(recipes)})")
+            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"))
+            files |= {f"{name}.fmu": fmu.read_bytes(), f"{name}.html": page(fmu)}
+    return files
+
+
+def first_page(recipes: list[Recipe]) -> bytes:
+    """The page that says what the FMUs are."""
+    values = {
+        "version": __version__,
+        "home": HOME,
+        "units": list(dict.fromkeys(recipe.unit for recipe in recipes)),
+        "blocks": {recipe.name: summary(BLOCKS[recipe.name]) for recipe in recipes},
+    }
+    return TEMPLATES.from_string(Path(__file__).with_name("fmus.html.j2").read_text("utf-8")).render(values).encode()
+
+
+def page(fmu: Path) -> bytes:
+    """An FMU's page with its picture in it, as one file."""
+    with zipfile.ZipFile(fmu) as z:
+        text, picture = (z.read(f"documentation/{name}") for name in ("index.html", PICTURE))
+    source = b'src="data:image/svg+xml;base64,' + base64.b64encode(picture) + b'"'
+    return text.replace(b'src="' + PICTURE.encode() + b'"', source)
+
+
+def checksums(folder: Path) -> str:
+    return "".join(f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in listed(folder))
+
+
+def listed(folder: Path) -> Iterator[Path]:
+    """The files in a folder, by name."""
+    yield from sorted(folder.iterdir())
+
+
+def main() -> None:
+    """Make the release of all FMUs in build/release, and list its files."""
+    folder = ROOT / "build" / "release"
+    try:
+        release(folder, RECIPES, Flavour.NATIVE, lambda text: print(text, flush=True))
+    except UserError as e:
+        sys.exit(f"release: {e}")
+    for file in listed(folder):
+        print(f"{file.relative_to(ROOT)}  {file.stat().st_size / 1000:.0f} kB")
+
+
+if __name__ == "__main__":
+    main()
