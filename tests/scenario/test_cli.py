@@ -12,6 +12,7 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from html.parser import HTMLParser
+from importlib import import_module
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -26,12 +27,13 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__, cli
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.commands import run
-from motionsync_fmu.pages import results
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.pages import console, results
 from motionsync_fmu.scenario.shipped import FILE, LINES, find
 from tests import ROOT
 from tests.support.fmus import Fmus, Shared
 
-COMMANDS = ("build", "list", "describe", "run", "line")
+COMMANDS = ("build", "list", "describe", "new", "run", "line", "error")
 FLAVOURS = ("native", "python")
 PYTHON = ("--flavour", "python")  # the quicker one to build, where either shows it
 
@@ -227,6 +229,16 @@ def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync
     assert (recording["slave.position"][-1], recording["local.transition_distance"][-1]) == (-20.0, 15.0)
 
 
+def test_names_of_blocks_flavours_units_and_members_may_have_any_case(motionsync: Command) -> None:
+    start = ("--start", "curve=parabola", "--unit", "DEG", "--flavour", "PYTHON", "--folder", "here")
+    assert motionsync("build", "synchronizer", *start).status == 0
+    fmu = Path("here/python/Synchronizer.fmu")
+    assert start_value(fmu, "curve") == "1"
+    assert "deg" in motionsync("describe", fmu).out.split()
+    assert motionsync("describe", "FLYINGSAW", "--unit", "M").out.startswith("FlyingSaw: ")
+    assert "FlyingSaw/cyclic_cut" in motionsync("list", "flyingsaw").out
+
+
 def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:
     assert motionsync("build", "Synchronizer", "--folder", "here").status == 0
     assert process(tmp_path, "build", "Synchronizer", "--folder", "there").status == 0
@@ -259,7 +271,8 @@ def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Comma
     ("arguments", "parts"),
     [
         (("Nope",), ("'Nope'", "Synchronizer")),
-        (("synchronizer",), ("'synchronizer'", "Synchronizer")),
+        (("Synchroniser",), ("'Synchroniser'", "did you mean Synchronizer")),
+        (("Synchronizer", "--flavour", "nativ"), ("'nativ' is not one of 'native', 'python'",)),
         (("Synchronizer", "Nope"), ("'Nope'",)),
         (("Synchronizer", "--unit", "km"), ("km", "mm", "deg")),
         (("Synchronizer", "--start", "rest_value"), ("rest_value", "NAME=VALUE")),
@@ -350,7 +363,7 @@ def test_list_tells_of_a_broken_scenario_in_one_line(motionsync: Command) -> Non
 def test_describe_shows_every_variable_and_choice(motionsync: Command, unit: str, velocity: str) -> None:
     done = motionsync("describe", "Synchronizer", "--unit", unit)
     assert (done.status, done.err) == (0, "")
-    words = done.out.split()
+    words = done.out.replace(",", " ").split()
     for name in ("master.input_mode", "output_phasing", "rest_value", "slave.jerk", "local.peak_acceleration_per_v2"):
         assert name in words
     for text in ("input", "parameter", "output", "local", velocity):
@@ -373,7 +386,9 @@ def test_describe_of_a_built_fmu_shows_its_own_unit_and_start_values(motionsync:
     [
         (("Nope",), ("'Nope'", "Synchronizer")),
         (("Synchronizer", "--unit", "furlong"), ("furlong", "mm")),
-        (("nowhere.fmu",), ("nowhere.fmu",)),
+        (("nowhere.fmu",), ("nowhere.fmu", "no such file")),
+        (("build/native/FlyingSaw",), ("build/native/FlyingSaw", "no such file")),
+        (("FlyingSaw", "--slave-unit", "deg"), ("slave unit 'deg'", "in its master's unit")),
         (("text.fmu",), ("text.fmu", "not an FMU")),
     ],
 )
@@ -382,6 +397,77 @@ def test_a_mistake_in_describe_is_one_line(
 ) -> None:
     Path("text.fmu").write_text("no FMU")
     assert_one_line(motionsync("describe", *arguments), *parts)
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_describe_tells_the_fault_codes(motionsync: Command, name: str) -> None:
+    """Each code of the block's faults stands there, with its sentence."""
+    module = import_module(type(Recipe(name).block()).__module__.replace(".block", ".faults"))
+    _, _, told = motionsync("describe", name).out.partition("Fault codes")
+    assert told
+    for fault in module.Fault:
+        if fault.value:
+            assert re.search(rf"^  {fault.value} .*{fault.name}: {re.escape(fault.description)}$", told, re.MULTILINE)
+
+
+def test_describe_fits_a_terminal_of_80_columns(monkeypatch: pytest.MonkeyPatch, motionsync: Command) -> None:
+    monkeypatch.setattr(console.out, "_force_terminal", True)
+    monkeypatch.setattr(console.out, "_width", 80)
+    monkeypatch.setattr(console.out, "no_color", True)
+    for name in BLOCKS:
+        lines = re.sub(r"\x1b\[[0-9;]*m", "", motionsync("describe", name).out).splitlines()
+        headings = [line for line in lines if not line.startswith(" ")]
+        assert [line for line in lines if len(line) > 80 and line not in headings] == []
+
+
+@pytest.mark.parametrize(
+    "asked", [("17118",), ("0x42DE",), ("0x42de",), ("flyingsaw", "17118"), ("must", "LIE", "ahead")]
+)
+def test_error_explains_a_code(motionsync: Command, asked: tuple[str, ...]) -> None:
+    done = motionsync("error", *asked)
+    assert (done.status, done.err) == (0, "")
+    assert done.out.startswith(
+        "FlyingSaw, 17118 = 0x42DE (NOT_AHEAD)\n  refused (0x42DE): both sync positions must lie"
+    )
+    assert "gear_in_pos.error_id" in done.out
+    assert "master.position" in done.out
+
+
+def test_error_tells_all_blocks_that_have_a_code(motionsync: Command) -> None:
+    assert re.findall(r"^(\w+), 2 ", motionsync("error", "2").out, re.MULTILINE) == ["Gearing", "Follower"]
+    assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
+
+
+@pytest.mark.parametrize(
+    ("asked", "parts"),
+    [
+        (("17000",), ("fault code 17000", "17006 = 0x426E (FlyingSaw)")),
+        (("Follower", "17118"), ("fault code 17118", "14 (Follower)")),
+        (("purple", "elephant"), ("'purple elephant'", "motionsync describe")),
+    ],
+)
+def test_an_unknown_code_is_one_line_with_the_nearest(
+    motionsync: Command, asked: tuple[str, ...], parts: tuple[str, ...]
+) -> None:
+    assert_one_line(motionsync("error", *asked), *parts)
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_a_new_scenario_runs_as_expected(motionsync: Command, fmus: Fmus, name: str) -> None:
+    fmus.copied(Flavour.PYTHON, name, Path("build"))
+    made = motionsync("new", name.lower(), "mine/first")
+    assert (made.status, made.err) == (0, "")
+    file = Path("mine/first/scenario.toml")
+    assert made.out.splitlines()[:2] == [f"written: {file}", f"run it:  motionsync run {file.parent} --open"]
+    assert file.read_text("utf-8").count("\n# ") >= 4
+    done = motionsync("run", "mine/first", *PYTHON, "--no-report")
+    assert (done.status, done.err) == (0, "")
+    assert ": as expected\n" in done.out
+    assert_one_line(motionsync("new", name, "mine/first"), str(file), "exists")
+
+
+def test_an_unknown_command_is_one_line(motionsync: Command) -> None:
+    assert_one_line(motionsync("runn"), "No such command 'runn'", "describe", "new")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -396,7 +482,8 @@ def test_the_help_of_each_command_has_an_example_that_works(command: str) -> Non
 def test_help_lists_the_commands() -> None:
     text = CliRunner().invoke(cli.app, ["--help"]).output
     for command in COMMANDS:
-        assert re.search(rf"^ +{command} ", text, re.MULTILINE)
+        assert re.search(rf"^ +{command} .*\.$", text, re.MULTILINE)
+    assert "..." not in text.partition("Commands:")[2]
 
 
 # --- run ---
@@ -854,6 +941,9 @@ def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
         (("synchronizer",), ("no such file or folder", "did you mean Synchronizer or ")),
         (("stop", "nowhere/scenario.toml"), (str(Path("nowhere/scenario.toml")), "no such file or folder")),
         (("empty",), ("empty", "no scenario.toml")),
+        (("stop", "--step-size", "abc"), ("--step-size abc", "a number of seconds")),
+        (("line",), ("this is a line", "motionsync line line")),
+        (("line/line.toml",), ("this is a line", f"motionsync line {Path('line/line.toml')}")),
         (("stop", "--step-size", "0"), ("--step-size 0", "> 0")),
         (("stop", "--step-size", "-0.01"), ("--step-size -0.01", "> 0")),
         (("stop", "--step-size", "0.6"), ("--step-size 0.6", "stop time")),
@@ -864,6 +954,7 @@ def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
 )
 def test_a_mistake_in_run_is_one_line(workshop: Command, arguments: tuple[str, ...], parts: tuple[str, ...]) -> None:
     Path("empty").mkdir()
+    shutil.copytree(ROOT / "scenarios/line", "line")
     scenario("broken", STOP.replace("step_size = 0.01", "step_size = "))
     assert_one_line(workshop("run", *arguments), *parts)
     assert not Path("build/reports").exists()

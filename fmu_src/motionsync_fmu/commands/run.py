@@ -20,10 +20,19 @@ if TYPE_CHECKING:
     from ..scenario.scenario import Scenario
 
 
+def _seconds(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise UserError(f"--step-size {text}: it must be a number of seconds, as 0.005") from None
+
+
 def run(
     path: Annotated[list[Path], typer.Argument(help="Scenario files, or folders with scenarios in them.")],
     flavour: Annotated[Flavour, typer.Option(case_sensitive=False, help="Which FMU to run.")] = Flavour.NATIVE,
-    step_size: Annotated[float | None, typer.Option(help="In s, instead of the scenario's own.")] = None,
+    step_size: Annotated[
+        float | None, typer.Option(parser=_seconds, metavar="SECONDS", help="Instead of the scenario's own.")
+    ] = None,
     output: Annotated[Path, typer.Option(help="Where results and reports go: OUTPUT/<FMU>/<scenario>/.")] = Path(
         "build/reports"
     ),
@@ -105,9 +114,8 @@ class _Batch:
 def _loaded(paths: list[Path], step_size: float | None) -> _Batch:
     """The scenarios at these paths. Every mistake in them is reported before anything runs."""
     from ..scenario.reader import MOST_STEPS, load
-    from ..scenario.shipped import find
 
-    scenarios = [load(file) for path in paths for file in find(path)]
+    scenarios = [load(file) for path in paths for file in _files(path)]
     folders: dict[str, Path] = {}
     for s in scenarios:
         if (other := folders.setdefault(s.label, s.file)) != s.file:
@@ -126,6 +134,22 @@ def _loaded(paths: list[Path], step_size: float | None) -> _Batch:
     if not kept:
         raise UserError(f"--step-size {step_size:g}: {'; '.join(left_out)}")
     return _Batch(kept, left_out)
+
+
+def _files(path: Path) -> list[Path]:
+    """The scenario files at a path; a line is told where to go."""
+    from ..scenario.shipped import LINES, find
+
+    try:
+        found = find(path)
+    except UserError as no_scenario:
+        try:
+            found = find(path, LINES)
+        except UserError:
+            raise no_scenario from None
+    if any(file.match(LINES) for file in found):
+        raise UserError(f"{path}: this is a line, which another command runs: motionsync line {path}")
+    return found
 
 
 def _build_missing(scenarios: "list[Scenario]", flavour: Flavour) -> None:
