@@ -139,7 +139,7 @@ class Declaration:
         above, below: limits, both of which are refused.
         smallest: the least magnitude of a value other than 0.
         zero: whether 0 itself is allowed.
-        depends: the inputs and parameters on which the value after initialization depends (outputs only).
+        depends: the inputs and parameters on which the value after initialization depends (of outputs and locals).
         codes: what the values of a plain Integer mean; a log message says so when the value changes, but not to 0.
         role: what the variable is to a block that works in cycles; None: nothing.
         wraps_at: a counter that begins again at 0 where it would reach this number; 0: it does not wrap.
@@ -246,7 +246,7 @@ def part(
 ) -> T:
     """An object that is made once with the block, and holds a part of its variables and state.
 
-    `depends`: what the outputs in the part depend on after initialization, by their names in the part.
+    `depends`: what the outputs and locals in the part depend on after initialization, by their names in the part.
     `hidden`: the part's declared fields are not variables of the block; it keeps values that such variables had.
     `slave_unit`: what the part declares in the position unit is in the slave's own position unit.
     """

@@ -234,7 +234,8 @@ def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
 
 
 def test_dependencies_after_initialization_are_the_declared_ones(block: str) -> None:
-    """Moving an input or parameter changes exactly the outputs that say so, for at least one start."""
+    """Moving an input or parameter changes exactly the outputs that say so, for at least one start; local variables,
+    which may be turned to outputs, depend on nothing then."""
     declared = {(v.name, source) for v in variables(BLOCKS[block]()) for source in v.depends}
     found = set()
     for run in drawn(block, 0, 30):
@@ -257,14 +258,14 @@ def moved(v: Variable, value: Any) -> list[Any]:
 
 
 def outputs(block: str, start: dict[str, Any]) -> dict[str, Any] | None:
-    """The outputs after initialization; None if it is refused."""
+    """The outputs and local variables after initialization; None if it is refused."""
     instance = BLOCKS[block]()
     own = {v.name: v for v in variables(instance)}
     for name, value in start.items():
         own[name].cell.set(value)
     if instance.initialize():
         return None
-    return {v.name: v.cell.get() for v in own.values() if v.causality == "output"}
+    return {v.name: v.cell.get() for v in own.values() if not v.settable}
 
 
 # --- reproducible ---

@@ -15,6 +15,7 @@ from motionsync.remote_sync.block import RemoteSync
 from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.interface import Curve
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.turns import Interface
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native import batch, batch_loop
 from motionsync_fmu.native.batch import BatchResult, Failure, simulate_many
@@ -335,7 +336,11 @@ def test_nothing_to_do_is_done() -> None:
             {"start": {"curve": 2**31}},
             "start: curve = 2147483648 at [0, 0] is no Enumeration: it must be a whole number of 32 bits",
         ),
-        ({"start": {"curve": "PARABOLA"}}, "curve is of the type <U8: it must be real numbers or Booleans"),
+        (
+            {"start": {"curve": ["PARABOLA", "PARABEL"]}},
+            "no member of curve is named 'PARABEL'; there is PARABOLA, POLYNOMIAL_3_4_5",
+        ),
+        ({"start": {"rest_value": "PARABOLA"}}, "rest_value is of the type <U8: it must be real numbers or Booleans"),
         ({"start": {"rest_value": 1j}}, "rest_value is of the type complex128: it must be real numbers or Booleans"),
         ({"inputs": {"stop": [[True], [True, False]]}}, "stop is no array: "),
         ({"step_size": None}, "step_size is of the type object: it must be real numbers or Booleans"),
@@ -402,3 +407,61 @@ def test_several_python_threads_may_call_it_at_the_same_time(monkeypatch: pytest
         found = list(pool.map(one, range(24)))
     assert all(f.failures == found[0].failures for f in found)
     assert all(f.values.tobytes() == found[0].values.tobytes() for f in found)
+
+
+# --- names, and turned variables ---
+
+
+def test_members_are_given_by_name_and_a_single_output_too() -> None:
+    position = np.linspace(0.0, 360.0, 73)[:-1]
+    inputs = {"master.position": position, "master.velocity": 500.0, "stop": position >= 10.0}
+    start = {"rest_value": 180.0, "stop": False}
+    by_name = simulate_many(
+        "Synchronizer", 0.01, inputs, "slave.position", start=start | {"curve": ["PARABOLA", "POLYNOMIAL_3_4_5"]}
+    )
+    by_value = simulate_many("Synchronizer", 0.01, inputs, POSITION, start=start | {"curve": [1, 2]})
+    assert by_name.names == ("slave.position",)
+    assert by_name.values.tobytes() == by_value.values.tobytes()
+    assert (by_name["slave.position"][0] != by_name["slave.position"][1]).any()
+    assert simulate_many("Synchronizer", 0.01, inputs, "state", start={"curve": "PARABOLA"}).failures == ()
+
+
+def test_names_of_members_vary_from_step_to_step_as_their_numbers_do() -> None:
+    """A Gearing is started with a mode that is given by name: through both positions, or at the reference position."""
+    names = np.array([["CW_DIRECT"] * 20, ["WITH_CW_REFERENCE_POSITION"] * 20])
+    inputs = {"master.position": np.arange(20) * 1.0, "master.velocity": 100.0, "start": np.arange(20) > 1}
+    inputs |= {"gear_in.reference_position": 10.0, "gear_in.distance": 2.0}
+    outputs = ["state", "slave.position"]
+    by_name = simulate_many("Gearing", 0.01, inputs | {"gear_in.start_mode": names}, outputs)
+    by_value = simulate_many("Gearing", 0.01, inputs | {"gear_in.start_mode": [[1] * 20, [4] * 20]}, outputs)
+    assert by_name.values.tobytes() == by_value.values.tobytes()
+    assert by_name["state"][:, 5].tolist() == [3.0, 1.0]
+
+
+def test_a_real_parameter_that_is_an_input_is_judged_at_each_step_with_its_own_range() -> None:
+    """k_slave_master may be 1e-12 to 1e12: 0, a tiny number, a negative one, NaN and 2e12 are refused where they come.
+    As a tunable parameter none of them is, for the block itself minds them where it reads them."""
+    bad = [0.0, 1e-13, -1.0, math.nan, 2e12]
+    ratio = np.ones((len(bad) + 1, 4))
+    ratio[range(len(bad)), 2] = bad
+    found, tunable = (
+        simulate_many("Follower", 0.01, {"k_slave_master": ratio}, "state", interface=interface)
+        for interface in (Interface(input="k_slave_master"), None)
+    )
+    allowed = "is not allowed: it must be 1e-12 to 1e+12"
+    told = ["0", "1e-13", "-1", "nan", "2e+12"]
+    unwired = "; an unwired input gives 0"
+    assert found.failures == tuple(
+        Failure(i, 2, f"k_slave_master = {x} {allowed}{unwired if x == '0' else ''}") for i, x in enumerate(told)
+    )
+    assert np.isnan(found["state"][:-1, 2:]).all()
+    assert not np.isnan(found["state"][:, :2]).any()
+    assert tunable.failures == ()
+
+
+def test_turned_variables_are_set_as_the_fmu_has_them_set() -> None:
+    with pytest.raises(UserError, match="parameter: start cannot become a parameter"):
+        simulate_many("Gearing", 0.01, {}, "state", interface=Interface(parameter="start"))
+    fixed = Interface(parameter="gear_in.offset")
+    found = simulate_many("Gearing", 0.01, {"gear_in.offset": [0.0, math.nan]}, "state", interface=fixed)
+    assert found.failures == (Failure(0, 1, "gear_in.offset = nan is not allowed: it must be -1e+12 to 1e+12"),)

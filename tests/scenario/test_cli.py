@@ -24,11 +24,12 @@ from fmpy import simulate_fmu
 from typer.testing import CliRunner
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import __version__, cli
+from motionsync_fmu import __version__, cli, places
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.commands import run
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.pages import console, results
+from motionsync_fmu.native.platforms import here
+from motionsync_fmu.pages import console, progress, results
 from motionsync_fmu.scenario.shipped import FILE, LINES, find
 from tests import ROOT
 from tests.support.fmus import Fmus, Shared
@@ -91,6 +92,7 @@ Command = Callable[..., Outcome]
 def motionsync(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
     """The console script's function, in an empty folder and in this process: a process of its own takes a second."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(progress, "PATIENCE", 1e3)  # a busy machine makes no difference
 
     def call(*arguments: str | Path) -> Outcome:
         monkeypatch.setattr(sys, "argv", ["motionsync", *map(str, arguments)])
@@ -104,6 +106,14 @@ def motionsync(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.C
         return Outcome(status, captured.out, captured.err)
 
     return call
+
+
+@pytest.fixture
+def cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache in place of the user's."""
+    folder = tmp_path_factory.mktemp("cache")
+    monkeypatch.setattr(places, "cache", lambda: folder)
+    return folder
 
 
 def process(folder: Path, *arguments: str, **environment: str) -> Outcome:
@@ -170,12 +180,12 @@ def assert_one_line(outcome: Outcome, *parts: str) -> None:
 
 def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
     done = motionsync("build", "--folder", "here")
-    assert (done.status, done.err) == (0, "")
+    assert done.status == 0
     for flavour in FLAVOURS:
         assert sorted(f.name for f in Path(f"here/{flavour}").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
-    assert [line.split("  ")[0] for line in done.out.splitlines()] == [
-        str(Path(f"here/{flavour}/{name}.fmu")) for name in BLOCKS for flavour in FLAVOURS
-    ]
+    targets = [str(Path(f"here/{flavour}/{name}.fmu")) for name in BLOCKS for flavour in FLAVOURS]
+    assert [line.split("  ")[0] for line in done.out.splitlines()] == targets
+    assert [line.rstrip(".") for line in done.err.splitlines()] == [f"building {target} " for target in targets]
 
 
 def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
@@ -906,24 +916,50 @@ def test_a_reference_that_cannot_be_used_is_one_line(
     assert_one_line(workshop("run", "stop", "--no-report"), part)
 
 
-def test_a_missing_fmu_is_built_and_told(motionsync: Command) -> None:
+def test_a_missing_fmu_is_built_for_this_machine_and_told(motionsync: Command, cache: Path) -> None:
     scenario("stop")
-    fmu = Path("build/native/Synchronizer.fmu")
     first = motionsync("run", "stop", "--no-report", "--json")
-    assert (first.status, first.err) == (0, f"{fmu} was missing: built\n")
+    assert first.status == 0
+    told = re.fullmatch(r"building (\S+), for this machine alone \.\.+\n", first.err)
+    assert told
     assert json.loads(first.out)[0]["passed"]
+    fmu = Path(told[1])
+    assert fmu.is_relative_to(cache)
+    assert fmu.is_file()
+    assert not Path("build/native").exists()
+    with zipfile.ZipFile(fmu) as z:
+        libraries = [name for name in z.namelist() if name.startswith("binaries/")]
+    row = here()
+    assert row
+    assert libraries == [row.library("Synchronizer")]
+    assert description(fmu).get("guid") == Recipe("Synchronizer").guid()
     second = motionsync("run", "stop", "--no-report")
     assert (second.status, second.err) == (0, "")
 
 
-def test_a_stale_fmu_is_rebuilt_and_told(workshop: Command, built: Path) -> None:
-    fmu = Path("build/native/Synchronizer.fmu")
-    fresh = (built / "native/Synchronizer.fmu").read_bytes()
-    assert workshop("build", "Synchronizer", "--start", "rest_value=5", "--folder", "other").status == 0
-    for other in (the_fmu("other/native").read_bytes(), b"no FMU", fresh[:3000], b""):
+def test_a_stale_fmu_is_left_alone_and_another_one_is_run(workshop: Command, built: Path, cache: Path) -> None:
+    fmu = Path("build/python/Synchronizer.fmu")
+    fresh = fmu.read_bytes()
+    assert workshop("build", "Synchronizer", *PYTHON, "--start", "rest_value=5", "--folder", "other").status == 0
+    for other in (the_fmu("other").read_bytes(), b"no FMU", fresh[:3000], b""):
         fmu.write_bytes(other)
-        done = workshop("run", "stop", "--no-report")
-        assert (done.status, done.err) == (0, f"{fmu} was stale: built\n")
+        done = workshop("run", "stop", "--no-report", *PYTHON)
+        assert done.status == 0
+        assert fmu.read_bytes() == other
+        (run,) = cache.rglob("*.fmu")
+        assert run.read_bytes() == fresh
+
+
+def test_a_damaged_fmu_in_the_cache_is_built_anew(motionsync: Command, cache: Path) -> None:
+    scenario("stop")
+    assert motionsync("run", "stop", "--no-report", *PYTHON).status == 0
+    (fmu,) = cache.rglob("*.fmu")
+    fresh = fmu.read_bytes()
+    for other in (b"no FMU", fresh[:3000], b""):
+        fmu.write_bytes(other)
+        done = motionsync("run", "stop", "--no-report", *PYTHON)
+        assert done.status == 0
+        assert done.err.startswith(f"building {fmu} ..")
         assert fmu.read_bytes() == fresh
 
 

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from ..build import Flavour, fmu_path, outdated
-from ..build import build as build_fmu
+from .. import places
+from ..build import Flavour
+from ..builds import at_hand, ready
 from ..errors import Interrupted, UserError
 from ..pages.console import err, out
+from ..pages.progress import doing
 
 if TYPE_CHECKING:
     from ..scenario.outcome import Outcome
@@ -29,13 +31,15 @@ def _seconds(text: str) -> float:
 
 def run(
     path: Annotated[list[Path], typer.Argument(help="Scenario files, or folders with scenarios in them.")],
-    flavour: Annotated[Flavour, typer.Option(case_sensitive=False, help="Which FMU to run.")] = Flavour.NATIVE,
+    flavour: Annotated[
+        Flavour | None, typer.Option(case_sensitive=False, help="Which FMU to run; native if it can be compiled.")
+    ] = None,
     step_size: Annotated[
         float | None, typer.Option(parser=_seconds, metavar="SECONDS", help="Instead of the scenario's own.")
     ] = None,
-    output: Annotated[Path, typer.Option(help="Where results and reports go: OUTPUT/<FMU>/<scenario>/.")] = Path(
-        "build/reports"
-    ),
+    output: Annotated[
+        Path | None, typer.Option(help="Where results and reports go: OUTPUT/<FMU>/<scenario>/; else to build/reports.")
+    ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")] = False,
     show: Annotated[bool, typer.Option("--open", help="Open the report in the browser.")] = False,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Print all that was judged and logged.")] = False,
@@ -46,7 +50,8 @@ def run(
     A scenario has one line: ok or NOT, its name, its cuts, and the slave's greatest velocity v, acceleration a (or
     deceleration d) and jerk j beside the limits of its axis. A ! marks what is not judged, but has to be known.
 
-    An FMU that is missing or stale is built first. The exit status is 1 if anything was not as expected.
+    Without an up-to-date FMU in build/<flavour>/, one for this machine is built in the user's cache. The exit status is
+    1 if anything was not as expected.
 
     Examples:
 
@@ -57,15 +62,17 @@ def run(
     if show and no_report:
         raise UserError("--open shows the report, which --no-report leaves out")
     batch = _loaded(path, step_size)
-    _build_missing(batch.scenarios, flavour)
+    fmus = ready([s.recipe for s in batch.scenarios], flavour or at_hand(err.print)[0])
+    fmu_of = dict(zip((s.label for s in batch.scenarios), fmus, strict=True))
+    folder = output or places.output() / "reports"
 
     def judged(s: "Scenario") -> "Outcome":
-        return _run(s, flavour, output, own_step=step_size is None, report=not no_report)
+        return _run(s, fmu_of[s.label], folder, own_step=step_size is None, report=not no_report)
 
     try:
         batch.go(judged, lambda outcome: None if as_json else _print(outcome, batch, verbose=verbose))
     finally:  # after an interruption, too
-        _close(batch, output, as_json=as_json, show=show)
+        _close(batch, folder, as_json=as_json, show=show)
     if batch.refused:
         raise UserError("; ".join(map(str, batch.refused)))
     if not all(outcome.passed for outcome in batch.outcomes):
@@ -99,7 +106,7 @@ class _Batch:
         """
         for number, s in enumerate(self.scenarios, 1):
             try:
-                with err.status(s.name if self.alone else f"{number} of {len(self.scenarios)}: {s.label}"):
+                with doing(f"running {s.label} ({number} of {len(self.scenarios)})", at_once=False):
                     outcome = judged(s)
             except UserError as e:  # told at the end: the other scenarios' results are kept
                 self.refused.append(e)
@@ -152,19 +159,10 @@ def _files(path: Path) -> list[Path]:
     return found
 
 
-def _build_missing(scenarios: "list[Scenario]", flavour: Flavour) -> None:
-    """Build the FMUs of these scenarios that are missing or stale."""
-    for target, recipe in {fmu_path(s.recipe, Path("build"), flavour): s.recipe for s in scenarios}.items():
-        if why := outdated(target, recipe):
-            build_fmu(flavour, recipe, target, err.print)
-            err.print(f"{target} was {why}: built")
-
-
-def _run(s: "Scenario", flavour: Flavour, output: Path, *, own_step: bool, report: bool) -> "Outcome":
+def _run(s: "Scenario", fmu: Path, output: Path, *, own_step: bool, report: bool) -> "Outcome":
     from ..pages.results import write_outcome
     from ..scenario.run import simulate
 
-    fmu = fmu_path(s.recipe, Path("build"), flavour)
     recording = simulate(s, fmu, s.step_size)
     return write_outcome(s, fmu, recording, output / s.label, own_step=own_step, report=report)
 

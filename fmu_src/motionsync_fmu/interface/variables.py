@@ -131,11 +131,10 @@ class Variable:
 
     def refusal(self, value: Any) -> str:
         """Why a value is not allowed, naming variable, value and range; empty if it is."""
-        return (
-            ""
-            if self.allows(value)
-            else f"{self.name} = {shown(value)} is not allowed: it must be {self.allowed_range}"
-        )
+        if self.allows(value):
+            return ""
+        unwired = "; an unwired input gives 0" if self.causality == "input" and value == 0 else ""
+        return f"{self.name} = {shown(value)} is not allowed: it must be {self.allowed_range}{unwired}"
 
 
 def summary(thing: Any) -> str:
@@ -210,8 +209,8 @@ def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool =
 
 
 def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
-    """For each output whose part declares its dependencies: the inputs and parameters on which the output depends after
-    the initialization."""
+    """For each output or local whose part declares its dependencies: the inputs and parameters on which it depends
+    after the initialization."""
     found: dict[str, tuple[str, ...]] = {}
     for f in fields(block):
         value = getattr(block, f.name)

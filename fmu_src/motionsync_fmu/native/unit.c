@@ -180,12 +180,17 @@ static bool allows(Unit *u, const Variable *v) {
     return false;
 }
 
+static bool is_zero(Unit *u, const Variable *v) {
+    return v->kind == REAL ? *(double *)at(&u->now.model, v) == 0.0 : *(int64_t *)at(&u->now.model, v) == 0;
+}
+
 /* Whether a variable has an allowed value; if not, an error is logged. */
 static bool judge(Unit *u, const Variable *v) {
     if (allows(u, v)) return true;
     Text text = {.length = 0};
     append_value(&text, u, v);
-    append(&text, " is not allowed: it must be %s", words(v->range));
+    const char *unwired = v->access == INPUT && is_zero(u, v) ? "; an unwired input gives 0" : "";
+    append(&text, " is not allowed: it must be %s%s", words(v->range), unwired);
     unit_say(u, UNIT_ERROR, text.bytes);
     return false;
 }

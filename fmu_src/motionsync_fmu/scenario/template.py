@@ -14,7 +14,7 @@ COMMENTS = {
     '# [[on]] with when = "in_sync" or another output reacts instead: scenarios/README.md tells all tables.',
     "[[expect]]": "# What has to come out; motionsync run tells what does not. Values hold at a time (at), an event\n"
     "# happens for the first time (when, time), limits hold for a while (from, to).",
-    "[cuts]": "# The slave is a saw, the master its material: where its marks lie, and how many are cut. A saw that meets\n"
+    "[cuts]": "# The slave is a saw, the master its material: where its marks lie, and how many are cut. What meets\n"
     "# master_sync_position with slave_sync_position cuts at master_sync_position - slave_sync_position / ratio.",
 }
 HEAD = """\

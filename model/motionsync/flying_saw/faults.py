@@ -34,7 +34,7 @@ class Fault(Enumeration):
     FACTOR = (
         0x425B,
         "refused (0x425B): the coupling factor must be finite, its numerator not 0 and its denominator at least 1; an "
-        "unwired connection gives 0",
+        "unwired input gives 0",
         *RATIO,
     )
     MASTER_STANDING = (

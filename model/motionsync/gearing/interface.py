@@ -177,4 +177,4 @@ class GearingInterface:
     gearing: Ratio = var.part(Ratio)
     gear_in: GearIn = var.part(GearIn)
     gear_out: GearOut = var.part(GearOut)
-    local: Local = var.part(Local)
+    local: Local = var.part(Local, depends={"line_offset": ("slave.initial_position", "slave.period")})

@@ -103,4 +103,5 @@ def test_each_fault_and_each_dependency_names_variables_of_the_block() -> None:
     known = {v.name for v in variables(Gearing())}
     assert all(set(fault.names) <= known for fault in Fault)
     dependent = {v.name: v.depends for v in variables(Gearing()) if v.depends}
-    assert dependent == {"slave.position": ("slave.initial_position", "slave.period")}
+    start = ("slave.initial_position", "slave.period")
+    assert dependent == {"slave.position": start, "local.line_offset": start}
