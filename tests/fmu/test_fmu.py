@@ -749,3 +749,20 @@ def test_libcosim_gives_the_remote_axis_of_fmpy(tmp_path: Path, flavour: Flavour
     lags = [i * h * 250.0 - cosim[i]["slave.position"] for i in range(400, 600)]
     assert max(map(abs, lags)) < 0.05 * 250.0 * h
     assert_fmpy_gives(cosim, fmu, plan, h)
+
+
+@pytest.mark.parametrize("flavour", ["python", "native"])
+def test_an_exceeded_limit_is_logged_once_with_its_value(fmus: Fmus, flavour: str) -> None:
+    """A move of a FlyingSaw at 300 u/s, whose axis can do 200; its end takes the output back."""
+    told = []
+    with FmuInstance(getattr(fmus, flavour)("FlyingSaw")) as saw:
+        saw.initialize({"axis.max_velocity": 200.0, "move_absolute.position": 900.0, "move_absolute.velocity": 300.0})
+        for _ in range(40):
+            saw.step(0.1, {"move_absolute.execute": True})
+            told.append(saw.get(["limit_exceeded"])["limit_exceeded"])
+        messages = [text for text in saw.messages if "limit exceeded" in text]
+    assert told == [True] * sum(told) + [False] * (40 - sum(told))
+    assert 30 < sum(told) < 40  # 3 s at 300 u/s, with short ramps
+    assert len(messages) == 1
+    assert "local.exceeded_value = 300" in messages[0]
+    assert "axis.max_velocity = 200" in messages[0]
