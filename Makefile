@@ -55,7 +55,7 @@ benchmark: $(TESTABLE) ## what a step costs, what plans and accuracy are like
 	$(BIN)/python benchmarks/accuracy.py
 
 release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, notes, checksums
-	$(BIN)/python -m tools.release
+	@$(ALIVE) $(BIN)/python -m tools.release
 
 clean: ## remove whatever was made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
