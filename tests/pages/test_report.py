@@ -119,7 +119,7 @@ def test_plotly_js_is_the_one_that_was_looked_at() -> None:
     assert b"</script" not in text
     readme = BUNDLE.with_name("README.md").read_text("utf-8")
     assert f"plotly.js {get_plotlyjs_version()}," in readme
-    assert "MIT" in BUNDLE.with_name("plotly-LICENSE.txt").read_text("utf-8")
+    assert "MIT" in BUNDLE.with_name("plotly-basic.MIT.txt").read_text("utf-8")
 
 
 def test_the_charts_are_what_plotly_js_takes(runs: dict[str, Run]) -> None:
