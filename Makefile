@@ -2,23 +2,26 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-READY := $(VENV)/ready
-FLAGSHIP := scenarios/FlyingSaw/cyclic_cut
+READY := $(VENV)/ready-native
+WIRABLE := $(READY) $(VENV)/ready-line
+TESTABLE := $(VENV)/ready-test
+ALIVE = while sleep 1; do printf .; done & dots=$$!; trap "kill $$dots; echo" EXIT;
+FLAGSHIP := FlyingSaw/cyclic_cut
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
-.PHONY: run line quick check test build lint format references pictures benchmark clean help
+.PHONY: run line quick check test build lint format references pictures benchmark release clean help
 
-run: build ## build the FMUs and simulate the flagship scenario
+run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
 
-line: $(READY) ## wire a remote axis through RemoteSync into its followers, and tell the errors
-	$(BIN)/motionsync line scenarios/line
+line: $(WIRABLE) ## wire a remote axis through RemoteSync into its followers, and tell the errors
+	$(BIN)/motionsync line
 
-quick: $(READY) ## what the blocks do, without an FMU: about a minute
+quick: $(TESTABLE) ## what the blocks do, without an FMU: about a minute
 	$(BIN)/python -m pytest --quick --numprocesses 2 --dist worksteal tests/model tests/native/test_subset.py \
 		tests/native/test_memory_layout.py $(PYTEST)
 
-check: $(READY) ## one block, B=gearing say: its tests, its scenarios in this process, its compiled code
+check: $(TESTABLE) ## one block, B=gearing say: its tests, its scenarios in this process, its compiled code
 	@$(if $(filter $(B),$(BLOCKS)),:,echo "make check B=<block>: the blocks are $(BLOCKS)" >&2; exit 2)
 	$(BIN)/python -m pytest --block $(B) tests/model/$(B) tests/model/test_scenarios.py \
 		tests/native/test_same_bits.py::test_the_drawn_runs_meet_all_that_can_happen $(PYTEST)
@@ -29,27 +32,30 @@ test: lint ## everything that proves the project; PYTEST="-k edge" passes option
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build
 
-lint: $(READY) ## style and types
+lint: $(TESTABLE) ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-format: $(READY) ## repair the style
+format: $(TESTABLE) ## repair the style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-references: $(READY) ## the cross-check files of all scenarios, from the scripts and the oracles
+references: $(TESTABLE) ## the cross-check files of all scenarios, from the scripts and the oracles
 	$(BIN)/python -m tests.regenerate
 
 pictures: $(READY) ## the README's pictures
 	$(BIN)/python -m motionsync_fmu.pages.pictures docs
 
-benchmark: $(READY) ## what a step costs, what plans and accuracy are like
+benchmark: $(TESTABLE) ## what a step costs, what plans and accuracy are like
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/accuracy.py
+
+release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, notes, checksums
+	@$(ALIVE) $(BIN)/python -m tools.release
 
 clean: ## remove whatever was made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
@@ -59,7 +65,8 @@ clean: ## remove whatever was made
 help: ## these lines
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
 
-$(READY): pyproject.toml
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[test]'
-	touch $@
+.SECONDARY:
+$(VENV)/ready-%: pyproject.toml # the extra of that name
+	@echo "installing motionsync[$*] into $(VENV)"
+	@$(ALIVE) $(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --editable '.[$*]'
+	@touch $@

@@ -21,14 +21,14 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import HOME, __version__
-from motionsync_fmu.archive import Files, epoch, write
+from motionsync_fmu.archive import Files, build_time, write
 from motionsync_fmu.build import Flavour, build
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
@@ -38,7 +38,6 @@ from motionsync_fmu.pages.style import TEMPLATES
 
 ROOT = Path(__file__).parent.parent
 UNITS = ("mm", "m", "deg")
-RECIPES = [Recipe(block, unit) for unit in UNITS for block in BLOCKS]
 SECTION = r"^## \[{version}\] - (\d{{4}})-(\d\d)-(\d\d)$(.*?)(?=^## |^\[[^]]+\]: |\Z)"  # of Keep a Changelog
 Progress = Callable[[str], None]
 
@@ -72,8 +71,16 @@ def notes(changelog: str, version: str) -> Notes:
     return Notes(found[4].strip() + "\n", calendar.timegm((year, month, day, 0, 0, 0)))
 
 
-def release(folder: Path, recipes: list[Recipe], flavour: Flavour, progress: Progress) -> None:
-    """Make a release in a folder that then holds nothing else; `progress` is called with a line before each task.
+def release(
+    folder: Path,
+    progress: Progress,
+    blocks: Iterable[str] = BLOCKS,
+    units: Iterable[str] = UNITS,
+    flavour: Flavour = Flavour.NATIVE,
+) -> None:
+    """Make a release in a folder that then holds nothing else.
+
+    `progress` is called with a line of text before each task. There is an FMU of each block in each unit.
 
     Raises:
         UserError: the changelog says nothing of this version, or an FMU cannot be built.
@@ -85,7 +92,7 @@ def release(folder: Path, recipes: list[Recipe], flavour: Flavour, progress: Pro
         part.mkdir()
         progress("wheel and source")
         package(part)
-        write(part / f"motionsync-{__version__}-fmus.zip", fmus(recipes, flavour, progress))
+        write(part / f"motionsync-{__version__}-fmus.zip", fmus(list(blocks), list(units), flavour, progress))
         (part / "RELEASE_NOTES.md").write_bytes(told.text.encode())
         (part / "SHA256SUMS").write_bytes(checksums(part).encode())
         shutil.rmtree(folder, ignore_errors=True)
@@ -102,7 +109,7 @@ def dated(time: int) -> Iterator[None]:
     before = os.environ.get("SOURCE_DATE_EPOCH")
     os.environ["SOURCE_DATE_EPOCH"] = before or str(time)
     try:
-        epoch()
+        build_time()
         yield
     finally:
         if before is None:
@@ -123,25 +130,26 @@ def package(folder: Path) -> None:
         raise UserError(f"the package cannot be made: {done.stderr.strip()}")
 
 
-def fmus(recipes: list[Recipe], flavour: Flavour, progress: Progress) -> Files:
+def fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: Progress) -> Files:
     """What lies in the archive of FMUs: <unit>/<block>_<unit>.fmu and its page, a first page, the licence."""
-    files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first_page(recipes)}
+    files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first_page(blocks, units)}
+    recipes = [Recipe(block, unit) for unit in units for block in blocks]
     with tempfile.TemporaryDirectory() as folder:
         for i, recipe in enumerate(recipes, 1):
             name = f"{recipe.unit}/{recipe.name}_{recipe.unit}"
             progress(f"{name}.fmu ({i} of {len(recipes)})")
-            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"))
+            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress)
             files |= {f"{name}.fmu": fmu.read_bytes(), f"{name}.html": page(fmu)}
     return files
 
 
-def first_page(recipes: list[Recipe]) -> bytes:
+def first_page(blocks: list[str], units: list[str]) -> bytes:
     """The page that says what the FMUs are."""
     values = {
         "version": __version__,
         "home": HOME,
-        "units": list(dict.fromkeys(recipe.unit for recipe in recipes)),
-        "blocks": {recipe.name: summary(BLOCKS[recipe.name]) for recipe in recipes},
+        "units": units,
+        "blocks": {block: summary(BLOCKS[block]) for block in blocks},
     }
     return TEMPLATES.from_string(Path(__file__).with_name("fmus.html.j2").read_text("utf-8")).render(values).encode()
 
@@ -167,7 +175,7 @@ def main() -> None:
     """Make the release of all FMUs in build/release, and list its files."""
     folder = ROOT / "build" / "release"
     try:
-        release(folder, RECIPES, Flavour.NATIVE, lambda text: print(text, flush=True))
+        release(folder, lambda text: print(text, flush=True))
     except UserError as e:
         sys.exit(f"release: {e}")
     for file in listed(folder):

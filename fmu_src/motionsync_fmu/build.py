@@ -2,7 +2,7 @@
 
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from importlib import metadata
 from importlib.resources import files as package_files
@@ -12,9 +12,11 @@ from xml.etree.ElementTree import ParseError, fromstring
 
 from .archive import Files, build_time, digest, runtime, sources, write
 from .errors import UserError
+from .extras import how_to_install
 from .interface.fmi2_xml import describe, finish
 from .interface.recipe import Recipe
 from .interface.variables import variables
+from .native.platforms import ROWS, Platform
 from .native.subset.modules import check
 
 SCRIPT = """from {package}_{tag}.{module} import {name}
@@ -38,9 +40,17 @@ class Flavour(StrEnum):
     PYTHON = "python"
 
 
-def build(flavour: Flavour, recipe: Recipe, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
-    """Build the FMU of a recipe; `progress` is called with a line of text before a task that takes long."""
-    return build_native(recipe, target, progress) if flavour == Flavour.NATIVE else build_python(recipe, target)
+def build(
+    flavour: Flavour,
+    recipe: Recipe,
+    target: Path,
+    progress: Callable[[str], None] = lambda text: None,
+    platforms: Sequence[Platform] = ROWS,
+) -> Path:
+    """Build the FMU of a recipe; `progress` and `platforms`: as for `build_native`."""
+    if flavour == Flavour.NATIVE:
+        return build_native(recipe, target, progress, platforms)
+    return build_python(recipe, target)
 
 
 def build_python(recipe: Recipe, target: Path) -> Path:
@@ -70,10 +80,15 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     return _write(target, recipe, Flavour.PYTHON, files)
 
 
-def build_native(recipe: Recipe, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
-    """Build the FMU with a library for each platform, without Python.
+def build_native(
+    recipe: Recipe,
+    target: Path,
+    progress: Callable[[str], None] = lambda text: None,
+    platforms: Sequence[Platform] = ROWS,
+) -> Path:
+    """Build the FMU with a library for each of these platforms, without Python.
 
-    `progress` is called with a line of text if compiling will take minutes.
+    `progress` is called with lines of text if compiling takes long.
 
     Raises:
         UserError: the compilers are not installed or failed, or the block is outside the kernel subset.
@@ -84,10 +99,10 @@ def build_native(recipe: Recipe, target: Path, progress: Callable[[str], None] =
         from .native import libraries, tables  # noqa: PLC0415 (Numba and zig: needed for this flavour only)
     except ModuleNotFoundError as e:
         raise UserError(
-            f"the native flavour is compiled with {e.name}, which is not installed: install it with "
-            "pip install 'motionsync[native]', or take --flavour python"
+            f"the native flavour is compiled with {e.name}, which is not installed: {how_to_install('native')}; "
+            "or take --flavour python"
         ) from None
-    files = libraries.libraries(block, recipe.guid(), progress, recipe.turned)
+    files = libraries.libraries(block, recipe.guid(), platforms, progress, recipe.turned)
     texts = licences("motionsync", "numba", "ziglang") | libraries.linked_licences()
     files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
     return _write(target, recipe, Flavour.NATIVE, files, tables.abilities(block))

@@ -62,6 +62,12 @@ class Visit:
         """What has been told of the time since `listen`."""
         return list(self.page.evaluate("told"))
 
+    def colours(self, selector: str) -> tuple[str, str]:
+        """The colour of an element's text and of its background."""
+        look = "e => [getComputedStyle(e).color, getComputedStyle(e).backgroundColor]"
+        text, ground = self.page.locator(selector).first.evaluate(look)
+        return text, ground
+
     def overflow(self) -> float:
         """By how many px the page is wider than its window."""
         return float(self.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))

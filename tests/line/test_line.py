@@ -3,7 +3,6 @@
 import json
 import math
 import re
-import shutil
 import sys
 import zipfile
 from collections.abc import Callable
@@ -26,11 +25,9 @@ from motionsync_fmu.line.package import PARAMETERS, Package, write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.variants import RAW, Variant, through
 from motionsync_fmu.scenario.clocks import Rate
-from tests import ROOT
 from tests.support.fmus import Fmus, Shared
+from tests.support.lines import LINES, SAW, SYNCHRONIZER, copied
 
-LINES = ROOT / "scenarios" / "line"
-SAW, SYNCHRONIZER = LINES / "line.toml", LINES / "line_synchronizer.toml"
 CYCLE, PPM, PHASE = 0.002, 300e-6, 0.665  # of line.toml
 
 
@@ -46,21 +43,13 @@ class Examined:
 
 @pytest.fixture(scope="session")
 def output(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder of this process with both lines' packages, whose FMUs are built once for all processes."""
-
-    def fill(folder: Path) -> None:
-        for name in ("FlyingSaw", "Synchronizer"):
-            fmus.copied(Flavour.NATIVE, name, folder)
-        for file in (SAW, SYNCHRONIZER):
-            write_package(load_line(file), folder, lambda text: None)
-
-    own = tmp_path_factory.mktemp("lines")
-    return Path(shutil.copytree(shared.once("lines", fill), own, dirs_exist_ok=True))
+    """A folder of this process with both lines' packages."""
+    return copied(shared, fmus, tmp_path_factory.mktemp("lines"))
 
 
 def examined(file: Path, output: Path) -> Examined:
     line = load_line(file)
-    package = write_package(line, output, pytest.fail)
+    package = write_package(line, Flavour.NATIVE, output, pytest.fail)
     return Examined(line, package, examine(line, package))
 
 
@@ -88,6 +77,17 @@ def integrated(pieces: list[tuple[float, float]], t: float) -> float:
 
 MATERIAL = [(0.5, 0.0), (2.0, 500.0), (6.5, 0.0), (1.5, -200.0), (4.5, 0.0), (2.0, 200.0), (6.0, 0.0), (1.0, -200.0)]
 AXIS = [(0.5, 720.0), (11.5, 0.0), (1.0, -180.0), (4.0, 0.0), (2.0, 180.0)]
+
+
+def test_the_example_of_the_page_is_as_expected(shared: Shared, fmus: Fmus, tmp_path: Path) -> None:
+    """Copied as it stands: one cut, on its mark within what telegrams allow. Its FMUs are those of line.toml."""
+    (example,) = re.findall(r"```toml\n(.*?)```", (LINES / "README.md").read_text(), re.DOTALL)
+    file = tmp_path / SAW.name
+    file.write_text(example)
+    result = examined(file, copied(shared, fmus, tmp_path / "built")).result
+    assert [c for c in result.checks if not c.passed] == []
+    assert any(c.expected.startswith("cuts within 0.05") for c in result.checks)
+    assert result.passed
 
 
 # --- the package ---
@@ -131,7 +131,7 @@ def test_its_parameters_are_inside(saw: Examined) -> None:
 
 def test_a_package_is_the_same_every_time(saw: Examined, output: Path) -> None:
     before = saw.package.ssp.read_bytes()
-    write_package(saw.line, output, pytest.fail)
+    write_package(saw.line, Flavour.NATIVE, output, pytest.fail)
     assert saw.package.ssp.read_bytes() == before
 
 
@@ -335,7 +335,7 @@ def test_without_libcosim_it_says_so_and_runs_the_package(
     monkeypatch.setitem(sys.modules, "libcosimpy.CosimEnums", None)
     done = motionsync(short(tmp_path / "line.toml"), "--no-report")
     assert done.status == 0
-    assert "not run in libcosim: libcosimpy is not installed: pip install 'motionsync[line]'" in done.out
+    assert "not run in libcosim: libcosimpy is not installed (pip install '.[line]'" in done.out
     assert "agree" not in done.out
     assert "RemoteSync, PHASE" in done.out
 
@@ -343,7 +343,7 @@ def test_without_libcosim_it_says_so_and_runs_the_package(
 @pytest.mark.parametrize(
     ("change", "broken"),
     [
-        (("tolerance = 0.05", "tolerance = 1e-6"), "cuts within 1e-06"),
+        (("tolerance = 0.05", "tolerance = 1e-6"), "cuts within 0.000001 mm"),
         (("sender_cycle = 0.001994017946161515", "sender_cycle = 0.0020"), "RemoteSync in sync: found never"),
     ],
 )

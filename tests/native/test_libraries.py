@@ -242,7 +242,7 @@ def test_a_missing_compiler_is_told_with_the_remedy(module: str, tmp_path: Path)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
     assert f"compiled with {module}" in done.stderr
-    assert "pip install 'motionsync[native]'" in done.stderr
+    assert "pip install '.[native]'" in done.stderr
     assert "--flavour python" in done.stderr
 
 
@@ -253,11 +253,12 @@ def test_a_failing_compiler_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPa
     assert not list(tmp_path.iterdir())
 
 
-def test_a_slow_compilation_is_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_slow_compilation_is_told_target_by_target(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
     monkeypatch.setattr(libraries, "PATIENCE", 0.0)
-    libraries.libraries(RECIPE.block(), RECIPE.guid(), told.append)
-    assert told == [libraries.FIRST_USE]
+    libraries.libraries(RECIPE.block(), RECIPE.guid(), progress=told.append)
+    assert told[0] == libraries.FIRST_USE
+    assert sorted(told[1:]) == sorted(f"compiled for {target}" for row in ROWS for target in row.targets)
 
 
 def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(

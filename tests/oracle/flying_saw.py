@@ -37,6 +37,8 @@ from typing import Any
 from tests.oracle.flying_saw_commands import ABORTED, BUSY, DONE, ERROR, GROUPS, Command, Pulse, shown
 from tests.oracle.flying_saw_curves import ZERO, Curve, value
 from tests.oracle.flying_saw_curves import derivative as derived
+from tests.oracle.flying_saw_limits import INSTANT_STOP, Axis, by_instant, by_motion, by_plan
+from tests.oracle.flying_saw_limits import NONE as WITHIN_LIMITS
 from tests.oracle.flying_saw_motion import Phases, limit_towards, move, ramp, ramp_between, stop
 from tests.oracle.flying_saw_plan import (
     BAD_FACTOR,
@@ -64,6 +66,8 @@ COLUMNS = (
     "in_sync",
     "coupled",
     "error_id",
+    "limit_exceeded",
+    "local.exceeded_limit",
     "characteristics.profile",
     "characteristics.master_position_end",
     "characteristics.slave_position_end",
@@ -189,12 +193,17 @@ class Coupling:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The law and the outputs that hold from a time on; `given`: because of something set at that time."""
+    """The law and the outputs that hold from a time on; `given`: because of something set at that time.
+
+    `axis`: the machine data then; `exceeded`: which limit the motion under way exceeds, as it was planned.
+    """
 
     time: Number
     given: bool
     law: Law | Follow
     outputs: Mapping[str, float]
+    axis: Axis
+    exceeded: int
 
 
 def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[str, float]]:
@@ -237,6 +246,7 @@ class _Run:
         self.coupling: Coupling | None = None
         self.time_based: Request | None = None
         self.error_id = 0
+        self.exceeded = WITHIN_LIMITS
         self.characteristics: dict[str, float] = {f"characteristics.{name}": 0.0 for name in CHARACTERISTICS}
         self.master = _wrapped_start(stretches(script["master"], horizon), self.period)
         self.begins = [stretch.begin for stretch in self.master]
@@ -244,7 +254,8 @@ class _Run:
         self.time = ZERO
         self.given = False
         self.log: list[tuple[Number, str]] = []
-        self.snapshots = [Snapshot(-mp.inf, False, self.law, self._outputs())]
+        self.snapshots: list[Snapshot] = []
+        self._snap(-mp.inf)
         self.grid = _points(script)
         self._run(_gathered(script.get("set", ())), horizon)
         self.pulses = sorted((p for c in self.commands.values() for p in c.pulses), key=lambda p: p.time)
@@ -264,9 +275,13 @@ class _Run:
 
     def _note(self, name: str = "") -> None:
         """The present law and outputs hold from now on."""
-        self.snapshots.append(Snapshot(self.time, self.given, self.law, self._outputs()))
+        self._snap(self.time)
         if name:
             self.log.append((self.time, name))
+
+    def _snap(self, time: Number) -> None:
+        axis = Axis.of(self.inputs)
+        self.snapshots.append(Snapshot(time, self.given, self.law, self._outputs(), axis, self.exceeded))
 
     def _enter(self, stretch: Stretch) -> None:
         """The master goes on by another stretch; a time-based ramp is planned anew where its target jumps."""
@@ -347,6 +362,7 @@ class _Run:
         """The phases from here on; `end`: the velocity, and for a move the position, to which it comes exactly."""
         self.time_based = None
         self.phases, self.own_end, self.own_state = list(phases), end, own_state
+        self.exceeded = by_motion(slave, tuple(phases), Axis.of(self.inputs))
         self._next_phase(slave)
 
     def _next_phase(self, slave: Motion) -> None:
@@ -386,11 +402,12 @@ class _Run:
     def _constant(self, position: Number, velocity: Number) -> None:
         """Free of acceleration at once."""
         self.phases, self.phase_end, self.time_based = [], mp.inf, None
+        self.exceeded = WITHIN_LIMITS
         self.law = Law(self.time, [position, velocity])
 
     def _arrive(self, slave: Motion) -> None:
         """The last phase is over: in sync, or at rest, or at the wanted velocity."""
-        self.phase_end = mp.inf
+        self.phase_end, self.exceeded = mp.inf, WITHIN_LIMITS
         if self.time_based:
             if self._clamped():
                 self.law = Law(self.time, [slave.position, self._target()[0]])
@@ -419,6 +436,7 @@ class _Run:
     def _synchronous(self, factor: Number, slave: Number, master: Number) -> None:
         """From now on the slave is synchronous; in sync unless the coupling waits for a new start."""
         self.phases, self.phase_end, self.time_based = [], mp.inf, None
+        self.exceeded = WITHIN_LIMITS
         self.law = Law(self.time, [slave], factor, master)
         if self.coupling and self.coupling.wait_until is None:
             self.coupling.state, self.coupling.reached = SYNCHRON, True
@@ -441,6 +459,7 @@ class _Run:
         self.coupling.state, self.coupling.wait_until, self.coupling.reached = SYNCHRONIZING, None, False
         self.phases, self.phase_end, self.time_based = [], mp.inf, None
         self._show_characteristics(plan)
+        self.exceeded = by_plan(plan.curve, Axis.of(self.inputs))
         self.log.append((self.time, f"synchronizing, profile {plan.profile}"))
         if not plan.profile:
             self._synchronous(request.factor, slave.position, self._master_now().position)
@@ -556,6 +575,8 @@ class _Run:
         self._stand(slave.position)
         if "instant_stop_on_rollback" not in bits:
             self._halt_parked(slave)
+        elif slave.velocity != 0:
+            self.exceeded = INSTANT_STOP
         self._note()
 
     def _halt_parked(self, slave: Motion) -> None:
@@ -568,6 +589,7 @@ class _Run:
         if curve.pieces:
             self.law = Law(self.time, curve.pieces[0].polynomial)
             self.phase_end = self.time + curve.duration
+            self.exceeded = by_plan(curve, Axis.of(self.inputs))
 
     def _passed_forwards(self) -> None:
         """The master passes the coupling position again: a parked slave is synchronised anew."""
@@ -796,6 +818,8 @@ class _Run:
         for pulse in self._pulses(t, side):
             synchronizing = outputs["coupled"] != 0 and state != PREPHASE
             outputs |= shown(pulse.group, pulse.shows, pulse.error_id, synchronizing)
+        found = {snapshot.exceeded, by_instant((s, v, a, j), snapshot.axis)} if t > 0 else set()
+        exceeded = min(found - {WITHIN_LIMITS}, default=WITHIN_LIMITS)
         row = {
             "time": float(t),
             "slave.position": float(s) + 0.0,
@@ -804,6 +828,8 @@ class _Run:
             "slave.jerk": float(j) + 0.0,
             "state": float(state),
             "state_code": float(state),
+            "limit_exceeded": float(exceeded != WITHIN_LIMITS),
+            "local.exceeded_limit": float(exceeded),
         }
         return row | outputs
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 from motionsync_fmu.scenario.crosscheck import inputs_csv
@@ -300,10 +301,10 @@ def test_the_slave_may_be_behind_by_design(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("accuracy", "found"),
     [
-        ("index = 1.0\nposition = 0.1", [("0.999", True), ("at most 0.0999 away", True)]),
-        ("index = 0.998\nposition = 0.0998", [("0.999", False), ("at most 0.0999 away", False)]),
+        ("index = 1.0\nposition = 0.1", [("0.999", True), ("at most 0.0999 mm away", True)]),
+        ("index = 0.998\nposition = 0.0998", [("0.999", False), ("at most 0.0999 mm away", False)]),
         ("index = 1.5", [("0.999", True)]),
-        ("position = 0.2", [("at most 0.0999 away", True)]),
+        ("position = 0.2", [("at most 0.0999 mm away", True)]),
     ],
 )
 def test_the_accuracy_is_an_expectation(accuracy: str, found: list[tuple[str, bool]], tmp_path: Path) -> None:
@@ -316,18 +317,23 @@ def test_the_accuracy_is_an_expectation(accuracy: str, found: list[tuple[str, bo
 # --- how it is shown ---
 
 
+def lines(chart: Chart) -> set[tuple[str, str]]:
+    """The axis and the name of each line of a chart, without what is shaded."""
+    return {(t["yaxis"], t["name"]) for t in chart.traces if t["mode"] == "lines" and "fill" not in t}
+
+
 def test_the_report_shows_what_was_received_and_both_errors(tmp_path: Path) -> None:
     s = scenario(tmp_path)
     recording = run_in_process(s, 0.002)
-    chart = run_charts(s, recording)["motion"]
-    heads = [note["text"] for note in chart.layout["annotations"]]
-    derivatives = ["velocity in mm/s", "acceleration in mm/s²", "jerk in mm/s³"]
-    assert heads[:6] == ["position in mm", *derivatives, "index error in cycles", "axis error in mm"]
-    lines = {(t["yaxis"], t["name"]) for t in chart.traces if t["mode"] == "lines" and "fill" not in t}
-    assert lines == {
+    charts = run_charts(s, recording)
+    assert list(charts) == ["errors", "motion", "lanes"]
+    heads = [[note["text"] for note in charts[name].layout["annotations"]] for name in ("errors", "motion")]
+    assert heads[0] == ["index error in cycles", "axis error in mm"]
+    assert heads[1][:4] == ["position in mm", "velocity in mm/s", "acceleration in mm/s²", "jerk in mm/s³"]
+    assert lines(charts["errors"]) == {(axis, name) for axis in ("y", "y2") for name in ("received", "slave")}
+    assert lines(charts["motion"]) == {
         *((f"y{row}", name) for row in ("", 2, 3, 4) for name in ("remote axis", "slave")),
-        *((f"y{row}", "received") for row in ("", 2, 3, 5, 6)),
-        *((f"y{row}", "slave") for row in (5, 6)),
+        *((f"y{row}", "received") for row in ("", 2, 3)),
     }
     write_report(tmp_path / "report.html", s, recording, check(s, recording), [], 0.002)
     page = (tmp_path / "report.html").read_text("utf-8")

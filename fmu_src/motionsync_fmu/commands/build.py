@@ -8,12 +8,17 @@ from rich.markup import escape
 
 from motionsync.blocks import BLOCKS
 
+from .. import places
+from ..archive import build_time
 from ..build import Flavour, fmu_path, outdated
 from ..build import build as build_fmu
-from ..errors import UserError
+from ..builds import at_hand
+from ..errors import UserError, spelled
 from ..interface.recipe import Recipe
 from ..interface.turns import Interface, TurnError
+from ..interface.units import BASES
 from ..pages.console import err, out
+from ..pages.progress import doing
 from .options import UNITS
 
 Turned = Annotated[
@@ -26,7 +31,10 @@ def build(
     fmu: Annotated[list[str] | None, typer.Argument(help="Blocks to build; all if none is named.")] = None,
     flavour: Annotated[
         list[Flavour] | None,
-        typer.Option(help="native: compiled; python: in an embedded Python. May be repeated; both if not given."),
+        typer.Option(
+            case_sensitive=False,
+            help="native: compiled; python: in an embedded Python. May be repeated; else all possible ones.",
+        ),
     ] = None,
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
     slave_unit: Annotated[
@@ -41,7 +49,9 @@ def build(
     output: Turned = None,
     parameter: Turned = None,
     local: Turned = None,
-    folder: Annotated[Path, typer.Option(help="Where to put the FMUs: FOLDER/<flavour>/<FMU>.fmu.")] = Path("build"),
+    folder: Annotated[
+        Path | None, typer.Option(help="Where to put the FMUs: FOLDER/<flavour>/<FMU>.fmu; else into build.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Build FMUs that are up to date, too.")] = False,
 ) -> None:
     """Build FMUs that are missing or stale.
@@ -61,7 +71,8 @@ def build(
 
         motionsync build Gearing --input "gearing.*" --parameter activate
     """
-    names = fmu or list(BLOCKS)
+    names = [spelled(BLOCKS, name, "block") for name in fmu or BLOCKS]
+    unit, slave_unit = spelled(BASES, unit, "unit"), spelled(["", *BASES], slave_unit, "slave unit")
     starts = _assignments(start or [])
     interface = Interface(input or (), output or (), parameter or (), local or ())
     turned = next((f"--{causality}" for causality, _ in interface.patterns()), "")
@@ -71,14 +82,17 @@ def build(
     recipes = [Recipe(name, unit, starts, slave_unit, interface) for name in names]
     for recipe in recipes:
         _check(recipe)
+    build_time()  # refuses a bad SOURCE_DATE_EPOCH
+    folder, flavours = folder or places.output(err.print), flavour or at_hand(err.print)
     for recipe in recipes:
-        for chosen in flavour or Flavour:
+        for chosen in flavours:
             target = fmu_path(recipe, folder, chosen)
             if not (force or outdated(target, recipe)):
                 out.print(f"{escape(str(target))}  is up to date")
                 continue
-            with err.status(f"building {target}"):
-                build_fmu(chosen, recipe, target, err.print)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with doing(f"building {target}") as tell:
+                build_fmu(chosen, recipe, target, tell)
             of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
             out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")
 

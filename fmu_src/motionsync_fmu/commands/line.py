@@ -6,20 +6,26 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .. import places
+from ..build import Flavour
+from ..builds import at_hand
 from ..errors import UserError
 from ..pages.console import err
+from ..pages.progress import doing
 
 if TYPE_CHECKING:
-    from ..line.judge import Result
     from ..line.line import Line
-    from ..line.package import Package
 
 
 def line(
     path: Annotated[list[Path] | None, typer.Argument(help="Line files, or folders with line*.toml in them.")] = None,
+    flavour: Annotated[Flavour | None, typer.Option(help="Which FMUs to wire; native if they can be compiled.")] = None,
     output: Annotated[
-        Path, typer.Option(help="Where all goes: OUTPUT/<line>.ssp, OUTPUT/<line>/, OUTPUT/reports/line/<line>/.")
-    ] = Path("build"),
+        Path | None,
+        typer.Option(
+            help="Where all goes: OUTPUT/<line>.ssp, OUTPUT/<line>/, OUTPUT/reports/line/<line>/; else into build."
+        ),
+    ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
 ) -> None:
@@ -27,8 +33,8 @@ def line(
 
     A line file scripts an axis on another controller with a clock of its own. Its telegrams go through the FMU of
     RemoteSync into that of a follower (FlyingSaw, Synchronizer, ...), wired twice: as an SSP package, run by FMPy's SSP
-    simulation, and as an OSP system structure, run by libcosim (if libcosimpy is installed: pip install
-    'motionsync[line]'). Both must agree. For comparison the follower also sees the raw telegrams, and other estimators.
+    simulation, and as an OSP system structure, run by libcosim (if libcosimpy is installed). Both must
+    agree. For comparison the follower also sees the raw telegrams, and other estimators.
 
     FMUs that are missing or stale are built first. The exit status is 1 if anything was not as expected. The format of
     the file is described in scenarios/line/README.md.
@@ -40,14 +46,19 @@ def line(
         motionsync line line/line.toml --output elsewhere
     """
     from ..line.console import print_line
+    from ..line.judge import examine
     from ..line.outcome import write_outcome
     from ..line.package import write_package
 
     outcomes = []
-    for each in _lines(path or [Path("line")]):
-        package = write_package(each, output, err.print)
-        result = _examined(each, package)
-        folder = output / "reports" / "line" / each.name
+    lines = _lines(path or [Path("line")])
+    chosen, place = flavour or at_hand(err.print)[0], output or places.output(err.print)
+    for each in lines:
+        with doing(f"{each.name}: its FMUs", at_once=False) as tell:
+            package = write_package(each, chosen, place, tell)
+        with doing(f"{each.name}: its runs") as tell:
+            result = examine(each, package, tell)
+        folder = place / "reports" / "line" / each.name
         outcomes.append(write_outcome(each, package, result, folder, report=not no_report))
         if not as_json:
             print_line(each, outcomes[-1], result.settled)
@@ -68,10 +79,3 @@ def _lines(paths: list[Path]) -> "list[Line]":
         if (other := files.setdefault(line.name, line.follower.file)) != line.follower.file:
             raise UserError(f"{other} and {line.follower.file} would write to the same package {line.name}.ssp")
     return lines
-
-
-def _examined(line: "Line", package: "Package") -> "Result":
-    from ..line.judge import examine
-
-    with err.status(line.name) as status:
-        return examine(line, package, lambda text: status.update(f"{line.name}: {text}"))

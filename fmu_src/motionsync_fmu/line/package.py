@@ -14,7 +14,7 @@ from typing import Any
 
 from .. import __version__
 from ..archive import write
-from ..build import Flavour, build_native, fmu_path, outdated
+from ..build import Flavour, build, fmu_path, outdated
 from ..interface.fmi2_xml import describe
 from ..interface.recipe import Recipe
 from ..interface.roles import MOTION
@@ -61,19 +61,19 @@ class Connection:
     input: str
 
 
-def write_package(line: Line, output: Path, progress: Callable[[str], None]) -> Package:
+def write_package(line: Line, flavour: Flavour, output: Path, progress: Callable[[str], None]) -> Package:
     """Build missing and stale FMUs, write OUTPUT/<line>.ssp and OUTPUT/<line>/.
 
-    `progress` is called with a line of text about each build."""
+    `progress` is called with a line of text before each build."""
     folder = output / line.name
     folder.mkdir(parents=True, exist_ok=True)
     fmus = {}
     for name, recipe in line.recipes.items():
         shared = recipe == Recipe(name)  # `motionsync run` uses the same FMU
-        built = fmu_path(recipe, output, Flavour.NATIVE) if shared else folder / f"{name}.fmu"
-        if why := outdated(built, recipe):
-            build_native(recipe, built, progress)
-            progress(f"{built} was {why}: built")
+        built = fmu_path(recipe, output, flavour) if shared else folder / f"{name}.fmu"
+        if outdated(built, recipe):
+            progress(f"building {built}")
+            build(flavour, recipe, built, progress)
         fmus[name] = folder / f"{name}.fmu"
         if shared:
             copyfile(built, fmus[name])

@@ -112,7 +112,7 @@ def event_chart(line: Line, result: Result) -> Chart:
         said = f"{what} %{{x}}: %{{customdata:.4~g}} {unit}<extra>%{{fullData.name}}</extra>"
         look = {"marker": {"color": hue}, "customdata": [e.error for e in events], "hovertemplate": said}
         chart.add(1, variant.name, bars | look)
-    chart.axis(1).update({"type": "log", "tickformat": None, "dtick": 1})
+    chart.axis(1).update({"type": "log", "dtick": 1})
     chart.layout["xaxis"]["dtick"] = 1 + most // 20
     chart.layout["barmode"] = "group"
     return chart

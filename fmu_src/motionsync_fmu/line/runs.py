@@ -19,6 +19,7 @@ from fmpy.ssp.ssd import ParameterSet, read_ssd
 from numpy.typing import NDArray
 
 from ..errors import UserError
+from ..extras import how_to_install
 from ..scenario.fmu_instance import FmuError, FmuInstance
 from ..scenario.recording import Reals
 from .line import REMOTE, Line
@@ -116,7 +117,7 @@ class _Cosim:
             from libcosimpy.CosimManipulator import CosimManipulator  # noqa: PLC0415
             from libcosimpy.CosimObserver import CosimObserver  # noqa: PLC0415
         except ModuleNotFoundError:
-            raise MissingLibraryError("libcosimpy is not installed: pip install 'motionsync[line]'") from None
+            raise MissingLibraryError(f"libcosimpy is not installed ({how_to_install('line')})") from None
         log_output_level(CosimLogLevel.ERROR)
         try:
             self.execution = CosimExecution.from_osp_config_file(str(structure))

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, choose
+from ..extras import how_to_install
 from ..interface.turns import Interface
 from ..interface.variables import (
     LONGEST_STEP,
@@ -43,7 +44,7 @@ try:
     from .memory_layout import image, offset
 except ModuleNotFoundError as e:
     raise ModuleNotFoundError(
-        f"batches are compiled with {e.name}, which is not installed: install it with pip install 'motionsync[native]'",
+        f"batches are compiled with {e.name}, which is not installed: {how_to_install('native')}",
         name=e.name,
     ) from None
 

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from motionsync import var
 
+from .. import places
 from ..archive import compilers, digest, sources
 from .llvm_text import llvm_text
 
@@ -145,8 +146,7 @@ def _text(block_type: type[Any]) -> str:
 
 def _kept(block_type: type[Any]) -> Path:
     """The block's file in the user's cache."""
-    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(cache, "motionsync", f"{block_type.__name__}.ll")
+    return places.cache() / f"{block_type.__name__}.ll"
 
 
 def run(block: Code, plan: Plan) -> None:

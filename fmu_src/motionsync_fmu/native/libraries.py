@@ -7,8 +7,8 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, as_completed, wait
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from typing import Any
 from ..archive import Files
 from ..errors import UserError
 from .llvm_text import llvm_text
-from .platforms import PLATFORMS
+from .platforms import ROWS, Platform
 from .tables import model_header
 
 HERE = Path(__file__).parent
@@ -25,7 +25,7 @@ FLAGS = (
     "-fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
-FIRST_USE = "compiling zig's own libraries for all platforms: this takes minutes, once; later builds take seconds"
+FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
 
 
 def _package(name: str) -> Path:
@@ -47,10 +47,11 @@ ZIG = _package("ziglang")
 def libraries(
     block: Any,
     guid: str,
+    platforms: Sequence[Platform] = ROWS,
     progress: Callable[[str], None] = lambda text: None,
     turned: Mapping[str, str] | None = None,
 ) -> Files:
-    """The library of every platform, by its path in the FMU; `progress` gets a sentence if this will take minutes.
+    """The library of each platform, by its path in the FMU; `progress` gets lines of text if this takes long.
 
     `turned`: as for `variables`.
 
@@ -67,14 +68,15 @@ def libraries(
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
                 target: pool.submit(_compile, target, flags, f"{target}/{name}.{platform.suffix}", work)
-                for platform in PLATFORMS.values()
+                for platform in platforms
                 for target, flags in platform.targets.items()
             }
             if wait(jobs.values(), PATIENCE, FIRST_EXCEPTION).not_done:
                 progress(FIRST_USE)
-            return {
-                p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in PLATFORMS.values()
-            }
+                targets = {job: target for target, job in jobs.items()}
+                for job in as_completed(targets):
+                    progress(f"compiled for {targets[job]}")
+            return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
 
 
 def _compile(target: str, flags: str, path: str, work: Path) -> bytes:

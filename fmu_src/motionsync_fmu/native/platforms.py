@@ -1,6 +1,8 @@
 """The platforms that a native FMU runs on: one row each. All else that depends on the platform follows from this table:
 what zig compiles and how, the folders in the FMU, the documentation, and what the tests compare."""
 
+import platform as machine
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -55,3 +57,11 @@ ROWS = (
     ),
 )
 PLATFORMS = {platform.folder: platform for platform in ROWS}
+
+
+def here() -> Platform | None:
+    """The platform of this machine; None if it is none of these."""
+    processor = {"AMD64": "x86_64", "arm64": "aarch64"}.get(machine.machine(), machine.machine())
+    system = {"win32": "windows", "darwin": "macos"}.get(sys.platform, sys.platform)
+    rows = (row for row in ROWS for target in row.targets if target.startswith(f"{processor}-{system}"))
+    return next(rows, None)

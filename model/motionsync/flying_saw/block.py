@@ -16,6 +16,7 @@ from ..motion import Motion, acceleration_limit
 from ..var import Enumeration
 from .axis_limits import are_finite, limit_in_use
 from .commands import Command, GearInVelo, Halt, Phase
+from .exceeded import Exceeded, Limit
 from .faults import Fault, Refusal
 from .interface import FlyingSawInterface, PlcopenState, State
 from .order import Order
@@ -101,6 +102,8 @@ class FlyingSaw(FlyingSawInterface):
     here: float = 0.0  # the place up to which all events of this step are carried out
     until: float = 0.0  # when the present part of a piece ends, since the step's beginning
     plan: Plan = var.part(Plan)  # the last one made
+    planned_exceeded: Exceeded = var.part(Exceeded)  # by the motion under way, as it was planned
+    present_exceeded: Exceeded = var.part(Exceeded)  # by the setpoint
 
     def initialize(self) -> Refusal:
         """The axis stands, or moves at its initial velocity; may be called again while parameters still change."""
@@ -112,6 +115,8 @@ class FlyingSaw(FlyingSawInterface):
         self.motion.run(self.axis.initial_position, self.axis.initial_velocity)
         self.hold_edges()
         self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
+        self.planned_exceeded.clear()
+        self.present_exceeded.clear()
         self.show()
         return Refusal.NONE
 
@@ -126,6 +131,7 @@ class FlyingSaw(FlyingSawInterface):
         self.motion.advance(h)
         self.halt_time += h
         self.set_slave_at(0.0, self.master.end, self.master.end_velocity, self.master.end_acceleration)
+        self.judge_limits()
         self.show()
         self.rebase()
         return Refusal.NONE
@@ -412,6 +418,8 @@ class FlyingSaw(FlyingSawInterface):
         self.candidate.aim(self.active_order, self.master.velocity_at(time), self.master.mean_acceleration())
         if not self.candidate.continues(self.active_order, self.time_based, self.motion.clock.time + time):
             self.set_slave_at(time, self.coupling_place, 0.0, 0.0)
+            if self.motion.over(self.motion.clock.time + time):
+                self.planned_exceeded.clear()
             var.copy(self.time_based, self.candidate)
             self.plan_time_based(time)
 
@@ -427,19 +435,29 @@ class FlyingSaw(FlyingSawInterface):
     def enter_continuous_motion(self) -> None:
         """The motion just planned drives the slave; it goes on for ever."""
         self.waiting = False
+        self.judge_motion()
         self.stage = Stage.CONTINUOUS_MOTION
 
     def enter_discrete_motion(self) -> None:
         """The motion just planned drives the slave; it ends at rest."""
         self.waiting = False
+        self.judge_motion()
         self.stage = Stage.DISCRETE_MOTION
 
     def enter_uncoupled_halt(self) -> None:
         """The halt of PARKED goes on, or the rest after it, but the axis is uncoupled."""
         self.stage = Stage.UNCOUPLED_HALT
 
+    def judge_motion(self) -> None:
+        """Find what the motion just planned exceeds, until it is at its velocity or at rest."""
+        if self.plan.try_measure_motion(self.motion):
+            self.planned_exceeded.judge_plan(self.axis, self.plan.extremes)
+        else:
+            self.planned_exceeded.clear()
+
     def enter_profile(self) -> None:
         """The planned profile begins at the coupling place."""
+        self.planned_exceeded.judge_plan(self.axis, self.plan.extremes)
         var.copy(self.profile, self.plan.profile)
         self.per_nominal_velocity = clamp(
             1.0 / self.plan.master.velocity, -1.0 / SMALLEST_DIVISOR, 1.0 / SMALLEST_DIVISOR
@@ -449,6 +467,10 @@ class FlyingSaw(FlyingSawInterface):
 
     def enter_time_based(self, time: float) -> None:
         """The motion in time begins from the state in `slave`, s since the step's beginning."""
+        if self.plan.profile.pieces > 0:
+            self.planned_exceeded.judge_plan(self.axis, self.plan.extremes)
+        else:
+            self.planned_exceeded.clear()
         self.compared_at = time
         self.time_based.aim(self.active_order, self.master.velocity_at(time), self.master.mean_acceleration())
         self.plan_time_based(time)
@@ -456,6 +478,7 @@ class FlyingSaw(FlyingSawInterface):
 
     def enter_in_sync(self) -> None:
         """The slave is on the synchronous line through master_sync and slave_sync."""
+        self.planned_exceeded.clear()
         self.stage = Stage.IN_SYNC
         self.report_sync(Phase.REACHED)
 
@@ -463,12 +486,18 @@ class FlyingSaw(FlyingSawInterface):
         """The master passes the coupling position backwards: to rest at once, or along the ramp of gear_in_velo."""
         self.set_slave_at(time, self.coupling_place, self.master.velocity_at(time), self.master.end_acceleration)
         self.profile.begin(ProfileKind.NONE, self.slave.position)
+        self.planned_exceeded.clear()
         order = self.active_order
         speed = abs(self.slave.velocity)
-        if speed > NO_HALT * order.velocity and not order.mode.instant_stop_on_rollback:
-            along = -self.slave.acceleration if self.slave.velocity > 0.0 else self.slave.acceleration
-            duration = ramp_duration(speed, along, order.deceleration, order.checked_jerk())
-            add_ramp_from_acceleration(self.profile, duration, self.slave.velocity, self.slave.acceleration, 0.0)
+        if speed > NO_HALT * order.velocity:
+            if order.mode.instant_stop_on_rollback:
+                self.planned_exceeded.put(Limit.INSTANT_STOP, speed)
+            else:
+                along = -self.slave.acceleration if self.slave.velocity > 0.0 else self.slave.acceleration
+                duration = ramp_duration(speed, along, order.deceleration, order.checked_jerk())
+                add_ramp_from_acceleration(self.profile, duration, self.slave.velocity, self.slave.acceleration, 0.0)
+                self.plan.extremes.measure(self.profile)
+                self.planned_exceeded.judge_plan(self.axis, self.plan.extremes)
         self.halt_time = -time
         self.here = self.coupling_place
         self.stage = Stage.PARKED
@@ -653,6 +682,24 @@ class FlyingSaw(FlyingSawInterface):
         else:
             self.slave.put(self.profile.origin + self.profile.distance(), 0.0, 0.0, 0.0)
 
+    # --- the limits of the axis ---
+
+    def is_planned_motion_over(self) -> bool:
+        """Whether the motion under way has come to the end of what was planned; the step's time has passed."""
+        match self.stage:
+            case Stage.CONTINUOUS_MOTION | Stage.DISCRETE_MOTION | Stage.TIME_BASED:
+                return self.motion.over(self.motion.clock.time)
+            case Stage.PARKED | Stage.UNCOUPLED_HALT:
+                return self.profile.pieces > 0 and self.halt_time >= self.profile.duration()
+            case _:
+                return False
+
+    def judge_limits(self) -> None:
+        """Find which limit of the axis is exceeded at the end of a step, by the plan under way or by the setpoint."""
+        if self.planned_exceeded.limit != Limit.NONE and self.is_planned_motion_over():
+            self.planned_exceeded.clear()
+        self.present_exceeded.judge_setpoint(self.axis, self.slave)
+
     # --- what is put out ---
 
     def show(self) -> None:
@@ -666,6 +713,7 @@ class FlyingSaw(FlyingSawInterface):
         self.show_plcopen_state()
         self.show_commands()
         self.show_progress()
+        self.show_limits()
 
     def show_state(self) -> None:
         if self.waiting or self.stage == Stage.PARKED:
@@ -727,6 +775,16 @@ class FlyingSaw(FlyingSawInterface):
         elif self.coupled:
             self.local.progress = 0.0
         self.local.master_distance_to_sync = missing
+
+    def show_limits(self) -> None:
+        """Put out the first of both limits in the order of `Limit`; where they are the same, as it was planned."""
+        planned = self.planned_exceeded.limit
+        present = self.present_exceeded.limit
+        if planned == Limit.NONE or (present != Limit.NONE and present < planned):
+            self.local.show_exceeded(self.present_exceeded)
+        else:
+            self.local.show_exceeded(self.planned_exceeded)
+        self.limit_exceeded = self.local.exceeded_limit != Limit.NONE
 
     def rebase(self) -> None:
         """Drop the master's whole turns while nothing lies at a particular turn."""

@@ -14,6 +14,7 @@ from ..var import Enumeration, Unit
 from .axis_limits import AxisLimits
 from .characteristics import Characteristics
 from .commands import GearInPos, GearInVelo, GearOut, Halt, MoveAbsolute, MoveVelocity, Reset
+from .exceeded import Exceeded, Limit
 from .extremes import Extremes
 from .sync_mode import SyncMode
 
@@ -78,6 +79,14 @@ class Local:
     plan_jerk_min: float = var.local(0.0, "least jerk of the last plan, refused or not", Unit.JERK, discrete=True)
     plan_jerk_max: float = var.local(0.0, "greatest jerk of the last plan, refused or not", Unit.JERK, discrete=True)
 
+    exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit)
+    exceeded_value: float = var.local(0.0, "the value that exceeds it, in the limit's unit", discrete=True)
+
+    def show_exceeded(self, exceeded: Exceeded) -> None:
+        """Put out which limit of the axis is exceeded, and by what."""
+        self.exceeded_limit = exceeded.limit
+        self.exceeded_value = exceeded.value
+
     def show_plan(self, extremes: Extremes) -> None:
         """Put out what the last plan asks of the slave."""
         self.plan_position_min = extremes.position_min
@@ -116,6 +125,7 @@ class FlyingSawInterface:
     )
     error: bool = var.output(False, "a command was refused, and none accepted since")
     error_id: int = var.output(0, "why the last refused command was: TwinCAT's number")
+    limit_exceeded: bool = var.output(False, "the motion under way exceeds a limit of the axis or an end position")
     axis: AxisLimits = var.part(AxisLimits)
     diagonal_angle: float = var.parameter(
         0.0, "angle between the saw's and the master's travel", Unit.ANGLE, above=-90.0, below=90.0

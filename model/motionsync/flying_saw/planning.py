@@ -78,6 +78,15 @@ class Plan:
         self.judged = False
         return self.try_to_position(order) if order.to_position else self.try_to_velocity(order)
 
+    def try_measure_motion(self, motion: Motion) -> bool:
+        """Measure a motion in time up to its last piece, in place of the last plan; whether there is anything to."""
+        self.profile.begin(ProfileKind.JERK_LIMITED, motion.positions[0])
+        self.profile.add_motion(motion)
+        if self.profile.pieces == 0:
+            return False
+        self.extremes.measure(self.profile)
+        return True
+
     # --- gear_in_velo ---
 
     def try_to_velocity(self, order: Order) -> Fault:
@@ -123,17 +132,7 @@ class Plan:
         self.nominal.try_change(
             self.slave.position, velocity, self.slave.acceleration, self.synchronous, 0.0, -limit, limit, order.jerk
         )
-        for i in range(self.nominal.pieces - 1):
-            t = self.nominal.begins[i + 1] - self.nominal.begins[i]
-            self.profile.add(
-                t,
-                self.nominal.positions[i] - self.slave.position,
-                self.nominal.velocities[i] * t,
-                0.5 * self.nominal.accelerations[i] * t * t,
-                self.nominal.jerks[i] * t * t * t / 6.0,
-                0.0,
-                0.0,
-            )
+        self.profile.add_motion(self.nominal)
         return self.try_free_end(order)
 
     def try_free_end(self, order: Order) -> Fault:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..laws import Quintic, quintic
+from ..motion import Motion
 from ..var import Enumeration
 
 TERMS = 6  # coefficients of a piece
@@ -27,7 +28,7 @@ class ProfileKind(Enumeration):
 
 @dataclass(slots=True)
 class Profile:
-    """Up to four pieces; within piece i, begins[i] <= t <= begins[i + 1] and
+    """Up to eight pieces; within piece i, begins[i] <= t <= begins[i + 1] and
 
         position = origin + sum of coefficients[6 i + n] u^n, n = 0 to 5, u = (t - begins[i]) / durations[i].
 
@@ -39,10 +40,10 @@ class Profile:
     pieces: int = 0
     origin: float = 0.0
     joint: float = 0.0
-    begins: list[float] = var.ring(5)
-    durations: list[float] = var.ring(4)
-    rates: list[float] = var.ring(4)
-    coefficients: list[float] = var.ring(24)
+    begins: list[float] = var.ring(9)
+    durations: list[float] = var.ring(8)
+    rates: list[float] = var.ring(8)
+    coefficients: list[float] = var.ring(48)
 
     def begin(self, kind: ProfileKind, origin: float) -> None:
         """Drop all pieces; the first new one begins at the position `origin`, u, at the nominal time 0."""
@@ -69,6 +70,20 @@ class Profile:
     def add_quintic(self, curve: Quintic) -> None:
         """Append a piece along a quintic over the time from 0, whose position counts from the origin."""
         self.add(curve.length, curve.c0, curve.c1, curve.c2, curve.c3, curve.c4, curve.c5)
+
+    def add_motion(self, motion: Motion) -> None:
+        """Append all pieces of a motion in time but the last one, which has no end."""
+        for i in range(motion.pieces - 1):
+            t = motion.begins[i + 1] - motion.begins[i]
+            self.add(
+                t,
+                motion.positions[i] - self.origin,
+                motion.velocities[i] * t,
+                0.5 * motion.accelerations[i] * t * t,
+                motion.jerks[i] * t * t * t / 6.0,
+                0.0,
+                0.0,
+            )
 
     def duration(self) -> float:
         """The nominal time of all pieces, s; 0 without a piece."""

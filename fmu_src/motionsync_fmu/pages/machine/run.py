@@ -12,7 +12,7 @@ from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
 from .signals import Signal, held, smooth
 
-FINENESS = 5e-7  # of the range of what is drawn, by which a smooth signal may differ from the recording
+FINENESS = 2e-7  # of the range of what is drawn, by which a smooth signal may differ from the recording
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,9 @@ class Run:
         return float(given)
 
     def setting(self, name: str) -> Signal:
-        """A parameter or input over time: its start value, and what the scenario sets it to."""
-        at = [0.0] + [s.at for s in self.scenario.settings if name in s.values]
-        values = [self.start(name)] + [float(s.values[name]) for s in self.scenario.settings if name in s.values]
-        return {"t": at, "x": values}
+        """A parameter or input over time: its start value, and what the run set it to."""
+        given = [(s.at, float(s.values[name])) for s in self.recording.settings if name in s.values]
+        return {"t": [0.0, *(at for at, _ in given)], "x": [self.start(name), *(value for _, value in given)]}
 
     def held(self, name: str) -> Signal:
         """A discrete output or local over time."""

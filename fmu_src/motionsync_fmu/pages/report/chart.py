@@ -5,7 +5,7 @@ page.
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,7 +26,7 @@ MASTER, SLAVE, REFERENCE, RECEIVED, LIMIT, OK, BAD = (
     "--ok",
     "--bad",
 )
-TOP, GAP, BOTTOM, LEFT, RIGHT = 58, 34, 44, 62, 62  # px; the heights of rows are in px, too
+TOP, GAP, BOTTOM, LEFT, RIGHT = 58, 34, 44, 62, 16  # px; the heights of rows are in px, too
 CLEAR = "rgba(0,0,0,0)"
 
 
@@ -76,7 +76,7 @@ class Chart:
             "modebar": {"color": MUTED, "activecolor": INK, "bgcolor": CLEAR},
             "legend": {"orientation": "h", "x": 0, "y": 1 + 20 / inner, "yanchor": "bottom", "bgcolor": CLEAR},
             "annotations": [],
-            "shapes": [self._cursor()],  # the cursor is the first shape: the script moves it
+            "shapes": [],
             "meta": {"timed": self.timed, "rescaled": [], "span": list(self.span)},
             "xaxis": self._axis() | {"title": {"text": self.title}, "range": list(self.span)},
         }
@@ -85,16 +85,14 @@ class Chart:
             bottom = max(0.0, top - height / inner)
             self.layout[key(row)] = self._axis() | {"domain": [bottom, top], "anchor": "x"}
             top = bottom - GAP / inner
+        if self.timed:
+            self.layout["xaxis"]["unifiedhovertitle"] = {"text": "%{x:.6~f} s"}
         self.layout["xaxis"]["anchor"] = ref(len(self.heights))
         self.axes = len(self.heights)
 
     def _axis(self) -> dict[str, Any]:
         colours = {"gridcolor": GRID, "zerolinecolor": AXIS, "linecolor": AXIS, "tickcolor": AXIS}
-        return colours | {"tickformat": ".6~g", "tickmode": "auto"}
-
-    def _cursor(self) -> dict[str, Any]:
-        line = {"type": "line", "xref": "x", "yref": "paper", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "visible": False}
-        return line | {"line": {"color": INK, "width": 1.5}}
+        return colours | {"tickformat": ".6~g"}
 
     def axis(self, row: int) -> dict[str, Any]:
         """The vertical axis with this number."""
@@ -113,12 +111,18 @@ class Chart:
     def behind(self, row: int) -> int:
         """A further axis from 0 to 1 behind a row, for what is shaded; the answer is its number."""
         number = self._further(row, {"range": [0, 1], "fixedrange": True, "visible": False})
-        self.axis(row)["overlaying"] = ref(number)
+        self.axis(row).update({"overlaying": ref(number), "tickmode": "auto"})
         return number
 
     def beside(self, row: int, text: str, colour: str) -> int:
         """A further axis on the right of a row, over the same plot; the answer is its number."""
-        ticks = {"side": "right", "showgrid": False, "zeroline": False, "tickfont": {"color": colour}}
+        ticks = {
+            "side": "right",
+            "showgrid": False,
+            "zeroline": False,
+            "tickfont": {"color": colour},
+            "tickmode": "auto",
+        }
         base = self.axis(row).get("overlaying", ref(row))
         number = self._further(row, ticks | {"overlaying": base})
         where = {"x": 1, "y": 1, "xanchor": "right", "yanchor": "bottom", "font": {"size": 13, "color": colour}}
@@ -168,13 +172,13 @@ class Chart:
         unit: str = "",
         *,
         kept: Indices = NONE,
-        period: float = 0.0,
+        gaps: Indices = NONE,
         rank: int = 0,
     ) -> None:
-        """Draw a line. `said`: what the pointer is told that the line shows, if not its name; `period`: of the values,
-        0: they have none; `kept`: indices of points that must not be left out; `rank`: its place in the legend, 0: that
-        of the order in which lines are drawn."""
-        x, y = points(time, values, kept, period)
+        """Draw a line. `said`: what the pointer is told that the line shows, if not its name; `kept`: indices of
+        points that must not be left out; `gaps`: those before which the line has a gap; `rank`: its place in the
+        legend, 0: that of the order in which lines are drawn."""
+        x, y = points(time, values, kept, gaps)
         self.add(
             row,
             name,
@@ -224,6 +228,14 @@ class Chart:
         return frame.format(self.name, self.layout["height"]) + Markup(
             '<script type="application/json" class="plot-data">{}</script>\n'
         ).format(data)
+
+
+def align(charts: Iterable[Chart]) -> None:
+    """Give charts the same room on the right, so that the same times stand above one another."""
+    together = list(charts)
+    if any("side" in axis for chart in together for axis in chart.layout.values() if isinstance(axis, dict)):
+        for chart in together:
+            chart.layout["margin"]["r"] = LEFT
 
 
 def key(row: int) -> str:

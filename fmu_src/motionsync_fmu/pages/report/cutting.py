@@ -1,5 +1,9 @@
 """The cuts of a saw over time: the saw among the marks that pass it, and how far each cut is from its mark."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 
 from motionsync.var import Unit
@@ -7,14 +11,14 @@ from motionsync.var import Unit
 from ...interface.units import unit_name
 from ...scenario.cuts import CutSpec
 from ...scenario.figures import Figures, engineering
-from ...scenario.recording import Recording
+from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
 from ..style import typeset
 from .chart import BAD, LIMIT, MASTER, OK, SLAVE, Chart, Style
 from .motion import NEAR, bounds, draw_bound
-from .numbers import NONE, ROUNDING, TIME_DIGITS, Indices, points, rounded, thinned
+from .numbers import BUCKETS, NONE, ROUNDING, TIME_DIGITS, Indices, rounded
 
-MOST_MARKS = 500  # lines of marks that are drawn
+MOST_MARKS = 1000  # lines of marks; more could not be told apart
 FAR = 100.0  # the tolerance is drawn unless it is so many times the greatest error
 
 
@@ -24,7 +28,6 @@ def cut_chart(spec: CutSpec, scenario: Scenario, recording: Recording, found: Fi
     chart = Chart(
         "The saw among the passing marks, and the error of each cut", [330, 130], "time in s", (0.0, scenario.stop_time)
     )
-    chart.layout["xaxis"]["unifiedhovertitle"] = {"text": "%{x:.6~f} s"}
     chart.head(1, f"saw and marks{f' in {typeset(unit)}' if unit else ''}")
     chart.shade(chart.behind(1), "cut", [(c.begin, c.end) for c in found.cuts], "--cut")
     _draw_marks(chart, spec, recording, found, unit)
@@ -84,38 +87,59 @@ def _draw_errors(chart: Chart, found: Figures, unit: str) -> None:
         chart.axis(2)["rangemode"] = "tozero"
 
 
+@dataclass(frozen=True)
+class Passage:
+    """A mark while it passes the range of the saw: its place on the material, in u, and where it is when."""
+
+    number: int
+    place: float
+    time: Reals
+    position: Reals
+
+
+def passages(spec: CutSpec, recording: Recording, low: float, high: float) -> Iterator[Passage]:
+    """The passages of all marks through a range of the saw's axis."""
+    travel, distance = spec.ratio * (recording.master[:, 0] - spec.offset), abs(spec.ratio) * spec.length
+    first = np.ceil((travel - high) / distance).astype(np.int64)
+    several = [first + k for k in range(int((high - low) // distance) + 1)]
+    inside = [np.flatnonzero(travel - n * distance >= low) for n in several]
+    numbers = np.concatenate([n[at] for n, at in zip(several, inside, strict=True)])
+    points = np.concatenate(inside)
+    order = np.lexsort((points, numbers))
+    numbers, points = numbers[order], points[order]
+    borders = np.flatnonzero((np.diff(numbers) != 0) | (np.diff(points) != 1)) + 1
+    for part in np.split(np.arange(len(points)), borders) if len(points) else []:
+        at, n = points[part], int(numbers[part[0]])
+        number = n if spec.ratio > 0.0 else -n
+        place = spec.offset + number * spec.length
+        yield Passage(number, place, recording.time[at], travel[at] - n * distance)
+
+
 def _draw_marks(chart: Chart, spec: CutSpec, recording: Recording, found: Figures, unit: str) -> None:
     """Draw where each mark is while it passes the range of the saw; those that nobody cut stand out."""
     saw = recording.values["slave.position"]
     room = 0.05 * float(np.ptp(saw)) + 1e-3 * spec.length
-    low, high = float(saw.min()) - room, float(saw.max()) + room
-    chosen = thinned(recording.master[:, 0])
-    travel = spec.ratio * (recording.master[chosen, 0] - spec.offset)
-    distance = spec.ratio * spec.length
-    edges = sorted((x - edge) / distance for x, edge in ((travel.min(), high), (travel.max(), low)))
-    first, last = int(np.floor(edges[0])), int(np.ceil(edges[1]))
+    passing = list(passages(spec, recording, float(saw.min()) - room, float(saw.max()) + room))
+    if len(passing) > MOST_MARKS:
+        chart.note(f"{len(passing)} marks pass: too many to draw", yref="y domain", x=0.5, y=0.97, yanchor="top")
+        return
     uncut = {round((place - spec.offset) / spec.length) for place in found.uncut}
-    gathered: dict[bool, tuple[list[float | None], list[float | None], list[str]]] = {}
-    for n in range(first, min(last, first + MOST_MARKS) + 1):
-        seen = travel - n * distance
-        inside = np.flatnonzero((low <= seen) & (seen <= high))
-        for part in np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1):
-            if len(part):
-                x, y = points(recording.time[chosen[part]], seen[part])
-                xs, ys, names = gathered.setdefault(n in uncut, ([], [], []))
-                xs += [*x, None]
-                ys += [*y, None]
-                names += [engineering(spec.offset + n * spec.length, unit)] * (len(x) + 1)
-    for missed, (xs, ys, names) in sorted(gathered.items()):
-        line = {"color": BAD if missed else MASTER, "width": 1.6 if missed else 1.0}
-        said = "%{y:.6~g} " + unit + "<extra>mark %{customdata}</extra>"
-        trace = {
-            "type": "scatter",
-            "mode": "lines",
-            "x": xs,
-            "y": ys,
-            "line": line,
-            "customdata": names,
-            "hovertemplate": said,
-        }
-        chart.add(1, "marks that passed uncut" if missed else "marks on the material", trace)
+    looks = (("marks on the material", MASTER, 1.0, "solid"), ("marks that passed uncut", BAD, 1.6, "dot"))
+    for missed, (name, colour, width, dash) in enumerate(looks):
+        chosen = [p for p in passing if (p.number in uncut) == bool(missed)]
+        if chosen:
+            line = {"color": colour, "width": width, "dash": dash}
+            said = f"%{{y:.6~g}} {unit}<extra>mark %{{customdata:.10~g}} {unit}</extra>"
+            chart.add(1, name, _together(chosen, len(passing)) | {"line": line, "hovertemplate": said})
+
+
+def _together(chosen: list[Passage], number: int) -> dict[str, Any]:
+    """Passages as one line with gaps; the more passages there are, the fewer points each has."""
+    most = max(2, 2 * BUCKETS // number)
+    parts = [np.unique(np.linspace(0, len(p.time) - 1, min(len(p.time), most)).round().astype(int)) for p in chosen]
+    gap = [np.nan]
+    x = np.concatenate([part for p, at in zip(chosen, parts, strict=True) for part in (p.time[at], gap)])
+    y = np.concatenate([part for p, at in zip(chosen, parts, strict=True) for part in (p.position[at], gap)])
+    places = [place for p, at in zip(chosen, parts, strict=True) for place in rounded([p.place], 10) * (len(at) + 1)]
+    xs, ys = rounded(x, TIME_DIGITS), rounded(y)
+    return {"type": "scatter", "mode": "lines", "x": xs, "y": ys, "customdata": places}

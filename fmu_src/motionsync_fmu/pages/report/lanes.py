@@ -12,7 +12,7 @@ from ...interface.variables import Variable
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from .chart import INK, Chart
-from .numbers import TIME_DIGITS, Indices, rounded
+from .numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 
 LANE = 36  # the height of a lane, in px
 BAR = 0.5  # the height of a bar, of its lane
@@ -116,13 +116,15 @@ def _joined(stretches: list[Stretch], stop_time: float) -> list[Stretch]:
 
 
 def changes(recording: Recording, lanes: Sequence[Lane], times: Sequence[float]) -> Indices:
-    """The points at which something discrete changes or is set, each with the one before it."""
+    """The points at which something discrete changes or is set, each with the one before it; none where there are more
+    than a curve has points on the screen."""
     at = [np.searchsorted(recording.time, times)]
     for lane in lanes:
         at.append(np.flatnonzero(np.diff(recording.values[lane.variable.name])) + 1)
     found = np.concatenate(at)
     both = np.union1d(found, found - 1)
-    return both[(both >= 0) & (both < len(recording.time))].astype(np.int64)
+    inside = both[(both >= 0) & (both < len(recording.time))].astype(np.int64)
+    return inside if len(inside) <= 2 * BUCKETS else NONE
 
 
 def shades(lanes: Sequence[Lane]) -> Iterator[tuple[str, list[tuple[float, float]]]]:
@@ -135,12 +137,12 @@ def shades(lanes: Sequence[Lane]) -> Iterator[tuple[str, list[tuple[float, float
 
 def lane_chart(lanes: list[Lane], stop_time: float, times: list[float], texts: list[str]) -> Chart:
     """A lane for each variable, the state at the top; at the bottom, marks of what was set, and when."""
-    rows = len(lanes) + 1
+    rows = len(lanes) + (1 if times else 0)
     name = "States, other discrete values, and what was set, over time"
     chart = Chart(name, [LANE * rows], "time in s", (0.0, stop_time), hover="closest")
     chart.axis(1).update(
         {
-            "range": [-0.5, rows - 0.4],
+            "range": [len(lanes) - rows + 0.5, len(lanes) + 0.6],
             "fixedrange": True,
             "showticklabels": False,
             "showgrid": False,
@@ -152,15 +154,20 @@ def lane_chart(lanes: list[Lane], stop_time: float, times: list[float], texts: l
         _title(chart, i, lane.title)
         for value in lane.values:
             _bars(chart, i, lane, value)
+    if times:
+        _draw_settings(chart, times, texts)
+    chart.layout["margin"]["t"] = 24
+    chart.layout["height"] -= 34
+    return chart
+
+
+def _draw_settings(chart: Chart, times: list[float], texts: list[str]) -> None:
     _title(chart, 0, "what was set")
     marks = {"color": INK, "size": 9, "symbol": "triangle-up"}
     trace = {"type": "scatter", "mode": "markers", "x": rounded(times, TIME_DIGITS), "y": [0] * len(times)}
     said = "%{x:.6~f} s: %{customdata}<extra></extra>"
     labels = [f"{escape(text)} ({i})" for i, text in enumerate(texts, 1)]
     chart.add(1, "set", trace | {"marker": marks, "customdata": labels, "hovertemplate": said}, legend=False)
-    chart.layout["margin"]["t"] = 24
-    chart.layout["height"] -= 34
-    return chart
 
 
 def _title(chart: Chart, lane: int, text: str) -> None:

@@ -13,11 +13,11 @@ from ...scenario.figures import Figures, engineering
 from ...scenario.judge import read_reference
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
-from ...scenario.telegrams import Errors, errors
+from ...scenario.telegrams import Remote, errors
 from ..style import typeset
 from .chart import LIMIT, MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style, ref
 from .lanes import Lane, shades
-from .numbers import ROUNDING, Indices
+from .numbers import NONE, ROUNDING, Indices, jumps
 
 ROWS = (
     ("position", Unit.POSITION, 260),
@@ -25,11 +25,11 @@ ROWS = (
     ("acceleration", Unit.ACCELERATION, 170),
     ("jerk", Unit.JERK, 130),
 )
-ERRORS = (("index error", 170), ("axis error", 170))  # the further rows of a remote axis
+ERRORS = (("index error", 190), ("axis error", 190))  # the rows of a remote axis
 FARTHEST = 10.0  # cycles; the index error shows no more at first, since it grows without end after a fault
 APART = 5.0  # one axis for two positions shows little of one whose span is so many times less
 NEAR = 2.0  # a limit is drawn up to this multiple of what a row shows
-MOST_MARKERS = 600  # of a reference; of more points only every n-th is drawn
+MOST_MARKERS = 250  # of a reference; of more points only every n-th is drawn
 MOST_LINES = 40  # lines at what was set; of more nothing could be read
 
 
@@ -45,25 +45,23 @@ class Bound:
 def motion_chart(
     scenario: Scenario, recording: Recording, found: Figures, lanes: list[Lane], times: list[float], kept: Indices
 ) -> Chart:
-    """Slave and master over time, the reference as markers, the axis' limits, and a remote axis' errors.
+    """Slave and master over time, the reference as markers, and the axis' limits.
 
     `lanes`: the first may be the state, by which the position is shaded; `times`: when something was set; `kept`:
     points that are drawn in any case."""
-    heights = [height for *_, height in ROWS] + [height for _, height in ERRORS if scenario.remote]
-    chart = Chart("Motion of the slave over time", heights, "time in s", (0.0, scenario.stop_time))
-    chart.layout["xaxis"]["unifiedhovertitle"] = {"text": "%{x:.6~f} s"}
+    chart = Chart(
+        "Motion of the slave over time", [height for *_, height in ROWS], "time in s", (0.0, scenario.stop_time)
+    )
     behind = chart.behind(1)
     for colour, stretches in shades(lanes):
         chart.shade(behind, "state", stretches, colour)
-    remote = errors(scenario.remote, recording) if scenario.remote else None
-    if remote:
+    if scenario.remote:
+        remote = errors(scenario.remote, recording)
         for i, values in enumerate(remote.received.T, 1):
             chart.curve(i, "received", remote.time, values, Style(RECEIVED, 1.0), f"received {ROWS[i - 1][0]}")
     _draw_motion(chart, scenario, recording, "remote axis" if scenario.remote else "master", kept)
     _draw_reference(chart, scenario)
     _draw_bounds(chart, scenario, found)
-    if remote:
-        _draw_errors(chart, remote, scenario, kept)
     if len(times) <= MOST_LINES:
         for t in times:
             chart.mark(t)
@@ -72,25 +70,25 @@ def motion_chart(
 
 def _draw_motion(chart: Chart, scenario: Scenario, recording: Recording, followed: str, kept: Indices) -> None:
     """Draw the slave and what it follows. Both have the axis of the row, unless one could not be seen there."""
-    scale = max(
-        1.0, float(np.abs(recording.values["slave.position"]).max()), float(np.abs(recording.master[:, 0]).max())
-    )
+    positions = recording.values["slave.position"], recording.master[:, 0]
+    scale = max(1.0, *(float(np.abs(values).max()) for values in positions))
     for i, (name, kind, _) in enumerate(ROWS, 1):
-        period = scenario.period if name == "position" else 0.0
-        master, slave = recording.master[:, i - 1], recording.values[f"slave.{name}"]
-        master = master % period if period else master
+        master, slave, gaps = recording.master[:, i - 1], recording.values[f"slave.{name}"], (NONE, NONE)
+        if name == "position":
+            master = master % scenario.period if scenario.period else master
+            velocities = recording.master[:, 1], recording.values["slave.velocity"]
+            gaps = jumps(recording.time, master, velocities[0]), jumps(recording.time, slave, velocities[1])
         units = unit_name(kind, scenario.unit), unit_name(kind, scenario.slave_unit or scenario.unit)
-        own = units[0] != units[1] or (name == "position" and _apart(master, slave))
+        own = bool(master.any()) and (units[0] != units[1] or (name == "position" and _apart(master, slave)))
         axis = chart.beside(i, f"{followed}{_in(units[0])}", MASTER) if own else i
         chart.head(i, f"{'slave ' * own}{name}{_in(units[1])}")
-        said = f"{followed} {name}", f"slave {name}"
-        chart.curve(
-            axis, followed, recording.time, master, Style(MASTER, 1.5), said[0], units[0], kept=kept, period=period
-        )
-        chart.curve(i, "slave", recording.time, slave, Style(SLAVE, 2.2), said[1], units[1], kept=kept, period=period)
+        followers = (axis, followed, master, Style(MASTER, 1.5)), (i, "slave", slave, Style(SLAVE, 2.2))
+        for (row, who, values, style), unit, gap in zip(followers, units, gaps, strict=True):
+            chart.curve(row, who, recording.time, values, style, f"{who} {name}", unit, kept=kept, gaps=gap)
         fit(chart, i, [slave] if own else [slave, master], scale)
         if own:
             fit(chart, axis, [master], scale)
+            chart.axis(axis)["rangemode"] = "normal" if name == "position" else "tozero"
 
 
 def fit(chart: Chart, row: int, shown: list[Reals], scale: float) -> None:
@@ -128,18 +126,22 @@ def _draw_reference(chart: Chart, scenario: Scenario) -> None:
             chart.markers(i, "reference", table[:, 0], values, REFERENCE, f"reference {name}", unit, "circle-open")
 
 
-def _draw_errors(chart: Chart, found: Errors, scenario: Scenario, kept: Indices) -> None:
-    """Draw, in rows below those of the motion, how far telegram and slave are from the truth."""
+def error_chart(remote: Remote, scenario: Scenario, recording: Recording, kept: Indices) -> Chart:
+    """How far telegram and slave are from the truth, over time."""
+    found = errors(remote, recording)
+    heights = [height for _, height in ERRORS]
+    chart = Chart("Errors of the remote axis over time", heights, "time in s", (0.0, scenario.stop_time))
     units = "cycles", unit_name(Unit.POSITION, scenario.unit)
     pairs = (found.index, found.corrected_index), (found.position, found.corrected_position)
     inner = kept[kept > 0] - 1
-    for i, ((name, _), unit, (received, slave)) in enumerate(zip(ERRORS, units, pairs, strict=True), len(ROWS) + 1):
+    for i, ((name, _), unit, (received, slave)) in enumerate(zip(ERRORS, units, pairs, strict=True), 1):
         said = f"{name}, received", f"{name}, slave"
-        chart.curve(i, "received", found.time, received, Style(RECEIVED, 1.0), said[0], unit, kept=inner)
-        chart.curve(i, "slave", found.time, slave, Style(SLAVE, 2.0), said[1], unit, kept=inner)
+        chart.curve(i, "received", found.time, received, Style(RECEIVED, 1.2), said[0], unit, kept=inner)
+        chart.curve(i, "slave", found.time, slave, Style(SLAVE, 2.2), said[1], unit, kept=inner)
         chart.head(i, f"{name}{_in(unit)}")
         fit(chart, i, [received, slave], 1.0)
-    chart.axis(len(ROWS) + 1)["autorangeoptions"] = {"clipmin": -FARTHEST, "clipmax": FARTHEST}
+    chart.axis(1)["autorangeoptions"] = {"clipmin": -FARTHEST, "clipmax": FARTHEST}
+    return chart
 
 
 # --- limits ---

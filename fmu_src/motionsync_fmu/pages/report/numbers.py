@@ -14,6 +14,7 @@ BUCKETS = 1500  # stretches of a curve with more than two points each; a screen 
 DIGITS = 7  # significant digits of a value
 TIME_DIGITS = 9  # of a time
 ROUNDING = 1e-9  # relative to the greatest magnitude of what is computed with: what is smaller is rounding
+FAR = 5.0  # a step of a position that is so many times what its velocity allows is a jump
 NONE: Indices = np.array([], np.int64)
 
 
@@ -41,12 +42,18 @@ def _number(value: float) -> Any:
     return int(value) if value.is_integer() and abs(value) < 1e9 else value
 
 
-def points(
-    time: Reals, values: Reals, kept: Indices = NONE, period: float = 0.0
-) -> tuple[list[float], list[float | None]]:
-    """The places of a curve's points on the screen, with a gap where a value jumps by its period (0: it has none)."""
-    jumps = np.flatnonzero(np.abs(np.diff(values)) > 0.5 * period) + 1 if period else NONE
-    chosen = thinned(values, np.union1d(kept, np.union1d(jumps, jumps - 1)).astype(np.int64))
+def jumps(time: Reals, position: Reals, velocity: Reals) -> Indices:
+    """The indices of the points to which a position jumps, as one does that is wrapped: by more than half its range,
+    and by far more than its velocity allows."""
+    steps = np.abs(np.diff(position))
+    fastest = np.maximum(np.abs(velocity[1:]), np.abs(velocity[:-1])) * np.diff(time)
+    return np.flatnonzero((steps > 0.5 * float(np.ptp(position))) & (steps > FAR * fastest)) + 1
+
+
+def points(time: Reals, values: Reals, kept: Indices = NONE, gaps: Indices = NONE) -> tuple[list[Any], list[Any]]:
+    """The places of a curve's points on the screen. `kept`: indices of points that are drawn in any case; `gaps`: of
+    points before which the line has a gap."""
+    chosen = thinned(values, np.union1d(kept, np.union1d(gaps, gaps - 1)).astype(np.int64))
     x, y = time[chosen], values[chosen]
-    gaps = np.searchsorted(chosen, jumps)
-    return rounded(np.insert(x, gaps, x[gaps]), TIME_DIGITS), rounded(np.insert(y, gaps, np.nan))
+    at = np.searchsorted(chosen, gaps)
+    return rounded(np.insert(x, at, x[at]), TIME_DIGITS), rounded(np.insert(y, at, np.nan))

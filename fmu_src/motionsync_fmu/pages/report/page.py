@@ -14,11 +14,13 @@ from ...scenario.figures import engineering, figures
 from ...scenario.judge import Check, Deviation
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
+from ...scenario.settings import Reaction
+from ..machine.fragment import machine
 from ..style import TEMPLATES
-from .chart import Chart
+from .chart import Chart, align
 from .cutting import cut_chart
 from .lanes import changes, find_lanes, lane_chart
-from .motion import motion_chart
+from .motion import error_chart, motion_chart
 from .origin import here, now, origin
 
 BUNDLE = HERE / "pages" / "vendor" / "plotly-basic.min.js"
@@ -43,6 +45,7 @@ def write_report(
 
     `fmu`: the FMU that was run, None: the block ran in this process; `results`: the file with the outputs, which the
     page links to."""
+    scenario, asked = happened(scenario, recording), scenario
     found = figures(scenario, recording)
     charts = {name: chart.html() for name, chart in run_charts(scenario, recording).items()}
     text = TEMPLATES.get_template("report.html.j2").render(
@@ -52,8 +55,11 @@ def write_report(
         checks=checks,
         deviations=deviations,
         messages=recording.messages,
+        reactions=[_told(reaction, scenario) for reaction in asked.reactions],
+        unmet=recording.unmet,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
+        machine=machine(scenario, recording),
         keys=keys_of(scenario, recording),
         unit=unit_name(Unit.POSITION, scenario.unit),
         by_name=scenario.recipe.variables,
@@ -72,6 +78,21 @@ def write_report(
     file.write_text(text, "utf-8")
 
 
+def happened(scenario: Scenario, recording: Recording) -> Scenario:
+    """The scenario with all that was set in a run of it, each at its time, and without reactions."""
+    return scenario.settled(recording.settings or scenario.settings)
+
+
+def _told(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
+    """A reaction in words: its condition, how long after it, what it sets and adds, and how often."""
+    by_name = scenario.recipe.variables
+    given = [f"{name} = {by_name[name].text(value)}" for name, value in reaction.set.items()]
+    given += [f"{name} + {value:.10g}" for name, value in reaction.add.items()]
+    often = "each time" if reaction.times is None else "once" if reaction.times == 1 else f"{reaction.times} times"
+    after = engineering(reaction.after, "s") if reaction.after else "at once"
+    return reaction.condition.text, after, ", ".join(given), often
+
+
 def settings(scenario: Scenario) -> list[tuple[float, list[tuple[str, str]]]]:
     """What was set during the run: times, each with names and values as texts."""
     by_name = scenario.recipe.variables
@@ -84,7 +105,8 @@ def keys_of(scenario: Scenario, recording: Recording) -> list[tuple[str, list[tu
 
 
 def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
-    """The charts of a run: "cuts" (if the scenario has a table [cuts]), "motion" and "lanes"."""
+    """The charts of a run: "cuts" (if there is a table [cuts]), "errors" (of a remote axis), "motion" and "lanes"."""
+    scenario = happened(scenario, recording)
     found = figures(scenario, recording)
     lanes = find_lanes(scenario, recording)
     given = settings(scenario)
@@ -92,7 +114,9 @@ def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
     texts = [", ".join(f"{name} = {text}" for name, text in values) for _, values in given]
     kept = changes(recording, lanes, times)
     charts = {"cuts": cut_chart(scenario.cuts, scenario, recording, found, kept)} if scenario.cuts else {}
-    return charts | {
-        "motion": motion_chart(scenario, recording, found, lanes, times, kept),
-        "lanes": lane_chart(lanes, scenario.stop_time, times, texts),
-    }
+    if scenario.remote:
+        charts["errors"] = error_chart(scenario.remote, scenario, recording, kept)
+    charts["motion"] = motion_chart(scenario, recording, found, lanes, times, kept)
+    charts["lanes"] = lane_chart(lanes, scenario.stop_time, times, texts)
+    align(charts.values())
+    return charts

@@ -3,7 +3,11 @@
 (() => {
   const frames = [...document.querySelectorAll("div.plot")];
   const texts = frames.map((frame) => frame.nextElementSibling.textContent);
-  const config = { displaylogo: false, responsive: true, doubleClick: "reset", modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const PAPER = 680;  // px: the width of a chart on paper
+  const config = {
+    displaylogo: false, responsive: true, doubleClick: "reset", plotlyServerURL: "",
+    modeBarButtons: [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]],  // none that sends data
+  };
   const isTimed = (frame) => frame.layout.meta.timed;
   let busy = false;
 
@@ -17,37 +21,42 @@
   // Draw a chart with the colours of now; what is zoomed stays as it is.
   function draw(frame, text) {
     const { data, layout } = figure(text);
+    if (document.documentElement.classList.contains("printed")) layout.width = PAPER;
     for (const axis of Object.keys(layout).filter((key) => /^[xy]axis/.test(key) && frame.layout)) {
       layout[axis].autorange = frame.layout[axis].autorange;
       layout[axis].range = frame.layout[axis].range;
     }
-    if (frame.layout) layout.shapes[0] = { ...layout.shapes[0], x0: frame.layout.shapes[0].x0, x1: frame.layout.shapes[0].x1, visible: frame.layout.shapes[0].visible };
     return Plotly.react(frame, data, layout, config);
   }
 
-  // The range that a vertical axis needs for what is to be seen between two times.
+  // The range that a vertical axis needs for what is to be seen between two times; limits count where they are near.
   function needed(frame, axis, begin, end) {
     const name = axis.replace("axis", "");
+    const traces = frame.data.filter((trace) => trace.yaxis === name && trace.visible !== "legendonly");
+    const limits = traces.filter((trace) => trace.legendgroup === "limit of the axis").map((trace) => trace.y[0]);
     let low = Infinity, high = -Infinity;
-    for (const trace of frame.data) {
-      if (trace.yaxis !== name || trace.visible === "legendonly") continue;
-      const outer = trace.x.length === 2;  // a limit: a line through all times
+    for (const trace of traces) {
       for (let i = 0; i < trace.x.length; i++) {
         const y = trace.y[i];
-        if (y !== null && (outer || (trace.x[i] >= begin && trace.x[i] <= end))) { low = Math.min(low, y); high = Math.max(high, y); }
+        if (y !== null && trace.x[i] >= begin && trace.x[i] <= end) { low = Math.min(low, y); high = Math.max(high, y); }
       }
     }
     if (low > high) return null;
+    const span = high - low;
+    for (const limit of limits.filter((y) => y > low - span && y < high + span)) {
+      low = Math.min(low, limit);
+      high = Math.max(high, limit);
+    }
     const room = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
     return [low - room, high + room];
   }
 
   // Show a stretch of time in a chart, and fit its vertical axes, but for those that were zoomed themselves.
-  function show(frame, begin, end, zoomed) {
+  function show(frame, begin, end, own) {
     const change = { "xaxis.range": [begin, end] };
     const [first, last] = frame.layout.meta.span;
     const whole = begin <= first && end >= last;
-    for (const axis of frame.layout.meta.rescaled.filter((key) => !zoomed.has(key))) {
+    for (const axis of frame.layout.meta.rescaled.filter((key) => !own.has(key))) {
       const range = whole ? null : needed(frame, axis, begin, end);
       if (range) change[`${axis}.range`] = range; else change[`${axis}.autorange`] = true;
     }
@@ -61,32 +70,42 @@
     const own = new Set(keys.map((key) => key.split(".")[0]));
     const [begin, end] = change["xaxis.autorange"] ? frame.layout.meta.span : frame.layout.xaxis.range;
     const others = isTimed(frame) ? frames.filter(isTimed) : [frame];
-    await Promise.all(others.map((other) => show(other, begin, end, other === frame && !change["xaxis.autorange"] ? own : new Set())));
+    await Promise.all(others.map((other) => show(other, begin, end, other === frame ? own : new Set())));
     busy = false;
+    place();
   }
 
-  // The cursor: a line in every chart over time, moved at most once a picture of the screen.
-  let wanted = null;
-  function cursor(time, without) {
-    const waiting = wanted !== null;
-    wanted = { time, without };
+  // The cursor: a line over each chart over time, moved at most once a picture of the screen.
+  let time = null, pointed = null, waiting = false;
+  function cursor(at, frame) {
+    time = at;
+    pointed = frame;
     if (waiting) return;
-    requestAnimationFrame(() => {
-      const { time, without } = wanted;
-      wanted = null;
-      for (const frame of frames.filter(isTimed)) {
-        Plotly.relayout(frame, { "shapes[0].x0": time, "shapes[0].x1": time, "shapes[0].visible": frame !== without });
-      }
-    });
+    waiting = true;
+    requestAnimationFrame(place);
+  }
+
+  function place() {
+    waiting = false;
+    for (const frame of frames.filter(isTimed)) {
+      const line = frame.querySelector(".cursor") || frame.appendChild(Object.assign(document.createElement("i"), { className: "cursor" }));
+      const [begin, end] = frame.layout.xaxis.range;
+      const { l, t, w, h } = frame._fullLayout._size;
+      line.hidden = time === null || frame === pointed || time < begin || time > end;
+      line.style.top = `${t}px`;
+      line.style.height = `${h}px`;
+      line.style.transform = `translateX(${l + (w * (time - begin)) / (end - begin)}px)`;
+    }
   }
 
   function listen(frame) {
     frame.on("plotly_relayout", (change) => zoomed(frame, change));
+    frame.on("plotly_afterplot", place);
     if (!isTimed(frame)) return;
     frame.on("plotly_hover", (event) => {
-      const time = event.xvals ? event.xvals[0] : event.points[0].x;
-      cursor(time, frame);
-      document.dispatchEvent(new CustomEvent("motionsync:time", { detail: { time, source: "plots" } }));
+      const at = event.xvals ? event.xvals[0] : event.points[0].x;
+      cursor(at, frame);
+      document.dispatchEvent(new CustomEvent("motionsync:time", { detail: { time: at, source: "plots" } }));
     });
   }
 
@@ -97,7 +116,7 @@
     if (event.detail.source !== "plots") cursor(event.detail.time, null);
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-  // Paper is light.
+  // Paper is light, and narrower than a screen.
   addEventListener("beforeprint", () => { document.documentElement.classList.add("printed"); redraw(); });
   addEventListener("afterprint", () => { document.documentElement.classList.remove("printed"); redraw(); });
 })();

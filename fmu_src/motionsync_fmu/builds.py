@@ -1,0 +1,47 @@
+"""Which flavour can be built here, and the FMUs that `motionsync run` uses: as they are, or built before."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from . import places
+from .build import Flavour, build, fmu_path, outdated
+from .extras import how_to_install, missing_compiler
+from .interface.recipe import Recipe
+from .native.platforms import ROWS, here
+from .pages.progress import doing
+
+
+def at_hand(tell: Callable[[str], None]) -> list[Flavour]:
+    """The flavours that can be built here, the native one first; `tell` gets a line if that one is left out."""
+    if not (missing := missing_compiler()):
+        return list(Flavour)
+    tell(
+        f"{missing} is not installed, with which the native flavour is compiled: the python flavour is taken "
+        f"({how_to_install('native')})"
+    )
+    return [Flavour.PYTHON]
+
+
+def ready(recipes: Sequence[Recipe], flavour: Flavour) -> list[Path]:
+    """The FMU of each recipe, to be run here. What is missing or stale is built, and told."""
+    found: list[tuple[Recipe, Path]] = []
+    for recipe in recipes:
+        if all(recipe != other for other, _ in found):
+            found.append((recipe, _ready(recipe, flavour)))
+    return [next(fmu for other, fmu in found if other == recipe) for recipe in recipes]
+
+
+def _ready(recipe: Recipe, flavour: Flavour) -> Path:
+    """build/<flavour>/<FMU>.fmu if that is up to date, else an FMU in the user's cache.
+
+    The latter has a library for this machine alone, and lies where nobody takes it for one to hand on."""
+    complete = fmu_path(recipe, places.OUTPUT, flavour)
+    if not outdated(complete, recipe):
+        return complete
+    platform = here() if flavour == Flavour.NATIVE else None
+    kind = f"{flavour.value}-{platform.folder}" if platform else flavour.value
+    target = places.cache() / kind / recipe.guid().strip("{}") / complete.name
+    if outdated(target, recipe):
+        with doing(f"building {target}{', for this machine alone' if platform else ''}") as tell:
+            build(flavour, recipe, target, tell, [platform] if platform else ROWS)
+    return target

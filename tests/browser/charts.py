@@ -1,0 +1,64 @@
+"""What a reader sees of a chart: its legend, its scale, what is told under the pointer, its cursor."""
+
+import re
+from typing import Any
+
+from tests.browser.visit import Visit
+
+FRAME = ".plot[aria-label^='{}']"
+
+
+class ChartView:
+    """A chart of a page, found by the beginning of what it is for those who cannot see it."""
+
+    def __init__(self, visit: Visit, name: str) -> None:
+        self.visit = visit
+        self.frame = visit.page.locator(FRAME.format(name))
+        self.frame.locator(".main-svg").first.wait_for()
+
+    @property
+    def traces(self) -> int:
+        """The number of lines and bars that are drawn."""
+        return int(self.frame.locator(".trace").count())
+
+    @property
+    def legend(self) -> list[str]:
+        """The names in the legend."""
+        return list(self.frame.locator(".legend .legendtext").evaluate_all("all => all.map(e => e.textContent)"))
+
+    def scale(self) -> tuple[float, float]:
+        """Where 0 s lies, in px of the window, and how many px a second has: from two numbers below the chart."""
+        read = "all => all.map(e => [e.textContent, e.getBoundingClientRect().x + e.getBoundingClientRect().width / 2])"
+        ticks = self.frame.locator(".xtick text").evaluate_all(read)
+        (first, left), (last, right) = ticks[0], ticks[-1]
+        pixels = (right - left) / (float(last) - float(first))
+        return left - pixels * float(first), pixels
+
+    def point(self, time: float) -> list[str]:
+        """Put the pointer on a time; the answer is what is told there, the time first."""
+        self.frame.scroll_into_view_if_needed()
+        zero, pixels = self.scale()
+        box = self.frame.locator(".nsewdrag").first.bounding_box()
+        self.visit.page.mouse.move(zero + pixels * time + 3, box["y"] + 0.5 * box["height"])
+        self.visit.page.mouse.move(zero + pixels * time, box["y"] + 0.5 * box["height"], steps=3)
+        texts = self.frame.locator(".hoverlayer text")
+        texts.first.wait_for()
+        return list(texts.evaluate_all("all => all.map(e => e.textContent)"))
+
+    def told(self, time: float) -> tuple[float, dict[str, float]]:
+        """What is told at a time: the time in s, and values by their names."""
+        title, *texts = self.point(time)
+        pairs = [
+            re.fullmatch(r"(.+?) : (-?[\d.e+-]+|-?[\d.]+[kMGmµun]?).*", t.replace("\N{MINUS SIGN}", "-")) for t in texts
+        ]
+        return float(title.removesuffix(" s")), {p[1]: float(p[2]) for p in pairs if p}
+
+    @property
+    def cursor(self) -> float | None:
+        """The time at which the cursor stands, in s; None: it is not to be seen."""
+        line = self.frame.locator(".cursor")
+        if not line.count() or not line.is_visible():
+            return None
+        zero, pixels = self.scale()
+        box: Any = line.bounding_box()
+        return float((box["x"] + box["width"] / 2 - zero) / pixels)

@@ -1,0 +1,43 @@
+"""The page in an FMU, in a real browser."""
+
+from pathlib import Path
+
+import pytest
+
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.native.platforms import PLATFORMS
+from motionsync_fmu.pages.block_page import pages
+from motionsync_fmu.scenario.example import example_of
+from tests.browser.conftest import Open
+
+
+@pytest.fixture
+def file(block: str, tmp_path: Path) -> Path:
+    """The page of each block in turn."""
+    return page_of(block, tmp_path)
+
+
+def page_of(block: str, folder: Path) -> Path:
+    """A block's page without its picture, so that it asks for no other file."""
+    made = pages(Recipe(block).block(), example_of(block), "mm", "native", list(PLATFORMS))
+    file = folder / "index.html"
+    file.write_bytes(made["index.html"].replace(b'src="example.svg"', b""))
+    return file
+
+
+@pytest.mark.parametrize("width", [1152, 800, 400])
+def test_the_page_is_no_wider_than_its_window(open_page: Open, file: Path, width: int) -> None:
+    assert open_page(file, width).overflow() == 0.0
+
+
+def test_in_a_window_of_1152_pixels_every_table_is_seen_whole(open_page: Open, file: Path) -> None:
+    hidden = "[...document.querySelectorAll('table')].map(t => t.scrollWidth - t.clientWidth)"
+    found = open_page(file, 1152).page.evaluate(hidden)
+    assert len(found) >= 4
+    assert max(found) <= 0
+
+
+def test_a_plot_of_characters_has_its_lines(open_page: Open, tmp_path: Path) -> None:
+    plot = open_page(page_of("FlyingSaw", tmp_path)).page.locator("pre")
+    assert plot.inner_text().splitlines()[0] == "T_a + T_b"
+    assert plot.bounding_box()["height"] > 12 * 14  # twelve lines

@@ -1,0 +1,201 @@
+"""The report of a run in a browser: plots and machine show what the recording has, and share their time."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motionsync_fmu.pages.report.page import write_report
+from motionsync_fmu.scenario.judge import check, compare
+from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.recording import Recording
+from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.scenario import Scenario
+from tests import ROOT
+from tests.browser.charts import ChartView
+from tests.browser.conftest import Open
+from tests.browser.visit import Visit
+
+FLAGSHIP = "FlyingSaw/cyclic_cut"
+ALL = (
+    FLAGSHIP,
+    "FlyingSaw/diagonal_saw",
+    "Follower/cyclic_through",
+    "Follower/linear_wait_in_park",
+    "Gearing/ccw_direct",
+    "RemoteSync/accelerating_axis",
+    "Synchronizer/polynomial",
+)
+MOTION, CUTS, LANES = "Motion of the slave", "The saw among", "States"
+
+OpenReport = Callable[..., Visit]
+
+
+@cache
+def run(name: str) -> tuple[Scenario, Recording]:
+    scenario = load(ROOT / "scenarios" / name / "scenario.toml")
+    return scenario, run_in_process(scenario, scenario.step_size)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Writes the report of a scenario, once."""
+    folder = tmp_path_factory.mktemp("reports")
+
+    @cache
+    def write(name: str) -> Path:
+        s, recording = run(name)
+        file = folder / name.replace("/", "_") / "report.html"
+        file.parent.mkdir()
+        results = file.parent / "out.csv"
+        write_report(file, s, recording, check(s, recording), compare(s, recording), s.step_size, results=results)
+        return file
+
+    return write
+
+
+@pytest.fixture
+def open_report(open_page: Open, written: Callable[[str], Path]) -> OpenReport:
+    """Opens the report of a scenario: `open_report(name, ...)`, the rest as for `open_page`."""
+
+    def opened(name: str, **options: Any) -> Visit:
+        visit = open_page(written(name), **options)
+        visit.page.locator(".plot .main-svg").last.wait_for()
+        return visit
+
+    return opened
+
+
+def recorded(name: str, variable: str, time: float) -> float:
+    """A recorded output at a time."""
+    _, recording = run(name)
+    return float(np.interp(time, recording.time, recording.values[variable]))
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_all_charts_are_drawn_with_their_legends_and_fit_their_window(open_report: OpenReport, name: str) -> None:
+    """Offline; and no page has said a word (see `open_page`)."""
+    visit = open_report(name)
+    motion = ChartView(visit, MOTION)
+    followed = "remote axis" if name.startswith("RemoteSync") else "master"
+    assert {"slave", followed} <= set(motion.legend)
+    assert motion.traces >= 8
+    assert ChartView(visit, LANES).traces >= 1
+    assert visit.page.locator(".motionsync-machine svg > g").count() >= 2
+    if run(name)[0].cuts:
+        assert "saw" in ChartView(visit, CUTS).legend
+    for width in (1100, 500):
+        visit.page.set_viewport_size({"width": width, "height": 900})
+        visit.page.wait_for_timeout(200)
+        assert visit.overflow() <= 0.0
+
+
+def test_the_flagship_is_below_two_and_a_half_megabytes(written: Callable[[str], Path]) -> None:
+    assert written(FLAGSHIP).stat().st_size < 2.5e6
+
+
+@pytest.mark.parametrize("name", [FLAGSHIP, "Gearing/ccw_direct", "Synchronizer/polynomial"])
+def test_the_pointer_is_told_the_slave_s_values(open_report: OpenReport, name: str) -> None:
+    """Five significant digits, at a point that is drawn: points between are left out where nobody would see them."""
+    visit = open_report(name)
+    chart = ChartView(visit, MOTION)
+    stop = run(name)[0].stop_time
+    for share in (0.21, 0.5, 0.83):
+        time, values = chart.told(share * stop)
+        assert time == pytest.approx(share * stop, abs=0.01 * stop)
+        for quantity in ("position", "velocity"):
+            expected = recorded(name, f"slave.{quantity}", time)
+            assert values[f"slave {quantity}"] == pytest.approx(expected, rel=1e-4, abs=1e-3)
+
+
+def test_the_pointer_over_the_cuts_is_told_where_the_saw_is(open_report: OpenReport) -> None:
+    visit = open_report(FLAGSHIP)
+    time, values = ChartView(visit, CUTS).told(9.0)
+    assert values["saw"] == pytest.approx(recorded(FLAGSHIP, "slave.position", time), rel=1e-4, abs=1e-3)
+
+
+def test_the_machine_follows_the_pointer(open_report: OpenReport) -> None:
+    """A px is 36 ms of the flagship; the other charts show a cursor there, the one under the pointer has its own."""
+    visit = open_report(FLAGSHIP)
+    motion, cuts = ChartView(visit, MOTION), ChartView(visit, CUTS)
+    motion.point(12.0)
+    visit.page.wait_for_function("Math.abs(document.querySelector('.motionsync-machine').dataset.time - 12) < 0.05")
+    assert visit.number(".carriage", "slave-position") == pytest.approx(
+        recorded(FLAGSHIP, "slave.position", visit.time), abs=0.1
+    )
+    assert cuts.cursor == pytest.approx(visit.time, abs=0.05)
+    assert motion.cursor is None
+
+
+def test_the_plots_follow_the_machine(open_report: OpenReport) -> None:
+    visit = open_report(FLAGSHIP)
+    charts = [ChartView(visit, name) for name in (MOTION, CUTS, LANES)]
+    for t in (3.7, 21.0):
+        visit.show(t)
+        visit.page.wait_for_timeout(100)
+        assert [chart.cursor for chart in charts] == pytest.approx([t] * 3, abs=0.05)
+
+
+def test_the_slider_moves_the_saw_and_the_cursor(open_report: OpenReport) -> None:
+    visit = open_report(FLAGSHIP)
+    motion = ChartView(visit, MOTION)
+    slider = visit.page.get_by_role("slider", name="Time")
+    slider.scroll_into_view_if_needed()
+    box = slider.bounding_box()
+    visit.page.mouse.move(box["x"] + 0.2 * box["width"], box["y"] + box["height"] / 2)
+    visit.page.mouse.down()
+    visit.page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + box["height"] / 2, steps=8)
+    visit.page.mouse.up()
+    visit.page.wait_for_timeout(100)
+    assert visit.time == pytest.approx(0.6 * run(FLAGSHIP)[0].stop_time, abs=0.6)
+    shown = visit.number(".carriage", "slave-position")
+    assert shown == pytest.approx(recorded(FLAGSHIP, "slave.position", visit.time), abs=0.1)
+    assert motion.cursor == pytest.approx(visit.time, abs=0.05)
+
+
+def test_playing_moves_saw_and_cursor(open_report: OpenReport) -> None:
+    """In real time: the plots keep up, a picture takes far less than the 0.1 s that playing makes up for."""
+    visit = open_report(FLAGSHIP)
+    motion = ChartView(visit, MOTION)
+    visit.listen()
+    visit.page.get_by_role("button", name="Play").click()
+    visit.page.wait_for_function("+document.querySelector('.motionsync-machine').dataset.time > 1")
+    visit.page.get_by_role("button", name="Pause").click()
+    visit.page.wait_for_timeout(100)
+    assert motion.cursor == pytest.approx(visit.time, abs=0.05)
+    assert len(visit.told()) >= 10
+
+
+def test_dark_mode_changes_page_plots_and_machine_and_back(open_report: OpenReport) -> None:
+    visit = open_report(FLAGSHIP)
+    seen = {}
+    for scheme in ("light", "dark", "light"):
+        visit.page.emulate_media(color_scheme=scheme)
+        visit.page.wait_for_timeout(300)
+        plot = visit.page.locator(".plot .main-svg").first.evaluate("e => getComputedStyle(e).backgroundColor")
+        saw = visit.page.locator(".carriage rect[rx='5']").evaluate("e => getComputedStyle(e).fill")
+        line = visit.page.locator(".plot .scatterlayer .trace path.js-line").last.evaluate("e => e.style.stroke")
+        looks = (*visit.colours("body"), plot, saw, line)
+        assert seen.setdefault(scheme, looks) == looks
+        assert contrast(*visit.colours("body")) > 7.0
+    assert all(light != dark for light, dark in zip(seen["light"], seen["dark"], strict=True))
+
+
+def contrast(text: str, ground: str) -> float:
+    """The contrast of two colours, 1 to 21, as WCAG 2 has it."""
+
+    def luminance(colour: str) -> float:
+        parts = [float(c) / 255.0 for c in colour.removeprefix("rgb(").rstrip(")").split(",")[:3]]
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((luminance(text), luminance(ground)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_the_report_opens_in_a_narrow_window(open_report: OpenReport) -> None:
+    visit = open_report(FLAGSHIP, width=500)
+    assert visit.overflow() <= 0.0

@@ -1,0 +1,261 @@
+"""A release: the same bytes again, complete files, and a refusal where the changelog says nothing."""
+
+import hashlib
+import os
+import re
+import subprocess
+import sys
+import tarfile
+import zipfile
+from email.message import Message
+from email.parser import HeaderParser
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description
+from markdown_it import MarkdownIt
+
+from motionsync.blocks import BLOCKS
+from motionsync_fmu import __version__
+from motionsync_fmu.archive import write
+from motionsync_fmu.build import Flavour
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface.recipe import Recipe
+from tests import ROOT
+from tests.support.fmus import Shared
+from tools import release
+
+NAME = f"motionsync-{__version__}"
+MADE = {f"{NAME}-py3-none-any.whl", f"{NAME}.tar.gz", f"{NAME}-fmus.zip", "RELEASE_NOTES.md", "SHA256SUMS"}
+RELEASE = """
+from pathlib import Path
+from motionsync_fmu.build import Flavour
+from tools.release import release
+
+release(Path({folder!r}), print, ["Synchronizer"], ["mm", "deg"], Flavour.PYTHON)
+"""
+CHANGELOG = """# Changelog
+
+## [Unreleased]
+
+## [2.0.0] - 2027-03-04
+
+### Added
+
+- Two things ([#1]).
+
+## [1.0.0] - 2026-01-02
+
+## [0.9.0] - 2026-01-01
+
+- One thing.
+
+[2.0.0]: https://example.com/2
+"""
+
+
+class Referring(HTMLParser):
+    """The addresses in a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.addresses: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.addresses += [value or "" for name, value in attrs if name in ("href", "src")]
+
+
+def relative(addresses: list[str]) -> set[str]:
+    return {a for a in addresses if not re.match(r"https?:|data:|#", a)}
+
+
+@pytest.fixture(scope="module")
+def made(shared: Shared) -> Path:
+    """A release with two FMUs of the python flavour, which is quick to build."""
+
+    return shared.once("release", lambda folder: run(folder / "made")) / "made"
+
+
+def run(folder: Path, **environment: str) -> str:
+    """Make it in a process of its own; what that tells meanwhile."""
+    path = os.pathsep.join(str(ROOT / part) for part in ("", "model", "fmu_src"))
+    path = os.pathsep.join([path, os.environ.get("PYTHONPATH", "")])
+    code = RELEASE.format(folder=str(folder))
+    environment = {name: text for name, text in os.environ.items() if name != "SOURCE_DATE_EPOCH"} | environment
+    environment["PYTHONPATH"] = path
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment)
+    return done.stdout
+
+
+def test_a_release_is_complete_and_its_progress_is_told(tmp_path: Path, made: Path) -> None:
+    told = run(tmp_path / "again", PYTHONHASHSEED="7", TZ="Asia/Tokyo")
+    assert told.splitlines() == [
+        "wheel and source",
+        "mm/Synchronizer_mm.fmu (1 of 2)",
+        "deg/Synchronizer_deg.fmu (2 of 2)",
+    ]
+    for folder in (made, tmp_path / "again"):
+        assert {file.name for file in folder.iterdir()} == MADE
+    for name in MADE:
+        assert (tmp_path / "again" / name).read_bytes() == (made / name).read_bytes(), name
+
+
+def test_the_checksums_are_those_of_all_other_files(made: Path) -> None:
+    lines = (made / "SHA256SUMS").read_text().splitlines()
+    assert [line.split("  ")[1] for line in lines] == sorted(MADE - {"SHA256SUMS"})
+    for line in lines:
+        told, name = line.split("  ")
+        assert hashlib.sha256((made / name).read_bytes()).hexdigest() == told
+
+
+def test_every_fmu_has_its_unit_in_its_name_and_its_page_beside_it(made: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(made / f"{NAME}-fmus.zip") as z:
+        z.extractall(tmp_path)
+        names = set(z.namelist())
+    fmus = {"mm/Synchronizer_mm", "deg/Synchronizer_deg"}
+    assert names == {"LICENSE", "README.html"} | {f"{fmu}.{kind}" for fmu in fmus for kind in ("fmu", "html")}
+    for fmu in fmus:
+        block, unit = fmu.split("/")[1].split("_")
+        found = read_model_description(str(tmp_path / f"{fmu}.fmu"))
+        assert (found.modelName, found.version) == (block, __version__)
+        assert {t.name: t.unit for t in found.typeDefinitions}["Position"] == unit
+        page = (tmp_path / f"{fmu}.html").read_text("utf-8")
+        assert f"<h1>{block}</h1>" in page
+        addresses = Referring(page).addresses
+        assert sum(a.startswith("data:image/svg+xml;base64,") for a in addresses) == 1
+        assert relative(addresses) <= {"externalDependencies.html"}  # of the python flavour alone
+    first = (tmp_path / "README.html").read_text("utf-8")
+    assert __version__ in first
+    assert relative(Referring(first).addresses) <= names
+    assert {f"{fmu}.fmu" for fmu in fmus} <= set(Referring(first).addresses)
+
+
+def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is built when nothing is chosen; the build itself is another test's."""
+    built = []
+
+    def build(flavour: Flavour, recipe: Recipe, target: Path, progress: release.Progress) -> Path:
+        built.append((flavour, recipe.name, recipe.unit))
+        write(target, {"documentation/index.html": b"", "documentation/example.svg": b""})
+        return target
+
+    monkeypatch.setattr(release, "build", build)
+    monkeypatch.setattr(release, "package", lambda folder: None)
+    release.release(tmp_path / "all", lambda text: None)
+    assert sorted(built) == sorted(("native", block, unit) for block in BLOCKS for unit in ("mm", "m", "deg"))
+    with zipfile.ZipFile(tmp_path / "all" / f"{NAME}-fmus.zip") as z:
+        assert len(z.namelist()) == 2 + 2 * 3 * len(BLOCKS)
+        first = z.read("README.html").decode()
+        assert relative(Referring(first).addresses) == set(z.namelist()) - {"README.html"}
+
+
+def test_the_date_is_that_of_the_changelog(made: Path) -> None:
+    (date,) = re.findall(rf"^## \[{re.escape(__version__)}\] - (.*)$", changelog(), re.M)
+    for archive in (f"{NAME}-fmus.zip", f"{NAME}-py3-none-any.whl"):
+        with zipfile.ZipFile(made / archive) as z:
+            assert {"{:04}-{:02}-{:02}".format(*i.date_time) for i in z.infolist()} == {date}
+    with tarfile.open(made / f"{NAME}.tar.gz") as t:
+        assert len({member.mtime for member in t}) == 1
+
+
+def test_source_date_epoch_is_honoured_and_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    for given, told in (("1700000000", "1700000000"), (None, "86400")):
+        monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+        if given:
+            monkeypatch.setenv("SOURCE_DATE_EPOCH", given)
+        with release.dated(86400):
+            assert os.environ["SOURCE_DATE_EPOCH"] == told
+        assert os.environ.get("SOURCE_DATE_EPOCH") == given
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "soon")
+    with pytest.raises(UserError, match="SOURCE_DATE_EPOCH = soon is not allowed"), release.dated(0):
+        pass
+
+
+# --- the changelog ---
+
+
+def changelog() -> str:
+    return (ROOT / "CHANGELOG.md").read_text("utf-8")
+
+
+def test_the_notes_are_the_changelog_of_the_version(made: Path) -> None:
+    section = changelog().split(f"## [{__version__}] - ")[1].split("\n## ")[0]
+    assert (made / "RELEASE_NOTES.md").read_text("utf-8").split() == section.split()[1:]  # without the date
+
+
+def test_a_section_ends_where_another_or_the_links_begin() -> None:
+    told = release.notes(CHANGELOG, "2.0.0")
+    assert told == release.Notes("### Added\n\n- Two things ([#1]).\n", 1804118400)  # 2027-03-04: 20,881 days
+    assert release.notes(CHANGELOG, "0.9.0").text == "- One thing.\n"
+
+
+@pytest.mark.parametrize("version", ["3.0.0", "1.0.0", "2.0", "2x0.0", "Unreleased"])
+def test_a_version_of_which_the_changelog_says_nothing_is_refused(version: str) -> None:
+    with pytest.raises(UserError, match=f"^CHANGELOG.md says nothing of version {version}: write what has changed"):
+        release.notes(CHANGELOG, version)
+
+
+def test_nothing_is_made_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(release, "__version__", "99.0.0")
+    monkeypatch.setattr(release, "ROOT", tmp_path)
+    (tmp_path / "CHANGELOG.md").write_text(CHANGELOG)
+    with pytest.raises(SystemExit) as e:
+        release.main()
+    assert str(e.value.code).startswith("release: CHANGELOG.md says nothing of version 99.0.0: write")
+    assert "\n" not in str(e.value.code)
+    assert [file.name for file in tmp_path.iterdir()] == ["CHANGELOG.md"]
+
+
+def test_the_changelog_says_something_of_the_present_version_and_is_in_order() -> None:
+    release.notes(changelog(), __version__)
+    dates = re.findall(r"^## \[\d+\.\d+\.\d+\] - (\d{4}-\d\d-\d\d)$", changelog(), re.M)
+    assert dates == sorted(dates, reverse=True)
+    assert re.findall(r"^## \[(.*?)\]", changelog(), re.M)[0] == "Unreleased"
+
+
+# --- the package ---
+
+
+def metadata(made: Path) -> Message:
+    with zipfile.ZipFile(made / f"{NAME}-py3-none-any.whl") as z:
+        (file,) = (name for name in z.namelist() if name.endswith(".dist-info/METADATA"))
+        return HeaderParser().parsestr(z.read(file).decode())
+
+
+def test_the_package_names_authors_and_addresses(made: Path) -> None:
+    found = metadata(made)
+    home = "https://github.com/motionsync/motionsync"
+    assert found["Version"] == __version__
+    assert found["Author"] == "The motionsync authors"
+    assert found.get_all("Project-URL") == [
+        f"Homepage, {home}",
+        f"Repository, {home}",
+        f"Changelog, {home}/blob/v{__version__}/CHANGELOG.md",
+        f"Issues, {home}/issues",
+    ]
+
+
+def test_the_readme_in_the_package_refers_to_no_file_but_by_its_address(made: Path) -> None:
+    text = metadata(made).get_payload()
+    assert isinstance(text, str)
+    shipped = (ROOT / "README.md").read_text("utf-8")
+    there, here = (Referring(MarkdownIt("commonmark").enable("table").render(t)).addresses for t in (text, shipped))
+    assert not relative(there)
+    assert relative(here)  # else this test sees nothing
+    at = rf"https://github\.com/motionsync/motionsync/(raw|blob)/v{re.escape(__version__)}/"
+    assert [re.sub(at, "", address) for address in there] == here
+    assert all((ROOT / address.partition("#")[0]).exists() for address in relative(here))
+    assert re.findall(r"```.*?```", text, re.S) == re.findall(r"```.*?```", shipped, re.S)
+
+
+def test_the_source_gives_the_same_wheel(made: Path, tmp_path: Path) -> None:
+    with tarfile.open(made / f"{NAME}.tar.gz") as t:
+        t.extractall(tmp_path, filter="data")
+        (time,) = {str(int(member.mtime)) for member in t}
+    command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(tmp_path)]
+    environment = os.environ | {"SOURCE_DATE_EPOCH": time}
+    subprocess.run(command, cwd=tmp_path / NAME, check=True, capture_output=True, env=environment)
+    wheel = f"{NAME}-py3-none-any.whl"
+    assert (tmp_path / wheel).read_bytes() == (made / wheel).read_bytes()
