@@ -363,13 +363,15 @@ def test_turned_variables_have_an_fmu_of_their_own(motionsync: Command) -> None:
     assert "POLYNOMIAL_3_4_5" in shown
 
 
-def test_a_scenario_with_an_interface_leaves_the_default_fmu_alone(workshop: Command) -> None:
+def test_a_scenario_with_an_interface_leaves_the_default_fmu_alone(motionsync: Command) -> None:
     """STOP sets stop alone; the turned variables keep their start values, so its expectations hold."""
     turned = '[interface]\ninput = "output_phasing"\nparameter = ["active", "rest_value"]\n\n[start]'
     scenario("wired", STOP.replace("[start]", turned, 1))
+    scenario("stop")
+    assert motionsync("build", "Synchronizer", *PYTHON).status == 0
     default = {file: file.stat().st_mtime_ns for file in Path("build").rglob("*.fmu")}
     for folder, built in (("wired", True), ("stop", False), ("wired", False)):
-        done = workshop("run", folder, *PYTHON, "--no-report")
+        done = motionsync("run", folder, *PYTHON, "--no-report")
         assert done.status == 0, done
         assert ("missing" in done.err) == built
     files = {file: file.stat().st_mtime_ns for file in Path("build").rglob("*.fmu")}
