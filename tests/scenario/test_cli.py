@@ -383,7 +383,7 @@ def test_describe_shows_every_variable_and_choice(motionsync: Command, unit: str
 
 
 def test_describe_of_a_built_fmu_shows_its_own_unit_and_start_values(motionsync: Command) -> None:
-    options = ("--unit", "deg", "--start", "rest_value=12.25", "--output", "here")
+    options = ("--unit", "deg", "--start", "rest_value=12.25", "--folder", "here")
     assert motionsync("build", "Synchronizer", *PYTHON, *options).status == 0
     done = motionsync("describe", the_fmu("here"))
     assert (done.status, done.err) == (0, "")
@@ -444,7 +444,8 @@ def test_error_explains_a_code(motionsync: Command, asked: tuple[str, ...]) -> N
 
 
 def test_error_tells_all_blocks_that_have_a_code(motionsync: Command) -> None:
-    assert re.findall(r"^(\w+), 2 ", motionsync("error", "2").out, re.MULTILINE) == ["Gearing", "Follower"]
+    told = motionsync("error", "2").out
+    assert re.findall(r"^(\w+), 2 ", told, re.MULTILINE) == ["FlyingSaw", "Gearing", "Follower"]
     assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
 
 
