@@ -54,8 +54,8 @@ benchmark: $(TESTABLE) ## what a step costs, what plans and accuracy are like
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/accuracy.py
 
-release: $(READY) ## build/release: package, FMUs with their pages, notes, checksums
-	$(BIN)/python -m tools.release
+release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, notes, checksums
+	@$(ALIVE) $(BIN)/python -m tools.release
 
 clean: ## remove whatever was made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from motionsync_fmu.build import Flavour
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.line.judge import examine
 from motionsync_fmu.line.package import write_package
@@ -40,7 +41,7 @@ def line_report(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFac
     """The report of the line with the flying saw."""
     folder = copied(shared, fmus, tmp_path_factory.mktemp("lines"))
     line = load_line(SAW)
-    package = write_package(line, folder, pytest.fail)
+    package = write_package(line, Flavour.NATIVE, folder, pytest.fail)
     write_line_report(folder / "report.html", line, package, examine(line, package), folder / "line_out.csv")
     return folder / "report.html"
 

@@ -79,6 +79,17 @@ MATERIAL = [(0.5, 0.0), (2.0, 500.0), (6.5, 0.0), (1.5, -200.0), (4.5, 0.0), (2.
 AXIS = [(0.5, 720.0), (11.5, 0.0), (1.0, -180.0), (4.0, 0.0), (2.0, 180.0)]
 
 
+def test_the_example_of_the_page_is_as_expected(shared: Shared, fmus: Fmus, tmp_path: Path) -> None:
+    """Copied as it stands: one cut, on its mark within what telegrams allow. Its FMUs are those of line.toml."""
+    (example,) = re.findall(r"```toml\n(.*?)```", (LINES / "README.md").read_text(), re.DOTALL)
+    file = tmp_path / SAW.name
+    file.write_text(example)
+    result = examined(file, copied(shared, fmus, tmp_path / "built")).result
+    assert [c for c in result.checks if not c.passed] == []
+    assert any(c.expected.startswith("cuts within 0.05") for c in result.checks)
+    assert result.passed
+
+
 # --- the package ---
 
 

@@ -37,7 +37,7 @@ from typing import Any
 from tests.oracle.flying_saw_commands import ABORTED, BUSY, DONE, ERROR, GROUPS, Command, Pulse, shown
 from tests.oracle.flying_saw_curves import ZERO, Curve, value
 from tests.oracle.flying_saw_curves import derivative as derived
-from tests.oracle.flying_saw_limits import INSTANT_STOP, Axis, by_instant, by_plan, own_curve
+from tests.oracle.flying_saw_limits import INSTANT_STOP, Axis, by_instant, by_motion, by_plan
 from tests.oracle.flying_saw_limits import NONE as WITHIN_LIMITS
 from tests.oracle.flying_saw_motion import Phases, limit_towards, move, ramp, ramp_between, stop
 from tests.oracle.flying_saw_plan import (
@@ -362,7 +362,7 @@ class _Run:
         """The phases from here on; `end`: the velocity, and for a move the position, to which it comes exactly."""
         self.time_based = None
         self.phases, self.own_end, self.own_state = list(phases), end, own_state
-        self.exceeded = by_plan(own_curve(slave, phases), Axis.of(self.inputs))
+        self.exceeded = by_motion(slave, tuple(phases), Axis.of(self.inputs))
         self._next_phase(slave)
 
     def _next_phase(self, slave: Motion) -> None:

@@ -185,6 +185,7 @@ class Curve:
                 cut.append(Piece(piece.begin + low, piece.begin + high, shifted(piece.polynomial, low)))
         return cut
 
+    @cached_property
     def speeding(self) -> tuple[Number, Number]:
         """The greatest |a| where v·a > 0, and where v·a < 0 (u/s2)."""
         greatest = {1: ZERO, -1: ZERO}

@@ -14,9 +14,12 @@ Readings of the description:
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
-from tests.oracle.flying_saw_curves import JERK, POSITION, VELOCITY, ZERO, Curve, derivative, joined, value
+from tests.oracle.flying_saw_curves import JERK, POSITION, VELOCITY, ZERO, Curve
+from tests.oracle.flying_saw_motion import advanced
 from tests.oracle.master import Motion, Number, mp
 
 NONE, MIN_POSITION, MAX_POSITION, MAX_VELOCITY, MAX_ACCELERATION, MAX_DECELERATION, MAX_JERK, INSTANT_STOP = range(8)
@@ -58,7 +61,7 @@ def by_plan(curve: Curve, axis: Axis) -> int:
         return NONE
     ends = [e.value for e in curve.extrema(POSITION)]
     speed, jerk = (max(abs(e.value) for e in curve.extrema(order)) for order in (VELOCITY, JERK))
-    faster, slower = curve.speeding()
+    faster, slower = curve.speeding
     return _first(axis, PLAN, ends, (speed, faster, slower, jerk))
 
 
@@ -86,11 +89,34 @@ def _first(axis: Axis, tolerance: Number, ends: Sequence[Number], sizes: Sequenc
     return NONE
 
 
-def own_curve(start: Motion, phases: Sequence[tuple[Number, Number]]) -> Curve:
-    """The slave's own motion, from its phases of (duration, jerk)."""
-    parts, v, a = [], start.velocity, start.acceleration
+@lru_cache(maxsize=256)  # where a run has reactions, it is begun anew for each of them
+def by_motion(start: Motion, phases: tuple[tuple[Number, Number], ...], axis: Axis) -> int:
+    """The same of the slave's own motion, from its phases of (duration, jerk); without a phase it exceeds nothing."""
+    if not phases:
+        return NONE
+    places, speed, faster, slower = [start.position], abs(start.velocity), ZERO, ZERO
     for duration, jerk in phases:
-        polynomial = [ZERO, v, a / 2, jerk / 6]
-        parts.append((duration, polynomial))
-        v, a = (value(derivative(polynomial, order), duration) for order in (1, 2))
-    return joined(parts, start.position)
+        for first, last in pairwise(_cuts(start, duration, jerk)):
+            one, middle, other = (advanced(start, jerk, time) for time in (first, (first + last) / 2, last))
+            places.append(other.position)
+            speed = max(speed, abs(other.velocity))
+            steepest = max(abs(one.acceleration), abs(other.acceleration))
+            if middle.velocity * middle.acceleration > 0:
+                faster = max(faster, steepest)
+            elif middle.velocity * middle.acceleration < 0:
+                slower = max(slower, steepest)
+        start = advanced(start, jerk, duration)
+    jerk = max(abs(jerk) for _, jerk in phases)
+    return _first(axis, PLAN, (min(places), max(places)), (speed, faster, slower, jerk))
+
+
+def _cuts(start: Motion, duration: Number, jerk: Number) -> list[Number]:
+    """The ends of a phase, and where in it the velocity or the acceleration is 0."""
+    v, a = start.velocity, start.acceleration
+    found = [-a / jerk] if jerk != 0 else []
+    square = a**2 - 2 * jerk * v
+    if jerk != 0 and square >= 0:
+        found += [(-a + side * mp.sqrt(square)) / jerk for side in (1, -1)]
+    elif jerk == 0 and a != 0:
+        found += [-v / a]
+    return sorted({ZERO, duration, *(time for time in found if 0 < time < duration)})

@@ -620,7 +620,7 @@ def _broken_overshoot(request: Request, curve: Curve) -> set[int]:
 
 def _broken_dynamics(request: Request, curve: Curve) -> set[int]:
     limits = request.limits
-    speeding, slowing = curve.speeding()
+    speeding, slowing = curve.speeding
     least_jerk, greatest_jerk = (e.value for e in curve.extrema(JERK))
     codes = set()
     if speeding > limits.acceleration * (1 + TOLERANCE):

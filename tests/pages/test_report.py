@@ -3,22 +3,30 @@
 import hashlib
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import plotly.graph_objects as go
 import pytest
 from plotly.offline import get_plotlyjs_version
 
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.report.chart import Chart
+from motionsync_fmu.pages.report.cutting import passages
+from motionsync_fmu.pages.report.numbers import jumps, points, rounded, thinned
+from motionsync_fmu.pages.report.origin import origin
 from motionsync_fmu.pages.report.page import BUNDLE, run_charts, write_report
-from motionsync_fmu.pages.style import TEMPLATES
+from motionsync_fmu.pages.style import TEMPLATES, typeset
+from motionsync_fmu.scenario.cuts import CutSpec
 from motionsync_fmu.scenario.judge import check, compare
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
+from tests.support.fmus import Fmus
 
 FLAGSHIP = "FlyingSaw/cyclic_cut"
 SHOWN = (
@@ -52,11 +60,20 @@ def page(run: Run, file: Path) -> str:
     return file.read_text("utf-8")
 
 
-def found(chart: Chart, row: int, name: str) -> dict[str, Any]:
-    """The one trace of a name in a row."""
-    axis = f"y{row if row > 1 else ''}"
-    (trace,) = [t for t in chart.traces if t["name"] == name and t["yaxis"] == axis]
-    return trace
+def named(chart: Chart, name: str, axis: str = "") -> list[dict[str, Any]]:
+    """The traces of a name, all or those of an axis ("y", "y2", ...)."""
+    return [t for t in chart.traces if t["name"] == name and axis in ("", t["yaxis"])]
+
+
+def notes(chart: Chart) -> list[str]:
+    """What is written in a chart."""
+    return [str(note["text"]) for note in chart.layout["annotations"]]
+
+
+def words(html: str) -> str:
+    """The text of a page without its scripts and styles, each blank once."""
+    text = re.sub(r"<(script|style)\b.*?</\1>", " ", html, flags=re.S)
+    return " ".join(re.sub(r"<[^>]+>", " ", text).split())
 
 
 def coloured(value: Any, colours: dict[str, str]) -> Any:
@@ -90,7 +107,7 @@ def test_a_report_loads_nothing(runs: dict[str, Run], tmp_path: Path) -> None:
     for run in runs.values():
         text = page(run, tmp_path / "report.html").replace(BUNDLE.read_text("utf-8"), "")
         assert not re.search(r"<(script|link|img|iframe)[^>]+(src|href)=", text)
-        assert not re.search(r"https?://|@import|url\(|fetch\(|XMLHttpRequest", text)
+        assert not re.search(r"https?://(?!www\.w3\.org/2000/svg\b)|@import|url\(|fetch\(|XMLHttpRequest", text)
         assert '<a href="out.csv">' in text
 
 
@@ -102,7 +119,7 @@ def test_plotly_js_is_the_one_that_was_looked_at() -> None:
     assert b"</script" not in text
     readme = BUNDLE.with_name("README.md").read_text("utf-8")
     assert f"plotly.js {get_plotlyjs_version()}," in readme
-    assert "MIT" in BUNDLE.with_name("plotly-LICENSE.txt").read_text("utf-8")
+    assert "MIT" in BUNDLE.with_name("plotly-basic.MIT.txt").read_text("utf-8")
 
 
 def test_the_charts_are_what_plotly_js_takes(runs: dict[str, Run]) -> None:
@@ -120,3 +137,407 @@ def test_a_dark_page_has_a_colour_of_its_own_for_each_of_a_light_one() -> None:
     light, dark = sheets()
     assert light.keys() == dark.keys()
     assert not [name for name in light if light[name] == dark[name]]
+
+
+# --- figures, and where they come from ---
+
+
+def test_the_figures_come_first(flagship: Run, tmp_path: Path) -> None:
+    """The scenario asks for 20 cuts within 1e-9 mm; its axis has the limits that its file says."""
+    text = words(page(flagship, tmp_path / "report.html"))
+    begin = text[: text.index("Cuts A cut each time")]
+    for part in (
+        "cuts 20 a mark each 1500 mm",
+        "worst error of a cut 0 (to rounding) tolerance 1e-9 mm",
+        "limit -250 to 800 mm",
+        "greatest acceleration 10000 mm/s² limit 10000 mm/s², 100 % used",
+        "limit 1500 mm/s,",
+    ):
+        assert part in begin, begin
+    assert re.search(r"verdict as expected (\d+) of \1 expectations kept", begin)
+
+
+def test_cuts_machine_motion_and_states_follow_one_another(flagship: Run, tmp_path: Path) -> None:
+    text = page(flagship, tmp_path / "report.html")
+    headings = re.findall(r"<h2[^>]*>(.*?)</h2>", text)
+    assert headings[:4] == ["Cuts", "The machine", "Motion", "States and commands"]
+    assert headings[-1] == "Where this comes from"
+    assert text.count("<h1>") == 1
+    assert len(re.findall(r'class="plot" role="img" aria-label="[^"]+"', text)) == 3
+
+
+def test_nothing_is_said_of_a_reference_that_there_is_not(flagship: Run, tmp_path: Path) -> None:
+    s, recording = flagship
+    alone = replace(s, file=tmp_path / "scenario.toml", expectations=())
+    alone.file.write_text("", "utf-8")
+    write_report(tmp_path / "report.html", alone, recording, [], [], s.step_size)
+    text = words((tmp_path / "report.html").read_text("utf-8"))
+    assert "reference" not in text
+    assert "0 of 0" not in text
+    assert "the scenario expects nothing" in text
+    assert not named(run_charts(alone, recording)["motion"], "reference")
+
+
+def test_the_page_tells_which_fmu_and_script_it_comes_from(runs: dict[str, Run], fmus: Fmus, tmp_path: Path) -> None:
+    s, recording = runs["Synchronizer/polynomial"]
+    fmu = fmus.python("Synchronizer")
+    write_report(tmp_path / "report.html", s, recording, [], [], 0.02, fmu)
+    text = words((tmp_path / "report.html").read_text("utf-8"))
+    assert f"Synchronizer.fmu, python flavour, GUID {Recipe('Synchronizer').guid()}" in text
+    assert "step size 0.02 s, 801 communication points up to 8 s" in text
+    assert re.search(r"date \d{4}-\d\d-\d\d \d\d:\d\d:\d\d[+-]\d\d:\d\d motionsync \d", text)
+    assert re.search(r"platform \w+ \S+, \w+, Python 3\.", text)
+    assert s.file.read_text("utf-8").splitlines()[0].replace('"', "&#34;") in (tmp_path / "report.html").read_text(
+        "utf-8"
+    )
+    assert "from position velocity acceleration jerk 0 s 0 90 0 0" in text
+    assert origin(fmu).flavour == "python"
+
+
+REACTING = """
+title = "A <b>stop</b> </script> & more"
+fmu = "Synchronizer"
+stop_time = 1.0
+step_size = 0.01
+[start]
+curve = "PARABOLA"
+[master]
+velocity = 100.0
+[[on]]
+when = "syn_ramp_on"
+after = 0.05
+set = { stop = true }
+[[on]]
+when = "slave.position > 1e6"
+set = { rest_value = 5.0 }
+"""
+
+
+@pytest.fixture
+def reacting(tmp_path: Path) -> Run:
+    """A scenario with reactions that never happen, and with a title that is no HTML."""
+    (tmp_path / "odd").mkdir()
+    file = tmp_path / "odd" / "scenario.toml"
+    file.write_text(REACTING, "utf-8")
+    s = load(file)
+    return s, run_in_process(s, s.step_size)
+
+
+def test_a_reaction_that_never_happened_is_told(reacting: Run, tmp_path: Path) -> None:
+    text = words(page(reacting, tmp_path / "report.html"))
+    assert "reactions that did not happen 2 reaction to syn_ramp_on once: never" in text
+    assert "when after set how often syn_ramp_on 0.05 s stop = true once" in text
+    assert "slave.position &gt; 1e6 at once rest_value = 5 once" in text
+
+
+def test_what_reactions_set_is_told_with_its_time(flagship: Run, tmp_path: Path) -> None:
+    s, recording = flagship
+    assert s.reactions
+    text = words(page(flagship, tmp_path / "report.html"))
+    lanes = run_charts(s, recording)["lanes"]
+    (marks,) = named(lanes, "set")
+    assert len(marks["x"]) == len(recording.settings) > len(s.settings)
+    for number in (1, len(recording.settings)):
+        setting = recording.settings[number - 1]
+        name, value = next(iter(setting.values.items()))
+        told = s.recipe.variables[name].text(value)
+        assert f"{number} {setting.at:.10g} s {name} {told}" in text
+        assert f"{name} = {told}" in marks["customdata"][number - 1]
+
+
+def test_what_a_scenario_says_is_escaped(reacting: Run, tmp_path: Path) -> None:
+    text = page(reacting, tmp_path / "report.html")
+    assert "<h1>A &lt;b&gt;stop&lt;/b&gt; &lt;/script&gt; &amp; more</h1>" in text
+    assert "<b>stop" not in text
+    assert text.count("<script") == text.count("</script>")
+
+
+# --- charts ---
+
+
+def test_every_colour_has_a_legend_or_a_key_and_is_told_under_the_pointer(runs: dict[str, Run], tmp_path: Path) -> None:
+    for name, run in runs.items():
+        text = page(run, tmp_path / "report.html")
+        for chart in run_charts(*run).values():
+            for trace in chart.traces:
+                colour = trace.get("fillcolor") or trace.get("marker", trace.get("line"))["color"]
+                legend = [t["showlegend"] for t in named(chart, trace["name"])].count(True)
+                key = f'style="background: var({colour})"' in text
+                told = (
+                    "hovertemplate" in trace or "fill" in trace or trace["name"] in ("limit of the axis", "tolerance")
+                )
+                assert told, (name, trace["name"])
+                assert legend == 1 or key or colour in ("--true", "--ink") or isinstance(colour, list), trace["name"]
+
+
+def test_the_times_are_those_of_the_scenario_and_stand_above_one_another(runs: dict[str, Run]) -> None:
+    for s, recording in runs.values():
+        charts = run_charts(s, recording).values()
+        assert {tuple(chart.layout["xaxis"]["range"]) for chart in charts} == {(0.0, s.stop_time)}
+        assert len({(chart.layout["margin"]["l"], chart.layout["margin"]["r"]) for chart in charts}) == 1
+
+
+def test_the_limits_of_the_axis_are_dashed_lines(flagship: Run) -> None:
+    """Those of the file; an acceleration and a deceleration that are the same have one line on each side."""
+    s, recording = flagship
+    charts = run_charts(s, recording)
+    expected = {
+        ("y", -250.0),
+        ("y", 800.0),
+        *(("y2", sign * 1500.0) for sign in (1, -1)),
+        *(("y3", sign * 10000.0) for sign in (1, -1)),
+        *(("y4", sign * 200000.0) for sign in (1, -1)),
+    }
+    lines = named(charts["motion"], "limit of the axis")
+    assert {(t["yaxis"], t["y"][0]) for t in lines} == expected
+    assert all(t["line"]["dash"] == "dash" and t["x"] == [0.0, s.stop_time] for t in lines)
+    assert [t["y"][0] for t in named(charts["cuts"], "limit of the axis")] == [-250.0, 800.0]
+    for text in ("max_velocity 1500 mm/s", "max_jerk -200000 mm/s³", "min_position -250 mm"):
+        assert text in notes(charts["motion"])
+
+
+def test_a_limit_far_from_what_is_shown_is_not_drawn(flagship: Run) -> None:
+    s, recording = flagship
+    far = replace(s, start={**s.start, "axis.max_velocity": 1e5, "axis.max_position": 1e5})
+    lines = named(run_charts(far, recording)["motion"], "limit of the axis")
+    assert {t["yaxis"] for t in lines} == {"y", "y3", "y4"}
+    assert [t["y"][0] for t in lines if t["yaxis"] == "y"] == [-250.0]
+
+
+def test_a_block_without_limits_shows_none(runs: dict[str, Run]) -> None:
+    assert not named(run_charts(*runs["Gearing/ccw_direct"])["motion"], "limit of the axis")
+
+
+def test_the_reference_is_drawn_as_the_samples_that_it_is(runs: dict[str, Run]) -> None:
+    s, recording = runs["Synchronizer/polynomial"]
+    rows = np.genfromtxt(s.file.parent / "Synchronizer_ref.csv", delimiter=",", names=True, deletechars="")
+    chart = run_charts(s, recording)["motion"]
+    for axis, name in (
+        ("y", "slave.position"),
+        ("y2", "slave.velocity"),
+        ("y3", "slave.acceleration"),
+        ("y4", "slave.jerk"),
+    ):
+        (trace,) = named(chart, "reference", axis)
+        assert trace["mode"] == "markers"
+        every = round(len(rows) / len(trace["x"]))
+        assert trace["x"] == pytest.approx(rows["time"][::every], rel=1e-8)
+        assert trace["y"] == pytest.approx(rows[name][::every], rel=1e-6, abs=1e-9)
+
+
+def test_a_saw_is_not_drawn_over_the_axis_of_an_endless_material(flagship: Run) -> None:
+    """The material goes 30 m, the saw 0.6 m: each has its own axis. The slave of a Synchronizer shares the master's."""
+    s, recording = flagship
+    chart = run_charts(s, recording)["motion"]
+    (saw,) = named(chart, "slave", "y")
+    (beside,) = [t for t in named(chart, "master") if t["yaxis"] not in ("y2", "y3", "y4")]
+    assert beside["yaxis"] != "y"
+    assert chart.layout[beside["yaxis"].replace("y", "yaxis")]["side"] == "right"
+    assert {"slave position in mm", "master in mm"} <= set(notes(chart))
+    assert max(saw["y"]) == pytest.approx(recording.values["slave.position"].max(), rel=1e-6)
+
+
+def test_axes_of_one_range_share_it(runs: dict[str, Run]) -> None:
+    chart = run_charts(*runs["Synchronizer/polynomial"])["motion"]
+    assert len(named(chart, "master", "y")) == len(named(chart, "slave", "y")) == 1
+
+
+def test_rounding_is_not_drawn_large(flagship: Run) -> None:
+    """A jerk of 1e-9 mm/s3, beside positions of 30 m, is 0; one of 1 mm/s3 is not."""
+    s, recording = flagship
+    still = np.zeros_like(recording.master)
+    still[:, 0] = recording.master[:, 0]
+    for size, rounding in ((1e-9, True), (1.0, False)):
+        values = {**recording.values, "slave.jerk": size * np.sin(recording.time)}
+        chart = run_charts(replace(s, file=Path("none"), start={}), replace(recording, values=values, master=still))[
+            "motion"
+        ]
+        said = [text for text in notes(chart) if text.startswith("0 to rounding: at most 1e-9")]
+        assert (chart.axis(4).get("range") == [-1.0, 1.0]) == rounding
+        assert bool(said) == rounding
+        assert ("yaxis4" in chart.layout["meta"]["rescaled"]) != rounding
+
+
+def test_errors_of_cuts_are_shown_beside_the_tolerance(flagship: Run) -> None:
+    """The flagship's are rounding: the plot has the height of the tolerance. With 0.05 mm off it shows 0.05 mm."""
+    s, recording = flagship
+    chart = run_charts(s, recording)["cuts"]
+    assert chart.axis(2)["range"] == pytest.approx([-1.3e-9, 1.3e-9])
+    assert [t["y"][0] for t in named(chart, "tolerance")] == [-1e-9, 1e-9]
+    (errors,) = named(chart, "error of a cut")
+    assert len(errors["x"]) == 20
+    assert errors["customdata"][0][2] == "0 (to rounding)"
+    assert s.cuts
+    off = {**recording.values, "slave.position": recording.values["slave.position"] - 0.05}
+    chart = run_charts(replace(s, cuts=replace(s.cuts, tolerance=0.04)), replace(recording, values=off))["cuts"]
+    (errors,) = named(chart, "error of a cut")
+    assert errors["y"] == pytest.approx([0.05] * 20)
+    assert errors["customdata"][1][1:] == [f"{errors['customdata'][1][1]}", "0.05 mm"]
+    assert set(errors["marker"]["color"]) == {"--bad"}
+    assert "range" not in chart.axis(2)
+
+
+@pytest.mark.parametrize("ratio", [1.0, -0.5, 2.0])
+def test_marks_pass_the_saw_where_they_are(ratio: float) -> None:
+    """Marks at 5 + 30 n on a material that goes from 0 to 100 in 10 s: seen from the saw, a mark p is at ratio (m - p).
+    The window of the saw is 70 wide, so that several marks are in it at once; no point lies on its edges."""
+    time = np.linspace(0.0, 10.0, 1001)
+    master = np.zeros((1001, 4))
+    master[:, 0] = 10.0 * time
+    spec = CutSpec("cut", 30.0, 5.0, ratio, 0.1, None)
+    found = list(passages(spec, Recording(time, {}, master, []), -30.003, 39.997))
+    expected = {}
+    for n in range(-10, 20):
+        seen = ratio * (master[:, 0] - 5.0 - 30.0 * n)
+        if (inside := (seen > -30.003) & (seen < 39.997)).any():
+            expected[n] = (time[inside], seen[inside])
+    assert sorted(p.number for p in found) == sorted(expected)
+    for p in found:
+        assert p.place == 5.0 + 30.0 * p.number
+        assert p.time == pytest.approx(expected[p.number][0])
+        assert p.position == pytest.approx(expected[p.number][1])
+
+
+def test_marks_that_nobody_cut_stand_out(flagship: Run) -> None:
+    s, recording = flagship
+    names = {t["name"] for t in run_charts(s, recording)["cuts"].traces}
+    assert "marks on the material" in names
+    assert "marks that passed uncut" not in names
+    values = {**recording.values, "in_sync": recording.values["in_sync"] * (recording.time < 10.0)}
+    chart = run_charts(s, replace(recording, values=values))["cuts"]
+    (missed,) = named(chart, "marks that passed uncut")
+    assert missed["line"]["color"] == "--bad"
+    assert min(x for x in missed["x"] if x is not None) > 10.0
+
+
+# --- lanes ---
+
+
+def test_variables_that_are_always_the_same_share_a_lane(flagship: Run) -> None:
+    """Each enumeration and Boolean that changes has exactly one lane, and no two lanes show the same."""
+    s, recording = flagship
+    by_name = s.recipe.variables
+    same: dict[tuple[str, bytes], list[str]] = {}
+    for name, values in recording.values.items():
+        v = by_name[name]
+        if v.kind in ("Enumeration", "Boolean") and (np.ptp(values) or name == "state"):
+            same.setdefault((v.cell.type.__name__, values.tobytes()), []).append(name)
+    chart = run_charts(s, recording)["lanes"]
+    titles = notes(chart)
+    assert len(titles) == len(same) + 1  # and that of what was set
+    assert "gear_in_pos.busy = .active" in titles
+    for group in same.values():
+        assert len([t for t in titles if t.split(" = ")[0] == group[0] and t.count(" = ") == len(group) - 1]) == 1
+
+
+def test_a_bar_is_where_a_boolean_is_true(flagship: Run) -> None:
+    s, recording = flagship
+    chart = run_charts(s, recording)["lanes"]
+    (lane,) = [note["y"] for note in chart.layout["annotations"] if note["text"].startswith("gear_in_pos.busy")]
+    (bars,) = [t for t in chart.traces if t["type"] == "bar" and t["y"][0] == round(lane - 0.25)]
+    inside = np.zeros(len(recording.time), bool)
+    for begin, length in zip(bars["base"], bars["x"], strict=True):
+        inside |= (recording.time >= begin - 1e-6) & (recording.time < begin + length - 1e-6)
+    busy = recording.values["gear_in_pos.busy"] > 0.0
+    assert (inside[:-1] == busy[:-1]).all()
+    assert "from %{base" in bars["hovertemplate"]
+    assert "gear_in_pos.busy = .active: <b>true</b>" in bars["hovertemplate"]
+
+
+def test_states_are_shaded_with_the_colours_of_their_key(flagship: Run, tmp_path: Path) -> None:
+    s, recording = flagship
+    text = page(flagship, tmp_path / "report.html")
+    charts = run_charts(s, recording)
+    (lane,) = [t["y"][0] for t in charts["lanes"].traces if t["name"] == "SYNCHRON" and t["type"] == "bar"]
+    bars = {t["name"]: t["marker"]["color"] for t in charts["lanes"].traces if t["type"] == "bar" and t["y"][0] == lane}
+    seen = {s.recipe.variables["state"].text(x) for x in np.unique(recording.values["state"])}
+    assert bars.keys() == seen
+    assert len(set(bars.values())) == len(seen)
+    assert {t["fillcolor"] for t in named(charts["motion"], "state")} == set(bars.values())
+    for name, colour in bars.items():
+        assert f'<i style="background: var({colour})"></i>{name}</span>' in text
+
+
+def test_lines_at_what_was_set_thin_out(flagship: Run) -> None:
+    s, recording = flagship
+    for number, lines in ((40, 40), (41, 0)):
+        settings = [replace(recording.settings[0], at=0.1 * i) for i in range(number)]
+        chart = run_charts(s, replace(recording, settings=settings))["motion"]
+        assert len([shape for shape in chart.layout["shapes"] if shape["line"]["dash"] == "dot"]) == lines
+
+
+# --- points ---
+
+
+def test_a_long_run_stays_small(flagship: Run) -> None:
+    """Forty times the flagship: no curve has more points than a screen shows, and its greatest value is among them."""
+    s, recording = flagship
+    time = np.concatenate([recording.time + i * s.stop_time for i in range(40)]) + 1e-9 * np.arange(
+        40 * len(recording.time)
+    )
+    values = {name: np.tile(column, 40) for name, column in recording.values.items()}
+    values["slave.velocity"][123_456] = 1499.0
+    long = Recording(time, values, np.tile(recording.master, (40, 1)), [])
+    charts = run_charts(replace(s, stop_time=40.0 * s.stop_time), long)
+    for chart in charts.values():
+        for trace in chart.traces:
+            assert len(trace["x"]) <= 9000, trace["name"]
+    (velocity,) = named(charts["motion"], "slave", "y2")
+    assert max(velocity["y"]) == 1499.0
+    assert len(json.dumps([chart.as_json() for chart in charts.values()])) < 2_000_000
+
+
+def test_the_extremes_and_what_is_to_be_kept_are_drawn() -> None:
+    values = np.sin(np.linspace(0.0, 50.0, 100_000))
+    values[54_321], values[77_777] = 7.0, -3.0
+    chosen = thinned(values, np.array([11, 99_998]))
+    assert len(chosen) < 3100
+    assert {0, 11, 54_321, 77_777, 99_998, 99_999} <= set(chosen.tolist())
+    assert thinned(values[:3000]).tolist() == list(range(3000))
+
+
+def test_numbers_have_seven_digits_and_gaps_are_null() -> None:
+    assert rounded([1.0, 2.0 / 3.0, 123456.789, 3.6e-12, np.nan]) == [1, 0.6666667, 123456.8, 3.6e-12, None]
+    assert json.dumps(rounded([1.0, 0.25])) == "[1, 0.25]"
+
+
+def test_a_wrapped_position_has_a_gap_where_it_jumps() -> None:
+    """100 deg/s for 5 s, with a period of 180 deg: the jumps are at 1.8 s and 3.6 s."""
+    time = np.linspace(0.0, 5.0, 501)
+    position, velocity = (100.0 * time + 1e-9) % 180.0, np.full(501, 100.0)
+    gaps = jumps(time, position, velocity)
+    assert time[gaps] == pytest.approx([1.8, 3.6])
+    x, y = points(time, position, gaps=gaps)
+    assert [x[i] for i in range(len(y)) if y[i] is None] == pytest.approx([1.8, 3.6])
+    assert len(y) == 503
+    assert not len(jumps(time, 100.0 * time, velocity))
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        ("mm/s2", "mm/s²"),
+        ("200000 mm/s3", "200000 mm/s³"),
+        ("1/deg2", "1/deg²"),
+        ("2 mm", "2 mm"),
+        ("mm", "mm"),
+        ("3.6e-12 mm", "3.6e-12 mm"),
+    ],
+)
+def test_powers_of_units_are_raised(text: str, printed: str) -> None:
+    assert typeset(text) == printed
+
+
+def test_the_script_offers_no_button_that_sends_data() -> None:
+    """plotly.js has one, `sendChartToCloud`; the list of buttons is the page's own."""
+    text = TEMPLATES.get_template("plots.js").render()
+    (buttons,) = re.findall(r"modeBarButtons: \[\[(.*?)\]\]", text)
+    assert set(re.findall(r'"(\w+)"', buttons)) == {
+        "toImage",
+        "zoom2d",
+        "pan2d",
+        "zoomIn2d",
+        "zoomOut2d",
+        "resetScale2d",
+    }
+    assert 'plotlyServerURL: ""' in text

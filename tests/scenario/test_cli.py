@@ -299,6 +299,17 @@ def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Comma
         (("Synchronizer", "--start", "curve=CUBIC"), ("curve = CUBIC", "PARABOLA", "POLYNOMIAL_3_4_5")),
         (("Synchronizer", "--start", "curve=3"), ("curve = 3", "PARABOLA", "POLYNOMIAL_3_4_5")),
         (("Synchronizer", "--start", "curve=1.5"), ("curve = 1.5", "PARABOLA", "POLYNOMIAL_3_4_5")),
+        (("Synchronizer", "--start", "active=1", "--start", "active=0"), ("--start active", "twice", "1", "0")),
+        (("Synchronizer", "--input", "output_fasing"), ("--input: no variable", "'output_fasing'", "output_phasing")),
+        (("Synchronizer", "--input", "curve"), ("--input: curve cannot become an input", "fixed")),
+        (("Synchronizer", "--parameter", "st*"), ("--parameter: start cannot become a parameter", "command")),
+        (("Synchronizer", "--local", "slave.*"), ("--local: slave.position cannot become a local variable",)),
+        (("Synchronizer", "--output", "elsewhere"), ("--output: no variable of Synchronizer is named 'elsewhere'",)),
+        (
+            ("Synchronizer", "--parameter", "rest_value", "--input", "rest_*"),
+            ("--parameter: rest_value is already turned to an input",),
+        ),
+        (("--local", "ready"), ("--local", "one block")),
     ],
 )
 def test_a_mistake_in_build_is_one_line_and_builds_nothing(
@@ -312,6 +323,59 @@ def test_start_values_need_one_block(motionsync: Command) -> None:
     assert_one_line(
         motionsync("build", "Synchronizer", "Synchronizer", "--start", "rest_value=3"), "--start", "one block"
     )
+
+
+def test_an_fmu_that_is_up_to_date_is_built_again_by_force_only(motionsync: Command) -> None:
+    build = ("build", "Synchronizer", *PYTHON)
+    assert motionsync(*build).status == 0
+    fmu = the_fmu("build")
+    first, content = fmu.stat().st_mtime_ns, fmu.read_bytes()
+    again = motionsync(*build)
+    assert (again.status, again.out) == (0, f"{fmu}  is up to date\n")
+    assert fmu.stat().st_mtime_ns == first
+    assert "kB" in motionsync(*build, "--force").out
+    assert fmu.stat().st_mtime_ns != first
+    assert fmu.read_bytes() == content
+    assert "kB" in motionsync(*build, "--unit", "deg").out
+    assert "kB" in motionsync(*build).out
+
+
+def test_turned_variables_have_an_fmu_of_their_own(motionsync: Command) -> None:
+    turns = ("--input", "output_*", "--parameter", "active", "--parameter", "rest_value", "--local", "ready")
+    assert motionsync("build", "Synchronizer", *PYTHON).status == 0
+    default = the_fmu("build").read_bytes()
+    done = motionsync("build", "Synchronizer", *PYTHON, *turns, "--output", "local.*")
+    assert done.status == 0
+    fmu = Path(done.out.split("  ")[0])
+    assert Path("build/python/Synchronizer.fmu").read_bytes() == default
+    found = {
+        v.get("name"): f"{v.get('variability')} {v.get('causality')}"
+        for v in description(fmu).iterfind("ModelVariables/ScalarVariable")
+    }
+    assert found["output_phasing"] == "discrete input"
+    assert found["active"] == found["rest_value"] == "tunable parameter"
+    assert found["ready"] == "discrete local"
+    assert found["local.progress"] == "continuous output"
+    assert found["curve"] == "fixed parameter"
+    shown = motionsync("describe", fmu).out
+    for name, causality in (("output_phasing", "input"), ("active", "parameter"), ("local.progress", "output")):
+        assert re.search(rf"^\s*{re.escape(name)}\s+{causality}\s", shown, re.MULTILINE)
+    assert "POLYNOMIAL_3_4_5" in shown
+
+
+def test_a_scenario_with_an_interface_leaves_the_default_fmu_alone(workshop: Command) -> None:
+    """STOP sets stop alone; the turned variables keep their start values, so its expectations hold."""
+    turned = '[interface]\ninput = "output_phasing"\nparameter = ["active", "rest_value"]\n\n[start]'
+    scenario("wired", STOP.replace("[start]", turned, 1))
+    default = {file: file.stat().st_mtime_ns for file in Path("build").rglob("*.fmu")}
+    for folder, built in (("wired", True), ("stop", False), ("wired", False)):
+        done = workshop("run", folder, *PYTHON, "--no-report")
+        assert done.status == 0, done
+        assert ("missing" in done.err) == built
+    files = {file: file.stat().st_mtime_ns for file in Path("build").rglob("*.fmu")}
+    (own,) = files.keys() - default.keys()
+    assert own.name.startswith("Synchronizer-")
+    assert {file: files[file] for file in default} == default
 
 
 @pytest.mark.parametrize("epoch", ["yesterday", "1.5", "99999999999", "99999999999999999999"])

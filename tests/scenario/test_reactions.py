@@ -3,6 +3,7 @@
 In most of these runs a free saw moves at 100 mm/s from 0 on: it is at 100 t, and passes 50 exactly at a scan.
 """
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -269,6 +270,84 @@ FLAGSHIP = ROOT / "scenarios" / "FlyingSaw" / "cyclic_cut" / "scenario.toml"
 
 def of_the_oracle(scenario: Scenario) -> str:
     return (scenario.file.parent / f"{scenario.recipe.name}_in.csv").read_text()
+
+
+def flagship(velocity: float, length: float, folder: Path) -> Scenario:
+    """The flagship for another line and other battens, with the number of cuts that there have to be.
+
+    Its segments take 2075 from the way of a line that keeps its velocity: 225 + 1350 + 200 - 600 + 900. Mark n is cut
+    where the line has gone 1250 + n lengths.
+    """
+    cuts = math.floor((33.0 * velocity - 2075.0 - 1250.0) / length) + 1
+    text = FLAGSHIP.read_text()
+    for old, new in (
+        ("\nvelocity = 1000.0", f"\nvelocity = {velocity}"),
+        ("\nlength = 1500.0", f"\nlength = {length}"),
+        ("\ncount = 20", f"\ncount = {cuts}"),
+    ):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    return load(written(text, folder))
+
+
+@pytest.mark.parametrize(
+    ("velocity", "length"),
+    [
+        (300.0, 700.0),
+        (300.0, 3000.0),
+        (400.0, 800.0),
+        (500.0, 1100.0),
+        (600.0, 1000.0),
+        (750.0, 1300.0),
+        (900.0, 1500.0),
+        (1000.0, 1500.0),
+        (1000.0, 2400.0),
+        (1200.0, 2000.0),
+        (1200.0, 3000.0),
+    ],
+)
+def test_the_flagship_cuts_other_lengths_from_other_lines(velocity: float, length: float, tmp_path: Path) -> None:
+    """All cuts are there and on their marks, nothing is refused, and the saw keeps the limits of its axis."""
+    scenario = flagship(velocity, length, tmp_path)
+    recording = run_in_process(scenario, scenario.step_size)
+    found = check(scenario, recording)
+    assert len(found) == 4
+    assert [c for c in found if not c.passed] == []
+    slave = {name: recording.values[f"slave.{name}"] for name in ("position", "velocity", "acceleration", "jerk")}
+    assert -250.0 <= slave["position"].min() <= slave["position"].max() <= 800.0
+    assert np.abs(slave["velocity"]).max() <= 1500.0
+    assert np.abs(slave["acceleration"]).max() <= 10000.0 * (1.0 + 1e-9)
+
+
+def test_what_the_machine_cannot_do_is_refused_and_told(tmp_path: Path) -> None:
+    """600 mm at 1200 mm/s: a cut each 0.5 s, of which it saws for 0.25 s."""
+    scenario = flagship(1200.0, 600.0, tmp_path)
+    broken = [c for c in check(scenario, run_in_process(scenario, scenario.step_size)) if not c.passed]
+    assert "error from -inf to 0 ± 1e-09 between 0 s and 33 s" in [c.expected for c in broken]
+    assert any(c.expected.startswith("number of cuts") for c in broken)
+
+
+def test_the_flagship_takes_the_next_mark_on_its_way_home() -> None:
+    """Numbers by hand, in u, u/s and s.
+
+    The first ramp leads from rest over 500 of the line and 250 of the saw: 500 (x^3 - x^4/2), so 46.875 half way, at 1.
+    In sync since 1.25, seen at 1.26, it goes home at 1.51 from 510: with 10000 and a jerk of 200000 it is at 510 again
+    and at -1000 0.25 later, and at 370 at 1.9. At 2.1 it is found to be below 180; mark 1 is 650 away then. The order
+    waits for 500, until 2.25. The stop from -1000 takes 0.15 and 75, so it has begun at 2.195: after 0.05 the saw is
+    45.8333 nearer and at -750, and 0.005 later, at -10000, another 3.625 nearer and at -700.
+    """
+    recording = run_in_process(load(FLAGSHIP), 0.01)
+
+    def at(time: float, name: str) -> float:
+        return float(recording.values[name][np.argmin(np.abs(recording.time - time))])
+
+    assert [s.at for s in recording.settings[:4]] == [0.1, 1.51, 2.1, 3.01]
+    assert at(1.0, "slave.position") == pytest.approx(46.875, abs=1e-9)
+    assert (at(1.9, "slave.position"), at(1.9, "slave.velocity")) == pytest.approx((370.0, -1000.0), abs=1e-9)
+    assert at(2.2, "state_code") == 11.0  # PREPHASE
+    assert at(2.3, "characteristics.slave_position_start") == pytest.approx(25.5416666666667, abs=1e-9)
+    assert at(2.3, "characteristics.slave_velocity_start") == pytest.approx(-700.0, abs=1e-9)
+    assert at(2.3, "characteristics.master_position_end") == pytest.approx(2750.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("step_size", [0.01, 0.001, 0.007])

@@ -176,6 +176,11 @@ SEGMENTS = GOOD[GOOD.index("segments") : GOOD.index("]\n\n[[set]]") + 1]
 SETTINGS = GOOD[GOOD.index("[[set]]") : GOOD.index("[[expect]]")]
 WHEN, FROM = "[[expect]]\nwhen", "[[expect]]\nfrom"
 
+
+def turned(text: str) -> str:
+    return f"[interface]\n{text}\n\n[start]"
+
+
 # What is replaced in GOOD, by what; the key and the words that the message has. It names the line of the replacement,
 # or the line on which the last text begins.
 MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str, tuple[str, ...], str]] = {
@@ -299,9 +304,22 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
     "to missing": ("to = 1.0\n", "", "to", ("missing",), FROM),
     "to after the end": ("to = 1.0", "to = 4.5", "to", ("4.5", "<= 4")),
     "min above max": ("min = 0.0, max = 90.0", "min = 91.0, max = 90.0", "slave.velocity", ("max", "90", ">= 91")),
+    # turned variables
+    "turned to what": ("[start]", turned("inputs = 'curve'"), "inputs", ("unknown key", "input, output"), "inputs"),
+    "turned by a number": ("[start]", turned("input = 3"), "input", ("3", "a list of texts"), "input"),
+    "turned by numbers": ("[start]", turned("input = ['curve', 3]"), "input", ("3", "a list of texts"), "input"),
+    "turned unknown": ("[start]", turned("local = 'redy'"), "local", ("'redy'", "ready"), "local ="),
+    "turned fixed": ("[start]", turned("input = ['c*']"), "input", ("curve cannot become an input", "fixed"), "input"),
+    "turned command": ("[start]", turned("parameter = 'sto?'"), "parameter", ("stop cannot", "command"), "parameter"),
+    "turned twice": (
+        "[start]",
+        turned("parameter = 'rest_value'\ninput = 'rest_value'"),
+        "parameter",
+        ("rest_value is already turned to an input",),
+        "parameter",
+    ),
     # what every scenario has
     "title missing": ('title = "A good one"\n', "", "title", ("missing",), "source"),
-    "source missing": ('source = "By hand"\n', "", "source", ("missing",), "title"),
     "fmu missing": ('fmu = "Synchronizer"\n', "", "fmu", ("missing",), "title"),
     "stop_time missing": ("stop_time = 4.0\n", "", "stop_time", ("missing",), "title"),
     "step_size missing": ("step_size = 0.01\n", "", "step_size", ("missing",), "title"),
@@ -461,6 +479,12 @@ def test_without_a_mistake_it_is_read(tmp_path: Path) -> None:
     assert [(s.at, s.values) for s in scenario.settings] == [(0.5, {"stop": True}), (1.5, {"output_phasing": 45.0})]
     assert scenario.master.at(2.0).position == pytest.approx(90.0 * 2.0 + 0.5 + 1.0)
     assert [type(e) for e in scenario.expectations] == [AtTime, When, Within]
+
+
+def test_a_scenario_needs_no_source(tmp_path: Path) -> None:
+    file = tmp_path / "scenario.toml"
+    file.write_text(GOOD.replace('source = "By hand"\n', ""), "utf-8")
+    assert load(file).source == ""
 
 
 def test_line_ends_and_a_byte_order_mark_of_windows_editors_do_no_harm(tmp_path: Path) -> None:

@@ -83,7 +83,7 @@ def build(
     for recipe in recipes:
         _check(recipe)
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
-    folder, flavours = folder or places.output(), flavour or at_hand(err.print)
+    folder, flavours = folder or places.output(err.print), flavour or at_hand(err.print)
     for recipe in recipes:
         for chosen in flavours:
             target = fmu_path(recipe, folder, chosen)

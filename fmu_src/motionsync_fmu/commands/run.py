@@ -64,7 +64,7 @@ def run(
     batch = _loaded(path, step_size)
     fmus = ready([s.recipe for s in batch.scenarios], flavour or at_hand(err.print)[0])
     fmu_of = dict(zip((s.label for s in batch.scenarios), fmus, strict=True))
-    folder = output or places.output() / "reports"
+    folder = output or places.output(err.print) / "reports"
 
     def judged(s: "Scenario") -> "Outcome":
         return _run(s, fmu_of[s.label], folder, own_step=step_size is None, report=not no_report)

@@ -142,8 +142,8 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         """Let PythonFMU pass messages on to the importer, who may have switched logging off.
 
         There are no messages but warnings and errors, which nobody should miss. PythonFMU 0.7 gives a slave the address
-        of its logger, an object of C++: the table of its functions, then the switch. A list of categories stays in
-        force."""
+        of its logger, an object of C++: for Linux and for Windows the table of its functions comes first, then the
+        switch. A list of categories stays in force."""
         if self.logger is not None:
             ctypes.c_bool.from_address(self.logger + ctypes.sizeof(ctypes.c_void_p)).value = True
 

@@ -8,6 +8,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from motionsync.flying_saw.block import FlyingSaw
+from motionsync.flying_saw.exceeded import Limit
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
@@ -50,6 +51,9 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
         "axis.initial_velocity": length * draw(st.sampled_from((0.0, 0.0, 0.5, -1.5))),
         "diagonal_angle": draw(st.sampled_from((0.0, 0.0, 30.0, -89.0))),
         **{f"axis.max_{name}": length * size for name, size in DYNAMICS.items()},
+        "axis.max_deceleration": length * draw(st.sampled_from((0.0, DYNAMICS["deceleration"]))),
+        "axis.min_position": draw(st.sampled_from((-1e9, -2.0 * length))),
+        "axis.max_position": draw(st.sampled_from((1e9, 2.0 * length))),
         **{f"{group}.execute": draw(st.sampled_from((False, False, True))) for group in GROUPS},
     }
     extreme = draw(st.sampled_from((0.0, 0.0, 0.02)))
@@ -128,6 +132,7 @@ def watch(block: FlyingSaw) -> set[Any]:
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
         ("profile", block.characteristics.profile),
+        ("limit", block.local.exceeded_limit),
     }
 
 
@@ -152,6 +157,7 @@ STRATEGY = Strategy(
             *(("PLCopen", state) for state in PlcopenState),
             *(("mode", mode) for mode in MasterInput),
             *(("fault", fault) for fault in OFTEN),
+            *(("limit", limit) for limit in Limit if limit != Limit.INSTANT_STOP),
             *(("profile", kind) for kind in (ProfileKind.NONE, ProfileKind.P5, ProfileKind.JERK_LIMITED)),
         }
     ),

@@ -8,12 +8,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.exceeded import Limit
 from motionsync.flying_saw.interface import State
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
-from motionsync_fmu.interface.variables import LONGEST_STEP
+from motionsync_fmu.interface.variables import LONGEST_STEP, variables
 from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, meeting, near
 from tests.model.flying_saw.strategies import STRATEGY
+from tests.oracle.flying_saw import reference
 from tests.support.runs import Run
 
 GENTLE = {"axis.max_velocity": 2000.0, "axis.max_acceleration": 1e5, "axis.max_deceleration": 1e5, "axis.max_jerk": 1e6}
@@ -91,7 +93,7 @@ def test_a_limit_of_a_command_above_the_axis_s_is_used_and_told() -> None:
 
 
 def test_a_refused_command_exceeds_nothing() -> None:
-    saw = meeting(0.0, 100.0, 100.0, "check_max_velocity", max_velocity=150.0)
+    saw = meeting(0.0, 100.0, 100.0, "check_max_acceleration", max_acceleration=394.0)
     assert saw.results("gear_in_pos") == {"error"}
     assert exceeded(saw) == NOTHING
     assert saw["local.plan_velocity_max"] == near(151.2)
@@ -270,11 +272,11 @@ def test_whatever_is_put_out_beyond_a_limit_is_told(run: Run, seed: int) -> None
     start = {name: x * (10.0 ** r.uniform(-1.5, 1.0) if "axis.max_" in name else 1) for name, x in run.start.items()}
     middle = run.start["axis.initial_position"]
     start |= {"axis.min_position": middle - span * r.random(), "axis.max_position": middle + span * r.random()}
-    stepper = Stepper(STRATEGY.block()).initialize(start)
-    inputs = [v for v in STRATEGY.variables() if v.real_input]
+    stepper = Stepper(FlyingSaw()).initialize(start)
+    inputs = {v.name: v for v in variables(FlyingSaw()) if v.causality == "input"}
     for h, drawn in run.steps:
         values = {name: x for name, x in drawn.items() if name != "axis.max_jerk"}
-        if not 0.0 < h <= LONGEST_STEP or any(v.name in values and v.refusal(values[v.name]) for v in inputs):
+        if not 0.0 < h <= LONGEST_STEP or any(inputs[n].refusal(x) for n, x in values.items() if n in inputs):
             continue
         try:
             stepper.step(h, values)
@@ -283,3 +285,104 @@ def test_whatever_is_put_out_beyond_a_limit_is_told(run: Run, seed: int) -> None
         assert stepper["limit_exceeded"] == (stepper["local.exceeded_limit"] != 0)
         if breaks(stepper, 3e-6):
             assert stepper["limit_exceeded"]
+
+
+GROUPS = ("gear_in_pos", "gear_in_velo", "move_absolute", "move_velocity", "halt", "gear_out")
+
+
+def random_script(r: Random) -> dict[str, Any]:
+    """Commands to a slave whose axis has limits near to what they ask for; the master changes its velocity."""
+    speed = r.choice((-1.0, 1.0)) * r.uniform(50.0, 500.0)
+    start: dict[str, Any] = {
+        "axis.initial_velocity": r.choice((0.0, 0.5 * speed, r.uniform(-1.0, 2.0) * speed)),
+        "axis.max_velocity": abs(speed) * r.uniform(0.8, 3.0),
+        "axis.max_acceleration": abs(speed) * r.uniform(1.0, 20.0),
+        "axis.max_deceleration": abs(speed) * r.choice((0.0, r.uniform(1.0, 20.0))),
+        "axis.max_jerk": abs(speed) * 10.0 ** r.uniform(1.0, 3.0),
+        "axis.min_position": -abs(speed) * r.uniform(0.1, 3.0),
+        "axis.max_position": abs(speed) * r.uniform(0.1, 3.0),
+        "sync_mode.rollback_lock": r.random() < 0.5,
+        "sync_mode.instant_stop_on_rollback": r.random() < 0.3,
+        "sync_mode.prefer_constant_velocity": r.random() < 0.2,
+        "sync_mode.check_undershoot_velocity": r.random() < 0.2,
+        "sync_mode.check_max_jerk": r.random() < 0.2,
+    }
+    limits = ("min_position", "max_position", "max_velocity", "max_acceleration", "max_deceleration")
+    start |= {f"sync_mode.check_{name}": r.random() < 0.3 for name in limits}
+    segments = [{"duration": r.uniform(0.3, 1.0), "acceleration": speed * r.choice((0.0, 0.5, -2.0))} for _ in range(8)]
+    sets: list[dict[str, Any]] = []
+    for at in sorted(r.uniform(0.05, 4.0) for _ in range(3)):
+        group = r.choice(GROUPS)
+        sets.append({"at": at, **_order(r, group, speed, at), f"{group}.execute": True})
+        sets.append({"at": at + 0.03, f"{group}.execute": False})
+    master = {"velocity": speed, "segments": segments}
+    return {"stop_time": 5.0, "step_size": 0.5, "start": start, "master": master, "set": sets}
+
+
+def _order(r: Random, group: str, speed: float, at: float) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    if group == "gear_in_pos":
+        values["master_sync_position"] = speed * (at + r.uniform(0.2, 2.0))
+        values["slave_sync_position"] = speed * r.uniform(-0.5, 2.0)
+    if group.startswith("gear_in"):
+        values["ratio_numerator"] = r.choice((1.0, 1.0, 0.5, -1.5))
+    if group == "move_absolute":
+        values["position"] = speed * r.uniform(-1.0, 1.0)
+    if group == "move_velocity":
+        values["velocity"] = speed * r.uniform(-0.8, 0.8)
+    if group in ("gear_in_velo", "gear_in_pos", "move_absolute", "move_velocity"):
+        values["acceleration"] = abs(speed) * r.choice((0.0, 0.0, r.uniform(1.0, 30.0)))
+        values["deceleration"] = abs(speed) * r.choice((0.0, 0.0, r.uniform(1.0, 30.0)))
+    return {f"{group}.{name}": value for name, value in values.items()}
+
+
+def test_in_random_runs_the_same_is_told_as_by_the_oracle() -> None:
+    """At every time, with steps of 20 ms and of up to 0.5 s. Together the runs exceed every limit; a stop at once has
+    scenarios of its own."""
+    met: set[int] = set()
+    for seed in range(30):
+        script = random_script(Random(seed))
+        times = [0.02 * i for i in range(1, 251)]
+        told_by_oracle: dict[float, set[int]] = {}
+        for row in reference(script, times):
+            told_by_oracle.setdefault(row["time"], set()).add(int(row["local.exceeded_limit"]))
+        for step in (1, 25):
+            for time, limit in told_along(script, times[step - 1 :: step]).items():
+                assert limit in told_by_oracle[time], (seed, step, time)
+                met.add(limit)
+    assert met >= set(Limit) - {Limit.INSTANT_STOP}
+
+
+def told_along(script: dict[str, Any], times: list[float]) -> dict[float, int]:
+    """The block's `exceeded_limit` at these times; steps end there, at what is set, and at the master's segments."""
+    stepper = Stepper(FlyingSaw())
+    place, speed, begin, segments = 0.0, script["master"]["velocity"], 0.0, []
+    for segment in script["master"]["segments"]:
+        segments.append((begin, place, speed, segment["acceleration"]))
+        t, begin = segment["duration"], begin + segment["duration"]
+        place, speed = place + (speed + 0.5 * segment["acceleration"] * t) * t, speed + segment["acceleration"] * t
+    segments.append((begin, place, speed, 0.0))
+
+    def master(time: float) -> dict[str, float]:
+        first, p, v, a = [s for s in segments if s[0] <= time + 1e-12][-1]
+        t = time - first
+        return dict(
+            zip(
+                ("master.position", "master.velocity", "master.acceleration"),
+                (p + (v + 0.5 * a * t) * t, v + a * t, a),
+                strict=True,
+            )
+        )
+
+    sets = {table["at"]: {n: x for n, x in table.items() if n != "at"} for table in script["set"]}
+    stepper.initialize({**script["start"], **master(0.0)})
+    ends = sorted({*times, *sets, *(s[0] for s in segments if 0.0 < s[0] < times[-1])})
+    found, now = {}, 0.0
+    for end in ends:
+        if end > times[-1]:
+            break
+        stepper.step(end - now, {**master(now), **sets.get(now, {})})
+        now = end
+        if end in times:
+            found[end] = int(stepper["local.exceeded_limit"])
+    return found

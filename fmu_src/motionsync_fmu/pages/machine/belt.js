@@ -137,7 +137,8 @@ function showMaterial(t, master, done) {
     if (end <= x) continue;
     pieces.use(count++, {x, width: end - x, y: SAW ? TOP : BOTTOM - 8, height: SAW ? BOTTOM - TOP : 8});
     if (i > 0 && end - x > 80) {
-      names.use(named++, {x: (x + end) / 2, y: (TOP + BOTTOM) / 2 + 4, text: `piece ${borders.length - i + 1}`});
+      const text = i === borders.length ? "front end" : `piece ${borders.length - i}`;
+      names.use(named++, {x: (x + end) / 2, y: (TOP + BOTTOM) / 2 + 4, text});
     }
   }
   pieces.end(count);
@@ -159,6 +160,7 @@ function showGrain(master, where, done) {
   const edges = [low - 0.05 * (high - low), high + 0.05 * (high - low)].map((x) => master - x / ratio).sort((a, b) => a - b);
   let count = 0;
   for (let n = Math.floor(edges[0] / distance); n * distance <= edges[1]; n++) {
+    if (done.some(({place}) => Math.abs(length(ratio * (place - n * distance))) < 9)) continue; // it would stick out
     const x = where(n * distance) + taken(n * distance, master, done), y = SAW ? TOP + 6 + (n * 7919 & 3) * 7 : BOTTOM - 4;
     grain.use(count++, {d: `M${(x - 7).toFixed(2)} ${y}h${SAW ? 14 : 8}`});
   }

@@ -12,7 +12,7 @@ from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
 from .signals import Signal, held, smooth
 
-FINENESS = 5e-7  # of the range of what is drawn, by which a smooth signal may differ from the recording
+FINENESS = 2e-7  # of the range of what is drawn, by which a smooth signal may differ from the recording
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ MOST_KNOTS = 4000  # of a smooth signal; with more of them the tolerance is doub
 MOST_HELD = 6000  # of a held signal; with more of them only every n-th is kept
 CORNER = 0.25  # of a step's change of velocity: so far is its mean velocity from that of both ends, and more
 ROUNDED = 0.98  # of the tolerance; the rest is for the rounding of the knots
-DIGITS = 9  # of times and slopes
+DIGITS = 9  # of slopes, and of held values; times are exact, so that each point has its own value
 
 
 def smooth(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple[Signal, float]:
@@ -96,7 +96,7 @@ def _signal(
     places = [i for i, _ in rows]
     decimals = max(2 - int(np.floor(np.log10(tolerance))), 0)
     return {
-        "t": rounded(time[places]),
+        "t": time[places].tolist(),
         "x": [float(x) for x in np.round(values[places], decimals)],
         "v": rounded(np.array([v for _, v in rows])),
     }
@@ -106,7 +106,7 @@ def held(time: Reals, values: Reals, digits: int = DIGITS) -> Signal:
     """A held signal: the points at which the value changes, and the values with so many digits."""
     places = np.flatnonzero(np.diff(values, prepend=np.nan) != 0.0)
     places = places[:: 1 + len(places) // MOST_HELD]
-    return {"t": rounded(time[places]), "x": rounded(values[places], digits)}
+    return {"t": time[places].tolist(), "x": rounded(values[places], digits)}
 
 
 def rounded(values: Any, digits: int = DIGITS) -> list[float]:

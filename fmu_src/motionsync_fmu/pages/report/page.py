@@ -106,6 +106,7 @@ def keys_of(scenario: Scenario, recording: Recording) -> list[tuple[str, list[tu
 
 def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
     """The charts of a run: "cuts" (if there is a table [cuts]), "errors" (of a remote axis), "motion" and "lanes"."""
+    scenario = happened(scenario, recording)
     found = figures(scenario, recording)
     lanes = find_lanes(scenario, recording)
     given = settings(scenario)

@@ -1,0 +1,49 @@
+"""The examples in the READMEs of the scenarios run as they stand, and are as expected."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.run import run_in_process
+from tests import ROOT
+
+README = ROOT / "scenarios" / "README.md"
+
+
+def files(text: str) -> list[str]:
+    """The TOML blocks of a page that are whole files: those with a title."""
+    return [block for block in re.findall(r"```toml\n(.*?)```", text, re.DOTALL) if block.startswith("title")]
+
+
+@pytest.mark.parametrize("i", [0, 1])
+@pytest.mark.parametrize("step_size", [0.01, 0.007])
+def test_an_example_copied_from_the_page_is_as_expected(i: int, step_size: float, tmp_path: Path) -> None:
+    """Three cuts, as both files expect them."""
+    examples = files(README.read_text())
+    assert len(examples) == 2
+    file = tmp_path / "saw" / "scenario.toml"
+    file.parent.mkdir()
+    file.write_text(examples[i])
+    scenario = load(file)
+    recording = run_in_process(scenario, step_size)
+    found = check(scenario, recording)
+    assert found
+    assert [c for c in found if not c.passed] == []
+    assert any(c.expected == "number of cuts = 3" and c.found == "3" for c in found)
+    assert recording.unmet == []
+    assert not recording.values["limit_exceeded"].any()
+
+
+def test_the_card_has_every_key_of_a_scenario(tmp_path: Path) -> None:
+    """The keys that a reader's message names where one is wrong; [remote] has an example of its own."""
+    card = files(README.read_text())[1]
+    file = tmp_path / "scenario.toml"
+    for table, spared in (("", {"slave_unit", "remote"}), ("[[on]]", set()), ("[cuts]", set()), ("[picture]", set())):
+        file.write_text(f"nonsense = 1\n{card}" if not table else card.replace(table, f"{table}\nnonsense = 1", 1))
+        with pytest.raises(Exception, match="unknown key; there is") as told:
+            load(file)
+        for key in set(str(told.value).split("there is ")[1].split(", ")) - spared:
+            assert re.search(rf"^(# )?(\[+(picture\.)?{key}\b|{key} =)", card, re.MULTILINE), key
