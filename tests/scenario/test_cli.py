@@ -363,13 +363,15 @@ def test_turned_variables_have_an_fmu_of_their_own(motionsync: Command) -> None:
     assert "POLYNOMIAL_3_4_5" in shown
 
 
-def test_a_scenario_with_an_interface_leaves_the_default_fmu_alone(workshop: Command) -> None:
+def test_a_scenario_with_an_interface_leaves_the_default_fmu_alone(motionsync: Command) -> None:
     """STOP sets stop alone; the turned variables keep their start values, so its expectations hold."""
     turned = '[interface]\ninput = "output_phasing"\nparameter = ["active", "rest_value"]\n\n[start]'
     scenario("wired", STOP.replace("[start]", turned, 1))
+    scenario("stop")
+    assert motionsync("build", "Synchronizer", *PYTHON).status == 0
     default = {file: file.stat().st_mtime_ns for file in Path("build").rglob("*.fmu")}
     for folder, built in (("wired", True), ("stop", False), ("wired", False)):
-        done = workshop("run", folder, *PYTHON, "--no-report")
+        done = motionsync("run", folder, *PYTHON, "--no-report")
         assert done.status == 0, done
         assert ("missing" in done.err) == built
     files = {file: file.stat().st_mtime_ns for file in Path("build").rglob("*.fmu")}
@@ -508,7 +510,8 @@ def test_error_explains_a_code(motionsync: Command, asked: tuple[str, ...]) -> N
 
 
 def test_error_tells_all_blocks_that_have_a_code(motionsync: Command) -> None:
-    assert re.findall(r"^(\w+), 2 ", motionsync("error", "2").out, re.MULTILINE) == ["Gearing", "Follower"]
+    told = motionsync("error", "2").out
+    assert re.findall(r"^(\w+), 2 ", told, re.MULTILINE) == ["FlyingSaw", "Gearing", "Follower"]
     assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
 
 

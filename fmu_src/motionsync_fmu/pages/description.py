@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 from rich.markup import escape
@@ -79,13 +80,12 @@ def print_enumerations(block: Any) -> None:
 
 
 def print_codes(codes: list[Code]) -> None:
-    """Print the fault codes of a block, a sentence each."""
-    carriers = ", ".join(dict.fromkeys(name for code in codes for name in code.carriers))
-    if codes:
-        out.print("\n[bold]Fault codes[/]")
-        _print_wrapped(f"  in {carriers}", 4)
-    for code in codes:
-        _print_wrapped(f"  {code.number} {code.member.name}: {code.member.description}", 8)
+    """Print the fault codes of a block, a sentence each, below the variables that carry them."""
+    for carriers, group in groupby(codes, lambda code: code.carriers):
+        out.print()
+        _print_wrapped(f"Fault codes in {', '.join(carriers)}", 4)
+        for code in group:
+            _print_wrapped(f"  {code.number} {code.member.name}: {code.member.description}", 8)
 
 
 def print_code(code: Code) -> None:
