@@ -115,7 +115,7 @@ def the_native_flavour_is_refused(plain: Installation) -> None:
     for command in (("run", "FlyingSaw/cyclic_cut"), ("build", "FlyingSaw")):
         done = plain.motionsync(*command, "--flavour", "native")
         assert done.returncode == 2
-        wanted = r"compiled with \w+, which is not installed: pip install 'llvmlite==[^']+' 'numba=="
+        wanted = r"with \w+, which is not installed: pip install 'llvmlite==[^']+' 'numba=="
         assert re.search(wanted, done.stderr)
 
 
