@@ -5,6 +5,7 @@ A command imports what it needs where it runs: the libraries of all of them toge
 
 import io
 import sys
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
@@ -12,10 +13,12 @@ import typer
 from . import __version__
 from .commands.build import build
 from .commands.describe import describe
+from .commands.error import error
 from .commands.line import line
 from .commands.list import list_all
+from .commands.new import new
 from .commands.run import run
-from .errors import UserError
+from .errors import Interrupted, UserError
 from .pages.console import err
 
 app = typer.Typer(
@@ -27,15 +30,22 @@ app = typer.Typer(
     motionsync run Synchronizer\n
     motionsync line""",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-app.command()(build)
-app.command("list")(list_all)
-app.command()(describe)
-app.command()(run)
-app.command()(line)
+COMMANDS: dict[
+    str, tuple[Callable[..., None], str]
+] = {  # each with its line in the help, which typer would cut off at 45 characters
+    "list": (list_all, "List the blocks, and what can be run by name."),
+    "build": (build, "Build FMUs."),
+    "describe": (describe, "Show variables, enumerations, fault codes."),
+    "new": (new, "Write a scenario to begin your own with."),
+    "run": (run, "Run scenarios, judge them, write reports."),
+    "line": (line, "Run a production line of several FMUs."),
+    "error": (error, "Explain a fault code."),
+}
+for name, (command, help_line) in COMMANDS.items():
+    app.command(name, short_help=help_line)(command)
 
 
 def _tell_version(asked: bool) -> None:
@@ -64,7 +74,9 @@ def main() -> None:
     try:
         sys.exit(app(standalone_mode=False))  # the status that a command gave to typer.Exit; else None, which is 0
     except USAGE as e:
-        text = e.format_message()  # if no argument was given, this text is the help
+        text = e.format_message().replace("Value error, ", "")  # if no argument was given, this text is the help
+        if text.startswith("No such command"):
+            text += f" There is {', '.join(COMMANDS)}."
         err.print(text if len(sys.argv) == 1 else f"motionsync: {' '.join(text.split())}")
         sys.exit(2)
     except UserError as e:
@@ -73,7 +85,11 @@ def main() -> None:
     except OSError as e:  # a folder that cannot be written, a full disk
         err.print(f"motionsync: {e.filename}: {e.strerror}" if e.filename else f"motionsync: {e}")
         sys.exit(2)
+    except Interrupted as e:
+        err.print(f"motionsync: {e}")
+        sys.exit(130)
     except (KeyboardInterrupt, typer.Abort):
+        err.print("motionsync: interrupted")
         sys.exit(130)
 
 

@@ -1,5 +1,6 @@
 """Where files are put that nobody gave a place."""
 
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -13,11 +14,12 @@ def cache() -> Path:
     return user_cache_path("motionsync", appauthor=False)
 
 
-def output() -> Path:
-    """The folder `build` here; if it cannot be written, the one in the user's cache."""
+def output(tell: Callable[[str], None]) -> Path:
+    """The folder `build` here; if it cannot be written, the one in the user's cache, which `tell` gets a line about."""
     try:
         OUTPUT.mkdir(exist_ok=True)
         with TemporaryFile(dir=OUTPUT):
             return OUTPUT
     except OSError:
-        return cache() / OUTPUT.name
+        tell(f"this folder cannot be written: all goes to {cache() / OUTPUT}")
+        return cache() / OUTPUT

@@ -18,11 +18,16 @@ def file(block: str, tmp_path: Path) -> Path:
 
 
 def page_of(block: str, folder: Path) -> Path:
-    """A block's page without its picture, so that it asks for no other file."""
-    made = pages(Recipe(block).block(), example_of(block), "mm", "native", list(PLATFORMS))
-    file = folder / "index.html"
-    file.write_bytes(made["index.html"].replace(b'src="example.svg"', b""))
-    return file
+    """A block's page with its picture."""
+    for name, content in pages(Recipe(block).block(), example_of(block), "mm", "native", list(PLATFORMS)).items():
+        (folder / name).write_bytes(content)
+    return folder / "index.html"
+
+
+def test_the_page_has_its_title_and_its_picture(open_page: Open, file: Path, block: str) -> None:
+    page = open_page(file).page
+    assert page.locator("h1").first.inner_text() == block
+    assert page.locator("figure img").evaluate_all("all => all.map(e => e.complete && e.naturalWidth > 0)") == [True]
 
 
 @pytest.mark.parametrize("width", [1152, 800, 400])

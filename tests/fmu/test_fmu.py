@@ -16,11 +16,6 @@ from xml.etree.ElementTree import fromstring
 import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
-from libcosimpy.CosimEnums import CosimExecutionState
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimManipulator import CosimManipulator
-from libcosimpy.CosimObserver import CosimObserver
-from libcosimpy.CosimSlave import CosimLocalSlave
 
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
@@ -30,6 +25,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
+from tests.support.cosim import cosim
 from tests.support.fmus import Fmus
 from tests.support.random_runs import calm, drawn
 
@@ -578,9 +574,9 @@ def libcosim(fmu: Path, plan: list[dict[str, Any]], h: float) -> list[dict[str, 
     enumerations."""
     description = read_model_description(str(fmu))
     references = {v.name: (v.type, v.valueReference) for v in description.modelVariables}
-    execution = CosimExecution.from_step_size(step_size=round(h * 1e9))
-    slave = execution.add_local_slave(CosimLocalSlave(fmu_path=str(fmu), instance_name="unit"))
-    manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
+    execution = cosim().CosimExecution.from_step_size(step_size=round(h * 1e9))
+    slave = execution.add_local_slave(cosim().CosimLocalSlave(fmu_path=str(fmu), instance_name="unit"))
+    manipulator, observer = cosim().CosimManipulator.create_override(), cosim().CosimObserver.create_last_value()
     assert execution.add_manipulator(manipulator)
     assert execution.add_observer(observer)
     rows = []
@@ -594,7 +590,7 @@ def libcosim(fmu: Path, plan: list[dict[str, Any]], h: float) -> list[dict[str, 
             }[kind]
             assert set_values(slave, [reference], [value])
         assert execution.step()
-        assert execution.status().state != CosimExecutionState.ERROR.value
+        assert execution.status().state != cosim().CosimExecutionState.ERROR.value
         rows.append({})
         for kind, get in (
             ("Real", observer.last_real_values),

@@ -343,7 +343,7 @@ def test_without_libcosim_it_says_so_and_runs_the_package(
 @pytest.mark.parametrize(
     ("change", "broken"),
     [
-        (("tolerance = 0.05", "tolerance = 1e-6"), "cuts within 1e-06"),
+        (("tolerance = 0.05", "tolerance = 1e-6"), "cuts within 0.000001 mm"),
         (("sender_cycle = 0.001994017946161515", "sender_cycle = 0.0020"), "RemoteSync in sync: found never"),
     ],
 )

@@ -10,11 +10,47 @@ from motionsync_fmu.scenario.run import run_in_process
 from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 
+SCENARIOS = pytest.mark.parametrize("file", find(ROOT / "scenarios"), ids=lambda file: "/".join(file.parts[-3:-1]))
 
-@pytest.mark.parametrize("file", find(ROOT / "scenarios"), ids=lambda file: "/".join(file.parts[-3:-1]))
+
+@SCENARIOS
 def test_the_block_does_what_its_scenario_expects(file: Path) -> None:
     scenario = load(file)
     recording = run_in_process(scenario, scenario.step_size)
     found = [*check(scenario, recording), *compare(scenario, recording)]
     assert found
     assert [judged for judged in found if not judged.passed] == []
+
+
+@SCENARIOS
+@pytest.mark.parametrize("step_size", [0.007, 0.0471])
+def test_a_scenario_means_the_same_at_other_step_sizes_or_says_why_not(file: Path, step_size: float) -> None:
+    scenario = load(file)
+    if reason := scenario.step_refusal(step_size):
+        cycles = f"{scenario.recipe.name} works in cycles of " if scenario.remote else scenario.step_bound
+        assert cycles
+        assert reason.startswith(cycles)
+        return
+    recording = run_in_process(scenario, step_size)
+    found = [*check(scenario, recording), *compare(scenario, recording)]
+    assert [judged for judged in found if not judged.passed] == []
+
+
+def test_few_scenarios_are_bound_to_their_step_size() -> None:
+    """Those whose block sees something at communication points alone: its limits, or a master without a velocity."""
+    bound = [load(file) for file in find(ROOT / "scenarios")]
+    assert {s.name for s in bound if s.step_bound} == {
+        "alarm_speed",
+        "alarm_speed_in_each_phase",
+        "alarm_acceleration_in_each_phase",
+        "limits_not_checked",
+        "position_to_cycle_variable",
+        "position_only_input",
+    }
+
+
+def test_a_cyclic_block_runs_at_steps_up_to_its_cycle() -> None:
+    scenario = load(ROOT / "scenarios/RemoteSync/accelerating_axis/scenario.toml")
+    assert scenario.step_refusal(0.002) == scenario.step_refusal(0.0013) == ""
+    reason = "RemoteSync works in cycles of 0.002 s, and a step of 0.007 s is longer"
+    assert scenario.step_refusal(0.007) == reason

@@ -13,10 +13,6 @@ import fmpy
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimManipulator import CosimManipulator
-from libcosimpy.CosimObserver import CosimObserver
-from libcosimpy.CosimSlave import CosimLocalSlave
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
@@ -30,6 +26,7 @@ from motionsync_fmu.scenario.run import simulate
 from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 from tests.support.compiled import Compiled, equal
+from tests.support.cosim import cosim
 from tests.support.fmus import Fmus
 from tests.support.random_runs import drawn, strategy
 from tests.support.runs import Run
@@ -248,9 +245,9 @@ def test_libcosim_gives_the_same_bits(native: Path) -> None:
     """libcosim steps in nanoseconds: a step of 2^-7 s is one exactly. It cannot set enumerations."""
     h, steps = 2.0**-7, 400
     start = {"master.period": 360.0, "output_phasing": 45.0, "rest_value": 200.0, "master.velocity": 300.0}
-    execution = CosimExecution.from_step_size(int(h * 1e9))
-    index = execution.add_local_slave(CosimLocalSlave(str(native), "synchronizer"))
-    manipulator, observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
+    execution = cosim().CosimExecution.from_step_size(int(h * 1e9))
+    index = execution.add_local_slave(cosim().CosimLocalSlave(str(native), "synchronizer"))
+    manipulator, observer = cosim().CosimManipulator.create_override(), cosim().CosimObserver.create_last_value()
     execution.add_manipulator(manipulator)
     execution.add_observer(observer)
     with FmuInstance(native) as host:

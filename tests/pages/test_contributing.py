@@ -15,7 +15,7 @@ from tests import ROOT
 NEW_BLOCK = ROOT / "tests" / "support" / "new_block"
 LINE = "from .shifter.block import Shifter"
 ENTRY = '"Shifter": Shifter,'
-ROW = "| [`Shifter`](model/motionsync/shifter/README.md) | runs a slave ahead of its master |"
+ROW = "| run a slave ahead of its master | [`Shifter`](model/motionsync/shifter/README.md) |"
 
 
 def listed() -> list[str]:
@@ -42,7 +42,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     text = text.replace("from .synchronizer", f"{LINE}\nfrom .synchronizer", 1)
     registry.write_text(text.replace('    "Synchronizer"', f'    {ENTRY}\n    "Synchronizer"', 1))
     front = (root / "README.md").read_text()
-    (root / "README.md").write_text(front.replace("| [`Synchronizer`]", f"{ROW}\n| [`Synchronizer`]", 1))
+    (root / "README.md").write_text(front.replace("| switch a slave", f"{ROW}\n| switch a slave", 1))
     run(root, "-m", "tests.regenerate")  # make references
     run(root, "-m", "motionsync_fmu.pages.pictures", "docs")  # make pictures
     return root

@@ -1,5 +1,6 @@
 """The READMEs stay true: what they show to type does what they say, and what they name exists."""
 
+import math
 import re
 import shlex
 import subprocess
@@ -8,8 +9,10 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from motionsync_fmu.build import Flavour
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import readme
@@ -18,26 +21,93 @@ from tests import ROOT
 from tests.support.fmus import Fmus
 
 README = (ROOT / "README.md").read_text("utf-8")
+WIRING = (ROOT / "docs" / "wiring.md").read_text("utf-8")
+PYTHON = (ROOT / "docs" / "python.md").read_text("utf-8")
 SOURCES = {"mv_follow2"}  # a source that is written like a variable
 SECTIONS = ("How to use it", "Names in the source system", "Decisions where the source is silent", "States")
 
 
-def code_with(text: str) -> str:
-    """The one Python example that holds a text."""
-    (code,) = [code for code in re.findall(r"```python\n(.*?)```", README, re.S) if text in code]
+def code_with(page: str, text: str) -> str:
+    """The one Python example of a page that holds a text."""
+    (code,) = [code for code in re.findall(r"```python\n(.*?)```", page, re.S) if text in code]
     return str(code)
 
 
-def test_the_saw_cuts_where_it_should(fmus: Fmus, capsys: pytest.CaptureFixture[str]) -> None:
+def replaced(code: str, old: str, new: str) -> str:
+    """The example with another text in one place."""
+    assert code.count(old) == 1, old
+    return code.replace(old, new)
+
+
+def printed(line: str, word: str) -> tuple[float, float]:
+    """The greatest value and its limit, from `word 683 of 1200 mm/s`."""
+    ((value, limit),) = re.findall(rf"{word} (\d+) of (\d+) ", line)
+    return float(value), float(limit)
+
+
+def executed(code: str, capsys: pytest.CaptureFixture[str]) -> tuple[dict[str, Any], str]:
+    """The names that an example leaves, and what it prints."""
     names: dict[str, Any] = {}
-    exec(code_with("gear_in_pos").replace("build/native/FlyingSaw.fmu", str(fmus.native("FlyingSaw"))), names)
-    assert len(names["cuts"]) == 9
+    exec(code, names)
+    return names, capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("length", "line"), [(800.0, 500.0), (1000.0, 250.0), (800.0, 600.0), (300.0, 500.0)])
+def test_the_fifteen_lines_tell_the_truth_of_other_lengths_and_speeds(
+    fmus: Fmus,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    length: float,
+    line: float,
+) -> None:
+    """In any folder into which the FMU was built. The slave is in sync for 0.2 length after each mark, so that n cuts
+    are done where the material has come (n + 0.2) lengths. 300 mm are too short: (1.5 v / T) is 6250 mm/s2 on the way
+    in, which takes the time T of 0.2 lengths."""
+    fmus.copied(Flavour.NATIVE, "Follower", tmp_path / "build")
+    monkeypatch.chdir(tmp_path)
+    code = replaced(code_with(README, "simulate_fmu"), "= 800.0, 500.0,", f"= {length}, {line},")
+    names, out = executed(code, capsys)
+    run = names["run"]
+    for what, variable in (("speed", "slave.velocity"), ("acceleration", "slave.acceleration")):
+        value, limit = printed(out, what)
+        assert value == round(float(np.abs(run[variable]).max()))
+        assert limit == names[f"max_{what}"]
+        assert value <= limit or run["error"][-1]
+    if length == 300.0:
+        assert re.search(r"0 cuts of 300 mm error_id 1\d", out)
+    else:
+        assert f"{math.floor(10.0 * line / length - 0.2)} cuts of {length:g} mm no error" in out
+    if (length, line) == (800.0, 500.0):
+        for text in re.findall(r"`(\d+ cuts .*?|speed .*?)`", README):
+            assert text in out
+
+
+@pytest.mark.parametrize(("length", "line"), [(1500.0, 1000.0), (400.0, 500.0), (3000.0, 1200.0), (1000.0, 1300.0)])
+def test_the_plc_loop_tells_the_truth_of_other_lengths_and_speeds(
+    fmus: Fmus, capsys: pytest.CaptureFixture[str], length: float, line: float
+) -> None:
+    """A cut is counted 0.2 s after its mark met the saw, `meet` beyond it; the first order can be met by mark 1. At
+    1300 mm/s the saw comes home too late for the second mark of 1000 mm."""
+    code = replaced(
+        code_with(WIRING, "gear_in_pos"), "length, line = 1500.0, 1000.0", f"length, line = {length}, {line}"
+    )
+    code = replaced(code, "build/native/FlyingSaw.fmu", str(fmus.native("FlyingSaw")))
+    names, out = executed(code, capsys)
     assert max(map(abs, names["cuts"])) < 1e-9
-    assert "9 cuts, worst error" in capsys.readouterr().out
+    for what in ("velocity", "acceleration"):
+        value, limit = printed(out, what)
+        assert 0.0 < value <= limit == names[f"max_{what}"]
+    if line == 1300.0:
+        assert "a command was refused 17118" in out
+        assert "1 cuts, worst error" in out
+    else:
+        assert "stopped" not in out
+        assert f"{math.floor((line * 14.8 - names['meet']) / length)} cuts, worst error" in out
 
 
 def test_the_batch_example_gives_what_its_comments_say() -> None:
-    code = code_with("simulate_many")
+    code = code_with(PYTHON, "simulate_many")
     names: dict[str, Any] = {}
     exec(code, names)
     result = names["result"]
@@ -48,7 +118,7 @@ def test_the_batch_example_gives_what_its_comments_say() -> None:
 
 
 def test_the_line_for_fmpy_runs(native: Path, tmp_path: Path) -> None:
-    (line,) = re.findall(r"fmpy simulate (?:.*\\\n)+.*", README)
+    (line,) = re.findall(r"fmpy simulate (?:.*\\\n)+.*", WIRING)
     words = shlex.split(line.replace("\\\n", " "))
     words[words.index("build/native/Synchronizer.fmu")] = str(native)
     words[words.index("Synchronizer_out.csv")] = str(tmp_path / "out.csv")
@@ -66,7 +136,8 @@ def test_its_commands_exist() -> None:
 
 
 def test_links_lead_to_files_that_exist() -> None:
-    files = [ROOT / "README.md", ROOT / "scenarios" / "README.md", *(ROOT / "model").rglob("README.md")]
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]
+    files = [*pages, *(ROOT / "scenarios").rglob("README.md"), *(ROOT / "model").rglob("README.md")]
     for file in files:
         for link in re.findall(r"\]\((?!http|#)([^)#]+)[^)]*\)", file.read_text("utf-8")):
             assert (file.parent / link).exists(), f"{file}: {link}"

@@ -119,7 +119,7 @@ def test_plotly_js_is_the_one_that_was_looked_at() -> None:
     assert b"</script" not in text
     readme = BUNDLE.with_name("README.md").read_text("utf-8")
     assert f"plotly.js {get_plotlyjs_version()}," in readme
-    assert "MIT" in BUNDLE.with_name("plotly-LICENSE.txt").read_text("utf-8")
+    assert "MIT" in BUNDLE.with_name("plotly-basic.MIT.txt").read_text("utf-8")
 
 
 def test_the_charts_are_what_plotly_js_takes(runs: dict[str, Run]) -> None:
@@ -147,7 +147,6 @@ def test_the_figures_come_first(flagship: Run, tmp_path: Path) -> None:
     text = words(page(flagship, tmp_path / "report.html"))
     begin = text[: text.index("Cuts A cut each time")]
     for part in (
-        "verdict as expected 4 of 4 expectations kept",
         "cuts 20 a mark each 1500 mm",
         "worst error of a cut 0 (to rounding) tolerance 1e-9 mm",
         "limit -250 to 800 mm",
@@ -155,6 +154,7 @@ def test_the_figures_come_first(flagship: Run, tmp_path: Path) -> None:
         "limit 1500 mm/s,",
     ):
         assert part in begin, begin
+    assert re.search(r"verdict as expected (\d+) of \1 expectations kept", begin)
 
 
 def test_cuts_machine_motion_and_states_follow_one_another(flagship: Run, tmp_path: Path) -> None:

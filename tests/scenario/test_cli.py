@@ -12,6 +12,7 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from html.parser import HTMLParser
+from importlib import import_module
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -24,15 +25,16 @@ from typer.testing import CliRunner
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__, cli, places
+from motionsync_fmu.build import Flavour
 from motionsync_fmu.commands import run
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import here
-from motionsync_fmu.pages import progress
+from motionsync_fmu.pages import console, progress, results
 from motionsync_fmu.scenario.shipped import FILE, LINES, find
 from tests import ROOT
-from tests.support.fmus import Shared
+from tests.support.fmus import Fmus, Shared
 
-COMMANDS = ("build", "list", "describe", "run", "line")
+COMMANDS = ("build", "list", "describe", "new", "run", "line", "error")
 FLAVOURS = ("native", "python")
 PYTHON = ("--flavour", "python")  # the quicker one to build, where either shows it
 
@@ -237,6 +239,16 @@ def test_baked_start_values_stand_in_the_description_and_act_in_a_run(motionsync
     assert (recording["slave.position"][-1], recording["local.transition_distance"][-1]) == (-20.0, 15.0)
 
 
+def test_names_of_blocks_flavours_units_and_members_may_have_any_case(motionsync: Command) -> None:
+    start = ("--start", "curve=parabola", "--unit", "DEG", "--flavour", "PYTHON", "--folder", "here")
+    assert motionsync("build", "synchronizer", *start).status == 0
+    fmu = Path("here/python/Synchronizer.fmu")
+    assert start_value(fmu, "curve") == "1"
+    assert "deg" in motionsync("describe", fmu).out.split()
+    assert motionsync("describe", "FLYINGSAW", "--unit", "M").out.startswith("FlyingSaw: ")
+    assert "FlyingSaw/cyclic_cut" in motionsync("list", "flyingsaw").out
+
+
 def test_a_second_build_is_byte_identical(motionsync: Command, tmp_path: Path) -> None:
     assert motionsync("build", "Synchronizer", "--folder", "here").status == 0
     assert process(tmp_path, "build", "Synchronizer", "--folder", "there").status == 0
@@ -269,7 +281,8 @@ def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Comma
     ("arguments", "parts"),
     [
         (("Nope",), ("'Nope'", "Synchronizer")),
-        (("synchronizer",), ("'synchronizer'", "Synchronizer")),
+        (("Synchroniser",), ("'Synchroniser'", "did you mean Synchronizer")),
+        (("Synchronizer", "--flavour", "nativ"), ("'nativ' is not one of 'native', 'python'",)),
         (("Synchronizer", "Nope"), ("'Nope'",)),
         (("Synchronizer", "--unit", "km"), ("km", "mm", "deg")),
         (("Synchronizer", "--start", "rest_value"), ("rest_value", "NAME=VALUE")),
@@ -286,6 +299,17 @@ def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Comma
         (("Synchronizer", "--start", "curve=CUBIC"), ("curve = CUBIC", "PARABOLA", "POLYNOMIAL_3_4_5")),
         (("Synchronizer", "--start", "curve=3"), ("curve = 3", "PARABOLA", "POLYNOMIAL_3_4_5")),
         (("Synchronizer", "--start", "curve=1.5"), ("curve = 1.5", "PARABOLA", "POLYNOMIAL_3_4_5")),
+        (("Synchronizer", "--start", "active=1", "--start", "active=0"), ("--start active", "twice", "1", "0")),
+        (("Synchronizer", "--input", "output_fasing"), ("--input: no variable", "'output_fasing'", "output_phasing")),
+        (("Synchronizer", "--input", "curve"), ("--input: curve cannot become an input", "fixed")),
+        (("Synchronizer", "--parameter", "st*"), ("--parameter: start cannot become a parameter", "command")),
+        (("Synchronizer", "--local", "slave.*"), ("--local: slave.position cannot become a local variable",)),
+        (("Synchronizer", "--output", "elsewhere"), ("--output: no variable of Synchronizer is named 'elsewhere'",)),
+        (
+            ("Synchronizer", "--parameter", "rest_value", "--input", "rest_*"),
+            ("--parameter: rest_value is already turned to an input",),
+        ),
+        (("--local", "ready"), ("--local", "one block")),
     ],
 )
 def test_a_mistake_in_build_is_one_line_and_builds_nothing(
@@ -299,6 +323,61 @@ def test_start_values_need_one_block(motionsync: Command) -> None:
     assert_one_line(
         motionsync("build", "Synchronizer", "Synchronizer", "--start", "rest_value=3"), "--start", "one block"
     )
+
+
+def test_an_fmu_that_is_up_to_date_is_built_again_by_force_only(motionsync: Command) -> None:
+    build = ("build", "Synchronizer", *PYTHON)
+    assert motionsync(*build).status == 0
+    fmu = the_fmu("build")
+    first, content = fmu.stat().st_mtime_ns, fmu.read_bytes()
+    again = motionsync(*build)
+    assert (again.status, again.out) == (0, f"{fmu}  is up to date\n")
+    assert fmu.stat().st_mtime_ns == first
+    assert "kB" in motionsync(*build, "--force").out
+    assert fmu.stat().st_mtime_ns != first
+    assert fmu.read_bytes() == content
+    assert "kB" in motionsync(*build, "--unit", "deg").out
+    assert "kB" in motionsync(*build).out
+
+
+def test_turned_variables_have_an_fmu_of_their_own(motionsync: Command) -> None:
+    turns = ("--input", "output_*", "--parameter", "active", "--parameter", "rest_value", "--local", "ready")
+    assert motionsync("build", "Synchronizer", *PYTHON).status == 0
+    default = the_fmu("build").read_bytes()
+    done = motionsync("build", "Synchronizer", *PYTHON, *turns, "--output", "local.*")
+    assert done.status == 0
+    fmu = Path(done.out.split("  ")[0])
+    assert Path("build/python/Synchronizer.fmu").read_bytes() == default
+    found = {
+        v.get("name"): f"{v.get('variability')} {v.get('causality')}"
+        for v in description(fmu).iterfind("ModelVariables/ScalarVariable")
+    }
+    assert found["output_phasing"] == "discrete input"
+    assert found["active"] == found["rest_value"] == "tunable parameter"
+    assert found["ready"] == "discrete local"
+    assert found["local.progress"] == "continuous output"
+    assert found["curve"] == "fixed parameter"
+    shown = motionsync("describe", fmu).out
+    for name, causality in (("output_phasing", "input"), ("active", "parameter"), ("local.progress", "output")):
+        assert re.search(rf"^\s*{re.escape(name)}\s+{causality}\s", shown, re.MULTILINE)
+    assert "POLYNOMIAL_3_4_5" in shown
+
+
+def test_a_scenario_with_an_interface_leaves_the_default_fmu_alone(motionsync: Command) -> None:
+    """STOP sets stop alone; the turned variables keep their start values, so its expectations hold."""
+    turned = '[interface]\ninput = "output_phasing"\nparameter = ["active", "rest_value"]\n\n[start]'
+    scenario("wired", STOP.replace("[start]", turned, 1))
+    scenario("stop")
+    assert motionsync("build", "Synchronizer", *PYTHON).status == 0
+    default = {file: file.stat().st_mtime_ns for file in Path("build").rglob("*.fmu")}
+    for folder, built in (("wired", True), ("stop", False), ("wired", False)):
+        done = motionsync("run", folder, *PYTHON, "--no-report")
+        assert done.status == 0, done
+        assert ("missing" in done.err) == built
+    files = {file: file.stat().st_mtime_ns for file in Path("build").rglob("*.fmu")}
+    (own,) = files.keys() - default.keys()
+    assert own.name.startswith("Synchronizer-")
+    assert {file: files[file] for file in default} == default
 
 
 @pytest.mark.parametrize("epoch", ["yesterday", "1.5", "99999999999", "99999999999999999999"])
@@ -360,7 +439,7 @@ def test_list_tells_of_a_broken_scenario_in_one_line(motionsync: Command) -> Non
 def test_describe_shows_every_variable_and_choice(motionsync: Command, unit: str, velocity: str) -> None:
     done = motionsync("describe", "Synchronizer", "--unit", unit)
     assert (done.status, done.err) == (0, "")
-    words = done.out.split()
+    words = done.out.replace(",", " ").split()
     for name in ("master.input_mode", "output_phasing", "rest_value", "slave.jerk", "local.peak_acceleration_per_v2"):
         assert name in words
     for text in ("input", "parameter", "output", "local", velocity):
@@ -370,7 +449,7 @@ def test_describe_shows_every_variable_and_choice(motionsync: Command, unit: str
 
 
 def test_describe_of_a_built_fmu_shows_its_own_unit_and_start_values(motionsync: Command) -> None:
-    options = ("--unit", "deg", "--start", "rest_value=12.25", "--output", "here")
+    options = ("--unit", "deg", "--start", "rest_value=12.25", "--folder", "here")
     assert motionsync("build", "Synchronizer", *PYTHON, *options).status == 0
     done = motionsync("describe", the_fmu("here"))
     assert (done.status, done.err) == (0, "")
@@ -383,7 +462,9 @@ def test_describe_of_a_built_fmu_shows_its_own_unit_and_start_values(motionsync:
     [
         (("Nope",), ("'Nope'", "Synchronizer")),
         (("Synchronizer", "--unit", "furlong"), ("furlong", "mm")),
-        (("nowhere.fmu",), ("nowhere.fmu",)),
+        (("nowhere.fmu",), ("nowhere.fmu", "no such file")),
+        (("build/native/FlyingSaw",), ("build/native/FlyingSaw", "no such file")),
+        (("FlyingSaw", "--slave-unit", "deg"), ("slave unit 'deg'", "in its master's unit")),
         (("text.fmu",), ("text.fmu", "not an FMU")),
     ],
 )
@@ -392,6 +473,78 @@ def test_a_mistake_in_describe_is_one_line(
 ) -> None:
     Path("text.fmu").write_text("no FMU")
     assert_one_line(motionsync("describe", *arguments), *parts)
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_describe_tells_the_fault_codes(motionsync: Command, name: str) -> None:
+    """Each code of the block's faults stands there, with its sentence."""
+    module = import_module(type(Recipe(name).block()).__module__.replace(".block", ".faults"))
+    _, _, told = motionsync("describe", name).out.partition("Fault codes")
+    assert told
+    for fault in module.Fault:
+        if fault.value:
+            assert re.search(rf"^  {fault.value} .*{fault.name}: {re.escape(fault.description)}$", told, re.MULTILINE)
+
+
+def test_describe_fits_a_terminal_of_80_columns(monkeypatch: pytest.MonkeyPatch, motionsync: Command) -> None:
+    monkeypatch.setattr(console.out, "_force_terminal", True)
+    monkeypatch.setattr(console.out, "_width", 80)
+    monkeypatch.setattr(console.out, "no_color", True)
+    for name in BLOCKS:
+        lines = re.sub(r"\x1b\[[0-9;]*m", "", motionsync("describe", name).out).splitlines()
+        headings = [line for line in lines if not line.startswith(" ")]
+        assert [line for line in lines if len(line) > 80 and line not in headings] == []
+
+
+@pytest.mark.parametrize(
+    "asked", [("17118",), ("0x42DE",), ("0x42de",), ("flyingsaw", "17118"), ("must", "LIE", "ahead")]
+)
+def test_error_explains_a_code(motionsync: Command, asked: tuple[str, ...]) -> None:
+    done = motionsync("error", *asked)
+    assert (done.status, done.err) == (0, "")
+    assert done.out.startswith(
+        "FlyingSaw, 17118 = 0x42DE (NOT_AHEAD)\n  refused (0x42DE): both sync positions must lie"
+    )
+    assert "gear_in_pos.error_id" in done.out
+    assert "master.position" in done.out
+
+
+def test_error_tells_all_blocks_that_have_a_code(motionsync: Command) -> None:
+    told = motionsync("error", "2").out
+    assert re.findall(r"^(\w+), 2 ", told, re.MULTILINE) == ["FlyingSaw", "Gearing", "Follower"]
+    assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
+
+
+@pytest.mark.parametrize(
+    ("asked", "parts"),
+    [
+        (("17000",), ("fault code 17000", "17006 = 0x426E (FlyingSaw)")),
+        (("Follower", "17118"), ("fault code 17118", "14 (Follower)")),
+        (("purple", "elephant"), ("'purple elephant'", "motionsync describe")),
+    ],
+)
+def test_an_unknown_code_is_one_line_with_the_nearest(
+    motionsync: Command, asked: tuple[str, ...], parts: tuple[str, ...]
+) -> None:
+    assert_one_line(motionsync("error", *asked), *parts)
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_a_new_scenario_runs_as_expected(motionsync: Command, fmus: Fmus, name: str) -> None:
+    fmus.copied(Flavour.PYTHON, name, Path("build"))
+    made = motionsync("new", name.lower(), "mine/first")
+    assert (made.status, made.err) == (0, "")
+    file = Path("mine/first/scenario.toml")
+    assert made.out.splitlines()[:2] == [f"written: {file}", f"run it:  motionsync run {file.parent} --open"]
+    assert file.read_text("utf-8").count("\n# ") >= 4
+    done = motionsync("run", "mine/first", *PYTHON, "--no-report")
+    assert (done.status, done.err) == (0, "")
+    assert ": as expected\n" in done.out
+    assert_one_line(motionsync("new", name, "mine/first"), str(file), "exists")
+
+
+def test_an_unknown_command_is_one_line(motionsync: Command) -> None:
+    assert_one_line(motionsync("runn"), "No such command 'runn'", "describe", "new")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -406,7 +559,8 @@ def test_the_help_of_each_command_has_an_example_that_works(command: str) -> Non
 def test_help_lists_the_commands() -> None:
     text = CliRunner().invoke(cli.app, ["--help"]).output
     for command in COMMANDS:
-        assert re.search(rf"^ +{command} ", text, re.MULTILINE)
+        assert re.search(rf"^ +{command} .*\.$", text, re.MULTILINE)
+    assert "..." not in text.partition("Commands:")[2]
 
 
 # --- run ---
@@ -414,15 +568,136 @@ def test_help_lists_the_commands() -> None:
 
 def test_run_takes_a_file_a_folder_and_several(workshop: Command) -> None:
     file = scenario("more/other", STOP.replace("A stop along", "Another stop along"))
-    for paths, titles in (
-        ([file], ["Another stop along a parabola"]),
-        (["stop"], ["A stop along a parabola"]),
-        (["more", "stop/scenario.toml"], ["Another stop along a parabola", "A stop along a parabola"]),
-        (["."], ["Another stop along a parabola", "A stop along a parabola"]),
-    ):
+    done = workshop("run", file, "--no-report")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.startswith(f"Another stop along a parabola ({file.parent}): as expected\n")
+    for paths in (["more", "stop/scenario.toml"], ["."]):
         done = workshop("run", *paths, "--no-report")
         assert (done.status, done.err) == (0, "")
-        assert re.findall(r"^(\w.*) \(.*\): as expected$", done.out, re.MULTILINE) == titles
+        names = re.findall(r"^ok +(\S+) ", done.out, re.MULTILINE)
+        assert names == ["Synchronizer/other", "Synchronizer/stop"]
+
+
+# The slave goes with 100 mm/s, and from there to rest between 20 and 30: a = v^2/(2 s) = 10000/20 = 500 mm/s2; a
+# parabola's acceleration jumps, so its jerk is told as 0.
+PEAKS = "v 100 mm/s, a 500 mm/s2, j 0 mm/s3"
+
+
+def test_a_result_is_a_line_and_a_summary_ends_with_the_address(workshop: Command) -> None:
+    scenario("other")
+    done = workshop("run", ".")
+    assert (done.status, done.err) == (0, "")
+    page = Path("build/reports/index.html").resolve()
+    assert done.out.splitlines() == [
+        f"ok  Synchronizer/other  {PEAKS}",
+        f"ok  Synchronizer/stop   {PEAKS}",
+        "",
+        "2 scenarios: all as expected",
+        f"report: {page.as_uri()}",
+    ]
+    links = re.findall(r'href="([^"]*)"', page.read_text("utf-8"))
+    assert links == ["Synchronizer/other/report.html", "Synchronizer/stop/report.html"]
+    assert all((page.parent / link).is_file() for link in links)
+
+
+def test_the_result_of_one_scenario_has_a_line_for_each_figure(workshop: Command) -> None:
+    done = workshop("run", "stop")
+    assert (done.status, done.err) == (0, "")
+    assert done.out.splitlines() == [
+        "A stop along a parabola (stop): as expected",
+        "  position      0 to 30 mm",
+        "  velocity      100 mm/s",
+        "  acceleration  500 mm/s2",
+        "  jerk          0 mm/s3",
+        "  expectations  4 of 4 kept",
+        f"  result        {Path('build/reports/Synchronizer/stop/Synchronizer_out.csv')}",
+        f"report: {Path('build/reports/Synchronizer/stop/report.html').resolve().as_uri()}",
+    ]
+
+
+def test_verbose_tells_all_that_was_judged(workshop: Command) -> None:
+    done = workshop("run", "stop", "--no-report", "--verbose")
+    assert done.status == 0
+    assert done.out.count("  kept    ") == 4
+    assert "the same with FMPy alone: fmpy simulate " in done.out
+    assert "fmpy simulate" not in workshop("run", "stop", "--no-report").out
+
+
+def test_the_report_is_opened_in_the_browser(workshop: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown: list[str] = []
+    monkeypatch.setattr("webbrowser.open", shown.append)
+    assert workshop("run", "stop", "--open").status == 0
+    assert shown == [Path("build/reports/Synchronizer/stop/report.html").resolve().as_uri()]
+    assert_one_line(workshop("run", "stop", "--open", "--no-report"), "--open", "--no-report")
+
+
+def test_marks_that_pass_uncut_are_told_beside_a_good_result(workshop: Command) -> None:
+    """The material goes on to 50 mm, the slave stops at 30 mm: of the marks at 0.05, 2.05, ... the first is cut, and
+    those below 50 - 30 have passed."""
+    table = '\n[cuts]\nwhile = "syn_synchronized"\nlength = 2.0\noffset = 0.05\n'
+    scenario("saw", STOP + table)
+    alone = workshop("run", "saw", "--no-report")
+    assert alone.status == 0
+    assert "(saw): as expected, with 1 remark\n  ! 9 marks passed uncut: 2.05, 4.05, … mm\n" in alone.out
+    both = workshop("run", "saw", "stop", "--no-report")
+    assert both.status == 0
+    assert f"ok! Synchronizer/saw   1 cut, worst error 0.05 mm (mark 0.05 mm); {PEAKS}\n" in both.out
+    assert "2 scenarios: all as expected\n! 1 result with a remark: Synchronizer/saw\n" in both.out
+
+
+def test_a_reaction_that_never_happens_is_told(workshop: Command) -> None:
+    """The slave never goes beyond 30 mm; a required reaction is judged."""
+    table = '\n[[on]]\nwhen = "slave.position > 31"\nset = { rest_value = 5.0 }\n'
+    scenario("late", STOP + table)
+    done = workshop("run", "late", "stop", "--no-report")
+    assert done.status == 0
+    assert "    ! reaction to slave.position > 31 once: found never\n" in done.out
+    assert "2 scenarios: all as expected\n! 1 result with a remark: Synchronizer/late\n" in done.out
+    scenario("late", STOP + table + "required = true\n")
+    done = workshop("run", "late", "stop", "--no-report")
+    assert done.status == 1
+    assert "    broken  reaction to slave.position > 31 once: found never\n" in done.out
+
+
+def test_a_scenario_that_judges_nothing_says_so(workshop: Command) -> None:
+    scenario("free", STOP[: STOP.index("[[expect]]")])
+    done = workshop("run", "free", "--no-report")
+    assert done.status == 0
+    assert "as expected, with 1 remark\n  ! nothing is judged" in done.out
+
+
+def test_what_the_fmu_logs_is_counted_and_shown(workshop: Command) -> None:
+    """A phasing of 0 is refused when a stop reads it."""
+    scenario("refused", STOP.replace("stop = true", "stop = true\noutput_phasing = 0.0").split("[[expect]]")[0])
+    assert re.search(r"^  the FMU logged: .*output_phasing = 0", workshop("run", "refused").out, re.MULTILINE)
+    assert "; 1 message of the FMU\n" in workshop("run", "refused", "stop").out
+
+
+@pytest.mark.parametrize(("options", "printed"), [((), "1 of 3"), (("--json",), "1 of 3")])
+def test_an_interruption_keeps_what_is_finished(
+    workshop: Command, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], printed: str
+) -> None:
+    for name in ("a", "b"):
+        scenario(name)
+    write = results.write_outcome
+
+    def interrupted(s: Any, *arguments: Any, **options: Any) -> Any:
+        if s.name == "b":
+            monkeypatch.setattr(results, "inputs_csv", interrupted_too)
+        return write(s, *arguments, **options)
+
+    def interrupted_too(_: Any) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(results, "write_outcome", interrupted)
+    done = workshop("run", ".", *options)
+    assert (done.status, done.err) == (130, f"motionsync: interrupted after {printed}\n")
+    if options:
+        assert [result["name"] for result in json.loads(done.out)] == ["Synchronizer/a"]
+    else:
+        assert done.out.startswith(f"ok  Synchronizer/a     {PEAKS}\n\n1 scenario: as expected\n")
+    assert sorted(p.name for p in Path("build/reports").iterdir()) == ["Synchronizer", "index.html"]
+    assert [p.name for p in Path("build/reports/Synchronizer").iterdir()] == ["a"]
 
 
 def test_run_writes_results_and_report(workshop: Command) -> None:
@@ -430,7 +705,14 @@ def test_run_writes_results_and_report(workshop: Command) -> None:
     with Path("results/Synchronizer/stop/Synchronizer_out.csv").open(newline="") as f:
         header, *rows = list(csv.reader(f))
     assert header[0] == "time"
-    assert {"slave.position", "slave.jerk", "state_code", "local.progress"} <= set(header)
+    axis = [
+        f"{part}.{name}" for part in ("master", "slave") for name in ("position", "velocity", "acceleration", "jerk")
+    ]
+    assert header[:10] == ["time", *axis, "state"]
+    assert {"state_code", "local.progress"} <= set(header)
+    assert {row[header.index("state")] for row in rows} <= {"0", "1", "2"}
+    assert {row[header.index("synchronized")] for row in rows} == {"0", "1"}
+    assert [float(row[header.index("master.position")]) for row in rows[::10]] == pytest.approx([0, 10, 20, 30, 40, 50])
     times = [float(row[0]) for row in rows]
     assert times == pytest.approx([i * 0.01 for i in range(51)], abs=1e-12)
     position = header.index("slave.position")
@@ -516,20 +798,31 @@ def test_json_has_all_that_was_found_and_nothing_else_is_printed(workshop: Comma
     (deviation,) = result["reference"]
     assert deviation.pop("max_difference") <= 3e-8
     assert deviation.pop("at") in (0.0, 0.1, 0.3, 0.5)
+    peaks = {p["name"]: (p["least"], p["greatest"], p["limit"], p["exceeded"]) for p in result.pop("peaks")}
+    assert {name: of[2:] for name, of in peaks.items()} == dict.fromkeys(peaks, (None, False))
+    assert {name: of[:2] for name, of in peaks.items()} == {
+        "position": (0.0, 30.0),
+        "velocity": (0.0, 100.0),
+        "acceleration": (pytest.approx(-500.0), 0.0),
+        "jerk": (0.0, 0.0),
+    }
     assert result == {
         "scenario": "stop",
+        "name": "Synchronizer/stop",
         "title": "A stop along a parabola",
         "fmu": "Synchronizer",
         "step_size": 0.01,
         "passed": True,
         "expectations": [
-            {"expected": "slave.position = 27.5 ± 1e-09 at 0.3 s", "passed": True},
-            {"expected": "slave.velocity = 50 ± 1e-09 at 0.3 s", "passed": True},
+            {"expected": "slave.position = 27.5 ± 1e-9 at 0.3 s", "passed": True},
+            {"expected": "slave.velocity = 50 ± 1e-9 at 0.3 s", "passed": True},
             {"expected": "first synchronized == false at 0.4 s ± 0.01", "passed": True},
-            {"expected": "slave.velocity from 0 to 100 ± 1e-09 between 0 s and 0.5 s", "passed": True},
+            {"expected": "slave.velocity from 0 to 100 ± 1e-9 between 0 s and 0.5 s", "passed": True},
         ],
         "reference": [{"variable": "slave.position", "allowed": pytest.approx(3e-8), "passed": True}],
         "cuts": [],
+        "uncut": [],
+        "remarks": [],
         "messages": [],
         "result": str(Path("build/reports/Synchronizer/stop/Synchronizer_out.csv")),
         "report": None,
@@ -544,8 +837,9 @@ def test_cuts_are_told_and_shown(workshop: Command) -> None:
     scenario("saw", STOP + table.format(0.6))
     done = workshop("run", "saw")
     assert (done.status, done.err) == (0, "")
-    assert "  cuts: 1, the worst 0.5 mm from its mark: cut 1, mark 0.5 mm\n" in done.out
-    assert "kept    cuts within 0.6 of a mark, one mark each 20: found at most 0.5 away\n" in done.out
+    assert "  saw           1 cut, worst error 0.5 mm (mark 0.5 mm); 0.6 mm allowed\n" in done.out
+    verbose = workshop("run", "saw", "--no-report", "-v").out
+    assert "kept    cuts within 0.6 mm of a mark, one mark each 20 mm: found at most 0.5 mm away\n" in verbose
     page = Loads()
     page.feed(Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8"))
     assert page.found == []
@@ -566,7 +860,7 @@ def test_a_run_without_a_cut_is_told_and_judged(workshop: Command) -> None:
     scenario("saw", STOP + table)
     done = workshop("run", "saw")
     assert (done.status, done.err) == (1, "")
-    assert "  cuts: none\n" in done.out
+    assert "  saw           no cut; 0.1 mm allowed\n" in done.out
     assert "There was none." in Path("build/reports/Synchronizer/saw/report.html").read_text("utf-8")
     scenario("saw", STOP + table + "count = 0\n")
     assert workshop("run", "saw", "--no-report").status == 0
@@ -588,6 +882,32 @@ def test_the_step_size_can_be_chosen(workshop: Command) -> None:
     assert {round(t, 9) for t in times} == regular | {0.1, 0.3, 0.5}
 
 
+def test_what_cannot_run_at_a_step_size_is_left_out_with_the_reason(motionsync: Command, fmus: Fmus) -> None:
+    for name in ("FlyingSaw", "Synchronizer"):
+        fmus.copied(Flavour.PYTHON, name, Path("build"))
+    names = ("FlyingSaw/diagonal_saw", "Synchronizer/phasing_changed_while_executing")
+    left_out = ("RemoteSync/accelerating_axis", "RemoteSync/no_drift", "Synchronizer/position_only_input")
+    done = motionsync("run", *PYTHON, *names, *left_out, "--step-size", "0.007", "--no-report")
+    assert (done.status, done.err) == (0, "")
+    assert re.findall(r"^ok +(\S+) ", done.out, re.MULTILINE) == list(names)
+    assert done.out.splitlines()[-3:] == [
+        "2 scenarios: all as expected",
+        "! 2 not run: RemoteSync works in cycles of 0.002 s, and a step of 0.007 s is longer: "
+        "RemoteSync/accelerating_axis, RemoteSync/no_drift",
+        "! 1 not run: POSITION_ONLY takes the velocity from the last two positions: Synchronizer/position_only_input",
+    ]
+    alone = motionsync("run", *PYTHON, left_out[0], "--step-size", "0.007")
+    assert_one_line(alone, "--step-size 0.007", "RemoteSync works in cycles of 0.002 s")
+
+
+def test_the_line_for_fmpy_has_the_step_that_was_run(workshop: Command) -> None:
+    (result,) = json.loads(workshop("run", "stop", "--no-report", "--json", "--step-size", "0.02").out)
+    assert "--output-interval 0.02 " in result["fmpy"]
+    with Path("build/reports/Synchronizer/stop/Synchronizer_in.csv").open(newline="") as f:
+        times = [float(row["time"]) for row in csv.DictReader(f)]
+    assert times == pytest.approx([0.02 * i for i in range(25)], abs=1e-12)
+
+
 def test_an_event_may_come_a_step_late_whatever_the_step_size(workshop: Command) -> None:
     """An expectation without a tolerance allows one step, the run's."""
     done = workshop("run", "stop", "--no-report", "--json", "--step-size", "0.16")
@@ -601,11 +921,17 @@ def test_a_broken_expectation_is_exit_status_1(workshop: Command) -> None:
     scenario("wrong", STOP.replace("= 27.5", "= 27.6").replace("time = 0.4\n", "time = 0.2\n"))
     done = workshop("run", "wrong", "stop")
     assert (done.status, done.err) == (1, "")
-    assert "(wrong): NOT as expected" in done.out
-    assert "(stop): as expected" in done.out
-    assert "broken  slave.position = 27.6 ± 1e-09 at 0.3 s: found 27.5\n" in done.out
-    assert "broken  first synchronized == false at 0.2 s ± 0.01: found 0.4 s\n" in done.out
-    assert "kept    slave.velocity = 50 ± 1e-09 at 0.3 s: found 50\n" in done.out
+    assert done.out.splitlines()[:-1] == [
+        f"NOT Synchronizer/wrong  {PEAKS}",
+        "    broken  slave.position = 27.6 ± 1e-9 at 0.3 s: found 27.5",
+        "    broken  first synchronized == false at 0.2 s ± 0.01: found 0.4 s",
+        f"ok  Synchronizer/stop   {PEAKS}",
+        "",
+        "2 scenarios: 1 as expected, 1 not: Synchronizer/wrong",
+    ]
+    alone = workshop("run", "wrong", "-v", "--no-report")
+    assert "kept    slave.velocity = 50 ± 1e-9 at 0.3 s: found 50\n" in alone.out
+    assert "broken  slave.position = 27.6" in workshop("run", "wrong", "--no-report").out
     assert "broken" in Path("build/reports/Synchronizer/wrong/report.html").read_text("utf-8")
 
 
@@ -718,6 +1044,9 @@ def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
         (("synchronizer",), ("no such file or folder", "did you mean Synchronizer or ")),
         (("stop", "nowhere/scenario.toml"), (str(Path("nowhere/scenario.toml")), "no such file or folder")),
         (("empty",), ("empty", "no scenario.toml")),
+        (("stop", "--step-size", "abc"), ("--step-size abc", "a number of seconds")),
+        (("line",), ("this is a line", "motionsync line line")),
+        (("line/line.toml",), ("this is a line", f"motionsync line {Path('line/line.toml')}")),
         (("stop", "--step-size", "0"), ("--step-size 0", "> 0")),
         (("stop", "--step-size", "-0.01"), ("--step-size -0.01", "> 0")),
         (("stop", "--step-size", "0.6"), ("--step-size 0.6", "stop time")),
@@ -728,6 +1057,7 @@ def test_a_folder_in_the_fmus_place_is_one_line(motionsync: Command) -> None:
 )
 def test_a_mistake_in_run_is_one_line(workshop: Command, arguments: tuple[str, ...], parts: tuple[str, ...]) -> None:
     Path("empty").mkdir()
+    shutil.copytree(ROOT / "scenarios/line", "line")
     scenario("broken", STOP.replace("step_size = 0.01", "step_size = "))
     assert_one_line(workshop("run", *arguments), *parts)
     assert not Path("build/reports").exists()

@@ -46,8 +46,9 @@ def told(
     }
     axis = np.zeros((5, 4))
     axis[:, 0] = master
-    recording = Recording(np.arange(5.0), values | {"in_sync": np.array(cutting, float)}, axis, [])
-    return figures(load(file), recording)
+    scenario = load(file)
+    values["in_sync"] = np.array(cutting, float)
+    return figures(scenario, Recording(np.arange(5.0), values, axis, [], scenario.settings))
 
 
 def peak(found: Figures, name: str) -> Peak:
@@ -100,9 +101,9 @@ def test_a_peak_is_told_beside_its_limit(tmp_path: Path) -> None:
     velocity, jerk = peak(found, "velocity"), peak(found, "jerk")
     assert (velocity.least, velocity.greatest, velocity.value) == (-1300.0, 900.0, 1300.0)
     assert (velocity.at, velocity.limit, velocity.exceeded) == (2.0, 1000.0, True)
-    assert velocity.text == "velocity 1300 mm/s (limit 1000 mm/s: exceeded at 2 s)"
+    assert velocity.text == "velocity 1300 mm/s at 2 s, limit 1000 mm/s"
     assert not jerk.exceeded  # by 2e-10 of the limit: rounding
-    assert jerk.text == "jerk 50000 mm/s3 (limit 50000 mm/s3)"
+    assert jerk.text == "jerk 50000 mm/s3, limit 50000 mm/s3"
 
 
 def test_acceleration_and_deceleration_have_limits_of_their_own(tmp_path: Path) -> None:
@@ -115,7 +116,7 @@ def test_acceleration_and_deceleration_have_limits_of_their_own(tmp_path: Path) 
     speeding, slowing = peak(found, "acceleration"), peak(found, "deceleration")
     assert (speeding.value, speeding.at, speeding.limit, speeding.exceeded) == (4500.0, 0.0, 4000.0, True)
     assert (slowing.value, slowing.at, slowing.limit, slowing.exceeded) == (5800.0, 4.0, 6000.0, False)
-    assert slowing.text == "deceleration 5800 mm/s2 (limit 6000 mm/s2)"
+    assert slowing.text == "deceleration 5800 mm/s2, limit 6000 mm/s2"
 
 
 def test_a_limit_that_changes_on_the_way_counts_from_then_on(tmp_path: Path) -> None:
@@ -130,10 +131,10 @@ def test_the_stroke_stands_beside_the_end_positions(tmp_path: Path) -> None:
     """The lower end position is not given: the block's own is a thousand kilometres away and bounds nothing."""
     stroke = peak(told(tmp_path, position=(0.0, -162.34, 575.5, 650.0, 1e-13)), "position")
     assert (stroke.least, stroke.greatest, stroke.limit, stroke.lower) == (-162.34, 650.0, 650.0, None)
-    assert stroke.text == "position -162.3 to 650 mm (limit at most 650 mm)"
+    assert stroke.text == "position -162.3 to 650 mm, limit at most 650 mm"
     both = SAW.replace("[start]", '[start]\n"axis.min_position" = -100.0')
     stroke = peak(told(tmp_path, both, position=(0.0, -162.34, 575.5, 650.0, 0.0)), "position")
-    assert stroke.text == "position -162.3 to 650 mm (limit -100 to 650 mm: exceeded at 1 s)"
+    assert stroke.text == "position -162.3 to 650 mm at 1 s, limit -100 to 650 mm"
 
 
 def test_a_block_without_limits_has_peaks_without_them(tmp_path: Path) -> None:
@@ -151,7 +152,7 @@ def test_a_limit_of_zero_is_none_where_the_block_says_so(tmp_path: Path) -> None
     free = told(tmp_path, text, velocity=(0.0, 900.0, 0.0, 0.0, 0.0))
     assert peak(free, "velocity").text == "velocity 900 deg/s"
     bound = told(tmp_path, text + "[start]\nmax_speed = 800.0\n", velocity=(0.0, 900.0, 0.0, 0.0, 0.0))
-    assert peak(bound, "velocity").text == "velocity 900 deg/s (limit 800 deg/s: exceeded at 1 s)"
+    assert peak(bound, "velocity").text == "velocity 900 deg/s at 1 s, limit 800 deg/s"
 
 
 # --- cuts ---

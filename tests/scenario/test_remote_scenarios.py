@@ -301,10 +301,10 @@ def test_the_slave_may_be_behind_by_design(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("accuracy", "found"),
     [
-        ("index = 1.0\nposition = 0.1", [("0.999", True), ("at most 0.0999 away", True)]),
-        ("index = 0.998\nposition = 0.0998", [("0.999", False), ("at most 0.0999 away", False)]),
+        ("index = 1.0\nposition = 0.1", [("0.999", True), ("at most 0.0999 mm away", True)]),
+        ("index = 0.998\nposition = 0.0998", [("0.999", False), ("at most 0.0999 mm away", False)]),
         ("index = 1.5", [("0.999", True)]),
-        ("position = 0.2", [("at most 0.0999 away", True)]),
+        ("position = 0.2", [("at most 0.0999 mm away", True)]),
     ],
 )
 def test_the_accuracy_is_an_expectation(accuracy: str, found: list[tuple[str, bool]], tmp_path: Path) -> None:

@@ -176,6 +176,11 @@ SEGMENTS = GOOD[GOOD.index("segments") : GOOD.index("]\n\n[[set]]") + 1]
 SETTINGS = GOOD[GOOD.index("[[set]]") : GOOD.index("[[expect]]")]
 WHEN, FROM = "[[expect]]\nwhen", "[[expect]]\nfrom"
 
+
+def turned(text: str) -> str:
+    return f"[interface]\n{text}\n\n[start]"
+
+
 # What is replaced in GOOD, by what; the key and the words that the message has. It names the line of the replacement,
 # or the line on which the last text begins.
 MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str, tuple[str, ...], str]] = {
@@ -299,6 +304,20 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
     "to missing": ("to = 1.0\n", "", "to", ("missing",), FROM),
     "to after the end": ("to = 1.0", "to = 4.5", "to", ("4.5", "<= 4")),
     "min above max": ("min = 0.0, max = 90.0", "min = 91.0, max = 90.0", "slave.velocity", ("max", "90", ">= 91")),
+    # turned variables
+    "turned to what": ("[start]", turned("inputs = 'curve'"), "inputs", ("unknown key", "input, output"), "inputs"),
+    "turned by a number": ("[start]", turned("input = 3"), "input", ("3", "a list of texts"), "input"),
+    "turned by numbers": ("[start]", turned("input = ['curve', 3]"), "input", ("3", "a list of texts"), "input"),
+    "turned unknown": ("[start]", turned("local = 'redy'"), "local", ("'redy'", "ready"), "local ="),
+    "turned fixed": ("[start]", turned("input = ['c*']"), "input", ("curve cannot become an input", "fixed"), "input"),
+    "turned command": ("[start]", turned("parameter = 'sto?'"), "parameter", ("stop cannot", "command"), "parameter"),
+    "turned twice": (
+        "[start]",
+        turned("parameter = 'rest_value'\ninput = 'rest_value'"),
+        "parameter",
+        ("rest_value is already turned to an input",),
+        "parameter",
+    ),
     # what every scenario has
     "title missing": ('title = "A good one"\n', "", "title", ("missing",), "source"),
     "fmu missing": ('fmu = "Synchronizer"\n', "", "fmu", ("missing",), "title"),
@@ -387,7 +406,7 @@ def test_cuts_are_read(tmp_path: Path) -> None:
     file.write_text(linear + CUTS)
     assert load(file).cuts == CutSpec("syn_synchronized", 20.0, 3.0, 1.5, 0.25, 2)
     file.write_text(linear + '[cuts]\nwhile = "ready"\nlength = 5\n')
-    assert load(file).cuts == CutSpec("ready", 5.0, 0.0, 1.0, None, None)
+    assert load(file).cuts == CutSpec("ready", 5.0, 0.0, 1.0, 0.0005, None)
     file.write_text(linear)
     assert load(file).cuts is None
 
@@ -406,23 +425,28 @@ def recording_of(places: list[float | None], ratio: float) -> Recording:
 @pytest.mark.parametrize("ratio", [1.0, -2.0, 0.5])
 def test_each_interval_is_a_cut_and_its_error_the_greatest_distance_from_its_mark(ratio: float) -> None:
     places = [3.0, 3.0, None, 22.75, 23.5, 23.25, None, None, 62.5, None, -37.0, -37.5]
-    cuts = find_cuts(CutSpec("in_sync", 20.0, 3.0, ratio, None, None), recording_of(places, ratio))
+    cuts = find_cuts(CutSpec("in_sync", 20.0, 3.0, ratio, 0.1, None), recording_of(places, ratio))
     assert [(round(c.begin, 9), round(c.end, 9)) for c in cuts] == [(0.0, 0.1), (0.3, 0.5), (0.8, 0.8), (1.0, 1.1)]
     assert [c.mark for c in cuts] == [3.0, 23.0, 63.0, -37.0]
     assert [c.error for c in cuts] == pytest.approx([0.0, 0.5, -0.5, -0.5], abs=1e-12)
 
 
 def test_without_a_cut_there_is_none() -> None:
-    assert find_cuts(CutSpec("in_sync", 20.0, 0.0, 1.0, None, None), recording_of([None] * 5, 1.0)) == []
+    assert find_cuts(CutSpec("in_sync", 20.0, 0.0, 1.0, 0.1, None), recording_of([None] * 5, 1.0)) == []
 
 
 @pytest.mark.parametrize(
     ("cuts", "expected"),
     [
-        ("length = 20.0\noffset = 0.5\ntolerance = 0.5000001\ncount = 1", [("1", True), ("at most 0.5 away", True)]),
-        ("length = 20.0\noffset = 0.5\ntolerance = 0.4999\ncount = 2", [("1", False), ("at most 0.5 away", False)]),
+        (
+            "length = 20.0\noffset = 0.5\ntolerance = 0.5000001\ncount = 1",
+            [("1", True), ("at most 0.5 deg away", True)],
+        ),
+        ("length = 20.0\noffset = 0.5\ntolerance = 0.4999\ncount = 2", [("1", False), ("at most 0.5 deg away", False)]),
         ("length = 20.0\ntolerance = 1e-9", [("at most", True)]),
-        ("length = 20.0", []),
+        ("length = 20.0", [("at most", True)]),
+        ("length = 20.0\noffset = 0.0021", [("at most 0.0021 deg away", False)]),  # a ten-thousandth: 0.002 deg
+        ("length = 20.0\noffset = 0.0019", [("at most 0.0019 deg away", True)]),
     ],
 )
 def test_cuts_are_expectations(cuts: str, expected: list[tuple[str, bool]], fmu: Path, tmp_path: Path) -> None:

@@ -13,9 +13,10 @@ from ..archive import build_time
 from ..build import Flavour, fmu_path, outdated
 from ..build import build as build_fmu
 from ..builds import at_hand
-from ..errors import UserError
+from ..errors import UserError, spelled
 from ..interface.recipe import Recipe
 from ..interface.turns import Interface, TurnError
+from ..interface.units import BASES
 from ..pages.console import err, out
 from ..pages.progress import doing
 from .options import UNITS
@@ -30,7 +31,10 @@ def build(
     fmu: Annotated[list[str] | None, typer.Argument(help="Blocks to build; all if none is named.")] = None,
     flavour: Annotated[
         list[Flavour] | None,
-        typer.Option(help="native: compiled; python: in an embedded Python. May be repeated; else all possible ones."),
+        typer.Option(
+            case_sensitive=False,
+            help="native: compiled; python: in an embedded Python. May be repeated; else all possible ones.",
+        ),
     ] = None,
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
     slave_unit: Annotated[
@@ -67,7 +71,8 @@ def build(
 
         motionsync build Gearing --input "gearing.*" --parameter activate
     """
-    names = fmu or list(BLOCKS)
+    names = [spelled(BLOCKS, name, "block") for name in fmu or BLOCKS]
+    unit, slave_unit = spelled(BASES, unit, "unit"), spelled(["", *BASES], slave_unit, "slave unit")
     starts = _assignments(start or [])
     interface = Interface(input or (), output or (), parameter or (), local or ())
     turned = next((f"--{causality}" for causality, _ in interface.patterns()), "")
@@ -78,7 +83,7 @@ def build(
     for recipe in recipes:
         _check(recipe)
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
-    folder, flavours = folder or places.output(), flavour or at_hand(err.print)
+    folder, flavours = folder or places.output(err.print), flavour or at_hand(err.print)
     for recipe in recipes:
         for chosen in flavours:
             target = fmu_path(recipe, folder, chosen)

@@ -6,9 +6,14 @@ from typing import Annotated
 
 import typer
 
+from motionsync.blocks import BLOCKS
+
+from ..errors import UserError, spelled
 from ..interface.recipe import Recipe
+from ..interface.units import BASES
 from ..interface.variables import summary
-from ..pages.console import out, print_variables
+from ..pages.console import out
+from ..pages.description import codes_of, print_codes, print_enumerations, print_variables
 from .options import UNITS
 
 
@@ -17,7 +22,7 @@ def describe(
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; a built FMU has its own.")] = "mm",
     slave_unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of the slave's positions; as for build.")] = "",
 ) -> None:
-    """Show the variables: name, causality, type and unit, start value, allowed range, meaning.
+    """Show the variables, enumerations and fault codes of a block or of a built FMU.
 
     Examples:
 
@@ -25,11 +30,24 @@ def describe(
 
         motionsync describe build/python/Synchronizer.fmu
     """
-    recipe = Recipe(fmu, unit, {}, slave_unit)
-    if fmu.endswith(".fmu"):
+    recipe = _recipe(fmu, unit, slave_unit)
+    block = replace(recipe, starts={}).block()
+    out.print(f"{recipe.name}: {summary(type(block))}")
+    print_variables(block, recipe.unit, recipe.slave_unit, recipe.starts, recipe.turned)
+    print_enumerations(block)
+    print_codes(codes_of(recipe.name, block))
+
+
+def _recipe(fmu: str, unit: str, slave_unit: str) -> Recipe:
+    """What the argument names: a file, or a block."""
+    path = Path(fmu)
+    if path.is_file() or path.suffix.lower() == ".fmu":
         from ..scenario.fmu_instance import recipe_of
 
-        recipe = recipe_of(Path(fmu))
-    block = replace(recipe, starts={}).block()
-    out.print(f"{recipe.name}: {summary(type(block))}\n")
-    print_variables(block, recipe.unit, recipe.slave_unit, recipe.starts, recipe.turned)
+        if not path.is_file():
+            raise UserError(f"{fmu}: no such file")
+        return recipe_of(path)
+    if path.name != fmu:
+        raise UserError(f"{fmu}: no such file; name a block, or the path of a built FMU")
+    slaves = spelled(BASES, slave_unit, "slave unit") if slave_unit else ""
+    return Recipe(spelled(BLOCKS, fmu, "block"), spelled(BASES, unit, "unit"), {}, slaves)

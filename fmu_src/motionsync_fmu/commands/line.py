@@ -52,7 +52,7 @@ def line(
 
     outcomes = []
     lines = _lines(path or [Path("line")])
-    chosen, place = flavour or at_hand(err.print)[0], output or places.output()
+    chosen, place = flavour or at_hand(err.print)[0], output or places.output(err.print)
     for each in lines:
         with doing(f"{each.name}: its FMUs", at_once=False) as tell:
             package = write_package(each, chosen, place, tell)

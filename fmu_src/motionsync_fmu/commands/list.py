@@ -10,7 +10,7 @@ from rich.table import Table
 
 from motionsync.blocks import BLOCKS
 
-from ..errors import choose
+from ..errors import spelled
 from ..interface.variables import summary
 from ..pages.console import out, wide
 from ..scenario.shipped import FILE, LINES, called, shipped
@@ -35,7 +35,7 @@ def list_all(
         motionsync list --scenarios my_scenarios
     """
     if block:
-        choose(BLOCKS, block, "block")
+        block = spelled(BLOCKS, block, "block")
     place = scenarios or shipped()
     if not place.is_dir():
         out.print(f"No scenarios: there is no folder {escape(str(place))}")

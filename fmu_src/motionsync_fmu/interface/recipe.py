@@ -115,8 +115,8 @@ def parse(v: Variable, text: str) -> Any:
     value: Any = None
     if v.kind == "Boolean":
         value = {"true": True, "false": False, "1": True, "0": False}.get(text.lower())
-    elif v.choices and text in (names := {member.name: member.value for member in v.choices}):
-        value = names[text]
+    elif v.choices and text.upper() in (names := {member.name.upper(): member.value for member in v.choices}):
+        value = names[text.upper()]
     else:
         with suppress(ValueError):
             value = float(text) if v.kind == "Real" else int(text)

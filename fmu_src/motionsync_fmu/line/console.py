@@ -7,6 +7,7 @@ from motionsync.var import Unit
 
 from ..interface.units import unit_name
 from ..pages.console import out, print_checks, print_headline, wide
+from ..scenario.figures import engineering
 from .judge import Figures
 from .line import Line
 from .outcome import LineOutcome
@@ -48,4 +49,4 @@ def _print_figures(title: str, rows: list[Figures], unit: str) -> None:
 
 
 def _length(value: float | None, unit: str) -> str:
-    return "" if value is None else f"{value:.2g} {unit}".strip()
+    return "" if value is None else engineering(value, unit, digits=2)

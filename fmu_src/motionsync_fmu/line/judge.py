@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from motionsync.var import Unit
+
+from ..interface.units import unit_name
+from ..scenario.figures import engineering
 from ..scenario.judge import Check, check
 from ..scenario.recording import Reals
 from .line import REMOTE, Line
@@ -199,27 +203,33 @@ def _agreements(ssp: Mapping[str, Values], cosim: Mapping[str, Values]) -> Itera
 
 
 def _checks(line: Line, wired: Variant, synced: float, settled: float, agreements: list[Agreement]) -> Iterator[Check]:
-    s = line.follower
+    s, unit = line.follower, unit_name(Unit.POSITION, line.unit)
     yield Check("RemoteSync in sync", f"from {synced:.10g} s on" if synced < math.inf else "never", synced < math.inf)
     if agreements:
         worst = max(agreements, key=lambda a: a.later / a.allowed)
-        expected = f"FMPy and libcosim agree from step {FIRST + 1} on, to {AGREEMENT:g} of each output's magnitude"
-        yield Check(expected, f"{worst.later:.2g} apart in {worst.name}", worst.later <= worst.allowed)
+        expected = (
+            f"FMPy and libcosim agree from step {FIRST + 1} on, to {engineering(AGREEMENT)} of each output's magnitude"
+        )
+        yield Check(
+            expected, f"{engineering(worst.later, digits=2)} apart in {worst.name}", worst.later <= worst.allowed
+        )
     yield from check(replace(s, cuts=None), wired.recording)
     if s.cuts and s.cuts.count is not None:
         yield Check(f"number of cuts = {s.cuts.count}", f"{len(wired.cuts)}", len(wired.cuts) == s.cuts.count)
     if s.cuts:
         judged = [abs(c.error) for c in wired.cuts if c.begin >= settled]
-        expected = f"cuts within {s.cuts.tolerance:g} of a mark on the true axis, once in sync"
-        yield _judged(expected, judged, s.cuts.tolerance, "cut")
+        expected = f"cuts within {engineering(s.cuts.tolerance, unit)} of a mark on the true axis, once in sync"
+        yield _judged(expected, judged, s.cuts.tolerance, unit, "cut")
     if line.places is not None:
         judged = [abs(x.error) for x in wired.switches if x.time >= settled]
-        expected = f"transitions within {line.places:g} of their place on the true axis, once in sync"
-        yield _judged(expected, judged, line.places, "transition")
+        expected = f"transitions within {engineering(line.places, unit)} of their place on the true axis, once in sync"
+        yield _judged(expected, judged, line.places, unit, "transition")
 
 
-def _judged(expected: str, errors: list[float], tolerance: float, what: str) -> Check:
+def _judged(expected: str, errors: list[float], tolerance: float, unit: str, what: str) -> Check:
     if not errors:
         return Check(expected, f"no {what}", False)
     worst = max(errors)
-    return Check(expected, f"at most {worst:.3g} away in {len(errors)} {what}s", worst <= tolerance)
+    return Check(
+        expected, f"at most {engineering(worst, unit, digits=3)} away in {len(errors)} {what}s", worst <= tolerance
+    )

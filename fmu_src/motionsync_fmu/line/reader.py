@@ -24,7 +24,7 @@ def load_line(file: Path) -> Line:
     top = read_file(file)
     if "on" in top:
         top.fail("on", "a line cannot react: its importers get all inputs before the run; give times in [[set]]")
-    top.allow_only(*(key for key in SCALARS if key != "tolerance"), *TABLES)
+    top.allow_only(*(key for key in SCALARS if key not in ("tolerance", "step_bound")), *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
     reader = Reader(top, name, stop_time, REMOTE)

@@ -1,47 +1,80 @@
 """Writes the results of a run of a scenario: the outputs, the inputs for FMPy, and the report."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from ..scenario.crosscheck import command_line, csv_text, inputs_csv, inputs_file
-from ..scenario.cuts import find_cuts
+from ..scenario.figures import figures
 from ..scenario.judge import check, compare
 from ..scenario.outcome import Outcome
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
+from ..scenario.shipped import called
 from .report.page import write_report
+
+FIRST = ("state", "in_sync")  # columns of the CSV file, after time, master and slave
+MASTER = ("position", "velocity", "acceleration", "jerk")
 
 
 def write_outcome(
-    scenario: Scenario, fmu: Path, recording: Recording, step_size: float, folder: Path, *, report: bool
+    scenario: Scenario, fmu: Path, recording: Recording, folder: Path, *, own_step: bool, report: bool
 ) -> Outcome:
     """Judge a recording, and write it into the folder.
+
+    `own_step`: whether the step size of the run is the one in the scenario's file, so that the file of inputs beside
+    it belongs to the run.
 
     Raises:
         UserError: the scenario's reference cannot be used.
     """
     name = scenario.recipe.name
     checks, deviations = check(scenario, recording), compare(scenario, recording)
-    folder.mkdir(parents=True, exist_ok=True)
-    results = folder / f"{name}_out.csv"
-    results.write_text(csv_text(["time", *recording.values], recording.rows()))
-    inputs = inputs_file(scenario)
-    if not inputs.exists():  # a user's own scenario may have no such file
-        inputs = folder / inputs.name
-        inputs.write_text(inputs_csv(scenario.settled(recording.settings)))
-    page = folder / "report.html"
-    if report:
-        write_report(page, scenario, recording, checks, deviations, step_size, fmu, results)
+    inputs, results, page = inputs_file(scenario), folder / f"{name}_out.csv", folder / "report.html"
+    happened = scenario.settled(recording.settings)
+    with _filled(folder) as part:
+        (part / results.name).write_text(_outputs_csv(scenario, recording))
+        if not own_step or not inputs.exists():  # a user's own scenario may have no such file
+            inputs = folder / inputs.name
+            (part / inputs.name).write_text(inputs_csv(happened))
+        if report:
+            write_report(part / page.name, happened, recording, checks, deviations, scenario.step_size, fmu, results)
     return Outcome(
-        scenario=str(scenario.file.parent),
+        scenario=called(scenario.file),
+        name=scenario.label,
         title=scenario.title,
         fmu=name,
-        step_size=step_size,
-        passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
+        step_size=scenario.step_size,
+        figures=figures(scenario, recording),
         expectations=checks,
         reference=deviations,
-        cuts=find_cuts(scenario.cuts, recording) if scenario.cuts else [],
         messages=recording.messages,
+        unmet=[f"{u.expected}: found {u.found}" for u in recording.unmet if not u.reaction.required],
         result=str(results),
         report=str(page) if report else None,
         fmpy=command_line(scenario, fmu, inputs),
     )
+
+
+@contextmanager
+def _filled(folder: Path) -> Iterator[Path]:
+    """A folder to write into, whose files come into `folder` at the end, all together: an interruption leaves none."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(dir=folder.parent, prefix=".part-") as part:
+        yield Path(part)
+        folder.mkdir(exist_ok=True)
+        for file in sorted(Path(part).iterdir()):
+            file.replace(folder / file.name)
+
+
+def _outputs_csv(scenario: Scenario, recording: Recording) -> str:
+    """Time, the scripted axis, the slave, state and in_sync, then the other variables; only Reals have a point."""
+    kinds = {name: v.kind for name, v in scenario.recipe.variables.items()}
+    slave = [name for name in recording.values if name.startswith("slave.")]
+    names = [*slave, *(name for name in FIRST if name in recording.values)]
+    names += [name for name in recording.values if name not in names]
+    axis = "true_axis" if scenario.remote else "master"
+    columns = [recording.time.tolist(), *recording.master.T.tolist()]
+    columns += [(v if kinds[n] == "Real" else v.astype(int)).tolist() for n in names for v in [recording.values[n]]]
+    return csv_text(["time", *(f"{axis}.{n}" for n in MASTER), *names], zip(*columns, strict=True))

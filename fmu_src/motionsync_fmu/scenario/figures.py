@@ -74,10 +74,10 @@ class Peak:
 
     @property
     def text(self) -> str:
-        """The whole figure: `velocity 1300 mm/s (limit 1200 mm/s: exceeded at 0.5 s)`."""
-        exceeded = f": exceeded at {engineering(self.at, 's')}" if self.exceeded else ""
-        limit = f" (limit {self.limit_text}{exceeded})" if self.limit_text else ""
-        return f"{self.name} {self.value_text}{limit}"
+        """The whole figure: `velocity 1300 mm/s at 0.5 s, limit 1200 mm/s`, with the time if the limit is exceeded."""
+        at = f" at {engineering(self.at, 's')}" if self.exceeded else ""
+        limit = f", limit {self.limit_text}" if self.limit_text else ""
+        return f"{self.name} {self.value_text}{at}{limit}"
 
 
 @dataclass(frozen=True)
@@ -110,6 +110,11 @@ class Figures:
     def worst_text(self) -> str:
         """How far the worst cut is from its mark: `0.0021 mm`, `0 (to rounding)`; empty without cuts."""
         return engineering(abs(self.worst.error), self.unit, scale=self.scale) if self.worst else ""
+
+    @property
+    def tolerance_text(self) -> str:
+        """How far a cut may be from its mark: `0.1 mm`; empty if the scenario has no table [cuts]."""
+        return "" if self.tolerance is None else engineering(self.tolerance, self.unit)
 
     @property
     def cuts_text(self) -> str:
@@ -160,15 +165,19 @@ def figures(scenario: Scenario, recording: Recording) -> Figures:
     """The figures of a run of a scenario."""
     spec = scenario.cuts
     cuts = tuple(find_cuts(spec, recording)) if spec else ()
-    positions = recording.master[:, 0], recording.values["slave.position"]
     return Figures(
         tuple(_peaks(scenario, recording)),
         cuts,
         tuple(_uncut(spec, cuts, recording)) if spec else (),
         spec.tolerance if spec else None,
         unit_name(Unit.POSITION, scenario.unit),
-        max(float(np.abs(p).max()) for p in positions),
+        greatest_position(recording),
     )
+
+
+def greatest_position(recording: Recording) -> float:
+    """The greatest magnitude of the positions of master and slave, in u."""
+    return max(float(np.abs(p).max()) for p in (recording.master[:, 0], recording.values["slave.position"]))
 
 
 # --- peaks ---
@@ -208,7 +217,7 @@ def _limit(scenario: Scenario, recording: Recording, role: Role) -> Reals | None
     if v is None:
         return None
     values = np.full(len(recording.time), float(scenario.start.get(v.name, v.start)))
-    for setting in scenario.settings:
+    for setting in recording.settings:
         if v.name in setting.values:
             values[recording.time > setting.at + ROUNDING] = float(setting.values[v.name])
     return values

@@ -8,8 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from motionsync.var import Unit
+
 from ..errors import UserError
+from ..interface.units import unit_name
 from .cuts import CutSpec, find_cuts
+from .figures import engineering, greatest_position
 from .recording import Recording
 from .scenario import AtTime, Scenario, When, Within
 from .settings import COMPARISONS
@@ -24,6 +28,11 @@ class Check:
     found: str
     passed: bool
 
+    @property
+    def text(self) -> str:
+        """The expectation and what was found, in one sentence."""
+        return f"{self.expected}: found {self.found}"
+
 
 @dataclass(frozen=True)
 class Deviation:
@@ -34,6 +43,7 @@ class Deviation:
         at: the time of it, in s.
         allowed: how great it may be.
         points: at how many times both were compared.
+        scale: the greatest magnitude in the reference, at least 1.
     """
 
     name: str
@@ -41,10 +51,20 @@ class Deviation:
     at: float
     allowed: float
     points: int
+    scale: float
 
     @property
     def passed(self) -> bool:
         return self.greatest <= self.allowed
+
+    @property
+    def text(self) -> str:
+        """The deviation in one sentence."""
+        if not self.points:
+            return f"{self.name}: the reference has no time in common with the run"
+        found = engineering(self.greatest, scale=self.scale)
+        allowed = engineering(self.allowed)
+        return f"{self.name}: {found} from the reference at {engineering(self.at)} s, {allowed} allowed"
 
 
 def check(scenario: Scenario, recording: Recording) -> list[Check]:
@@ -61,10 +81,11 @@ def check(scenario: Scenario, recording: Recording) -> list[Check]:
             case Within():
                 found += _within(e, recording)
     found += [Check(u.expected, u.found, False) for u in recording.unmet if u.reaction.required]
+    unit = unit_name(Unit.POSITION, scenario.unit)
     if scenario.cuts:
-        found += _cuts(scenario.cuts, recording)
+        found += _cuts(scenario.cuts, recording, unit)
     if scenario.remote:
-        found += _accuracy(scenario.remote, recording)
+        found += _accuracy(scenario.remote, recording, unit)
     return found
 
 
@@ -73,8 +94,8 @@ def _at_time(e: AtTime, recording: Recording, texts: Mapping[str, Callable[[floa
     for name, wanted in e.values.items():
         value = float(recording.values[name][i])
         text = texts[name]
-        allowed = f" ± {e.tolerance:g}" if text(wanted) == f"{wanted:.10g}" else ""
-        expected = f"{name} = {text(wanted)}{allowed} at {e.at:g} s"
+        allowed = f" ± {engineering(e.tolerance)}" if text(wanted) == f"{wanted:.10g}" else ""
+        expected = f"{name} = {text(wanted)}{allowed} at {e.at:.10g} s"
         yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)
 
 
@@ -84,7 +105,7 @@ def _when(e: When, recording: Recording, cycle: float) -> Check:
     An expectation without a tolerance allows one step of the run, or one cycle if that is longer."""
     tolerance = max(float(np.diff(recording.time).max()), cycle) if e.tolerance is None else e.tolerance
     holds = np.asarray(COMPARISONS[e.comparison](recording.values[e.name], e.value))
-    expected = f"first {e.text} at {e.time:g} s ± {tolerance:g}"
+    expected = f"first {e.text} at {e.time:.10g} s ± {engineering(tolerance)}"
     if not holds.any():
         return Check(expected, "never", False)
     time = float(recording.time[int(np.argmax(holds))])
@@ -97,37 +118,42 @@ def _within(e: Within, recording: Recording) -> Iterator[Check]:
         values = recording.values[name][chosen]
         least, greatest = float(values.min()), float(values.max())
         passed = low - e.tolerance <= least and greatest <= high + e.tolerance
-        expected = f"{name} from {low:g} to {high:g} ± {e.tolerance:g} between {e.begin:g} s and {e.end:g} s"
+        limits = f"from {low:.10g} to {high:.10g} ± {engineering(e.tolerance)}"
+        expected = f"{name} {limits} between {e.begin:.10g} s and {e.end:.10g} s"
         yield Check(expected, f"{least:.10g} to {greatest:.10g}", passed)
 
 
-def _cuts(spec: CutSpec, recording: Recording) -> Iterator[Check]:
+def _cuts(spec: CutSpec, recording: Recording, unit: str) -> Iterator[Check]:
+    """`unit`: the name of the unit of positions."""
     found = find_cuts(spec, recording)
     if spec.count is not None:
         yield Check(f"number of cuts = {spec.count}", f"{len(found)}", len(found) == spec.count)
     if found or spec.count != 0:
         worst = max((abs(c.error) for c in found), default=math.inf)
-        expected = f"cuts within {spec.tolerance:g} of a mark, one mark each {spec.length:g}"
-        yield Check(expected, f"at most {worst:.3g} away" if found else "no cut", worst <= spec.tolerance)
+        within, length = engineering(spec.tolerance, unit), engineering(spec.length, unit)
+        away = f"at most {engineering(worst, unit, scale=greatest_position(recording), digits=3)} away"
+        expected = f"cuts within {within} of a mark, one mark each {length}"
+        yield Check(expected, away if found else "no cut", worst <= spec.tolerance)
 
 
-def _accuracy(remote: Remote, recording: Recording) -> Iterator[Check]:
+def _accuracy(remote: Remote, recording: Recording, unit: str) -> Iterator[Check]:
+    """`unit`: the name of the unit of positions."""
     allowed = remote.accuracy
     if allowed is None:
         return
     found = errors(remote, recording)
     chosen = found.time >= allowed.begin - 1e-9
-    since = f"from {allowed.begin:g} s on"
+    since = f"from {allowed.begin:.10g} s on"
     if allowed.index is not None:
         width = float(np.ptp(found.corrected_index[chosen]))
         name = remote.names.corrected_index
-        expected = f"{name} within {allowed.index:g} cycles of the true index, peak to peak, {since}"
-        yield Check(expected, f"{width:.3g}", width <= allowed.index)
+        expected = f"{name} within {engineering(allowed.index)} cycles of the true index, peak to peak, {since}"
+        yield Check(expected, engineering(width, digits=3), width <= allowed.index)
     if allowed.position is not None:
         worst = float(np.abs(found.corrected_position[chosen]).max())
         behind = f", {allowed.behind:g} data cycles behind," if allowed.behind else ""
-        expected = f"slave.position within {allowed.position:g} of the true axis{behind} {since}"
-        yield Check(expected, f"at most {worst:.3g} away", worst <= allowed.position)
+        expected = f"slave.position within {engineering(allowed.position, unit)} of the true axis{behind} {since}"
+        yield Check(expected, f"at most {engineering(worst, unit, digits=3)} away", worst <= allowed.position)
 
 
 def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]], float] | None:
@@ -181,5 +207,5 @@ def compare(scenario: Scenario, recording: Recording) -> list[Deviation]:
         worst = int(np.argmax(away)) if len(away) else 0
         scale = max(1.0, float(np.abs(table[:, column]).max()))
         greatest, time = (float(away[worst]), float(times[common][worst])) if len(away) else (math.inf, 0.0)
-        found.append(Deviation(name, greatest, time, tolerance * scale, int(common.sum())))
+        found.append(Deviation(name, greatest, time, tolerance * scale, int(common.sum()), scale))
     return found

@@ -3,43 +3,73 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from .cuts import Cut
+from .figures import Figures
 from .judge import Check, Deviation
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The results of a run of a scenario, and where they are written. The fields are the keys of `--json`.
+    """The results of a run of a scenario, and where they are written. Nearly all fields are keys of `--json`.
 
     Attributes:
         scenario: the folder of the scenario.
+        name: the scenario's short name, `<FMU>/<folder>`.
         fmu: the block's name.
         step_size: the step size of this run, in s.
+        figures: the cuts, and how far the slave went beside the limits of its axis.
         reference: how far the run is from the reference; empty without one.
-        cuts: empty if the scenario has no table [cuts].
         messages: what the FMU logged.
+        unmet: the reactions that happened less often than they could have, in words; without those that are required,
+            which are among the expectations.
         result: the CSV file with the outputs.
         report: the HTML page; None: no page is written.
         fmpy: the command line that does the same with FMPy alone.
     """
 
     scenario: str
+    name: str
     title: str
     fmu: str
     step_size: float
-    passed: bool
+    figures: Figures
     expectations: list[Check]
     reference: list[Deviation]
-    cuts: list[Cut]
     messages: list[str]
+    unmet: list[str]
     result: str
     report: str | None
     fmpy: str
 
+    @property
+    def passed(self) -> bool:
+        """Whether everything is as expected."""
+        return not self.broken
+
+    @property
+    def broken(self) -> list[Check | Deviation]:
+        """What is not as expected."""
+        judged: list[Check | Deviation] = [*self.expectations, *self.reference]
+        return [j for j in judged if not j.passed]
+
+    @property
+    def remarks(self) -> list[str]:
+        """What a reader has to know although it is not judged, a sentence each; empty if there is nothing."""
+        found = [f"beyond the limit of the axis: {p.text}" for p in self.figures.peaks if p.exceeded]
+        if self.figures.uncut:
+            found.append(self.figures.uncut_text)
+        found += self.unmet
+        if not self.expectations and not self.reference:
+            found.append("nothing is judged: the scenario has no [[expect]], no [cuts] and no reference")
+        return found
+
     def as_json(self) -> dict[str, Any]:
         """What `--json` prints."""
+        found = asdict(self) | {"passed": self.passed}
+        figures = found.pop("figures")
         reference = [
             {"variable": d.name, "max_difference": d.greatest, "at": d.at, "allowed": d.allowed, "passed": d.passed}
             for d in self.reference
         ]
-        return asdict(self) | {"reference": reference}
+        del found["unmet"]  # a part of the remarks
+        kept = {key: figures[key] for key in ("cuts", "uncut", "peaks")}
+        return found | kept | {"reference": reference, "remarks": self.remarks}

@@ -28,7 +28,7 @@ from .telegrams import Remote
 from .toml_tables import Table, read_toml
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
-SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "tolerance")
+SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "step_bound", "tolerance")
 TABLES = ("interface", "start", "master", "remote", "set", "on", "expect", "cuts", "picture")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 HELD = ("velocity", "acceleration", "jerk")  # what a segment may keep constant
@@ -66,6 +66,7 @@ def load(file: Path) -> Scenario:
         reader.cuts(unit) if "cuts" in top else None,
         reader.picture(),
         tuple(reader.reactions()),
+        top.string("step_bound", ""),
     )
 
 

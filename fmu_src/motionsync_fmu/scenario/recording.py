@@ -1,6 +1,6 @@
 """Recorded outputs of one run."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +26,3 @@ class Recording:
     messages: list[str]
     settings: Sequence[Setting] = ()
     unmet: Sequence[Unmet] = ()
-
-    def rows(self) -> Iterator[tuple[float, ...]]:
-        """Time, then the variables, point by point."""
-        return zip(self.time.tolist(), *(v.tolist() for v in self.values.values()), strict=True)

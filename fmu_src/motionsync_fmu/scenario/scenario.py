@@ -3,6 +3,7 @@
 `reader` makes it from a file and checks it: all names exist in the block, and all values fit their variables.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -82,6 +83,7 @@ class Scenario:
         reactions: what is set when the block puts out something.
         cuts: how its cuts are checked; None: they are not.
         picture: how the scenario is drawn where it is a block's example.
+        step_bound: why the scenario means something at its own step size only; empty: it means the same at every one.
     """
 
     file: Path
@@ -101,11 +103,24 @@ class Scenario:
     cuts: CutSpec | None
     picture: Picture = field(default_factory=Picture)
     reactions: tuple[Reaction, ...] = ()
+    step_bound: str = ""
 
     @property
     def name(self) -> str:
         """The name of the scenario's folder."""
         return self.file.resolve().parent.name
+
+    @property
+    def label(self) -> str:
+        """The block and the name of the scenario's folder: `Gearing/gear_in_direct`."""
+        return f"{self.recipe.name}/{self.name}"
+
+    def step_refusal(self, step_size: float) -> str:
+        """Why the scenario cannot be judged at this step size, in s; empty if it can."""
+        cycle = self.remote.clocks.task_cycle if self.remote else math.inf
+        if step_size > cycle * (1.0 + 1e-9):
+            return f"{self.recipe.name} works in cycles of {cycle:g} s, and a step of {step_size:g} s is longer"
+        return self.step_bound if step_size != self.step_size else ""
 
     @property
     def period(self) -> float:

@@ -1,39 +1,18 @@
-"""The other pages in a browser: the page in an FMU, and the report of a line."""
+"""The report of a line, in a real browser."""
 
 from pathlib import Path
 
 import pytest
 
 from motionsync_fmu.build import Flavour
-from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.line.judge import examine
 from motionsync_fmu.line.package import write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.report import write_line_report
-from motionsync_fmu.pages.block_page import pages
-from motionsync_fmu.scenario.example import example_of
 from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
 from tests.support.fmus import Fmus, Shared
 from tests.support.lines import SAW, copied
-
-
-@pytest.fixture
-def block_page(block: str, tmp_path: Path) -> Path:
-    """The page inside the FMU of each block in turn."""
-    files = pages(Recipe(block).block(), example_of(block), "mm", "native", ["linux64", "win64"])
-    for name, content in files.items():
-        (tmp_path / name).write_bytes(content)
-    return tmp_path / "index.html"
-
-
-@pytest.mark.parametrize("width", [500, 1100])
-def test_the_page_of_an_fmu_opens_and_fits(open_page: Open, block_page: Path, block: str, width: int) -> None:
-    visit = open_page(block_page, width=width)
-    assert visit.page.locator("h1").first.inner_text() == block
-    picture = visit.page.locator("figure img").first
-    assert picture.evaluate("e => e.complete && e.naturalWidth") > 0
-    assert visit.overflow() <= 0.0
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,36 @@
+"""motionsync new"""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from motionsync.blocks import BLOCKS
+
+from ..errors import UserError, spelled
+from ..pages.console import out
+from ..scenario.shipped import FILE
+
+
+def new(
+    block: Annotated[str, typer.Argument(help="The block that the scenario runs.")],
+    folder: Annotated[Path, typer.Argument(help="Where to write scenario.toml; the folder is made if it is missing.")],
+) -> None:
+    """Write a scenario that runs, to begin one of your own with.
+
+    Example:
+
+        motionsync new FlyingSaw my_saw
+    """
+    from ..scenario.template import template_of
+
+    name, file = spelled(BLOCKS, block, "block"), folder / FILE
+    if file.exists():
+        raise UserError(f"{file} exists: name another folder")
+    text = template_of(name)
+    folder.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, "utf-8")
+    out.print(f"written: {escape(str(file))}")
+    out.print(f"run it:  motionsync run {escape(str(folder))} --open")
+    out.print(f"names:   motionsync describe {name}")

@@ -1,0 +1,37 @@
+"""A scenario to begin one's own with: the block's example, with what its tables are for."""
+
+import re
+
+from .example import example_of
+
+COMMENTS = {
+    "[start]": "# What the block starts with: parameters and inputs. What is not named keeps the block's own value.",
+    "[master]": "# The axis that is followed: where it begins, and how it moves on. segments = [{ duration = 2.0 },\n"
+    "# { duration = 1.0, acceleration = -100.0 }] would keep the velocity for 2 s and then slow down.",
+    "[remote]": "# The true axis on the other controller, and the clock by which its telegrams are sent.",
+    "[remote.accuracy]": "# How near to the true axis the slave has to be.",
+    "[[set]]": "# What is set during the run, at a time in s. A command is given by its rising edge: false to true.\n"
+    '# [[on]] with when = "in_sync" or another output reacts instead: scenarios/README.md tells all tables.',
+    "[[expect]]": "# What has to come out; motionsync run tells what does not. Values hold at a time (at), an event\n"
+    "# happens for the first time (when, time), limits hold for a while (from, to).",
+    "[cuts]": "# The slave is a saw, the master its material: where its marks lie, and how many are cut. What meets\n"
+    "# master_sync_position with slave_sync_position cuts at master_sync_position - slave_sync_position / ratio.",
+}
+HEAD = """\
+# A scenario of the block {name}. Lengths, speeds and times are yours to change: run it again, and look at the report.
+# Positions are in `unit` ("mm" if it is left out), times in s.
+"""
+
+
+def template_of(name: str) -> str:
+    """The text of a scenario file that runs the block of this name.
+
+    Raises:
+        UserError: no block has this name.
+    """
+    text = example_of(name).file.read_text("utf-8").partition("\n[picture")[0].rstrip() + "\n"
+    text = re.sub(r"^source = .*\n", "", text, flags=re.MULTILINE)
+    for heading, comment in COMMENTS.items():
+        before, found, after = text.partition(f"\n{heading}")
+        text = f"{before}\n{comment}{found}{after}" if found else text
+    return HEAD.format(name=name) + text

@@ -1,0 +1,153 @@
+"""The wheel in a fresh environment, used in an empty folder: without extras, and with the compilers."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from motionsync.blocks import BLOCKS
+from tests import ROOT
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="they need Linux"),
+]
+
+PROC = Path("/proc")
+Done = subprocess.CompletedProcess[str]
+
+
+class Installation:
+    """A virtual environment with the wheel, and an empty folder to work in."""
+
+    def __init__(self, folder: Path, extra: str = "") -> None:
+        self.folder = folder / "work"
+        self.folder.mkdir()
+        self.cache = folder / "cache"
+        self.bin = folder / "env" / "bin"
+        venv.create(folder / "env", with_pip=True)
+        self.call(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", folder / "wheel", ROOT)
+        (wheel,) = (folder / "wheel").glob("*.whl")
+        self.call(self.bin / "python", "-m", "pip", "install", "--quiet", f"{wheel}{extra}")
+
+    def motionsync(self, *arguments: str | Path, folder: Path | None = None) -> Done:
+        return self.call(self.bin / "motionsync", *arguments, folder=folder, check=False)
+
+    def call(self, *command: str | Path, folder: Path | None = None, check: bool = True) -> Done:
+        """Run a command in the empty folder; it sees neither the checkout nor what other runs have kept."""
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+        environment["XDG_CACHE_HOME"] = str(self.cache)
+        environment.setdefault("ZIG_GLOBAL_CACHE_DIR", str(Path.home() / ".cache" / "zig"))
+        done = subprocess.run(
+            [*map(str, command)],
+            cwd=folder or self.folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0 or not check, done.stderr
+        return done
+
+
+def test_without_extras(tmp_path: Path) -> None:
+    plain = Installation(tmp_path)
+    the_wheel_brings_the_scenarios_and_lines(plain)
+    a_run_takes_the_python_flavour(plain)
+    a_build_takes_the_python_flavour(plain)
+    the_native_flavour_is_refused(plain)
+    in_a_folder_that_cannot_be_written_all_goes_to_the_cache(plain, tmp_path / "out")
+    a_line_runs(plain)
+
+
+def test_with_the_compilers(tmp_path: Path) -> None:
+    native = Installation(tmp_path, "[native]")
+    a_run_takes_the_native_flavour(native)
+    a_line_runs(native)
+
+
+def outcome(done: Done) -> dict[str, object]:
+    """The one outcome that a command printed as JSON."""
+    (found,) = json.loads(done.stdout)
+    assert isinstance(found, dict)
+    return found
+
+
+def the_wheel_brings_the_scenarios_and_lines(plain: Installation) -> None:
+    done = plain.motionsync("list")
+    assert done.returncode == 0, done.stderr
+    for name in BLOCKS:
+        there = len(list((ROOT / "scenarios" / name).glob("*/scenario.toml")))
+        assert re.search(rf"^ *{name} +{there} ", done.stdout, re.M)
+    assert "line/line.toml" in done.stdout
+    assert "FlyingSaw/cyclic_cut" in plain.motionsync("list", "FlyingSaw").stdout
+    assert not list(plain.folder.iterdir())
+
+
+def a_run_takes_the_python_flavour(plain: Installation) -> None:
+    done = plain.motionsync("run", "FlyingSaw/cyclic_cut", "--json")
+    assert done.returncode == 0, done.stderr
+    told, building, *_ = done.stderr.splitlines()
+    assert told.startswith("numba is not installed, ")
+    assert "the python flavour is taken" in told
+    assert "motionsync[" not in told  # in an index of packages this might be a stranger's
+    assert re.search(r"pip install 'llvmlite==[\d.]+' 'numba==[\d.]+' 'ziglang==[\w.]+'\)$", told)
+    assert building.startswith(f"building {plain.cache}")
+    assert outcome(done)["passed"]
+    assert outcome(done)["reference"]
+    assert (plain.folder / "build/reports/FlyingSaw/cyclic_cut/report.html").is_file()
+
+
+def a_build_takes_the_python_flavour(plain: Installation) -> None:
+    done = plain.motionsync("build", "Synchronizer")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.startswith("numba is not installed, ")
+    assert [fmu.parent.name for fmu in plain.folder.rglob("Synchronizer.fmu")] == ["python"]
+
+
+def the_native_flavour_is_refused(plain: Installation) -> None:
+    for command in (("run", "FlyingSaw/cyclic_cut"), ("build", "FlyingSaw")):
+        done = plain.motionsync(*command, "--flavour", "native")
+        assert done.returncode == 2
+        wanted = r"compiled with \w+, which is not installed: pip install 'llvmlite==[^']+' 'numba=="
+        assert re.search(wanted, done.stderr)
+
+
+def a_run_takes_the_native_flavour(native: Installation) -> None:
+    done = native.motionsync("run", "FlyingSaw/cyclic_cut", "--json")
+    assert done.returncode == 0, done.stderr
+    assert "for this machine alone" in done.stderr
+    assert outcome(done)["passed"]
+    (fmu,) = native.cache.rglob("native-*/*/FlyingSaw.fmu")
+    with zipfile.ZipFile(fmu) as z:
+        assert len([name for name in z.namelist() if name.startswith("binaries/")]) == 1
+
+
+def a_line_runs(installation: Installation) -> None:
+    """libcosim, which is another extra, is told to be missing."""
+    done = installation.motionsync("line", "line/line.toml", "--json", "--no-report")
+    assert outcome(done)["expectations"]
+    assert "libcosimpy" in str(outcome(done)["libcosim_missing"])
+    assert done.returncode == 0, done.stderr
+
+
+def in_a_folder_that_cannot_be_written_all_goes_to_the_cache(plain: Installation, out: Path) -> None:
+    """/proc is such a folder, even for root."""
+    synchronizer = ("run", "Synchronizer/polynomial", "--no-report", "--json")
+    done = plain.motionsync(*synchronizer, folder=PROC)
+    assert done.returncode == 0, done.stderr
+    assert f"this folder cannot be written: all goes to {plain.cache}" in done.stderr
+    assert str(outcome(done)["result"]).startswith(str(plain.cache))
+    done = plain.motionsync(*synchronizer, "--output", out, folder=PROC)
+    assert done.returncode == 0, done.stderr
+    assert "cannot be written" not in done.stderr
+    assert (out / "Synchronizer/polynomial/Synchronizer_out.csv").is_file()
+    done = plain.motionsync("build", "Synchronizer", folder=PROC)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(str(plain.cache))

@@ -1,0 +1,71 @@
+"""What is told while something lasts: before it begins, and never with more than two seconds between."""
+
+import io
+import subprocess
+import sys
+import time
+from itertools import pairwise
+
+import pytest
+from rich.console import Console
+
+from motionsync_fmu.pages import progress
+
+SLOW = """
+import time
+from motionsync_fmu.pages.progress import doing
+with doing("building a.fmu") as tell:
+    time.sleep(4)
+    tell("compiled for one")
+    time.sleep(4)
+"""
+
+
+@pytest.mark.slow
+def test_on_a_pipe_there_is_a_sign_of_life_every_two_seconds() -> None:
+    process = subprocess.Popen([sys.executable, "-c", SLOW], stderr=subprocess.PIPE)
+    assert process.stderr
+    text, times = b"", []
+    while part := process.stderr.read1(1000):
+        text += part
+        times.append(time.monotonic())
+    assert process.wait() == 0
+    assert text.decode().splitlines()[0].startswith("building a.fmu ..")
+    assert text.decode().splitlines()[1].startswith("  compiled for one ..")
+    waits = [b - a for a, b in pairwise(times)]
+    assert max(waits) < 2.0 + 1.0  # with what a busy machine may add
+    assert sum(waits) > 7.5
+
+
+@pytest.fixture
+def log(monkeypatch: pytest.MonkeyPatch) -> io.StringIO:
+    stream = io.StringIO()
+    monkeypatch.setattr(progress, "err", Console(file=stream, highlight=False, soft_wrap=True, markup=False))
+    return stream
+
+
+def test_the_line_is_there_before_the_work_begins(log: io.StringIO) -> None:
+    with progress.doing("building b.fmu"):
+        assert log.getvalue() == "building b.fmu .."
+    assert log.getvalue() == "building b.fmu ..\n"
+
+
+def test_what_is_done_at_once_need_not_be_told(log: io.StringIO) -> None:
+    with progress.doing("running c", at_once=False):
+        pass
+    assert log.getvalue() == ""
+
+
+def test_what_lasts_is_told(log: io.StringIO, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "PATIENCE", 0.01)
+    with progress.doing("running d", at_once=False):
+        deadline = time.monotonic() + 10.0
+        while not log.getvalue() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert log.getvalue() == "running d .."
+
+
+def test_an_error_ends_the_line(log: io.StringIO) -> None:
+    with pytest.raises(ValueError, match="no"), progress.doing("building e.fmu"):
+        raise ValueError("no")
+    assert log.getvalue() == "building e.fmu ..\n"
