@@ -68,5 +68,5 @@ help: ## these lines
 .SECONDARY:
 $(VENV)/ready-%: pyproject.toml # the extra of that name
 	@echo "installing motionsync[$*] into $(VENV)"
-	@$(ALIVE) $(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --editable '.[$*]'
+	@$(ALIVE) $(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --no-compile --editable '.[$*]'
 	@touch $@

@@ -32,7 +32,8 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     junk = shutil.ignore_patterns("__pycache__", "new_block", "scenarios")
     for folder in ("model", "fmu_src", "tests", "benchmarks"):
         shutil.copytree(ROOT / folder, root / folder, ignore=junk)
-    for file in ("pyproject.toml", "README.md"):
+    (root / "docs").mkdir()
+    for file in ("pyproject.toml", "README.md", "docs/wiring.md", "docs/python.md"):
         shutil.copy(ROOT / file, root / file)
     for file in listed():
         (root / file).parent.mkdir(parents=True, exist_ok=True)
