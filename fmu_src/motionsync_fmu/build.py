@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import ParseError, fromstring
 
-from .archive import Files, build_time, digest, runtime, sources, write
+from .archive import Deflate, Files, build_time, digest, quick, runtime, sources, write
 from .errors import UserError
 from .extras import how_to_install
 from .interface.fmi2_xml import describe, finish
@@ -77,7 +77,7 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     for library in (pythonfmu / "resources" / "binaries").glob("*/*"):
         files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
     files |= {f"documentation/licenses/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
-    return _write(target, recipe, Flavour.PYTHON, files)
+    return _write(target, recipe, Flavour.PYTHON, files, quick)
 
 
 def build_native(
@@ -88,24 +88,26 @@ def build_native(
 ) -> Path:
     """Build the FMU with a library for each of these platforms, without Python.
 
-    `progress` is called with lines of text if compiling takes long.
+    An FMU for all platforms is packed as small as can be, which takes seconds. `progress` is called with lines of text
+    if compiling takes long.
 
     Raises:
-        UserError: the compilers are not installed or failed, or the block is outside the kernel subset.
+        UserError: what builds it is not installed or failed, or the block is outside the kernel subset.
     """
     block = recipe.block()
     check_kernel(type(block).__module__)
     try:
-        from .native import libraries, tables  # noqa: PLC0415 (Numba and zig: needed for this flavour only)
+        from .native import libraries, packing, tables  # noqa: PLC0415 (Numba, zig, Zopfli: for this flavour only)
     except ModuleNotFoundError as e:
         raise UserError(
-            f"the native flavour is compiled with {e.name}, which is not installed: {how_to_install('native')}; "
+            f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}; "
             "or take --flavour python"
         ) from None
     files = libraries.libraries(block, recipe.guid(), platforms, progress, recipe.turned)
     texts = licences("motionsync", "numba", "ziglang") | libraries.linked_licences()
     files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
-    return _write(target, recipe, Flavour.NATIVE, files, tables.abilities(block))
+    deflate = packing.smallest if all(row in platforms for row in ROWS) else quick
+    return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block))
 
 
 def check_kernel(module: str) -> None:
@@ -120,7 +122,12 @@ def check_kernel(module: str) -> None:
 
 
 def _write(
-    target: Path, recipe: Recipe, flavour: Flavour, files: Files, abilities: Mapping[str, str] | None = None
+    target: Path,
+    recipe: Recipe,
+    flavour: Flavour,
+    files: Files,
+    deflate: Deflate,
+    abilities: Mapping[str, str] | None = None,
 ) -> Path:
     """Write the FMU with these files and with what both flavours hold: documentation, picture, modelDescription."""
     from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
@@ -138,7 +145,7 @@ def _write(
             describe(block, recipe.unit, recipe.slave_unit, recipe.turned), recipe.guid(), abilities
         ),
     }
-    write(target, files)
+    write(target, files, deflate)
     return target
 
 

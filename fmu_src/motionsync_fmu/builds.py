@@ -5,7 +5,7 @@ from pathlib import Path
 
 from . import places
 from .build import Flavour, build, fmu_path, outdated
-from .extras import how_to_install, missing_compiler
+from .extras import how_to_install, missing_for_native
 from .interface.recipe import Recipe
 from .native.platforms import ROWS, here
 from .pages.progress import doing
@@ -13,10 +13,10 @@ from .pages.progress import doing
 
 def at_hand(tell: Callable[[str], None]) -> list[Flavour]:
     """The flavours that can be built here, the native one first; `tell` gets a line if that one is left out."""
-    if not (missing := missing_compiler()):
+    if not (missing := missing_for_native()):
         return list(Flavour)
     tell(
-        f"{missing} is not installed, with which the native flavour is compiled: the python flavour is taken "
+        f"{missing} is not installed, with which the native flavour is built: the python flavour is taken "
         f"({how_to_install('native')})"
     )
     return [Flavour.PYTHON]

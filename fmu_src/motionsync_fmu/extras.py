@@ -7,12 +7,12 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 HERE = Path(__file__).parent
-COMPILERS = ("numba", "llvmlite", "ziglang")
+NATIVE = ("numba", "llvmlite", "ziglang", "zopfli")
 
 
-def missing_compiler() -> str:
-    """The first compiler of the native flavour that is not installed; empty if all are."""
-    return next((name for name in COMPILERS if find_spec(name) is None), "")
+def missing_for_native() -> str:
+    """The first package that builds the native flavour and is not installed; empty if all are."""
+    return next((name for name in NATIVE if find_spec(name) is None), "")
 
 
 def how_to_install(extra: str) -> str:

@@ -12,7 +12,8 @@ WITHOUT_WHEELS = {  # found by asking for them
     "Linux x86-64": set(),
     "Linux arm64": {"libcosimpy", "ruckig"},
     "Windows x86-64": set(),
-    "macOS x86-64": {"numba", "llvmlite", "ziglang", "libcosimpy", "ruckig"},  # zig is there, but of no use alone
+    # zig and Zopfli are there, but of no use alone
+    "macOS x86-64": {"numba", "llvmlite", "ziglang", "zopfli", "libcosimpy", "ruckig"},
     "macOS arm64": {"libcosimpy"},
 }
 

@@ -7,6 +7,7 @@ import struct
 import subprocess
 import sys
 import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,7 +25,7 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native import libraries
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.macho import universal
-from motionsync_fmu.native.platforms import PLATFORMS, ROWS
+from motionsync_fmu.native.platforms import PLATFORMS, ROWS, here
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 
@@ -144,6 +145,22 @@ def test_the_fmu_is_small_and_says_what_it_holds(block_native: Path, folder: Pat
     assert not (folder / "resources").exists()
 
 
+def by_zlib(fmu: Path) -> tuple[list[int], list[int]]:
+    """The sizes of the packed files, and those that zlib gives them."""
+    with zipfile.ZipFile(fmu) as z:
+        sizes = [len(zlib.compress(z.read(info), 9, -15)) for info in z.infolist()]
+        return [info.compress_size for info in z.infolist()], sizes
+
+
+def test_what_is_handed_on_is_packed_smaller_than_what_runs_here(native: Path, tmp_path: Path) -> None:
+    sizes, usual = by_zlib(native)
+    assert sum(sizes) < 0.97 * sum(usual)
+    if (platform := here()) is None:
+        pytest.skip("no native FMU is for this machine")
+    sizes, usual = by_zlib(build_native(RECIPE, tmp_path / "Synchronizer.fmu", platforms=[platform]))
+    assert sizes == usual
+
+
 def test_the_fmu_is_valid(block_native: Path) -> None:
     assert validate_fmu(str(block_native)) == []
     program = Path(sys.executable).with_name("fmutool")
@@ -232,8 +249,8 @@ def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
 # --- builds that fail ---
 
 
-@pytest.mark.parametrize("module", ["numba", "llvmlite", "ziglang"])
-def test_a_missing_compiler_is_told_with_the_remedy(module: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("module", ["numba", "llvmlite", "ziglang", "zopfli"])
+def test_a_missing_package_is_told_with_the_remedy(module: str, tmp_path: Path) -> None:
     script = (
         f"import sys; sys.modules[{module!r}] = None; from motionsync_fmu.cli import main; "
         f"sys.argv = ['motionsync', 'build', '--folder', {str(tmp_path)!r}]; main()"
@@ -241,7 +258,7 @@ def test_a_missing_compiler_is_told_with_the_remedy(module: str, tmp_path: Path)
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
-    assert f"compiled with {module}" in done.stderr
+    assert f"built with {module}" in done.stderr
     assert "pip install '.[native]'" in done.stderr
     assert "--flavour python" in done.stderr
 

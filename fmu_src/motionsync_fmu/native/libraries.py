@@ -21,7 +21,7 @@ from .tables import model_header
 
 HERE = Path(__file__).parent
 FLAGS = (
-    "-Os -ffp-contract=off -fno-strict-aliasing -fno-slp-vectorize "
+    "-O2 -ffp-contract=off -fno-strict-aliasing -fno-slp-vectorize "
     "-fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
