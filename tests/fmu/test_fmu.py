@@ -3,6 +3,7 @@
 import math
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -226,7 +227,11 @@ def test_inside_the_fmu(block: str, block_fmu: Path) -> None:
         assert all(i.compress_type == zipfile.ZIP_DEFLATED and "\\" not in i.filename for i in z.infolist())
     assert {"documentation/externalDependencies.html", "documentation/licenses/motionsync.txt"} <= names
     assert {"documentation/licenses/pythonfmu.txt", f"binaries/linux64/{block}.so"} <= names
-    assert all(v.name in page for v in variables(BLOCKS[block]()))
+    listed: list[str] = []
+    for group in re.findall(r'<tr id="variables-(\w*)">(.*?)(?=<tr id="variables-|</table>)', page, re.S):
+        prefix = f"{group[0]}." if group[0] else ""
+        listed += [prefix + name for name in re.findall(r'<td class="name">(.*?)</td>', group[1])]
+    assert sorted(listed) == sorted(v.name for v in variables(BLOCKS[block]()))
 
 
 def test_dependencies_after_initialization_are_the_declared_ones(block: str) -> None:
