@@ -75,9 +75,9 @@ def test_the_fifteen_lines_tell_the_truth_of_other_lengths_and_speeds(
         assert limit == names[f"max_{what}"]
         assert value <= limit or run["error"][-1]
     if length == 300.0:
-        assert re.search(r"0 cuts of 300 mm error_id 1\d", out)
+        assert re.search(r"0 cuts of 300 mm, error_id 1\d", out)
     else:
-        assert f"{math.floor(10.0 * line / length - 0.2)} cuts of {length:g} mm no error" in out
+        assert f"{math.floor(10.0 * line / length - 0.2)} cuts of {length:g} mm, no error" in out
     if (length, line) == (800.0, 500.0):
         for text in re.findall(r"`(\d+ cuts .*?|speed .*?)`", README):
             assert text in out
