@@ -20,6 +20,7 @@ from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import run_in_process
 from tests import ROOT
 
+MARKS = "marks on the master"
 README = """# Block
 
 A [block](../other/README.md) of [its maker](https://example.com/maker), with a | pipe.
@@ -128,8 +129,24 @@ def test_a_picture_shows_the_motion_of_the_example(block: str) -> None:
         assert panel.lines
         for line in panel.lines:
             assert line.values.shape == panel.time.shape
-            assert np.isfinite(line.values).mean() > 0.95  # the others are gaps where a period wraps
+            if line.label != MARKS:
+                assert np.isfinite(line.values).mean() > 0.95  # the others are gaps where a period wraps
     assert np.nanmax(shown[0].lines[-1].values) > np.nanmin(shown[0].lines[-1].values)
+
+
+def test_a_saw_is_drawn_with_the_marks_that_pass_it() -> None:
+    """The material comes at 250 mm/s, a mark at 150 and one each 500 mm: at t they are at 250 t - 150 - 500 n."""
+    example = example_of("FlyingSaw")
+    position = panels(example, example.unit)[0]
+    (marks,) = [line.values for line in position.lines if line.label == MARKS]
+    seen = np.isfinite(marks)
+    passing = 250.0 * position.time[seen] - 150.0
+    assert np.abs(marks[seen] - np.where(passing > 400.0, passing - 500.0, passing)).max() < 1e-9
+    saw = position.lines[-1].values
+    assert position.shaded is not None
+    in_sync = position.shaded > 0.0
+    assert in_sync.sum() > 20
+    assert np.abs(marks[in_sync] - saw[in_sync]).max() < 1e-9
 
 
 def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> None:

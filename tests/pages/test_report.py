@@ -14,12 +14,11 @@ from plotly.offline import get_plotlyjs_version
 
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.report.chart import Chart
-from motionsync_fmu.pages.report.cutting import passages
 from motionsync_fmu.pages.report.numbers import jumps, points, rounded, thinned
 from motionsync_fmu.pages.report.origin import origin
 from motionsync_fmu.pages.report.page import BUNDLE, run_charts, write_report
 from motionsync_fmu.pages.style import TEMPLATES, typeset
-from motionsync_fmu.scenario.cuts import CutSpec
+from motionsync_fmu.scenario.cuts import CutSpec, passages
 from motionsync_fmu.scenario.judge import check, compare
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording

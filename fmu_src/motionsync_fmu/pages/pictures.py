@@ -21,6 +21,7 @@ from motionsync.blocks import BLOCKS
 from motionsync.var import Unit
 
 from ..interface.units import axis_label, unit_name
+from ..scenario.cuts import CutSpec, passages, reach
 from ..scenario.example import example_of
 from ..scenario.recording import Reals, Recording
 from ..scenario.run import run_in_process
@@ -105,7 +106,9 @@ def _variants(example: Scenario) -> dict[str, Scenario]:
 
 
 def _motion(example: Scenario, runs: list[Run], unit: str, slave_unit: str) -> list[Panel]:
-    """Position and velocity of master and slave, and the slave's acceleration."""
+    """Position and velocity of master and slave, and the slave's acceleration.
+
+    In place of the material's position, a saw is shown with the marks that pass it."""
     first = runs[0].recording
     drawn, shaded = _thinned(first.time), example.picture.shaded
     position, velocity = first.master[:, 0], first.master[:, 1]
@@ -113,6 +116,8 @@ def _motion(example: Scenario, runs: list[Run], unit: str, slave_unit: str) -> l
 
     def panel(kind: Unit, name: str) -> Panel:
         followed = [Line("master", MASTER, 1.5, _broken(master[kind][drawn]))] if kind in master else []
+        if kind == Unit.POSITION and example.cuts:
+            followed = [Line("marks on the master", MASTER, 1.5, _marks(example.cuts, first)[drawn])]
         label = axis_label(kind, unit, slave_unit) if followed else unit_name(kind, slave_unit or unit)
         lines = [Line(r.name, r.colour, 2.2, _broken(r.recording.values[f"slave.{name}"][drawn])) for r in runs]
         shade = first.values[shaded][drawn] if shaded else None
@@ -123,6 +128,15 @@ def _motion(example: Scenario, runs: list[Run], unit: str, slave_unit: str) -> l
         panel(Unit.VELOCITY, "velocity"),
         panel(Unit.ACCELERATION, "acceleration"),
     ]
+
+
+def _marks(spec: CutSpec, recording: Recording) -> Reals:
+    """Where the mark is that passes the saw at each point; a gap where none does, or where another one takes over."""
+    places = np.full(len(recording.time), np.nan)
+    for passage in passages(spec, recording, *reach(spec, recording)):
+        at = np.searchsorted(recording.time, passage.time)
+        places[at], places[at[0]] = passage.position, np.nan
+    return places
 
 
 def _errors(remote: Remote, runs: list[Run], unit: str) -> list[Panel]:
@@ -186,7 +200,7 @@ def svg(example: Scenario, unit: str, slave_unit: str = "") -> bytes:
                 shade = {"transform": axes.get_xaxis_transform(), **SHADE}
                 axes.fill_between(panel.time, 0.0, 1.0, panel.shaded.astype(bool), **shade)
             axes.set_ylabel(panel.label)
-        parts[0].legend(loc="upper left", ncols=3, frameon=False)
+        parts[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
         figure.align_ylabels()
         parts[-1].set_xlabel("time in s")
         out = io.BytesIO()

@@ -4,12 +4,13 @@ The material moves with the master. Marks lie on it at distances of `length`. A 
 this mark: slave = ratio (master - mark). Each interval in which the Boolean of the table [cuts] is true is one cut.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..interface.units import BASES
-from .recording import Recording
+from .recording import Reals, Recording
 
 TOLERANCE = 1e-4  # m: how far a cut may be from its mark where the scenario does not say
 
@@ -74,3 +75,38 @@ def find_cuts(spec: CutSpec, recording: Recording) -> list[Cut]:
         worst = float(errors[np.argmax(np.abs(errors))])
         found.append(Cut(float(recording.time[first]), float(recording.time[after - 1]), mark, worst))
     return found
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A mark while it passes the range of the saw: its place on the material, in u, and where it is when."""
+
+    number: int
+    place: float
+    time: Reals
+    position: Reals
+
+
+def reach(spec: CutSpec, recording: Recording) -> tuple[float, float]:
+    """The range of the saw's axis in which passing marks tell something: that of the run, and a little more."""
+    saw = recording.values["slave.position"]
+    room = 0.05 * float(np.ptp(saw)) + 1e-3 * spec.length
+    return float(saw.min()) - room, float(saw.max()) + room
+
+
+def passages(spec: CutSpec, recording: Recording, low: float, high: float) -> Iterator[Passage]:
+    """The passages of all marks through a range of the saw's axis."""
+    travel, distance = spec.ratio * (recording.master[:, 0] - spec.offset), abs(spec.ratio) * spec.length
+    first = np.ceil((travel - high) / distance).astype(np.int64)
+    several = [first + k for k in range(int((high - low) // distance) + 1)]
+    inside = [np.flatnonzero(travel - n * distance >= low) for n in several]
+    numbers = np.concatenate([n[at] for n, at in zip(several, inside, strict=True)])
+    points = np.concatenate(inside)
+    order = np.lexsort((points, numbers))
+    numbers, points = numbers[order], points[order]
+    borders = np.flatnonzero((np.diff(numbers) != 0) | (np.diff(points) != 1)) + 1
+    for part in np.split(np.arange(len(points)), borders) if len(points) else []:
+        at, n = points[part], int(numbers[part[0]])
+        number = n if spec.ratio > 0.0 else -n
+        place = spec.offset + number * spec.length
+        yield Passage(number, place, recording.time[at], travel[at] - n * distance)

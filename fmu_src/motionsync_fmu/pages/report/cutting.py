@@ -1,7 +1,5 @@
 """The cuts of a saw over time: the saw among the marks that pass it, and how far each cut is from its mark."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,9 +7,9 @@ import numpy as np
 from motionsync.var import Unit
 
 from ...interface.units import unit_name
-from ...scenario.cuts import CutSpec
+from ...scenario.cuts import CutSpec, Passage, passages, reach
 from ...scenario.figures import Figures, engineering
-from ...scenario.recording import Reals, Recording
+from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ..style import typeset
 from .chart import BAD, LIMIT, MASTER, OK, SLAVE, Chart, Style
@@ -87,39 +85,9 @@ def _draw_errors(chart: Chart, found: Figures, unit: str) -> None:
         chart.axis(2)["rangemode"] = "tozero"
 
 
-@dataclass(frozen=True)
-class Passage:
-    """A mark while it passes the range of the saw: its place on the material, in u, and where it is when."""
-
-    number: int
-    place: float
-    time: Reals
-    position: Reals
-
-
-def passages(spec: CutSpec, recording: Recording, low: float, high: float) -> Iterator[Passage]:
-    """The passages of all marks through a range of the saw's axis."""
-    travel, distance = spec.ratio * (recording.master[:, 0] - spec.offset), abs(spec.ratio) * spec.length
-    first = np.ceil((travel - high) / distance).astype(np.int64)
-    several = [first + k for k in range(int((high - low) // distance) + 1)]
-    inside = [np.flatnonzero(travel - n * distance >= low) for n in several]
-    numbers = np.concatenate([n[at] for n, at in zip(several, inside, strict=True)])
-    points = np.concatenate(inside)
-    order = np.lexsort((points, numbers))
-    numbers, points = numbers[order], points[order]
-    borders = np.flatnonzero((np.diff(numbers) != 0) | (np.diff(points) != 1)) + 1
-    for part in np.split(np.arange(len(points)), borders) if len(points) else []:
-        at, n = points[part], int(numbers[part[0]])
-        number = n if spec.ratio > 0.0 else -n
-        place = spec.offset + number * spec.length
-        yield Passage(number, place, recording.time[at], travel[at] - n * distance)
-
-
 def _draw_marks(chart: Chart, spec: CutSpec, recording: Recording, found: Figures, unit: str) -> None:
     """Draw where each mark is while it passes the range of the saw; those that nobody cut stand out."""
-    saw = recording.values["slave.position"]
-    room = 0.05 * float(np.ptp(saw)) + 1e-3 * spec.length
-    passing = list(passages(spec, recording, float(saw.min()) - room, float(saw.max()) + room))
+    passing = list(passages(spec, recording, *reach(spec, recording)))
     if len(passing) > MOST_MARKS:
         chart.note(f"{len(passing)} marks pass: too many to draw", yref="y domain", x=0.5, y=0.97, yanchor="top")
         return
