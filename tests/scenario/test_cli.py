@@ -881,6 +881,13 @@ def test_the_step_size_can_be_chosen(workshop: Command) -> None:
     assert {round(t, 9) for t in times} == regular | {0.1, 0.3, 0.5}
 
 
+def test_a_scenario_that_reacts_has_the_scans_of_its_file_at_another_step_size(motionsync: Command, fmus: Fmus) -> None:
+    fmus.copied(Flavour.PYTHON, "FlyingSaw", Path("build"))
+    done = motionsync("run", "FlyingSaw/cyclic_cut", "--step-size", 0.007, "--no-report", *PYTHON)
+    assert done.status == 0
+    assert "20 cuts, worst error 0 (to rounding)" in done.out
+
+
 def test_what_cannot_run_at_a_step_size_is_left_out_with_the_reason(motionsync: Command, fmus: Fmus) -> None:
     for name in ("FlyingSaw", "Synchronizer"):
         fmus.copied(Flavour.PYTHON, name, Path("build"))

@@ -42,6 +42,7 @@ def load_line(file: Path) -> Line:
         slave_unit,
         stop_time,
         step_size,
+        step_size,
         TOLERANCE,
         start,
         remote.axis,

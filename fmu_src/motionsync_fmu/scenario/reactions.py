@@ -1,8 +1,8 @@
 """The reactions of a scenario in one run: the program of a controller with a task cycle.
 
-The cycle is the *scan*: the multiples of the scenario's own step size, whatever the step size of the run is. At each
-scan the program knows the outputs of a little earlier, LOOK of a scan before. So it sees what happens exactly at a scan
-at the next one, and rounding has no say in it. What it sets acts from the scan on, or `after` seconds later.
+The cycle is the *scan*, the step size in the scenario's file, whatever the step size of the run is. At each of its
+multiples the program knows the outputs of a little earlier, LOOK of a scan before. So it sees what happens exactly at a
+scan at the next one, and rounding has no say in it. What it sets acts from the scan on, or `after` seconds later.
 """
 
 import math
@@ -101,16 +101,16 @@ class Program:
 
 
 def scans(scenario: Scenario) -> Iterator[float]:
-    """The times of the scans, in s: one step size, two, ... before the end of the run."""
+    """The times of the scans, in s: one scan, two, ... before the end of the run."""
     i = 1
-    while (scan := round(i * scenario.step_size, DECIMALS)) < scenario.stop_time:
+    while (scan := round(i * scenario.scan, DECIMALS)) < scenario.stop_time:
         yield scan
         i += 1
 
 
 def _looks(scenario: Scenario) -> Iterator[tuple[float, float]]:
     """When the outputs are looked at for each scan, and the scan; both in s."""
-    return ((scan - LOOK * scenario.step_size, scan) for scan in scans(scenario))
+    return ((scan - LOOK * scenario.scan, scan) for scan in scans(scenario))
 
 
 def _holds(condition: Condition, outputs: Mapping[str, Any]) -> bool:

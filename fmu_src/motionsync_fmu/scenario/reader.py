@@ -57,6 +57,7 @@ def load(file: Path) -> Scenario:
         slave_unit,
         stop_time,
         step_size,
+        step_size,
         top.number("tolerance", default=1e-9, above=0.0),
         start,
         script,

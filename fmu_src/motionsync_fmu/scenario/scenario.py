@@ -76,6 +76,8 @@ class Scenario:
         unit: the unit of positions, for reports; the numbers of the FMU do not depend on it.
         slave_unit: the unit of the slave's positions, for a block whose axes may have different units; empty: the same
             as `unit`.
+        step_size: the step size of the run, in s; `motionsync run --step-size` takes another one than the file has.
+        scan: the cycle of the reactions' program, in s: the step size in the file, whatever the run's is.
         tolerance: the tolerance of the reference, relative to the greatest magnitude of each variable in it.
         master: the scripted axis; where it is a remote one, the true axis.
         remote: how the block sees a remote axis; None: the block has a master.
@@ -94,6 +96,7 @@ class Scenario:
     slave_unit: str
     stop_time: float
     step_size: float
+    scan: float
     tolerance: float
     start: Mapping[str, Any]
     master: Script
