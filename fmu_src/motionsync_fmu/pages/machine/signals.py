@@ -41,15 +41,15 @@ def smooth(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple
 
 
 def _chosen(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple[list[int], NDArray[np.bool_]]:
-    """The points that become knots, and for each step whether it is a straight line."""
+    """The points that become knots, up to one too many of them, and for each step whether it is a straight line."""
     steps, means = np.diff(time), 0.5 * (slopes[:-1] + slopes[1:])
     missed = np.abs(np.diff(values) - steps * means)
     straight = (missed > tolerance) & (missed > CORNER * steps * np.abs(np.diff(slopes)))
+    borders = np.append(np.flatnonzero(straight), len(time) - 1)
     chosen = [0]
-    while chosen[-1] < len(time) - 1:
+    while chosen[-1] < len(time) - 1 and len(chosen) <= MOST_KNOTS:
         first = chosen[-1]
-        borders = np.flatnonzero(straight[first:])
-        limit = first + int(borders[0]) if len(borders) else len(time) - 1
+        limit = int(borders[np.searchsorted(borders, first)])
         chosen.append(first + 1 if limit == first else _farthest(time, values, slopes, (first, limit), tolerance))
     return chosen, straight
 
