@@ -45,6 +45,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if block not in named:
             raise pytest.UsageError(f"no block has the folder {block!r}: choose one of {', '.join(sorted(named))}")
         chosen = [item for item in chosen if belongs(item, block, named[block]) and not needs_fmu(item)]
+    chosen = sorted(chosen, key=lambda item: item.get_closest_marker("slow") is None)  # none of them is left to the end
     kept = set(chosen)
     config.hook.pytest_deselected(items=[item for item in items if item not in kept])
     items[:] = chosen

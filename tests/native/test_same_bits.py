@@ -81,6 +81,7 @@ def test_every_block_has_random_runs() -> None:
     assert all(strategy(name).meets for name in BLOCKS)
 
 
+@pytest.mark.slow
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
     """What the runs above are worth: within a few of them everything happens. At least 60 are compared."""
     missing: set[Any] = {*strategy(block).meets, "refused"}
