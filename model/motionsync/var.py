@@ -15,6 +15,8 @@ from enum import Enum, IntEnum
 from math import inf
 from typing import Protocol, Self, TypeVar
 
+from .limits import LEAST_LIMIT, MOST
+
 T = TypeVar("T")
 LARGEST_INPUT = 1e12  # a Real input beyond it is refused, as NaN is: squares and cubes of the allowed ones are finite
 
@@ -208,6 +210,13 @@ def parameter(
         "parameter", description, unit, False, tunable, min, max, above, below, smallest=smallest, zero=zero, role=role
     )
     return _declared(start, declaration)
+
+
+def limit(start: float, description: str, unit: Unit, *, zero: bool = True, role: Role | None = None) -> float:
+    """A tunable limit of a motion: one that can be computed with, and 0 where that has a meaning of its own."""
+    return parameter(
+        start, description, unit, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT, zero=zero, role=role
+    )
 
 
 def output(

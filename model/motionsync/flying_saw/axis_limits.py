@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from .. import var
-from ..limits import LEAST_LIMIT, MOST
+from ..limits import MOST
 from ..var import Role, Unit
 
 
@@ -16,49 +16,14 @@ class AxisLimits:
     initial_velocity: float = var.parameter(
         0.0, "its velocity at first, with which it goes on for ever", Unit.VELOCITY, min=-MOST, max=MOST
     )
-    max_velocity: float = var.parameter(
-        2000.0,
-        "velocity limit, not 0",
-        Unit.VELOCITY,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-        zero=False,
-        role=Role.MAX_VELOCITY,
+    max_velocity: float = var.limit(2000.0, "velocity limit, not 0", Unit.VELOCITY, zero=False, role=Role.MAX_VELOCITY)
+    max_acceleration: float = var.limit(
+        10000.0, "acceleration limit, not 0", Unit.ACCELERATION, zero=False, role=Role.MAX_ACCELERATION
     )
-    max_acceleration: float = var.parameter(
-        10000.0,
-        "acceleration limit, not 0",
-        Unit.ACCELERATION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-        zero=False,
-        role=Role.MAX_ACCELERATION,
+    max_deceleration: float = var.limit(
+        0.0, "deceleration limit; 0: as the acceleration limit", Unit.ACCELERATION, role=Role.MAX_DECELERATION
     )
-    max_deceleration: float = var.parameter(
-        0.0,
-        "deceleration limit; 0: as the acceleration limit",
-        Unit.ACCELERATION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-        role=Role.MAX_DECELERATION,
-    )
-    max_jerk: float = var.parameter(
-        100000.0,
-        "jerk limit, not 0",
-        Unit.JERK,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-        zero=False,
-        role=Role.MAX_JERK,
-    )
+    max_jerk: float = var.limit(100000.0, "jerk limit, not 0", Unit.JERK, zero=False, role=Role.MAX_JERK)
     min_position: float = var.parameter(
         -1e9, "lower software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST, role=Role.MIN_POSITION
     )

@@ -101,27 +101,9 @@ class Command:
 class Limited(Command):
     """A command that may have limits of its own for speeding up and slowing down."""
 
-    acceleration: float = var.parameter(
-        0.0,
-        "acceleration limit; 0: the axis's",
-        Unit.ACCELERATION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-    )
-    deceleration: float = var.parameter(
-        0.0,
-        "deceleration limit; 0: the axis's",
-        Unit.ACCELERATION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-    )
-    jerk: float = var.parameter(
-        0.0, "jerk limit; 0: the axis's", Unit.JERK, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT
-    )
+    acceleration: float = var.limit(0.0, "acceleration limit; 0: the axis's", Unit.ACCELERATION)
+    deceleration: float = var.limit(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION)
+    jerk: float = var.limit(0.0, "jerk limit; 0: the axis's", Unit.JERK)
 
 
 @dataclass(slots=True)
@@ -138,9 +120,7 @@ class GearInVelo(Limited):
         zero=False,
     )
     ratio_denominator: int = var.parameter(1, "slave per master: denominator, at least 1", tunable=True, min=1)
-    velocity: float = var.parameter(
-        0.0, "velocity limit; 0: the axis's", Unit.VELOCITY, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT
-    )
+    velocity: float = var.limit(0.0, "velocity limit; 0: the axis's", Unit.VELOCITY)
     start_sync: bool = var.output(False, "the synchronisation has begun")
     in_sync: bool = var.output(False, "the slave is in sync with the master")
 
@@ -164,18 +144,8 @@ class GearInPos(GearInVelo):
 class Halt(Command):
     """MC_Halt, MC_Stop: come to rest; stop locks the axis meanwhile."""
 
-    deceleration: float = var.parameter(
-        0.0,
-        "deceleration limit; 0: the axis's",
-        Unit.ACCELERATION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-    )
-    jerk: float = var.parameter(
-        0.0, "jerk limit; 0: the axis's", Unit.JERK, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT
-    )
+    deceleration: float = var.limit(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION)
+    jerk: float = var.limit(0.0, "jerk limit; 0: the axis's", Unit.JERK)
     done: bool = var.output(False, "the axis stands")
 
 
@@ -192,9 +162,7 @@ class MoveAbsolute(Limited):
     """MC_MoveAbsolute: go to a position and rest there."""
 
     position: float = var.input(0.0, "where to go", Unit.POSITION, discrete=True)
-    velocity: float = var.parameter(
-        0.0, "velocity limit; 0: the axis's", Unit.VELOCITY, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT
-    )
+    velocity: float = var.limit(0.0, "velocity limit; 0: the axis's", Unit.VELOCITY)
     done: bool = var.output(False, "the axis stands at the position")
 
 

@@ -40,33 +40,15 @@ class FollowerSlave(Slave):
 class Positioning:
     """Limits of the time-optimal move to the park or into the cycle; read at its command."""
 
-    velocity: float = var.parameter(
-        500.0,
-        "velocity limit; 0 only where the slave already stands right (velPositSlave)",
-        Unit.VELOCITY,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
+    velocity: float = var.limit(
+        500.0, "velocity limit; 0 only where the slave already stands right (velPositSlave)", Unit.VELOCITY
     )
-    acceleration: float = var.parameter(
+    acceleration: float = var.limit(
         5000.0,
         "acceleration limit, also of an alarm's stop without max_acceleration; 0 as for velocity (accPositSlave)",
         Unit.ACCELERATION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
     )
-    jerk: float = var.parameter(
-        50000.0,
-        "jerk limit; 0 as for velocity (jerkPositSlave)",
-        Unit.JERK,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-    )
+    jerk: float = var.limit(50000.0, "jerk limit; 0 as for velocity (jerkPositSlave)", Unit.JERK)
 
     def limits_usable(self) -> bool:
         """Whether a move can be planned with these limits."""
@@ -208,14 +190,10 @@ class FollowerInterface:
         max=MOST,
         role=Role.MAX_VELOCITY,
     )
-    max_acceleration: float = var.parameter(
+    max_acceleration: float = var.limit(
         0.0,
         "acceleration limit, and the deceleration of an alarm's stop; 0: none, and positioning.acceleration (maxAcc)",
         Unit.SLAVE_ACCELERATION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
         role=Role.MAX_ACCELERATION,
     )
     check_speed: bool = var.parameter(True, "max_speed is checked (not command bit 17)", tunable=True)
