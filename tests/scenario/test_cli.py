@@ -887,6 +887,17 @@ def test_a_scenario_that_reacts_has_the_scans_of_its_file_at_another_step_size(m
     assert "20 cuts, worst error 0 (to rounding)" in done.out
 
 
+def test_the_report_of_a_run_tells_the_reactions_and_what_they_set(motionsync: Command, fmus: Fmus) -> None:
+    fmus.copied(Flavour.PYTHON, "FlyingSaw", Path("build"))
+    assert motionsync("run", "FlyingSaw/cyclic_cut", *PYTHON).status == 0
+    page = Path("build/reports/FlyingSaw/cyclic_cut/report.html").read_text("utf-8")
+    reactions = page[page.index("<h3>Reactions</h3>") : page.index("<h3>The master</h3>")]
+    assert re.findall(r'<td class="name">(.*?)</td>.*?<td>(each time)</td>', reactions) == [
+        ("in_sync", "each time"),
+        ("slave.position &lt; 180", "each time"),
+    ]
+
+
 def test_what_cannot_run_at_a_step_size_is_left_out_with_the_reason(motionsync: Command, fmus: Fmus) -> None:
     for name in ("FlyingSaw", "Synchronizer"):
         fmus.copied(Flavour.PYTHON, name, Path("build"))

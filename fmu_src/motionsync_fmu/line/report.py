@@ -9,6 +9,7 @@ from motionsync.var import Unit
 from .. import __version__
 from ..interface.units import unit_name
 from ..pages.report.chart import MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style
+from ..pages.report.lanes import find_lanes
 from ..pages.report.motion import fit
 from ..pages.report.origin import here, now, origin
 from ..pages.report.page import bundle, keys_of, run_charts, settings
@@ -48,7 +49,7 @@ def write_line_report(file: Path, line: Line, package: Package, result: Result, 
         "error_chart": error_chart(line, result).html(),
         "event_chart": event_chart(line, result).html() if wired.cuts or wired.switches else "",
         "charts": {name: chart.html() for name, chart in charts.items()},
-        "keys": keys_of(s, wired.recording),
+        "keys": keys_of(find_lanes(s, wired.recording)),
         "starts": [(c, n, blocks[c][n].text(value)) for c, given in starts.items() for n, value in given.items()],
         "settings": settings(s),
         "axis": list(zip(line.remote.axis.breaks, line.remote.axis.motions, strict=True)),

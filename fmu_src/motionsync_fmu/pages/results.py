@@ -32,14 +32,13 @@ def write_outcome(
     name = scenario.recipe.name
     checks, deviations = check(scenario, recording), compare(scenario, recording)
     inputs, results, page = inputs_file(scenario), folder / f"{name}_out.csv", folder / "report.html"
-    happened = scenario.settled(recording.settings)
     with _filled(folder) as part:
         (part / results.name).write_text(_outputs_csv(scenario, recording))
         if not own_step or not inputs.exists():  # a user's own scenario may have no such file
             inputs = folder / inputs.name
-            (part / inputs.name).write_text(inputs_csv(happened))
+            (part / inputs.name).write_text(inputs_csv(scenario.settled(recording.settings)))
         if report:
-            write_report(part / page.name, happened, recording, checks, deviations, scenario.step_size, fmu, results)
+            write_report(part / page.name, scenario, recording, checks, deviations, scenario.step_size, fmu, results)
     return Outcome(
         scenario=called(scenario.file),
         name=scenario.label,

@@ -8,13 +8,13 @@ from motionsync.var import Unit
 
 from ...interface.units import unit_name
 from ...scenario.cuts import CutSpec, Passage, passages, reach
-from ...scenario.figures import Figures, engineering
+from ...scenario.figures import ROUNDING, Figures, engineering
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ..style import typeset
 from .chart import BAD, LIMIT, MASTER, OK, SLAVE, Chart, Style
 from .motion import NEAR, bounds, draw_bound
-from .numbers import BUCKETS, NONE, ROUNDING, TIME_DIGITS, Indices, rounded
+from .numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 
 MOST_MARKS = 1000  # lines of marks; more could not be told apart
 FAR = 100.0  # the tolerance is drawn unless it is so many times the greatest error

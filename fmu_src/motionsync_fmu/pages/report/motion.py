@@ -9,7 +9,7 @@ from motionsync.var import Role, Unit
 
 from ...interface.roles import with_role
 from ...interface.units import unit_name
-from ...scenario.figures import Figures, engineering
+from ...scenario.figures import ROUNDING, Figures, engineering
 from ...scenario.judge import read_reference
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
@@ -17,7 +17,7 @@ from ...scenario.telegrams import Remote, errors
 from ..style import typeset
 from .chart import LIMIT, MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style, ref
 from .lanes import Lane, shades
-from .numbers import NONE, ROUNDING, Indices, jumps
+from .numbers import NONE, Indices, jumps
 
 ROWS = (
     ("position", Unit.POSITION, 260),

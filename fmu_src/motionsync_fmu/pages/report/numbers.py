@@ -13,7 +13,6 @@ Indices = NDArray[np.int64]
 BUCKETS = 1500  # stretches of a curve with more than two points each; a screen has about as many columns
 DIGITS = 7  # significant digits of a value
 TIME_DIGITS = 9  # of a time
-ROUNDING = 1e-9  # relative to the greatest magnitude of what is computed with: what is smaller is rounding
 FAR = 5.0  # a step of a position that is so many times what its velocity allows is a jump
 NONE: Indices = np.array([], np.int64)
 

@@ -10,7 +10,7 @@ from motionsync.var import Unit
 from ... import __version__
 from ...archive import HERE
 from ...interface.units import unit_name
-from ...scenario.figures import engineering, figures
+from ...scenario.figures import Figures, engineering, figures
 from ...scenario.judge import Check, Deviation
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
@@ -19,7 +19,7 @@ from ..machine.fragment import machine
 from ..style import TEMPLATES
 from .chart import Chart, align
 from .cutting import cut_chart
-from .lanes import changes, find_lanes, lane_chart
+from .lanes import Lane, changes, find_lanes, lane_chart
 from .motion import error_chart, motion_chart
 from .origin import here, now, origin
 
@@ -47,7 +47,8 @@ def write_report(
     page links to."""
     scenario, asked = happened(scenario, recording), scenario
     found = figures(scenario, recording)
-    charts = {name: chart.html() for name, chart in run_charts(scenario, recording).items()}
+    lanes = find_lanes(scenario, recording)
+    charts = {name: chart.html() for name, chart in _charts(scenario, recording, found, lanes).items()}
     text = TEMPLATES.get_template("report.html.j2").render(
         scenario=scenario,
         script=scenario.file.read_text("utf-8"),
@@ -60,7 +61,7 @@ def write_report(
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
         machine=machine(scenario, recording),
-        keys=keys_of(scenario, recording),
+        keys=keys_of(lanes),
         unit=unit_name(Unit.POSITION, scenario.unit),
         by_name=scenario.recipe.variables,
         settings=settings(scenario),
@@ -99,16 +100,19 @@ def settings(scenario: Scenario) -> list[tuple[float, list[tuple[str, str]]]]:
     return [(s.at, [(n, by_name[n].text(value)) for n, value in s.values.items()]) for s in scenario.settings]
 
 
-def keys_of(scenario: Scenario, recording: Recording) -> list[tuple[str, list[tuple[str, str, str]]]]:
+def keys_of(lanes: list[Lane]) -> list[tuple[str, list[tuple[str, str, str]]]]:
     """The colours of each enumeration that is shown, the state first: of each the CSS property, name, description."""
-    return [(lane.title, lane.key()) for lane in find_lanes(scenario, recording) if lane.variable.choices]
+    return [(lane.title, lane.key()) for lane in lanes if lane.variable.choices]
 
 
 def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
     """The charts of a run: "cuts" (if there is a table [cuts]), "errors" (of a remote axis), "motion" and "lanes"."""
     scenario = happened(scenario, recording)
-    found = figures(scenario, recording)
-    lanes = find_lanes(scenario, recording)
+    return _charts(scenario, recording, figures(scenario, recording), find_lanes(scenario, recording))
+
+
+def _charts(scenario: Scenario, recording: Recording, found: Figures, lanes: list[Lane]) -> dict[str, Chart]:
+    """The same of a scenario with all that was set in its run, whose figures and lanes are known."""
     given = settings(scenario)
     times = [at for at, _ in given]
     texts = [", ".join(f"{name} = {text}" for name, text in values) for _, values in given]
