@@ -13,8 +13,8 @@ import pytest
 from plotly.offline import get_plotlyjs_version
 
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.pages.numbers import jumps, points, rounded, thinned
 from motionsync_fmu.pages.report.chart import Chart
-from motionsync_fmu.pages.report.numbers import jumps, points, rounded, thinned
 from motionsync_fmu.pages.report.origin import origin
 from motionsync_fmu.pages.report.page import BUNDLE, run_charts, write_report
 from motionsync_fmu.pages.style import TEMPLATES, typeset

@@ -13,8 +13,9 @@ from motionsync.var import Role
 from ...interface.roles import with_role
 from ...scenario.cuts import find_cuts
 from ...scenario.recording import Reals
+from ..numbers import rounded
 from .run import Run
-from .signals import held, rounded
+from .signals import DIGITS, held
 
 ROOM = 0.14  # of the carriage's range, beside it at both ends
 OUTFEED = 0.7  # of the carriage's range, the most that is shown of the pieces that have been cut off
@@ -51,7 +52,7 @@ def follower(run: Run) -> dict[str, Any]:
     belt = _belt(run, run.is_member("state", "M_SYNCHRONIZED"), ratio)
     return belt | {
         "tool": "gripper",
-        "marks": {"places": rounded(places[np.diff(places, prepend=-np.inf) > 1e-6 * belt["span"]])},
+        "marks": {"places": rounded(places[np.diff(places, prepend=-np.inf) > 1e-6 * belt["span"]], DIGITS)},
         "cuts": [],
         "home": {"at": run.start("park_slave"), "label": "park"},
         "zone": [sync, out],

@@ -5,12 +5,12 @@ and slopes (Hermite). Two knots of the same time are a corner. A held signal kee
 """
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...scenario.recording import Reals
+from ..numbers import rounded
 
 Signal = dict[str, list[float]]
 """The columns of a signal, as JSON has them: `t`, s, and `x`, u; of a smooth one also `v`, u/s."""
@@ -98,7 +98,7 @@ def _signal(
     return {
         "t": time[places].tolist(),
         "x": [float(x) for x in np.round(values[places], decimals)],
-        "v": rounded(np.array([v for _, v in rows])),
+        "v": rounded((v for _, v in rows), DIGITS),
     }
 
 
@@ -107,11 +107,6 @@ def held(time: Reals, values: Reals, digits: int = DIGITS) -> Signal:
     places = np.flatnonzero(np.diff(values, prepend=np.nan) != 0.0)
     places = places[:: 1 + len(places) // MOST_HELD]
     return {"t": time[places].tolist(), "x": rounded(values[places], digits)}
-
-
-def rounded(values: Any, digits: int = DIGITS) -> list[float]:
-    """Numbers with as many digits as the picture can show, and no more."""
-    return [float(f"{x:.{digits}g}") for x in np.asarray(values, float).tolist()]
 
 
 def unwrapped(values: Reals, period: float) -> Reals:

@@ -13,8 +13,8 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 
 from ...scenario.recording import Reals
+from ..numbers import NONE, TIME_DIGITS, Indices, points, rounded
 from ..style import typeset
-from .numbers import NONE, TIME_DIGITS, Indices, points, rounded
 
 INK, PAPER, GRID, AXIS, MUTED = "--ink", "--paper", "--grid", "--axis", "--muted"
 MASTER, SLAVE, REFERENCE, RECEIVED, LIMIT, OK, BAD = (

@@ -11,10 +11,10 @@ from ...scenario.cuts import CutSpec, Passage, passages, reach
 from ...scenario.figures import ROUNDING, Figures, engineering
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
+from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 from ..style import typeset
 from .chart import BAD, LIMIT, MASTER, OK, SLAVE, Chart, Style
 from .motion import NEAR, bounds, draw_bound
-from .numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 
 MOST_MARKS = 1000  # lines of marks; more could not be told apart
 FAR = 100.0  # the tolerance is drawn unless it is so many times the greatest error

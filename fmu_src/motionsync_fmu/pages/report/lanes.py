@@ -11,8 +11,8 @@ from markupsafe import escape
 from ...interface.variables import Variable
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
+from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 from .chart import INK, Chart
-from .numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 
 LANE = 36  # the height of a lane, in px
 BAR = 0.5  # the height of a bar, of its lane

@@ -14,10 +14,10 @@ from ...scenario.judge import read_reference
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
 from ...scenario.telegrams import Remote, errors
+from ..numbers import NONE, Indices, jumps
 from ..style import typeset
 from .chart import LIMIT, MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style, ref
 from .lanes import Lane, shades
-from .numbers import NONE, Indices, jumps
 
 ROWS = (
     ("position", Unit.POSITION, 260),

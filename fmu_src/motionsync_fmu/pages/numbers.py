@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scenario.recording import Reals
+from ..scenario.recording import Reals
 
 Indices = NDArray[np.int64]
 
