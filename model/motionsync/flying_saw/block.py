@@ -8,15 +8,15 @@ the diagram of the states, stand in the README of this folder.
 from dataclasses import dataclass
 
 from .. import var
+from ..axis_limits import are_finite, limit_in_use
 from ..cosine import cosine
+from ..exceeded import Exceeded, Limit
 from ..grid import wrap
 from ..laws import chain_rule
 from ..limits import clamp, usable
 from ..motion import Motion, acceleration_limit
 from ..var import Enumeration
-from .axis_limits import are_finite, limit_in_use
 from .commands import Command, GearInVelo, Halt, Phase
-from .exceeded import Exceeded, Limit
 from .faults import Fault, Refusal
 from .interface import FlyingSawInterface, PlcopenState, State
 from .order import Order
@@ -451,13 +451,13 @@ class FlyingSaw(FlyingSawInterface):
     def judge_motion(self) -> None:
         """Find what the motion just planned exceeds, until it is at its velocity or at rest."""
         if self.plan.try_measure_motion(self.motion):
-            self.planned_exceeded.judge_plan(self.axis, self.plan.extremes)
+            self.plan.extremes.judge_limits(self.axis, self.planned_exceeded)
         else:
             self.planned_exceeded.clear()
 
     def enter_profile(self) -> None:
         """The planned profile begins at the coupling place."""
-        self.planned_exceeded.judge_plan(self.axis, self.plan.extremes)
+        self.plan.extremes.judge_limits(self.axis, self.planned_exceeded)
         var.copy(self.profile, self.plan.profile)
         self.per_nominal_velocity = clamp(
             1.0 / self.plan.master.velocity, -1.0 / SMALLEST_DIVISOR, 1.0 / SMALLEST_DIVISOR
@@ -468,7 +468,7 @@ class FlyingSaw(FlyingSawInterface):
     def enter_time_based(self, time: float) -> None:
         """The motion in time begins from the state in `slave`, s since the step's beginning."""
         if self.plan.profile.pieces > 0:
-            self.planned_exceeded.judge_plan(self.axis, self.plan.extremes)
+            self.plan.extremes.judge_limits(self.axis, self.planned_exceeded)
         else:
             self.planned_exceeded.clear()
         self.compared_at = time
@@ -497,7 +497,7 @@ class FlyingSaw(FlyingSawInterface):
                 duration = ramp_duration(speed, along, order.deceleration, order.checked_jerk())
                 add_ramp_from_acceleration(self.profile, duration, self.slave.velocity, self.slave.acceleration, 0.0)
                 self.plan.extremes.measure(self.profile)
-                self.planned_exceeded.judge_plan(self.axis, self.plan.extremes)
+                self.plan.extremes.judge_limits(self.axis, self.planned_exceeded)
         self.halt_time = -time
         self.here = self.coupling_place
         self.stage = Stage.PARKED

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from math import inf, sqrt
 
 from .. import var
+from ..axis_limits import AxisLimits
+from ..exceeded import PLANNED, Exceeded
 from ..polynomial import ROUNDING, Polynomial
 from .profile import TERMS, Profile
 
@@ -96,6 +98,19 @@ class Extremes:
         high, last = self.extreme(self.jerks, 4, 1.0)
         self.jerk_min = low
         self.jerk_max = high
+
+    def judge_limits(self, axis: AxisLimits, exceeded: Exceeded) -> None:
+        """Find which limit of the axis the profile, all of which lies ahead, exceeds."""
+        exceeded.judge(
+            axis,
+            PLANNED,
+            self.position_min,
+            self.position_max,
+            max(self.velocity_max, -self.velocity_min),
+            self.acceleration_peak,
+            self.deceleration_peak,
+            max(self.jerk_max, -self.jerk_min),
+        )
 
     def visit(self, profile: Profile, i: int) -> None:
         """Add the rows of one piece, and take its greatest acceleration and deceleration into account."""

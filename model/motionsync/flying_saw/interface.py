@@ -8,13 +8,14 @@ machine and what is watched. The parts with variables of their own stand in `mas
 from dataclasses import dataclass
 
 from .. import var
+from ..axis_limits import AxisLimits
+from ..exceeded import Exceeded, Limit
+from ..limits import MOST
 from ..master import Master
 from ..slave import Slave
 from ..var import Enumeration, Unit
-from .axis_limits import AxisLimits
 from .characteristics import Characteristics
 from .commands import GearInPos, GearInVelo, GearOut, Halt, MoveAbsolute, MoveVelocity, Reset
-from .exceeded import Exceeded, Limit
 from .extremes import Extremes
 from .sync_mode import SyncMode
 
@@ -39,6 +40,15 @@ class PlcopenState(Enumeration):
     CONTINUOUS_MOTION = 3, "under way for ever"
     SYNCHRONIZED_MOTION = 4, "coupled"
     STOPPING = 5, "locked by stop"
+
+
+@dataclass(slots=True)
+class SawAxis(AxisLimits):
+    """The slave axis, which may move at first."""
+
+    initial_velocity: float = var.parameter(
+        0.0, "its velocity at first, with which it goes on for ever", Unit.VELOCITY, min=-MOST, max=MOST
+    )
 
 
 @dataclass(slots=True)
@@ -126,7 +136,7 @@ class FlyingSawInterface:
     error: bool = var.output(False, "a command was refused, and none accepted since")
     error_id: int = var.output(0, "why the last refused command was: TwinCAT's number")
     limit_exceeded: bool = var.output(False, "the motion under way exceeds a limit of the axis or an end position")
-    axis: AxisLimits = var.part(AxisLimits)
+    axis: SawAxis = var.part(SawAxis)
     diagonal_angle: float = var.parameter(
         0.0, "angle between the saw's and the master's travel", Unit.ANGLE, above=-90.0, below=90.0
     )

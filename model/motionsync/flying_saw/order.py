@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from math import isfinite
 
 from .. import var
+from ..axis_limits import AxisLimits, are_finite, limit_in_use
 from ..limits import usable
-from .axis_limits import AxisLimits, are_finite, limit_in_use
 from .commands import GearInVelo
 from .faults import Fault
 from .sync_mode import SyncMode

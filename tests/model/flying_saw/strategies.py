@@ -7,8 +7,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
+from motionsync.exceeded import Limit
 from motionsync.flying_saw.block import FlyingSaw
-from motionsync.flying_saw.exceeded import Limit
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind

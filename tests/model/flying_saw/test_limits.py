@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from motionsync.exceeded import Limit
 from motionsync.flying_saw.block import FlyingSaw
-from motionsync.flying_saw.exceeded import Limit
 from motionsync.flying_saw.interface import State
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP, variables

@@ -1,16 +1,15 @@
-"""Which limit of the axis a motion exceeds, whatever sync_mode checks.
+"""Which limit of the axis a motion exceeds.
 
-A command may have limits of its own, a check may be off, and a coupled slave follows its master: so a motion can ask
-for more than the axis can do. It is put out all the same, but never without a word.
+A command may have limits of its own, a check may be off, and a coupled slave follows its master, whatever that does: so
+a motion can ask for more than the axis can do. It is put out all the same, but never without a word.
 """
 
 from dataclasses import dataclass
 
-from ..limits import clamp
-from ..slave import Slave
-from ..var import Enumeration
 from .axis_limits import AxisLimits
-from .extremes import Extremes
+from .limits import clamp
+from .slave import Slave
+from .var import Enumeration
 
 PLANNED = 1e-9  # of the limit: a plan that exceeds it by less does so by rounding
 PUT_OUT = (
@@ -58,19 +57,6 @@ class Exceeded:
 
     def clear(self) -> None:
         self.put(Limit.NONE, 0.0)
-
-    def judge_plan(self, axis: AxisLimits, extremes: Extremes) -> None:
-        """Judge the measured extremes of a motion, all of which lies ahead."""
-        self.judge(
-            axis,
-            PLANNED,
-            extremes.position_min,
-            extremes.position_max,
-            max(extremes.velocity_max, -extremes.velocity_min),
-            extremes.acceleration_peak,
-            extremes.deceleration_peak,
-            max(extremes.jerk_max, -extremes.jerk_min),
-        )
 
     def judge_setpoint(self, axis: AxisLimits, slave: Slave) -> None:
         """Judge the setpoint of an instant. All but at standstill, the greater limit of acceleration counts."""

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from math import isfinite
 
-from .. import var
-from ..limits import MOST
-from ..var import Role, Unit
+from . import var
+from .limits import MOST
+from .var import Role, Unit
 
 
 @dataclass(slots=True)
@@ -13,9 +13,6 @@ class AxisLimits:
     """The slave axis's machine data: where it starts, and its limits."""
 
     initial_position: float = var.parameter(0.0, "where the axis is at first", Unit.POSITION, min=-MOST, max=MOST)
-    initial_velocity: float = var.parameter(
-        0.0, "its velocity at first, with which it goes on for ever", Unit.VELOCITY, min=-MOST, max=MOST
-    )
     max_velocity: float = var.limit(2000.0, "velocity limit, not 0", Unit.VELOCITY, zero=False, role=Role.MAX_VELOCITY)
     max_acceleration: float = var.limit(
         10000.0, "acceleration limit, not 0", Unit.ACCELERATION, zero=False, role=Role.MAX_ACCELERATION
