@@ -57,6 +57,7 @@ class CutToLengthHarness(BlockHarness):
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         self.given: tuple[str, ...] = ()
+        self.held: tuple[str, ...] = ()
         self.pieces: list[Piece] = []
         self.cuts = 0
         super().__init__(*arguments, **options)
@@ -69,14 +70,16 @@ class CutToLengthHarness(BlockHarness):
     def stepped(self) -> None:
         for name in self.given:
             self.put({name: False})
-        self.given = ()
+        self.held, self.given = self.given, ()
         if self["statistics.cuts"] > self.cuts:
             last = self.block.last
             self.pieces.append(Piece(last.length, last.error, last.kind, last.good, last.time, last.reserve))
         self.cuts = self["statistics.cuts"]
 
     def give(self, *commands: str) -> Self:
-        """Rising edges of these commands with the next step."""
+        """Rising edges of these commands with the next step; the block first sees one fall that it has just seen true."""
+        if set(commands) & set(self.held):
+            self.now()
         self.given += commands
         return self.put(dict.fromkeys(commands, True))
 
@@ -107,6 +110,11 @@ class CutToLengthHarness(BlockHarness):
 def near(*values: float, tolerance: float = 1e-9) -> Any:
     """What equals one number, or a tuple of several, within the tolerance, relative or absolute."""
     return pytest.approx(values if len(values) > 1 else values[0], rel=tolerance, abs=tolerance)
+
+
+def each(*values: float, tolerance: float = 1e-9) -> Any:
+    """What equals a list of these numbers within the tolerance, relative or absolute."""
+    return pytest.approx(list(values), rel=tolerance, abs=tolerance)
 
 
 def ready(

@@ -15,6 +15,7 @@ from tests.model.cut_to_length.harness import (
     LEAD,
     REFERENCE,
     CutToLengthHarness,
+    each,
     near,
     ready,
     started,
@@ -53,7 +54,7 @@ def test_the_kerf_and_the_wheel_make_the_pitch() -> None:
     saw = started({"kerf": 4.0, "material_factor": 1.02}, speed=900.0).watched(8.0)
     first = -2.0 / 1.02 + 1504.0 / 1.02
     assert saw["next_cut.position"] == near(first + len(saw.pieces) * 1474.5098039215686)
-    assert saw.lengths() == near(*[1500.0] * 4)
+    assert saw.lengths() == each(*[1500.0] * 4)
     assert [piece.time for piece in saw.pieces] == near(
         *[(first + i * 1474.5098039215686 + 100.0 / 1.02) / 900.0 for i in range(4)]
     )
@@ -68,7 +69,7 @@ def test_the_front_end_counts_as_a_cut() -> None:
 def test_the_correction_is_added_to_the_measured_length() -> None:
     """L + delta + b = 1503: what is cut 1503 apart counts as 1500 long."""
     saw = started({"length_correction": 3.0}).watched(3.5)
-    assert saw.lengths() == near(1500.0, 1500.0)
+    assert saw.lengths() == each(1500.0, 1500.0)
     assert saw["next_cut.position"] == near(3.0 * 1503.0)
 
 
@@ -96,14 +97,18 @@ def test_a_cycle_keeps_the_values_it_began_with() -> None:
 def test_a_new_length_applies_to_the_next_piece() -> None:
     saw = started().at(1.0).put({"length": 1200.0})
     saw.watched(3.5)
-    assert saw.lengths() == near(1500.0, 1200.0)
+    assert saw.lengths() == each(1500.0, 1200.0)
     assert not saw["warning.change_pending"]
 
 
 def test_a_new_length_applies_to_this_piece_if_its_start_is_still_ahead() -> None:
     """At m = 1000: 1300 - 1000 >= lead. 1050 - 1000 is not."""
     saw = started(THIS).at(1.0).put({"length": 1300.0}).now()
-    assert (saw["next_cut.position"], saw["piece.ordered"], saw["warning.change_pending"]) == (near(1300.0), 1300.0, False)
+    assert (saw["next_cut.position"], saw["piece.ordered"], saw["warning.change_pending"]) == (
+        near(1300.0),
+        1300.0,
+        False,
+    )
     saw.put({"length": 1050.0}).at(1.5)
     assert (saw["next_cut.position"], saw["warning.change_pending"]) == (near(1300.0), True)
     saw.at(1.66)  # cut from 1.4 to 1.65
@@ -134,7 +139,7 @@ def test_waste_goes_before_a_sample_that_before_an_order_and_that_before_the_len
     saw = started(values).at(0.5).put({"waste": True}).give("take_sample").order(1300.0).watched(2.0)
     saw.put({"waste": False}).watched(9.0)
     assert saw.kinds() == [PRODUCT, WASTE, SAMPLE, PRODUCT, PRODUCT, PRODUCT]
-    assert saw.lengths() == near(1500.0, 1100.0, 1200.0, 1300.0, 1500.0, 1500.0)
+    assert saw.lengths() == each(1500.0, 1100.0, 1200.0, 1300.0, 1500.0, 1500.0)
     assert [piece.good for piece in saw.pieces] == [True, False, False, True, True, True]
     assert counted(saw) == (4, 0, 1, 1)
     assert saw["statistics.length_good"] == near(5800.0)
@@ -159,7 +164,7 @@ def test_trimming() -> None:
     """C = 600, then 2100."""
     saw = started({**CROP, "trim_length": 600.0}).watched(2.0)
     assert saw.kinds() == [TRIM]
-    assert saw.lengths() == near(600.0)
+    assert saw.lengths() == each(600.0)
     assert saw["next_cut.position"] == near(2100.0)
     assert counted(saw) == (0, 0, 0, 1)
     assert saw["statistics.length_waste"] == near(600.0)
@@ -169,7 +174,7 @@ def test_trimming_as_little_as_possible() -> None:
     """trim_length 0: C = 0 + lead, start at once; that is not counted as late."""
     saw = started(CROP).watched(1.0)
     assert saw.kinds() == [TRIM]
-    assert saw.lengths() == near(LEAD)
+    assert saw.lengths() == each(LEAD)
     assert saw.pieces[0].time == near(2e-3 * LEAD)
     assert (saw["statistics.late"], saw["statistics.skipped"]) == (0, 0)
     assert saw["next_cut.position"] == near(LEAD + 1500.0)
@@ -204,7 +209,7 @@ BACK = HOME_AGAIN - 0.5  # s, when the first cycle is over
 def test_a_cut_that_cannot_be_reached_is_skipped() -> None:
     saw = started(SOON).watched(3.5)
     assert saw.kinds() == [PRODUCT, MERGED]
-    assert saw.lengths() == near(1000.0, 2000.0)
+    assert saw.lengths() == each(1000.0, 2000.0)
     assert saw.pieces[1].error == near(1000.0)
     assert saw.pieces[1].reserve == near((2.9 - BACK) / 2.0)
     assert (saw["statistics.skipped"], saw["statistics.late"]) == (1, 0)
@@ -216,7 +221,7 @@ def test_as_many_cuts_are_skipped_as_cannot_be_reached() -> None:
     """L = 300: home at m = 200 + 1033.333; 600 + 300 n - 1233.333 >= lead from n = 3 on: C = 1500. Then home at 2433.333;
     1800 + 300 n - 2433.333 >= lead from n = 3 on."""
     saw = started({"length": 300.0}).watched(3.2)
-    assert saw.lengths() == near(300.0, 1200.0, 1200.0)
+    assert saw.lengths() == each(300.0, 1200.0, 1200.0)
     assert saw["statistics.skipped"] == 6
     assert saw["warning.line_too_fast"]
 
@@ -226,7 +231,7 @@ def test_a_sample_or_waste_that_is_skipped_is_a_merged_piece(kind: PieceKind) ->
     saw = started({"sample_length": 1000.0, "waste_length": 1000.0}).at(1.0)
     saw.give("take_sample").put({"waste": kind == WASTE}).at(2.0).put({"waste": False}).watched(4.0)
     assert saw.kinds() == [PRODUCT, MERGED]
-    assert saw.lengths() == near(1500.0, 2000.0)
+    assert saw.lengths() == each(1500.0, 2000.0)
     assert counted(saw) == (1, 1, 0, 0)
 
 
@@ -262,13 +267,14 @@ def test_a_length_that_comes_late_may_be_cut_late() -> None:
 
 
 @pytest.mark.parametrize(
-    ("mode", "lengths"), [(LateMode.LATE, [1500.0, 1523.763272, 1523.763272]), (LateMode.SKIP, [1500.0, 3000.0, 3000.0])]
+    ("mode", "lengths"),
+    [(LateMode.LATE, [1500.0, 1523.763272, 1523.763272]), (LateMode.SKIP, [1500.0, 3000.0, 3000.0])],
 )
 def test_a_line_that_is_too_fast_for_ever(mode: LateMode, lengths: list[float]) -> None:
     """The reference machine at 1310, L = 1500: v T_c = 1523.763272."""
     saw = CutToLengthHarness({**REFERENCE, "length": 1500.0, "late_mode": mode}, speed=1310.0)
     saw.give("start").watched((sum(lengths) + 500.0) / 1310.0)
-    assert saw.lengths() == near(*lengths)
+    assert saw.lengths() == each(*lengths)
     assert saw["warning.line_too_fast"]
 
 
@@ -329,12 +335,12 @@ def test_orders_are_made_one_after_the_other_and_then_the_length() -> None:
     saw.watched(6.0)
     assert (saw["order.waiting"], saw["order.length_active"], saw["order.remaining"]) == (0, 0.0, 0)
     assert saw["order.completed"] == 2
-    assert saw.lengths() == near(1200.0, 1200.0, 1300.0, 1500.0)
+    assert saw.lengths() == each(1200.0, 1200.0, 1300.0, 1500.0)
 
 
 def test_an_order_that_is_repeated() -> None:
     saw = ready({"order.repeat": True}).order(1200.0, 2).now().order(1300.0).now().give("start").watched(8.0)
-    assert saw.lengths() == near(1200.0, 1200.0, 1300.0, 1200.0, 1200.0, 1300.0)
+    assert saw.lengths() == each(1200.0, 1200.0, 1300.0, 1200.0, 1200.0, 1300.0)
     assert (saw["order.waiting"], saw["order.completed"]) == (2, 4)
     assert (saw["order.length_active"], saw["order.remaining"]) == (1200.0, 2)
 
@@ -343,7 +349,7 @@ def test_a_spoilt_piece_is_made_again() -> None:
     """The second of two pieces is ended by cut_now."""
     saw = ready().order(1200.0, 2).now().give("start").watched(2.2).give("cut_now").watched(5.0)
     assert saw.kinds() == [PRODUCT, SHORT, PRODUCT]
-    assert saw.lengths()[::2] == near(1200.0, 1200.0)
+    assert saw.lengths()[::2] == each(1200.0, 1200.0)
     assert saw["order.completed"] == 1
 
 
@@ -354,7 +360,7 @@ def test_a_skipped_order_is_neither_completed_nor_repeated() -> None:
     assert (saw["order.waiting"], saw["order.length_active"], saw["order.remaining"]) == (1, 1300.0, 2)
     assert saw["next_cut.position"] == near(1200.0, tolerance=1e-8)
     saw.watched(3.0)
-    assert saw.lengths() == near(1200.0, 1300.0)
+    assert saw.lengths() == each(1200.0, 1300.0)
     assert (saw["order.remaining"], saw["order.completed"], saw["statistics.pieces_good"]) == (1, 0, 2)
 
 
@@ -362,7 +368,7 @@ def test_all_orders_are_forgotten() -> None:
     saw = ready().order(1200.0, 2).now().order(1300.0).now().give("start").at(0.5).give("order.clear").now()
     assert (saw["order.waiting"], saw["order.length_active"], saw["order.remaining"]) == (0, 0.0, 0)
     saw.watched(3.2)
-    assert saw.lengths() == near(1200.0, 1500.0)
+    assert saw.lengths() == each(1200.0, 1500.0)
     assert saw["order.completed"] == 0
 
 

@@ -182,10 +182,10 @@ def test_an_input_that_jumps_past_the_start(reserve: float, late: bool) -> None:
 
 
 def test_what_the_input_jumps_over_happens_before_the_commands() -> None:
-    """The start point 1400 is jumped over in the step in which hold rises: the carriage has started."""
+    """The start point 1400 is jumped over in the step in which stop is given: the carriage has started, and makes the cut."""
     saw = started().at(1.39)
     saw.place = 1401.0
-    saw.put({"hold": True}).run(0.01)
+    saw.give("stop").run(0.01)
     assert saw.state == State.APPROACHING
     assert saw["local.start_time"] == near(1.39)
 
@@ -467,12 +467,14 @@ def test_the_way_home_is_the_fastest_move(time: float, setpoint: tuple[float, ..
 
 
 def test_the_way_home_has_limits_of_its_own() -> None:
-    """600 u/s, 5000 and 8000 u/s2, 100000 u/s3: R(1600; 5000) = 0.37, R(600; 8000) = 0.155, G = -200 0.37 + 300 0.155 =
-    -27.5: T_r = 0.37 + 0.155 + (350 + 27.5) / 600."""
+    """600 u/s, 5000 and 8000 u/s2, 100000 u/s3: R(1600; 5000) = 0.37; R(600; 8000) = 2 sqrt(600 / 100000) = r, since
+    600 < 8000^2 / 100000. G = -200 0.37 + 300 r, T_r = 0.37 + r + (350 - G) / 600."""
+    r = 2.0 * sqrt(0.006)
+    way = 0.37 + r + (350.0 + 74.0 - 300.0 * r) / 600.0
     limits = {"velocity": 600.0, "acceleration": 5000.0, "deceleration": 8000.0, "jerk": 100000.0}
-    saw = started({f"homing.{name}": value for name, value in limits.items()}).at(2.8)
-    assert saw["local.home_time"] == near(1.85 + 0.525 + 377.5 / 600.0)
-    assert saw["limits.cycle_time"] == near(0.45 + 0.525 + 377.5 / 600.0)
+    saw = started({f"homing.{name}": value for name, value in limits.items()}).at(3.05)
+    assert saw["local.home_time"] == near(1.85 + way)
+    assert saw["limits.cycle_time"] == near(0.45 + way)
 
 
 EASE: dict[str, Any] = {"homing.ease": True, "length": 3000.0}
