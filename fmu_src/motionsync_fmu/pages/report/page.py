@@ -57,6 +57,7 @@ def write_report(
         deviations=deviations,
         messages=recording.messages,
         reactions=[_told(reaction, scenario) for reaction in asked.reactions],
+        drive=asked.drive,
         unmet=recording.unmet,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
@@ -71,7 +72,7 @@ def write_report(
         origin=origin(fmu) if fmu else None,
         date=now(),
         platform=here(),
-        axis=list(zip(scenario.master.breaks, scenario.master.motions, strict=True)),
+        axis=list(zip(asked.master.breaks, asked.master.motions, strict=True)),
         engineering=engineering,
         results=results.name if results else None,
         bundle=bundle(),
@@ -80,8 +81,8 @@ def write_report(
 
 
 def happened(scenario: Scenario, recording: Recording) -> Scenario:
-    """The scenario with all that was set in a run of it, each at its time, and without reactions."""
-    return scenario.settled(recording.settings or scenario.settings)
+    """The scenario with all that was set in a run of it, each at its time, and with the master's motion in it."""
+    return scenario.settled(recording.settings or scenario.settings, recording.script or scenario.master)
 
 
 def _told(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
