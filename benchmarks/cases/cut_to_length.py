@@ -83,6 +83,8 @@ CASES = Cases(
         piece_ends("the stroke limits the line", WORKING | {"axis.max_position": 500.0}),
         piece_ends("with a gap", WORKING | {"gap.distance": 10.0, "gap.travel": 150.0}),
         piece_ends("eased way home", WORKING | {"homing.ease": True}, (1500.0, 1900.0)),
-        piece_ends("64 orders wait", WORKING | {"order.length": 900.0, "order.repeat": True}, (700.0, 1400.0), "order.add"),
+        piece_ends(
+            "64 orders wait", WORKING | {"order.length": 900.0, "order.repeat": True}, (700.0, 1400.0), "order.add"
+        ),
     ),
 )
