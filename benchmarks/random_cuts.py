@@ -24,7 +24,8 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.interface import LateMode, State, ToolMode
+from motionsync.cut_to_length.interface import LateMode, PieceKind, State, ToolMode
+from motionsync.var import LARGEST_INPUT
 from motionsync_fmu.native.batch import BatchResult, simulate_many
 
 Values = dict[str, Any]
@@ -39,7 +40,8 @@ OUTPUTS = (
     *(f"slave.{name}" for name in MOTION),
     *("state_code", "in_sync", "tool.blade_down", "error_id", "warning.line_too_fast", "warning.limit_exceeded"),
     *("statistics.cuts", "statistics.skipped", "statistics.late", "statistics.unsynchronised"),
-    *("statistics.length_good", "statistics.length_waste", "next_cut.position", "last.length", "last.error"),
+    *("statistics.length_good", "statistics.length_waste", "next_cut.position", "last.error", "piece.kind"),
+    *("warning.stroke", "warning.velocity"),
 )
 IN_SYNC_BEFORE_THE_BOOKS = (State.SYNCHRONOUS, State.CUTTING)
 
@@ -129,6 +131,7 @@ def _axis(d: Dice, scale: Reals, duration: Reals, home: Reals) -> Values:
         "deceleration": scale / duration * d.either(d.powers(0.5, 2.0), d.powers(-1.0, 4.0)),
         "jerk": scale / duration**2 * d.either(d.powers(1.0, 3.5), d.powers(0.0, 6.0)),
     }
+    limits = {name: np.clip(x, 1e-9, LARGEST_INPUT) for name, x in limits.items()}
 
     def own(name: str) -> Reals:
         return np.where(d.seldom(0.3), limits[name] * d.powers(-0.5, 0.0), 0.0)
@@ -145,7 +148,7 @@ def _axis(d: Dice, scale: Reals, duration: Reals, home: Reals) -> Values:
         "approach.distance": np.where(d.seldom(0.2), scale * duration * d.powers(-3.0, -0.5), 0.0),
         "homing.settle_time": np.where(d.seldom(0.3), duration * d.powers(-4.0, -1.0), 0.0),
         "homing.ease": d.seldom(0.3),
-        "homing.spare_time": np.where(d.seldom(0.8), duration * d.powers(-4.0, -1.0), 0.0),
+        "homing.spare_time": duration * d.powers(-4.0, -1.0),  # with 0 rounding says whether an eased start is late
         "homing.slowest": d.choice(0.05, 0.5, 1.0),
     }
 
@@ -213,7 +216,7 @@ def shares(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Reals
     """
     v, a, j = (result[f"slave.{name}"] for name in MOTION[1:])
     state = result["state_code"]
-    line = (machines.coupling * machines.velocity)[:, None]
+    line = np.where(machines.velocity > 0.0, machines.coupling * machines.velocity, 1.0)[:, None]
     yield "velocity", np.abs(v) / _limit(machines, "axis", "velocity")
     homing = np.where(v < 0.0, -v / _limit(machines, "homing", "velocity"), v / line)
     yield "velocity on the way home", np.where(state == State.RETURNING, homing, 0.0)
@@ -275,8 +278,13 @@ def _pieces(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Bool
     error = np.abs(result["last.error"]).max(axis=1)
     yield "a wrong length", on_time & (error > size)
     made = last["statistics.length_good"] + last["statistics.length_waste"] + cuts * (kerf + correction)
-    yield "the books do not balance", (on_time | skips) & (np.abs(made - (cuts + skipped) * pitch) > size)
-    yield "a piece too short", late & ((result["last.error"].min(axis=1) < -size) | (skipped > 0.0))
+    whole = np.round(made / pitch)
+    missing = cuts + skipped - whole  # what is left out of the piece in progress
+    open_ = (missing < 0.0) | ((missing > 0.0) & (last["piece.kind"] != PieceKind.MERGED))
+    yield "the books do not balance", (on_time | skips) & ((np.abs(made - whole * pitch) > size) | open_)
+    able = ~(result["warning.stroke"].any(axis=1) | result["warning.velocity"].any(axis=1))
+    yield "left out instead of late", late & able & (skipped > 0.0)
+    yield "a piece too short", late & (result["last.error"].min(axis=1) < -size)
 
 
 def _least_cuts(machines: Machines) -> Reals:

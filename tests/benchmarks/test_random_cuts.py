@@ -48,6 +48,7 @@ def test_the_judge_sees_what_is_broken(cuts: tuple[Machines, BatchResult]) -> No
             values[:, :, result.names.index(name)] += more
             seen |= set(broken(machines, BatchResult(result.names, values, ())))
     assert seen == {
+        "left out instead of late",
         *("velocity beyond its limit", "velocity on the way home beyond its limit", "acceleration beyond its limit"),
         *("jerk beyond its limit", "beyond axis.min_position", "beyond axis.max_position", "behind home"),
         *("warning.limit_exceeded", "not at its cut in sync", "not as fast as the material in sync"),
