@@ -386,10 +386,12 @@ class CutToLength(CutToLengthInterface):
             self.marks.forget()
             front = self.good.front_position / self.machine.coupling + 0.5 * self.good.kerf / self.factor()
             piece.begin = self.master.begin - front
-        self.fix_piece()
         if self.start_mode == StartMode.TRIM:
+            self.measure_piece()
             piece.fix(PieceKind.TRIM, self.good.trim_length, NO_ORDER)
             piece.pitch = NEVER
+        else:
+            self.fix_piece()
         if self.rest == self.good.home_position:
             self.enter_waiting()
         else:
@@ -503,9 +505,7 @@ class CutToLength(CutToLengthInterface):
         if self.bad != Tunable.NONE:
             self.refusal = Fault.TUNABLE
             return
-        piece.factor = self.factor()
-        piece.kerf = self.good.kerf
-        piece.correction = self.length_correction
+        self.measure_piece()
         if self.source == Source.MARK:
             self.fix_marked_piece()
             return
@@ -522,10 +522,16 @@ class CutToLength(CutToLengthInterface):
             if kind == PieceKind.SAMPLE:
                 self.sample_waits = False
 
+    def measure_piece(self) -> None:
+        """The piece is measured as the parameters say now; a length correction does not belong to marks."""
+        piece = self.piece_now
+        piece.factor = self.factor()
+        piece.kerf = self.good.kerf
+        piece.correction = self.length_correction if self.source == Source.LENGTH else 0.0
+
     def fix_marked_piece(self) -> None:
         """The piece ends at the next mark that is cut. Marks without a known spacing say nothing of its length."""
         piece = self.piece_now
-        piece.correction = 0.0
         piece.kind = PieceKind.PRODUCT
         piece.exact = self.good.mark.spacing > 0.0
         if piece.exact:
@@ -570,9 +576,7 @@ class CutToLength(CutToLengthInterface):
         )
         movable = self.stage in (Stage.HOMING, Stage.WAITING, Stage.PULLING, Stage.CLEARING, Stage.RETURNING)
         if movable and reachable and self.bad == Tunable.NONE:
-            piece.factor = self.factor()
-            piece.kerf = self.good.kerf
-            piece.correction = self.length_correction
+            self.measure_piece()
             if length > 0.0 and piece.material(length) > LEAST_MATERIAL:
                 piece.fix(PieceKind.PRODUCT, length, order)
             else:
@@ -959,6 +963,8 @@ class CutToLength(CutToLengthInterface):
         self.cycle_clock.start(self.now)
         self.local.start_time = self.block_clock.time + self.now
         self.stage = Stage.APPROACHING
+        if distance == 0.0:  # the line stands where the cut is
+            self.enter_synchronous()
 
     def judge_reserve(self, late: bool) -> None:
         """The share of its cycle that the carriage has spent at home, ready for this start."""
@@ -1341,7 +1347,6 @@ class CutToLength(CutToLengthInterface):
     def show_piece(self) -> None:
         """The piece in progress and its cut."""
         piece = self.piece_now
-        velocity = self.master.end_velocity
         k = self.machine.coupling
         self.piece.kind = piece.kind
         self.piece.ordered = piece.ordered
