@@ -215,9 +215,9 @@ def run_alone(
     Raises:
         UserError: the component refused a value or a step; the message has the time and what the component logged.
     """
-    outputs = {kind: [v.name for v in line.outputs[name] if v.kind == kind] for kind in KINDS}
-    found = {kind: np.empty((line.steps, len(names))) for kind, names in outputs.items()}
     with FmuInstance(package.fmus[name]) as fmu:
+        outputs = {kind: [v.name for v in line.outputs[name] if fmu.kinds[v.name][1] == kind] for kind in KINDS}
+        found = {kind: np.empty((line.steps, len(names))) for kind, names in outputs.items()}
         given = {kind: [n for n in inputs if fmu.kinds[n][1] == kind] for kind in KINDS}
         puts = [
             (getattr(fmu.unit, f"set{kind}"), fmu.references(names), np.array([inputs[n] for n in names]).T.tolist())
