@@ -115,22 +115,26 @@ def books(variables: Iterable[Variable]) -> Books | None:
     by_role = {v.declaration.role: v.name for v in variables if v.declaration.role}
     if Role.PIECES not in by_role:
         return None
-    count, length, most = (by_role[role] for role in (Role.PIECES, Role.LAST_LENGTH, Role.MAX_MASTER_VELOCITY))
-    counted, last, limits = (name.rpartition(".")[0] for name in (count, length, most))
+    count, length, limit = (by_role[role] for role in (Role.PIECES, Role.LAST_LENGTH, Role.MAX_MASTER_VELOCITY))
+    counted, last, limits = (name.rpartition(".")[0] for name in (count, length, limit))
     return Books(
-        count,
-        f"{counted}.skipped",
-        f"{counted}.late",
-        length,
-        *(f"{last}.{name}" for name in ("error", "kind", "good", "time", "reserve")),
-        by_role[Role.RUNNING],
-        by_role[Role.CUTTING],
-        by_role[Role.COUPLING_FACTOR],
-        (by_role[Role.MATERIAL_FACTOR], by_role[Role.CALIBRATION_FACTOR]),
-        by_role[Role.KERF],
-        by_role[Role.LENGTH_CORRECTION],
-        by_role[Role.LENGTH_TOLERANCE],
-        most,
-        f"{limits}.reserve",
-        by_role[Role.MASTER_REQUEST],
+        pieces=count,
+        skipped=f"{counted}.skipped",
+        late=f"{counted}.late",
+        length=length,
+        error=f"{last}.error",
+        kind=f"{last}.kind",
+        good=f"{last}.good",
+        time=f"{last}.time",
+        reserve=f"{last}.reserve",
+        running=by_role[Role.RUNNING],
+        cutting=by_role[Role.CUTTING],
+        coupling_factor=by_role[Role.COUPLING_FACTOR],
+        factors=(by_role[Role.MATERIAL_FACTOR], by_role[Role.CALIBRATION_FACTOR]),
+        kerf=by_role[Role.KERF],
+        correction=by_role[Role.LENGTH_CORRECTION],
+        tolerance=by_role[Role.LENGTH_TOLERANCE],
+        max_velocity=limit,
+        spare=f"{limits}.reserve",
+        request=by_role[Role.MASTER_REQUEST],
     )
