@@ -7,7 +7,7 @@ from motionsync.var import Unit
 
 from ..interface.units import unit_name
 from ..pages.console import out, print_checks, print_headline, wide
-from ..scenario.figures import engineering
+from ..scenario.amounts import engineering
 from .judge import Figures
 from .line import Line
 from .outcome import LineOutcome

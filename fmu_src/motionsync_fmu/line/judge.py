@@ -10,7 +10,7 @@ import numpy as np
 from motionsync.var import Unit
 
 from ..interface.units import unit_name
-from ..scenario.figures import engineering
+from ..scenario.amounts import engineering
 from ..scenario.judge import Check, check
 from ..scenario.recording import Reals
 from .line import REMOTE, Line

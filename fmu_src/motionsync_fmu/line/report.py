@@ -14,8 +14,8 @@ from ..pages.report.motion import fit
 from ..pages.report.origin import here, now, origin
 from ..pages.report.page import bundle, keys_of, run_charts, settings
 from ..pages.style import TEMPLATES
+from ..scenario.amounts import engineering
 from ..scenario.cuts import Cut
-from ..scenario.figures import engineering
 from .judge import Figures, Result
 from .line import REMOTE, Line
 from .package import Package

@@ -26,3 +26,8 @@ class Recording:
     messages: list[str]
     settings: Sequence[Setting] = ()
     unmet: Sequence[Unmet] = ()
+
+
+def greatest_position(recording: Recording) -> float:
+    """The greatest magnitude of the positions of master and slave, in u."""
+    return max(float(np.abs(p).max()) for p in (recording.master[:, 0], recording.values["slave.position"]))

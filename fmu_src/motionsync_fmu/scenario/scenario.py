@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..interface.recipe import Recipe
-from .cuts import CutSpec
+from .cuts import CutSpec, PieceSpec
 from .script import Script
 from .settings import Condition, Reaction, Setting
 from .telegrams import Remote
@@ -84,6 +84,7 @@ class Scenario:
         settings: what is set, each at its time.
         reactions: what is set when the block puts out something.
         cuts: how its cuts are checked; None: they are not.
+        pieces: how the pieces are checked of a block that tells them; None: they are not.
         picture: how the scenario is drawn where it is a block's example.
         step_bound: why the scenario means something at its own step size only; empty: it means the same at every one.
     """
@@ -107,6 +108,7 @@ class Scenario:
     picture: Picture = field(default_factory=Picture)
     reactions: tuple[Reaction, ...] = ()
     step_bound: str = ""
+    pieces: PieceSpec | None = None
 
     @property
     def name(self) -> str:
