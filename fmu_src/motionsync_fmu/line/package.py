@@ -128,7 +128,9 @@ def _texts(line: Line) -> dict[str, bytes]:
             for name in blocks
         ],
         "connections": wires,
-        "enumerations": {_enumeration(name, v): v.choices for name, of in line.outputs.items() for v in of if v.choices},
+        "enumerations": {
+            _enumeration(name, v): v.choices for name, of in line.outputs.items() for v in of if v.choices
+        },
         "units": _units(line),
         "values": [
             {"component": name, "name": n, "kind": blocks[name][n].kind, "value": blocks[name][n].literal(value)}

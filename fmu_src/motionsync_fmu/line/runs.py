@@ -86,7 +86,8 @@ def _parameters(package: Package) -> ParameterSet:
 
 
 def run_cosim(line: Line, package: Package) -> dict[str, Values]:
-    """libcosim's fixed-step co-simulation of the OSP structure; telegrams and commands override the inputs.
+    """libcosim's fixed-step co-simulation of the OSP structure; telegrams and commands override the inputs. It cannot
+    read enumerations: these are missing.
 
     Raises:
         MissingLibraryError: libcosimpy is not installed.
@@ -146,7 +147,7 @@ class _Cosim:
             if names := [n for n in chosen if n in inputs]:
                 rows = list(zip(*(inputs[n].tolist() for n in names), strict=True))
                 self.feeds.append(_Feed(partial(put, slave, [references[n] for n in names]), rows))
-            if names := [n for n in outputs if n in chosen]:
+            if names := [n for n in outputs if n in chosen]:  # enumerations are in none of the KINDS
                 values = np.empty((self.line.steps, len(names)))
                 self.reads.append(_Read(partial(get, slave, [references[n] for n in names]), component, names, values))
 
