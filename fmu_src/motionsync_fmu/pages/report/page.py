@@ -10,7 +10,8 @@ from motionsync.var import Unit
 from ... import __version__
 from ...archive import HERE
 from ...interface.units import unit_name
-from ...scenario.figures import Figures, engineering, figures
+from ...scenario.amounts import engineering
+from ...scenario.figures import Figures, figures
 from ...scenario.judge import Check, Deviation
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
