@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from .cut_to_length.block import CutToLength
 from .flying_saw.block import FlyingSaw
 from .follower.block import Follower
 from .gearing.block import Gearing
@@ -15,4 +16,5 @@ BLOCKS: Mapping[str, type[Any]] = {
     "Gearing": Gearing,
     "Follower": Follower,
     "RemoteSync": RemoteSync,
+    "CutToLength": CutToLength,
 }

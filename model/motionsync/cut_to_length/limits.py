@@ -1,9 +1,18 @@
-"""What a machine can do, at a line velocity and for a pitch of the cuts: pure functions, computed before any cut is made.
+"""What a machine can do, at a line velocity and for a pitch of the cuts: pure functions, computed before any cut.
 
 A cycle leads from the start of one approach to the earliest start of the next: approach, cut, way home, rest at home.
+Below, v is the line's velocity, k the coupling, V = k v the carriage's velocity in sync, D the way of the approach.
+All functions are finite for limits and inputs from 1e-12 to 1e12.
 """
 
 from dataclasses import dataclass
+from math import sqrt
+
+from ..limits import clamp
+
+LEAST = 1e-100  # a line velocity below it counts as this one, a pitch below it as none: no quotient overflows
+SHARPNESS = 1e-13  # relative width of the bracket that is left of the greatest line velocity
+ITERATIONS = 200  # a bound that no search comes near: about 10 steps are usual, 30 the most
 
 
 @dataclass(slots=True)
@@ -49,3 +58,230 @@ class Machine:
     retract_time: float = 0.0
     gap_distance: float = 0.0
     gap_travel: float = 100.0
+
+
+def change_time(speed: float, acceleration: float, jerk: float) -> float:
+    """R: least time, in s, in which a velocity changes by `speed`, from and to states without acceleration.
+
+    The acceleration is a trapezium of height a: x/a + a/j; where x < a2/j it is a triangle of height sqrt(x j).
+    """
+    if speed >= acceleration * acceleration / jerk:
+        return speed / acceleration + acceleration / jerk
+    return 2.0 * sqrt(max(speed, 0.0) / jerk)
+
+
+def change_rate(speed: float, acceleration: float, jerk: float) -> float:
+    """dR/dx: how `change_time` rises with the speed (> 0), in s2/u."""
+    if speed >= acceleration * acceleration / jerk:
+        return 1.0 / acceleration
+    return 1.0 / sqrt(speed * jerk)
+
+
+def lead(machine: Machine, velocity: float) -> float:
+    """The shortest way of an approach, in u, that keeps its limits at the line velocity v, in u/s.
+
+    The ramp over the master has the peak acceleration 0.75 V2/D and the peak jerk 1.5 V3/D2; each gives a least D.
+    """
+    v = machine.coupling * max(velocity, 0.0)
+    by_acceleration = 0.75 * v * v / machine.approach_acceleration
+    by_jerk = v * sqrt(1.5 * v / machine.approach_jerk)
+    return max(by_acceleration, by_jerk)
+
+
+def approach_distance(machine: Machine, velocity: float) -> float:
+    """D: the way of the approach, in u: that of a line which is faster by the reserve, or the least one that is set."""
+    return max(machine.approach_distance, lead(machine, velocity * (1.0 + machine.approach_reserve)))
+
+
+def tool_time(machine: Machine, velocity: float) -> float:
+    """t_s: the time in sync, in s, without that of the gap: settling, cut, retracting. The line velocity v is > 0.
+
+    A delay of the tool that is longer than the approach, 2D/V, keeps the carriage waiting in sync.
+    """
+    v = machine.coupling * max(velocity, LEAST)
+    early = machine.on_delay - 2.0 * approach_distance(machine, velocity) / v
+    cut = machine.cut_distance / v if machine.by_distance else machine.cut_time
+    return max(machine.settle_time, early, 0.0) + cut + machine.retract_time
+
+
+def gap_time(machine: Machine, velocity: float) -> float:
+    """The time in which the gap is opened, in s: gap_travel/V, or 0 without a gap. The line velocity v is > 0."""
+    if machine.gap_distance <= 0.0:
+        return 0.0
+    return machine.gap_travel / (machine.coupling * max(velocity, LEAST))
+
+
+def cut_travel(machine: Machine, velocity: float) -> float:
+    """S: the way from home, in u, at which the carriage begins to return: approach, time in sync, gap."""
+    distance = approach_distance(machine, velocity)
+    if velocity <= 0.0:
+        return distance
+    if machine.gap_distance > 0.0:
+        distance += machine.gap_travel + machine.gap_distance
+    return distance + machine.coupling * velocity * tool_time(machine, velocity)
+
+
+def return_way(velocity: float, peak: float, up: float, down: float, jerk: float) -> float:
+    """G(w): the way back, in u, of a return from the velocity V to -w, the peak, and to rest.
+
+    Each change of velocity is symmetric in time: it covers its mean velocity times its time. G rises and is convex.
+    """
+    turn = 0.5 * (peak - velocity) * change_time(velocity + peak, up, jerk)
+    return turn + 0.5 * peak * change_time(peak, down, jerk)
+
+
+def return_way_rate(velocity: float, peak: float, up: float, down: float, jerk: float) -> float:
+    """dG/dw, in s, at a peak w > 0."""
+    total = velocity + peak
+    turn = change_time(total, up, jerk) + (peak - velocity) * change_rate(total, up, jerk)
+    return 0.5 * (turn + change_time(peak, down, jerk) + peak * change_rate(peak, down, jerk))
+
+
+def peak_return_velocity(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
+    """w with G(w) = distance, in u/s, where that is at most `speed` (then G(speed) > distance).
+
+    Newton's method from above: G is convex and rises, so no step passes the solution. The last part of the way is at
+    most the distance and the overshoot, hence w2/(2 down) <= distance + V R(V)/2.
+    """
+    way = distance + 0.5 * velocity * change_time(velocity, up, jerk)
+    peak = min(speed, sqrt(2.0 * down * way))
+    for _ in range(ITERATIONS):
+        if peak <= 0.0:
+            break
+        beyond = return_way(velocity, peak, up, down, jerk) - distance
+        step = beyond / return_way_rate(velocity, peak, up, down, jerk)
+        if step <= 1e-16 * peak:
+            break
+        peak -= step
+    return max(peak, 0.0)
+
+
+def return_time(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
+    """T_r: time-optimal way home, in s, over `distance` >= 0, from the velocity V >= 0 that leads away from home.
+
+    `up` limits the acceleration while the carriage turns round and speeds up, `down` while it stops, `speed` its
+    velocity. Where the peak G(speed) leaves a rest of the way, it is covered at `speed`.
+    """
+    peak = speed
+    cruise = distance - return_way(velocity, speed, up, down, jerk)
+    if cruise < 0.0:
+        peak = peak_return_velocity(velocity, distance, up, down, jerk, speed)
+        cruise = 0.0
+    time = change_time(velocity + peak, up, jerk) + change_time(peak, down, jerk)
+    return time + cruise / speed
+
+
+def turning_acceleration(machine: Machine) -> float:
+    """The limit while the carriage turns round: it brakes and accelerates in one, with the smaller of both limits."""
+    return min(machine.homing_acceleration, machine.homing_deceleration)
+
+
+def cycle_time(machine: Machine, velocity: float) -> float:
+    """T_c: the shortest time from start to start, in s, at the line velocity v; 0 for v <= 0."""
+    if velocity <= 0.0:
+        return 0.0
+    line = max(velocity, LEAST)
+    v = machine.coupling * line
+    home = return_time(
+        v,
+        cut_travel(machine, line),
+        turning_acceleration(machine),
+        machine.homing_deceleration,
+        machine.homing_jerk,
+        machine.homing_velocity,
+    )
+    sync = tool_time(machine, line) + gap_time(machine, line)
+    return 2.0 * approach_distance(machine, line) / v + sync + home + machine.homing_settle_time
+
+
+def shortest_pitch(machine: Machine, velocity: float) -> float:
+    """p_min: the shortest distance of two cuts, in u of the master, at the line velocity v; 0 for v <= 0."""
+    return max(velocity, 0.0) * cycle_time(machine, velocity)
+
+
+def stroke(machine: Machine, velocity: float) -> float:
+    """The farthest that a cycle takes the carriage from home, in u: S, and the way in which it comes to a stand."""
+    v = machine.coupling * max(velocity, 0.0)
+    overshoot = 0.5 * v * change_time(v, turning_acceleration(machine), machine.homing_jerk)
+    return cut_travel(machine, velocity) + overshoot
+
+
+def is_admissible(machine: Machine, velocity: float) -> bool:
+    """Whether the carriage is fast enough for the line velocity v, and its way from home long enough."""
+    if machine.coupling * velocity > machine.max_velocity:
+        return False
+    return machine.home_position + stroke(machine, velocity) <= machine.max_position
+
+
+def excess(machine: Machine, velocity: float, pitch: float) -> float:
+    """By what share the line velocity v asks too much of stroke or pitch; at most 0 where neither. Rises with v."""
+    end = machine.home_position + stroke(machine, velocity) - machine.max_position
+    of_stroke = end / max(machine.max_position - machine.home_position, LEAST)
+    return max(of_stroke, (shortest_pitch(machine, velocity) - pitch) / pitch)
+
+
+def next_try(low: float, below: float, high: float, above: float) -> float:
+    """Where a bracket of a root is cut, not nearer to its ends than half of what it may be wide at last.
+
+    A wide bracket is halved in its logarithm, a narrow one by the chord between its values (`below` <= 0 < `above`).
+    """
+    if high > 4.0 * low:
+        return sqrt(low) * sqrt(high)
+    chord = low - (high - low) * below / (above - below)
+    margin = 0.5 * SHARPNESS * high
+    return clamp(chord, low + margin, high - margin)
+
+
+def greatest_velocity(machine: Machine, pitch: float, low: float, below: float, high: float, above: float) -> float:
+    """The root of `excess` in a bracket with these values at its ends; its lower end, at which nothing is exceeded.
+
+    Regula falsi in the Illinois form: the value of an end that stays twice in succession is halved.
+    """
+    side = 0
+    for _ in range(ITERATIONS):
+        if high - low <= SHARPNESS * high:
+            break
+        wide = high > 4.0 * low
+        middle = next_try(low, below, high, above)
+        value = excess(machine, middle, pitch)
+        if value > 0.0:
+            high = middle
+            above = value
+            if side == 1:
+                below *= 0.5
+            side = 1
+        else:
+            low = middle
+            below = value
+            if side == -1:
+                above *= 0.5
+            side = -1
+        if wide:
+            side = 0
+    return low
+
+
+def max_line_velocity(machine: Machine, pitch: float) -> float:
+    """The greatest admissible line velocity, in u/s, at which cuts of that pitch, in u, are reached; 0: there is none.
+
+    Stroke and shortest pitch rise with v, so what is admissible is one interval. It is searched from the velocity of
+    the carriage's limit downwards.
+    """
+    high = machine.max_velocity / machine.coupling
+    if machine.coupling * high > machine.max_velocity:
+        high *= 1.0 - 2.3e-16
+    if pitch < LEAST:
+        return 0.0
+    above = excess(machine, high, pitch)
+    if above <= 0.0:
+        return high
+    low = 0.25 * high
+    below = excess(machine, low, pitch)
+    if below > 0.0:
+        high = low
+        above = below
+        low = LEAST
+        below = excess(machine, low, pitch)
+        if below > 0.0:
+            return 0.0
+    return greatest_velocity(machine, pitch, low, below, high, above)

@@ -1,0 +1,395 @@
+"""What a machine can do, predicted: hand-computed rows, a solution in mpmath from pieces of constant jerk, and laws.
+
+The reference machine has the axis 1500 / 10000 / 10000 / 200000 up to 650, home 0, a cut of 0.25 s and no reserve.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import fields, replace
+from random import Random
+
+import mpmath
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from mpmath import mpf
+
+from motionsync.cut_to_length.limits import (
+    Machine,
+    approach_distance,
+    change_time,
+    cut_travel,
+    cycle_time,
+    gap_time,
+    is_admissible,
+    lead,
+    max_line_velocity,
+    return_time,
+    shortest_pitch,
+    stroke,
+    tool_time,
+)
+from motionsync.motion import Motion
+
+settings.register_profile("limits", derandomize=True, deadline=None, max_examples=150)
+repeatable = settings.get_profile("limits")
+
+REFERENCE = Machine(
+    max_position=650.0,
+    max_velocity=1500.0,
+    approach_reserve=0.0,
+    approach_jerk=200000.0,
+    homing_velocity=1500.0,
+    homing_jerk=200000.0,
+)
+CLAMPED = replace(
+    REFERENCE,
+    settle_time=0.05,
+    retract_time=0.04,
+    homing_velocity=1200.0,
+    homing_acceleration=6000.0,
+    homing_deceleration=8000.0,
+    homing_jerk=100000.0,
+    homing_settle_time=0.02,
+)
+
+
+def within(digits: float) -> float:
+    """The tolerance of a number that is given with so many decimal places."""
+    return 0.5000001 * 10.0**-digits
+
+
+# --- rows computed by hand --------------------------------------------------------------------------------------------
+
+
+def test_at_1000_the_reference_machine_needs_nearly_a_second_a_cut() -> None:
+    """V2/a: D = max(0.75e6/1e4, sqrt(1.5e9/2e5)) = max(75, 86.6025): the jerk limits; 2D/V = 0.173205; S = D + 250."""
+    assert lead(REFERENCE, 1000.0) == pytest.approx(86.602540378, abs=within(9))
+    assert approach_distance(REFERENCE, 1000.0) == lead(REFERENCE, 1000.0)
+    assert 2.0 * approach_distance(REFERENCE, 1000.0) / 1000.0 == pytest.approx(0.173205081, abs=within(9))
+    assert tool_time(REFERENCE, 1000.0) == 0.25
+    assert cut_travel(REFERENCE, 1000.0) == pytest.approx(336.602540378, abs=within(9))
+    home = return_time(1000.0, cut_travel(REFERENCE, 1000.0), 1e4, 1e4, 2e5, 1500.0)
+    assert home == pytest.approx(0.574401694, abs=within(9))
+    assert cycle_time(REFERENCE, 1000.0) == pytest.approx(0.997606774, abs=within(9))
+    assert shortest_pitch(REFERENCE, 1000.0) == pytest.approx(997.606774, abs=within(6))
+    assert stroke(REFERENCE, 1000.0) == pytest.approx(411.602540, abs=within(6))
+
+
+def test_at_500_the_reference_machine_needs_three_quarters_of_a_second_a_cut() -> None:
+    assert approach_distance(REFERENCE, 500.0) == pytest.approx(30.618621785, abs=within(9))
+    home = return_time(500.0, cut_travel(REFERENCE, 500.0), 1e4, 1e4, 2e5, 1500.0)
+    assert home == pytest.approx(0.373399796, abs=within(9))
+    assert cycle_time(REFERENCE, 500.0) == pytest.approx(0.745874284, abs=within(9))
+    assert shortest_pitch(REFERENCE, 500.0) == pytest.approx(372.937142, abs=within(6))
+    assert stroke(REFERENCE, 500.0) == pytest.approx(180.618622, abs=within(6))
+
+
+@pytest.mark.parametrize(
+    ("pitch", "velocity"),
+    [
+        (500.0, 619.645830),
+        (1000.0, 1001.572745),
+        (1500.0, 1297.293509),
+        (1504.0, 1299.439552),
+        (2000.0, 1431.797780),  # the stroke of 650 is used up
+        (1e300, 1431.797780),
+    ],
+)
+def test_greatest_line_velocity_of_the_reference_machine(pitch: float, velocity: float) -> None:
+    assert max_line_velocity(REFERENCE, pitch) == pytest.approx(velocity, abs=within(6))
+
+
+def test_a_reserve_of_the_approach_costs_line_velocity() -> None:
+    machine = replace(REFERENCE, approach_reserve=0.02)
+    assert approach_distance(machine, 1000.0) == pytest.approx(89.213563991, abs=within(9))
+    assert lead(machine, 1000.0) == lead(REFERENCE, 1000.0)
+    assert max_line_velocity(machine, 1504.0) == pytest.approx(1293.533469, abs=within(6))
+
+
+@pytest.mark.parametrize(
+    ("reserve", "distance", "time", "pitch", "velocity"),
+    [
+        (0.0, 61.967733539, 1.236003556, 988.802845, 1048.596584),
+        (0.1, 71.491538, 1.267749571, 1014.199657, 1031.077820),
+    ],
+)
+def test_settling_retracting_and_a_slow_way_home(
+    reserve: float, distance: float, time: float, pitch: float, velocity: float
+) -> None:
+    machine = replace(CLAMPED, approach_reserve=reserve)
+    assert approach_distance(machine, 800.0) == pytest.approx(distance, abs=within(6))
+    assert cycle_time(machine, 800.0) == pytest.approx(time, abs=within(9))
+    assert shortest_pitch(machine, 800.0) == pytest.approx(pitch, abs=within(6))
+    assert max_line_velocity(machine, 1504.0) == pytest.approx(velocity, abs=within(6))
+
+
+def test_parts_of_the_cycle_with_settling_and_retracting() -> None:
+    """S = 61.967733539 + 800 (0.05 + 0.25 + 0.04)."""
+    assert cut_travel(CLAMPED, 800.0) == pytest.approx(333.967733539, abs=within(9))
+    home = return_time(800.0, cut_travel(CLAMPED, 800.0), 6000.0, 8000.0, 1e5, 1200.0)
+    assert home == pytest.approx(0.721084222, abs=within(9))
+
+
+def test_a_long_approach_costs_line_velocity() -> None:
+    assert max_line_velocity(replace(REFERENCE, approach_distance=150.0), 1000.0) == pytest.approx(
+        856.617072, abs=within(6)
+    )
+
+
+def test_a_mitre_with_a_gap() -> None:
+    """k = 1.02/cos 30 deg = 1.177794549; pitch (812 + 4)/1.02 = 800."""
+    machine = replace(
+        REFERENCE, coupling=1.02 / math.sqrt(0.75), max_position=900.0, gap_distance=10.0, gap_travel=150.0
+    )
+    assert machine.coupling == pytest.approx(1.177794549, abs=within(9))
+    assert max_line_velocity(machine, 800.0) == pytest.approx(674.114819, abs=within(6))
+
+
+def test_a_delay_of_the_tool_longer_than_the_approach_waits_in_sync() -> None:
+    """At 1000 the approach takes 0.173205 s: of a delay of 0.3 s, 0.126795 s is waited in sync."""
+    machine = replace(REFERENCE, on_delay=0.3, settle_time=0.1)
+    assert tool_time(machine, 1000.0) == pytest.approx(0.126794919 + 0.25, abs=within(9))
+    assert tool_time(replace(machine, settle_time=0.2), 1000.0) == 0.2 + 0.25
+
+
+def test_a_cut_by_distance_takes_less_time_on_a_faster_line() -> None:
+    machine = replace(REFERENCE, by_distance=True, cut_distance=200.0)
+    assert tool_time(machine, 1000.0) == 0.2
+    assert tool_time(machine, 500.0) == 0.4
+
+
+def test_the_gap_takes_its_travel_and_moves_the_carriage_farther() -> None:
+    machine = replace(REFERENCE, gap_distance=10.0, gap_travel=150.0)
+    assert gap_time(machine, 1000.0) == 0.15
+    assert cut_travel(machine, 1000.0) == pytest.approx(cut_travel(REFERENCE, 1000.0) + 160.0, abs=1e-9)
+    assert gap_time(REFERENCE, 1000.0) == 0.0
+
+
+@pytest.mark.parametrize("velocity", [0.0, -3.0])
+def test_a_line_that_stands_or_turns_back_needs_no_cycle(velocity: float) -> None:
+    machine = replace(REFERENCE, approach_distance=150.0, gap_distance=10.0)
+    assert cycle_time(machine, velocity) == 0.0
+    assert shortest_pitch(machine, velocity) == 0.0
+    assert stroke(machine, velocity) == 150.0
+    assert is_admissible(machine, velocity)
+
+
+def test_a_carriage_slower_than_the_line_is_not_admissible() -> None:
+    assert is_admissible(replace(REFERENCE, max_position=1e9), 1500.0)
+    assert not is_admissible(replace(REFERENCE, max_position=1e9), 1500.000001)
+    assert max_line_velocity(replace(REFERENCE, max_position=1e9), 1e300) == 1500.0
+    assert not is_admissible(REFERENCE, 1431.797781)
+
+
+def test_nothing_is_admissible_without_room_or_pitch() -> None:
+    assert max_line_velocity(replace(REFERENCE, home_position=650.0), 1000.0) < 1e-12  # 650 + its stroke rounds to 650
+    assert max_line_velocity(replace(REFERENCE, approach_distance=150.0), 299.9) == 0.0  # 2D is travelled at least
+    assert max_line_velocity(replace(REFERENCE, approach_distance=150.0), 300.1) > 0.0
+    assert max_line_velocity(REFERENCE, 0.0) == 0.0
+    assert max_line_velocity(REFERENCE, -1.0) == 0.0
+
+
+# --- laws -------------------------------------------------------------------------------------------------------------
+
+scales = st.floats(-1.0, 1.0).map(lambda exponent: 10.0**exponent)  # two decades about 1
+times = st.sampled_from((0.0, 0.02, 0.1, 0.5, 2.0))
+machines = st.builds(
+    Machine,
+    coupling=scales,
+    home_position=st.just(0.0),
+    max_position=st.sampled_from((1.0, 10.0, 1e9)),
+    max_velocity=scales,
+    approach_distance=st.sampled_from((0.0, 0.0, 0.1, 3.0)),
+    approach_reserve=st.sampled_from((0.0, 0.02, 0.5)),
+    approach_acceleration=scales,
+    approach_jerk=scales,
+    homing_velocity=scales,
+    homing_acceleration=scales,
+    homing_deceleration=scales,
+    homing_jerk=scales,
+    homing_settle_time=times,
+    by_distance=st.booleans(),
+    cut_time=times,
+    cut_distance=scales,
+    settle_time=times,
+    on_delay=times,
+    retract_time=times,
+    gap_distance=st.sampled_from((0.0, 0.0, 0.1)),
+    gap_travel=scales,
+)
+
+
+@repeatable
+@given(st.floats(0.1, 10.0), st.floats(0.1, 10.0), st.floats(0.0, 2.0))
+def test_without_a_jerk_limit_the_shortest_pitch_is_a_closed_form(v: float, a: float, t: float) -> None:
+    """2D/V = 1.5 v/a; S = 0.75 v2/a + v t; the way home: v/a, then from standstill 2 sqrt((S + 0.5 v2/a)/a)."""
+    fast = 1e12
+    machine = Machine(
+        max_velocity=fast,
+        approach_reserve=0.0,
+        approach_acceleration=a,
+        approach_jerk=fast,
+        homing_velocity=fast,
+        homing_acceleration=a,
+        homing_deceleration=a,
+        homing_jerk=fast,
+        cut_time=t,
+    )
+    expected = v * (2.5 * v / a + t + 2.0 * math.sqrt((1.25 * v * v / a + v * t) / a))
+    assert shortest_pitch(machine, v) == pytest.approx(expected, rel=1e-9)
+    if t == 0.0:
+        assert expected == pytest.approx(4.736 * v * v / a, rel=1e-4)
+
+
+@repeatable
+@given(scales, st.floats(0.0, 50.0), scales, scales, scales, scales)
+def test_the_way_home_takes_as_long_as_the_carriage_s_own_motion(
+    velocity: float, distance: float, acceleration: float, deceleration: float, jerk: float, speed: float
+) -> None:
+    motion = Motion()
+    motion.move(distance, velocity, 0.0, 0.0, speed, acceleration, deceleration, jerk)
+    turning = min(acceleration, deceleration)
+    assume(distance > 0.0 or velocity > 0.0)
+    found = return_time(velocity, distance, turning, deceleration, jerk, speed)
+    assert found == pytest.approx(motion.end(), rel=1e-12)
+
+
+@repeatable
+@given(machines, st.floats(0.0, 5.0), st.floats(0.0, 0.5))
+def test_pitch_and_stroke_rise_with_the_line_velocity(machine: Machine, velocity: float, more: float) -> None:
+    assert shortest_pitch(machine, velocity + more) >= shortest_pitch(machine, velocity) * (1.0 - 1e-14)
+    assert stroke(machine, velocity + more) >= stroke(machine, velocity) * (1.0 - 1e-14)
+
+
+@repeatable
+@given(machines, st.floats(-3.0, 3.0).map(lambda exponent: 10.0**exponent))
+def test_the_greatest_line_velocity_is_sharp(machine: Machine, pitch: float) -> None:
+    """At it nothing is exceeded; faster by 1e-12 the pitch, the stroke or the carriage's velocity is."""
+    velocity = max_line_velocity(machine, pitch)
+    assert velocity == 0.0 or is_admissible(machine, velocity)
+    assert shortest_pitch(machine, velocity) <= pitch
+    more = velocity * (1.0 + 1e-12) if velocity > 0.0 else 1e-99
+    assert not is_admissible(machine, more) or shortest_pitch(machine, more) > pitch
+
+
+@repeatable
+@given(machines, scales)
+def test_where_the_pitch_limits_the_cycle_is_as_long_as_the_pitch(machine: Machine, velocity: float) -> None:
+    free = replace(machine, max_velocity=1e6, max_position=1e9)
+    pitch = shortest_pitch(free, velocity)
+    found = max_line_velocity(free, pitch)
+    assert shortest_pitch(free, found) == pytest.approx(pitch, rel=1e-12)
+    assert found == pytest.approx(velocity, rel=1e-11)
+
+
+EXTREMES = (1e-12, 1e-6, 1.0, 1e6, 1e12)
+VELOCITIES = (-1e12, -1.0, 0.0, 1e-300, 1e-12, 1.0, 1e12)
+PITCHES = (-1.0, 0.0, 1e-300, 1e-12, 1e-3, 1.0, 1e12, 1e300)
+
+
+def extreme(rng: Random) -> Machine:
+    """A machine whose values are anything that is declared as possible; times from 0."""
+    values = {f.name: rng.choice(EXTREMES) for f in fields(Machine) if f.name != "by_distance"}
+    for name in ("approach_distance", "approach_reserve", "homing_settle_time", "cut_time", "settle_time", "on_delay"):
+        values[name] = rng.choice((0.0, *EXTREMES))
+    return Machine(**values, by_distance=rng.random() < 0.5)  # type: ignore[arg-type]
+
+
+def test_nothing_overflows_whatever_the_machine() -> None:
+    rng = Random(1)
+    for _ in range(600):
+        machine, velocity, pitch = extreme(rng), rng.choice(VELOCITIES), rng.choice(PITCHES)
+        found = max_line_velocity(machine, pitch)
+        values = (cycle_time(machine, velocity), shortest_pitch(machine, velocity), stroke(machine, velocity), found)
+        assert all(math.isfinite(x) and x >= 0.0 for x in values), (machine, velocity, pitch, values)
+        if found > 0.0:
+            assert is_admissible(machine, found)
+            assert shortest_pitch(machine, found) <= pitch
+
+
+# --- against a solution from pieces of constant jerk ------------------------------------------------------------------
+
+Piece = tuple[mpf, mpf]  # a time and a jerk
+
+
+def ramp(change: mpf, acceleration: mpf, jerk: mpf) -> list[Piece]:
+    """The fastest change of a velocity, from and to an acceleration of 0: jerk, constant acceleration, jerk."""
+    rise = min(acceleration / jerk, mpmath.sqrt(abs(change) / jerk))
+    flat = abs(change) / (rise * jerk) - rise if change else mpf(0)
+    sign = mpmath.sign(change)
+    return [(rise, sign * jerk), (flat, mpf(0)), (rise, -sign * jerk)]
+
+
+def follow(pieces: list[Piece], velocity: mpf) -> tuple[mpf, mpf]:
+    """Time and way of a chain of pieces that begins at a velocity, without acceleration."""
+    time = way = a = mpf(0)
+    for t, j in pieces:
+        way += velocity * t + a * t**2 / 2 + j * t**3 / 6
+        velocity += a * t + j * t**2 / 2
+        a += j * t
+        time += t
+    return time, way
+
+
+def halved(above: mpf, is_above: Callable[[mpf], bool]) -> mpf:
+    """The place in [0, above] from which on `is_above` holds, by bisection to 45 digits."""
+    low, high = mpf(0), above
+    for _ in range(160):
+        middle = (low + high) / 2
+        if is_above(middle):
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+def home_time(velocity: mpf, distance: mpf, turn: mpf, down: mpf, jerk: mpf, speed: mpf) -> mpf:
+    """The time from a velocity away from home to rest at home: the fastest that its limits allow."""
+
+    def way_back(peak: mpf) -> tuple[mpf, mpf]:
+        time, way = follow([*ramp(-(velocity + peak), turn, jerk), *ramp(peak, down, jerk)], velocity)
+        return time, -way
+
+    time, way = way_back(speed)
+    if way <= distance:
+        return time + (distance - way) / speed
+    return way_back(halved(speed, lambda peak: way_back(peak)[1] > distance))[0]
+
+
+def solved(machine: Machine, line: float) -> tuple[mpf, mpf, mpf]:
+    """Cycle time, shortest pitch and stroke of a machine without a gap, from its pieces of constant jerk."""
+    m = {f.name: mpf(getattr(machine, f.name)) for f in fields(Machine)}
+    v = m["coupling"] * mpf(line)
+    faster = v * (1 + m["approach_reserve"])
+    # the ramp over the master, k M (u3 - u4/2) with M = 2D/k, at u = v t/M: s'' = 6 (u - u2) V2/(2D), s''' at u = 0
+    by_acceleration = mpf(6) / 4 * faster**2 / 2 / m["approach_acceleration"]
+    by_jerk = mpmath.sqrt(mpf(6) * faster**3 / 4 / m["approach_jerk"])
+    distance = max(m["approach_distance"], by_acceleration, by_jerk)
+    cut = m["cut_distance"] / v if machine.by_distance else m["cut_time"]
+    touch = max(m["settle_time"], m["on_delay"] - 2 * distance / v, mpf(0))  # after sync
+    sync = touch + cut + m["retract_time"]
+    farthest = distance + v * sync
+    turn = min(m["homing_acceleration"], m["homing_deceleration"])
+    home = home_time(v, farthest, turn, m["homing_deceleration"], m["homing_jerk"], m["homing_velocity"])
+    cycle = 2 * distance / v + sync + home + m["homing_settle_time"]
+    return cycle, cycle * mpf(line), farthest + follow(ramp(-v, turn, m["homing_jerk"]), v)[1]
+
+
+@settings(repeatable, max_examples=60)
+@given(machines, scales)
+def test_predictions_agree_with_pieces_of_constant_jerk(machine: Machine, velocity: float) -> None:
+    without_gap = replace(machine, gap_distance=0.0)
+    with mpmath.workdps(50):
+        time, pitch, farthest = solved(without_gap, velocity)
+    assert cycle_time(without_gap, velocity) == pytest.approx(float(time), rel=1e-13)
+    assert shortest_pitch(without_gap, velocity) == pytest.approx(float(pitch), rel=1e-13)
+    assert stroke(without_gap, velocity) == pytest.approx(float(farthest), rel=1e-13)
+
+
+def test_a_change_of_velocity_takes_as_long_as_its_pieces() -> None:
+    """Below a2/j = 20 the acceleration is a triangle, 2 sqrt(5/0.05) = 20; from there a trapezium, 60/1 + 1/0.05."""
+    assert change_time(5.0, 1.0, 0.05) == 20.0
+    assert change_time(60.0, 1.0, 0.05) == 80.0
+    assert change_time(0.0, 1.0, 0.05) == 0.0
+    assert change_time(20.0, 1.0, 0.05) == pytest.approx(float(follow(ramp(mpf(20), mpf(1), mpf(0.05)), mpf(0))[0]))
