@@ -28,3 +28,8 @@ class Recording:
     settings: Sequence[Setting] = ()
     unmet: Sequence[Unmet] = ()
     script: Script | None = None
+
+
+def greatest_position(recording: Recording) -> float:
+    """The greatest magnitude of the positions of master and slave, in u."""
+    return max(float(np.abs(p).max()) for p in (recording.master[:, 0], recording.values["slave.position"]))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..interface.recipe import Recipe
-from .cuts import CutSpec
+from .cuts import CutSpec, PieceSpec
 from .drive import Drive
 from .script import Script
 from .settings import Condition, Reaction, Setting
@@ -85,6 +85,7 @@ class Scenario:
         settings: what is set, each at its time.
         reactions: what is set when the block puts out something.
         cuts: how its cuts are checked; None: they are not.
+        pieces: how the pieces are checked of a block that tells them; None: they are not.
         picture: how the scenario is drawn where it is a block's example.
         drive: what moves the master if it follows a velocity that the block puts out; None: it is scripted.
         step_bound: why the scenario means something at its own step size only; empty: it means the same at every one.
@@ -110,6 +111,7 @@ class Scenario:
     reactions: tuple[Reaction, ...] = ()
     drive: Drive | None = None
     step_bound: str = ""
+    pieces: PieceSpec | None = None
 
     @property
     def name(self) -> str:
