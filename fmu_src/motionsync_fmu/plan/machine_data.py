@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from motionsync.cut_to_length.limits import Machine, is_admissible, max_line_velocity
+from motionsync.cut_to_length.limits import Machine, max_line_velocity
 
 from ..errors import UserError
 from ..interface.recipe import Recipe
@@ -51,7 +51,7 @@ class MachineData:
             stepper.initialize(self.start)
         except RefusedError as e:
             raise UserError(f"{self.origin}: {e}" if self.origin else str(e)) from None
-        machine: Machine = stepper.block.machine
+        machine: Machine = stepper.block.predictions.machine
         return machine
 
     def pitch(self, length: float) -> float:
@@ -71,7 +71,3 @@ class MachineData:
     def greatest_velocity(self) -> float:
         """The greatest admissible line velocity, however long the pieces are; 0: there is none."""
         return max_line_velocity(self.machine, NO_PITCH)
-
-    def is_too_fast(self, velocity: float) -> bool:
-        """Whether the line velocity exceeds what the carriage's velocity or stroke admits."""
-        return not is_admissible(self.machine, velocity)

@@ -1,6 +1,6 @@
 """A plan: what a machine can do at a choice of lengths, and at a choice of line velocities."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -59,12 +59,14 @@ class Plan:
 
 
 def _as_json(point: Point) -> dict[str, Any]:
-    return asdict(point) | {"cycle_time": point.cycle.time if point.cycle else None, "confirmed": point.confirmed}
+    return asdict(point) | {
+        "limited_by": point.limited_by,
+        "cycle_time": point.cycle.time if point.cycle else None,
+        "confirmed": point.confirmed,
+    }
 
 
-def make_plan(
-    data: MachineData, lengths: Sequence[float], velocities: Sequence[float], tell: Callable[[str], None]
-) -> Plan:
+def make_plan(data: MachineData, lengths: Sequence[float], velocities: Sequence[float]) -> Plan:
     """Predict and confirm all points. `lengths`, `velocities`: none given: a choice that shows all there is to see.
 
     Raises:
@@ -77,10 +79,7 @@ def make_plan(
             f"{data.machine.home_position:g} there are {room:g}, and no cycle is that short"
         )
     lengths, velocities = lengths or chosen_lengths(data), velocities or chosen_velocities(data)
-    points = []
-    for i, predicted in enumerate(_predicted(data, lengths, velocities), 1):
-        tell(f"{i} of {len(lengths) + len(velocities)}")
-        points.append(confirmed(data, predicted))
+    points = [confirmed(data, predicted) for predicted in _predicted(data, lengths, velocities)]
     return Plan(data, points[: len(lengths)], points[len(lengths) :])
 
 

@@ -1,5 +1,6 @@
 """What a machine can do at one length or at one line velocity, from the block's own predictions."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
@@ -25,6 +26,7 @@ HALVINGS = 200
 
 LENGTH, LINE = "length", "line velocity"
 VELOCITY, ACCELERATION, JERK, STROKE = "velocity", "acceleration", "jerk", "stroke"
+CYCLE, WAYS = "cycle time", "ways that each cycle takes: approach.distance, tool.cut_distance, gap.travel"
 LIMITS = {  # what limits the carriage, and the machine's data that say how far
     VELOCITY: ("max_velocity", "homing_velocity"),
     ACCELERATION: ("approach_acceleration", "homing_acceleration", "homing_deceleration"),
@@ -60,7 +62,7 @@ class Cycle:
     @property
     def time(self) -> float:
         """From the start of one approach to the earliest start of the next, in s."""
-        return sum(vars(self).values())
+        return math.fsum(vars(self).values())
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,8 @@ class Point:
         velocity: of the line, in u/s of the master; 0: no velocity is possible.
         lost: the line velocity above which cuts are lost, or the length below which they are; between it and the
             result the approach's reserve is used up. None: there is no result.
-        limited_by: VELOCITY or STROKE, if no length would help; else the one of VELOCITY, ACCELERATION and JERK that
-            the cycle time depends on most.
+        bound: what limits it: VELOCITY or STROKE of the carriage, where longer pieces would not help, CYCLE, or WAYS,
+            where a slower line would not help.
         gains: of all that was relaxed by SHARE, by what share of its value the result improves.
         cycle: the shortest cycle at this velocity; None: there is none.
         stroke: the way from home that it takes, in u.
@@ -86,7 +88,7 @@ class Point:
     length: float | None
     velocity: float
     lost: float | None
-    limited_by: str
+    bound: str
     gains: dict[str, float]
     cycle: Cycle | None
     stroke: float
@@ -97,6 +99,13 @@ class Point:
     def confirmed(self) -> bool:
         """Whether the runs of the block did what was predicted."""
         return all(check.passed for check in self.checks)
+
+    @property
+    def limited_by(self) -> str:
+        """The bound in words; of the cycle time with the limit of the carriage on which it depends most."""
+        if self.bound == CYCLE and (greatest := max(LIMITS, key=lambda name: self.gains[name])):
+            return f"{CYCLE}: {greatest}" if self.gains[greatest] else CYCLE
+        return self.bound
 
 
 def cycle_at(machine: Machine, velocity: float) -> Cycle:
@@ -143,15 +152,14 @@ def fastest(data: MachineData, length: float) -> Point:
     machine, pitch = data.machine, data.pitch(length)
     velocity = max_line_velocity(machine, pitch)
     if velocity <= 0.0:
-        binding = STROKE if data.greatest_velocity <= 0.0 else "approach"
-        return Point(LENGTH, length, 0.0, None, binding, {}, None, stroke(machine, 0.0))
+        return Point(LENGTH, length, 0.0, None, WAYS, {}, None, stroke(machine, 0.0))
     gains = {name: _gain(max_line_velocity(other, pitch), velocity) for name, other in relaxed(machine)}
     return Point(
         LENGTH,
         length,
         velocity,
         _boundary(velocity, data.greatest_velocity, lambda v: is_lost(machine, v, pitch)),
-        _binding(data, velocity) or _greatest(gains),
+        bound_at(data, velocity),
         gains,
         cycle_at(machine, velocity),
         stroke(machine, velocity),
@@ -161,12 +169,13 @@ def fastest(data: MachineData, length: float) -> Point:
 def shortest(data: MachineData, velocity: float) -> Point:
     """The shortest pieces that can be cut at this line velocity, in u/s > 0."""
     machine = data.machine
-    if binding := _binding(data, velocity / (1.0 + NEAR)):
+    bound = bound_at(data, velocity / (1.0 + NEAR))
+    if bound != CYCLE:
         top = data.greatest_velocity
         gains = (
             {name: _gain(max_line_velocity(other, NO_PITCH), top) for name, other in relaxed(machine)} if top else {}
         )
-        return Point(LINE, None, velocity, None, binding, gains, None, stroke(machine, velocity))
+        return Point(LINE, None, velocity, None, bound, gains, None, stroke(machine, velocity))
     pitch = shortest_pitch(machine, velocity)
     gains = {name: _gain(pitch, shortest_pitch(other, velocity)) for name, other in relaxed(machine)}
     lost = _boundary(pitch, 0.0, lambda p: is_lost(machine, velocity, p))
@@ -175,7 +184,7 @@ def shortest(data: MachineData, velocity: float) -> Point:
         max(data.length(pitch), 0.0),
         velocity,
         max(data.length(lost), 0.0),
-        _greatest(gains),
+        CYCLE,
         gains,
         cycle_at(machine, velocity),
         stroke(machine, velocity),
@@ -188,17 +197,13 @@ def _gain(better: float, worse: float) -> float:
     return share if share > NEAR else 0.0
 
 
-def _binding(data: MachineData, velocity: float) -> str:
-    """What no length would help against at a line velocity that is a little greater; empty: nothing."""
+def bound_at(data: MachineData, velocity: float) -> str:
+    """What limits a line that is a little faster than this velocity, in u/s, however long the pieces are; CYCLE: no
+    more than the cycle time does."""
     machine, more = data.machine, velocity * (1.0 + NEAR)
     if machine.coupling * more > machine.max_velocity:
         return VELOCITY
-    return "" if is_admissible(machine, more) else STROKE
-
-
-def _greatest(gains: dict[str, float]) -> str:
-    """The limit of the carriage with the greatest gain."""
-    return max(LIMITS, key=lambda name: gains[name])
+    return CYCLE if is_admissible(machine, more) else STROKE
 
 
 def _boundary(kept: float, lost: float, is_lost: Callable[[float], bool]) -> float:
