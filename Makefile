@@ -47,11 +47,12 @@ references: $(TESTABLE) ## the cross-check files of all scenarios, from the scri
 pictures: $(READY) ## the README's pictures
 	$(BIN)/python -m motionsync_fmu.pages.pictures docs
 
-benchmark: $(TESTABLE) ## what a step costs, what plans and accuracy are like
+benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are like
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
 	$(BIN)/python benchmarks/plans.py
+	$(BIN)/python benchmarks/random_cuts.py
 	$(BIN)/python benchmarks/accuracy.py
 
 release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, notes, checksums

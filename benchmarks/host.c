@@ -23,8 +23,8 @@
  *     draw r x y          a Real to be drawn from [x, y] before each step between
  *     ahead r s x y       a Real to be set with the commands: the Real s then, plus a number drawn from [x, y]
  *     watch r ...         Integers to look at after each step with the commands raised, 4 at most
- *     steady n h v        n times set, doStep, get; prints {"ns": mean of a step, "undisturbed_ns": the same of the
- *                         quickest 1000 steps on end}
+ *     steady n h v c      n times set, doStep, get, the master being faster by the share c in every second step; prints
+ *                         {"ns": mean of a step, "undisturbed_ns": the same of the quickest 1000 steps on end}
  *     worst n h v p       n times the same with the commands raised, each after a step of p s with them low; the steps
  *                         are timed one by one: {"median_ns": ..., "p999_ns": ..., "slowest_ns": ...,
  *                         "undisturbed_ns": ..., "met": {"values watched": how often, ...}}
@@ -162,13 +162,14 @@ static inline fmi2Status full_step(double h, double velocity) {
     return status;
 }
 
-static void steady(long n, double h, double velocity) {
+static void steady(long n, double h, double velocity, double change) {
+    const double velocities[2] = {velocity, velocity * (1.0 + change)};
     fmi2Status status = fmi2OK;
     double took = 0.0, quickest = INFINITY;
     for (long done = 0, slice; done < n; done += slice) {
         slice = n - done < SLICE ? n - done : SLICE;
         double begun = clock_ns();
-        for (long i = 0; i < slice; i++) status |= full_step(h, velocity);
+        for (long i = 0; i < slice; i++) status |= full_step(h, velocities[i % 2]);
         double one = clock_ns() - begun;
         took += one;
         if (one / (double)slice < quickest) quickest = one / (double)slice;
@@ -329,10 +330,10 @@ static void obey(char *line) {
         aheads[ahead++] = range(rest, 1);
     } else if (!strcmp(line, "steady") || !strcmp(line, "worst")) {
         long n = strtol(rest, &after, 10);
-        double h = strtod(after, &after), velocity = strtod(after, &after), pause = strtod(after, NULL);
+        double h = strtod(after, &after), velocity = strtod(after, &after), last = strtod(after, NULL);
         if (n < 1 || !master.n) end("first tell the steps and the master for", line);
-        if (*line == 's') steady(n, h, velocity);
-        else worst(n, h, velocity, pause);
+        if (*line == 's') steady(n, h, velocity, last);
+        else worst(n, h, velocity, last);
     } else {
         end("unknown command", line);
     }

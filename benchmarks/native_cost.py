@@ -64,6 +64,7 @@ NEVER_BUILT = {  # a start value to be changed
     "Gearing": "slave.initial_position",
     "Follower": "slave.initial_position",
     "RemoteSync": "remote.position",
+    "CutToLength": "front_position",
 }
 BUILD = "from pathlib import Path; from motionsync_fmu.build import *; build_{}(Recipe({!r}, starts={!r}), Path({!r}))"
 
@@ -136,7 +137,7 @@ class SteadySteps:
         host.count(case.counts)
 
     def __call__(self, n: int) -> float:
-        found: dict[str, float] = json.loads(self.host.ask("steady", n * IN_C, H, VELOCITY))
+        found: dict[str, float] = json.loads(self.host.ask("steady", n * IN_C, H, VELOCITY, self.case.change))
         self.undisturbed = min(self.undisturbed, found["undisturbed_ns"])
         return found["ns"]
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from dice import Bools, Dice, Reals
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
@@ -29,8 +30,6 @@ from motionsync.var import LARGEST_INPUT
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.batch import BatchResult, simulate_many
 
-Reals = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Values = dict[str, Any]
 
 CHUNK = 5_000  # plans at a time: their results take 100 MB
@@ -77,34 +76,6 @@ class Orders:
     step_size: Reals
     inputs: Values
     start: Values
-
-
-class Dice:
-    """Random numbers, one for each instance; half of the instances are wild."""
-
-    def __init__(self, seed: int, number: int) -> None:
-        self.r = np.random.default_rng(seed)
-        self.number = number
-        self.wild = self.seldom(0.5)
-
-    def seldom(self, share: float) -> Bools:
-        return self.r.random(self.number) < share
-
-    def powers(self, low: float, high: float) -> Reals:
-        """From 10**low to 10**high."""
-        return 10.0 ** self.r.uniform(low, high, self.number)
-
-    def uniform(self, low: float, high: float) -> Reals:
-        return self.r.uniform(low, high, self.number)
-
-    def normal(self, size: float = 1.0) -> Reals:
-        return self.r.normal(0.0, size, self.number)
-
-    def choice(self, *values: float) -> Reals:
-        return self.r.choice(values, self.number)
-
-    def either(self, realistic: Reals, other: Reals) -> Reals:
-        return np.where(self.wild, other, realistic)
 
 
 def drawn(seed: int, number: int) -> Orders:

@@ -77,7 +77,9 @@ def bare(block: Any, case: Steady, axis: Axis) -> Callable[[int], None]:
         nonlocal done
         step = block.step
         for i in range(done, done + n):
-            moving.position += VELOCITY * H
+            moving.position += moving.velocity * H
+            if case.change:
+                moving.velocity = VELOCITY * (1.0 + case.change * (i % 2))
             if counter:
                 setattr(moving, counter, counted(case.counts, i * H))
             step(H)

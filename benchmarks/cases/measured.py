@@ -43,6 +43,7 @@ class Steady:
         first: the length of that step, s.
         holds: the values that variables have throughout the motion.
         counts: the rate of the axis' counter, 1/s.
+        change: by this share the axis is faster in every second step; 0 in the first case of a block.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Steady:
     first: float = H
     holds: Values = field(default_factory=dict)
     counts: float = 0.0
+    change: float = 0.0
 
 
 @dataclass(frozen=True)

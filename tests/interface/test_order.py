@@ -1,4 +1,6 @@
-"""The order in which a block's variables are listed, and how many ports the largest block has."""
+"""The order in which a block's variables are listed, and how many ports the largest blocks have."""
+
+import pytest
 
 from motionsync_fmu.interface.recipe import Recipe
 
@@ -20,7 +22,8 @@ def test_signals_come_first_then_settings_then_what_is_watched(block: str) -> No
     assert max(map(listed.index, commands), default=0) < listed.index("slave") < listed.index("state")
 
 
-def test_the_flying_saw_has_few_ports() -> None:
-    table = Recipe("FlyingSaw").variables.values()
-    assert sum(v.causality == "input" for v in table) <= 30
-    assert sum(v.causality == "output" for v in table) <= 45
+@pytest.mark.parametrize(("block", "inputs", "outputs"), [("FlyingSaw", 30, 45), ("CutToLength", 20, 30)])
+def test_a_block_with_many_variables_has_few_ports(block: str, inputs: int, outputs: int) -> None:
+    table = Recipe(block).variables.values()
+    assert sum(v.causality == "input" for v in table) <= inputs
+    assert sum(v.causality == "output" for v in table) <= outputs

@@ -30,6 +30,9 @@ COMMANDS = {  # what an edge starts, by hand
         *("gear_in_velo.execute", "gear_in_pos.execute", "gear_out.execute", "halt.execute", "stop.execute"),
         *("move_velocity.execute", "move_absolute.execute", "reset.execute"),
     },
+    "CutToLength": {
+        *("start", "stop", "abort", "reset", "cut_now", "take_sample", "order.add", "mark.detected", "tool.done"),
+    },
 }
 
 

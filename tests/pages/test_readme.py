@@ -9,9 +9,17 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
+from motionsync.cut_to_length.block import CutToLength
+from motionsync.cut_to_length.limits import (
+    Machine,
+    approach_distance,
+    cycle_time,
+    max_line_velocity,
+    return_time,
+    stroke,
+)
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import cells, members
@@ -24,6 +32,14 @@ README = (ROOT / "README.md").read_text("utf-8")
 WIRING = (ROOT / "docs" / "wiring.md").read_text("utf-8")
 PYTHON = (ROOT / "docs" / "python.md").read_text("utf-8")
 SOURCES = {"mv_follow2"}  # a source that is written like a variable
+REFERENCE = Machine(  # of the CutToLength's README
+    max_velocity=1500.0,
+    max_position=650.0,
+    approach_reserve=0.0,
+    approach_jerk=2e5,
+    homing_velocity=1500.0,
+    homing_jerk=2e5,
+)
 SECTIONS = ("How to use it", "Names in the source system", "Decisions where the source is silent", "States")
 
 
@@ -37,6 +53,12 @@ def replaced(code: str, old: str, new: str) -> str:
     """The example with another text in one place."""
     assert code.count(old) == 1, old
     return code.replace(old, new)
+
+
+def row(text: str, head: str) -> list[float]:
+    """The cells of a row of a table that begin with a number: that number."""
+    (found,) = re.findall(rf"^ *\| {re.escape(head)} \|(.*)\|$", text, re.M)
+    return [float(cell.split()[0]) for cell in found.split("|") if re.match(r"\s*\d", cell)]
 
 
 def printed(line: str, word: str) -> tuple[float, float]:
@@ -61,25 +83,29 @@ def test_the_fifteen_lines_tell_the_truth_of_other_lengths_and_speeds(
     length: float,
     line: float,
 ) -> None:
-    """In any folder into which the FMU was built. The slave is in sync for 0.2 length after each mark, so that n cuts
-    are done where the material has come (n + 0.2) lengths. 300 mm are too short: (1.5 v / T) is 6250 mm/s2 on the way
-    in, which takes the time T of 0.2 lengths."""
-    fmus.copied(Flavour.NATIVE, "Follower", tmp_path / "build")
+    """In any folder into which the FMU was built. The kerf is 4 mm: with start at 0.011 s the n-th cut is due where
+    the material has come 0.011 v - 2 + n (L + 4), and it has been made D + 0.25 v later, where D is the approach's way:
+    sqrt(1.5 V3/j), V being greater than v by the reserve of 2 %. Pieces of 300 mm need a line of 377 mm/s at most, so
+    that every second cut is left out, once the saw has come home, some 0.45 s after a cut."""
+    fmus.copied(Flavour.NATIVE, "CutToLength", tmp_path / "build")
     monkeypatch.chdir(tmp_path)
-    code = replaced(code_with(README, "simulate_fmu"), "= 800.0, 500.0,", f"= {length}, {line},")
+    code = replaced(code_with(README, "simulate_fmu"), "= 800.0, 500.0 ", f"= {length}, {line} ")
     names, out = executed(code, capsys)
-    run = names["run"]
-    for what, variable in (("speed", "slave.velocity"), ("acceleration", "slave.acceleration")):
-        value, limit = printed(out, what)
-        assert value == round(float(np.abs(run[variable]).max()))
-        assert limit == names[f"max_{what}"]
-        assert value <= limit or run["error"][-1]
+    run, pitch = names["run"], length + 4.0
+    made = math.sqrt(1.5 * (1.02 * line) ** 3 / 1e5) + 0.25 * line  # mm of the line behind the cut's place
+    passed = (10.0 * line - (0.011 * line - 2.0) - made) / pitch
     if length == 300.0:
-        assert re.search(r"0 cuts of 300 mm, error_id 1\d", out)
+        assert f"{math.floor((passed + 1.0) / 2.0)} cuts, {math.floor(passed / 2.0)} left out" in out
+        assert "is 604.000000 mm long" in out
     else:
-        assert f"{math.floor(10.0 * line / length - 0.2)} cuts of {length:g} mm, no error" in out
+        assert f"{math.floor(passed)} cuts, 0 left out, the last piece is {length:.6f} mm long" in out
+    ((way, fastest),) = re.findall(r"goes to (\d+) mm; the line may run at (\d+) mm/s", out)
+    assert float(way) == round(float(run["slave.position"].max())) < 650.0
+    assert (float(fastest) > line) == (length > 300.0)
     if (length, line) == (800.0, 500.0):
-        for text in re.findall(r"`(\d+ cuts .*?|speed .*?)`", README):
+        printed = re.findall(r"`(\d+ cuts, .*?|the carriage goes .*?)`", README)
+        assert len(printed) == 2
+        for text in printed:
             assert text in out
 
 
@@ -104,6 +130,19 @@ def test_the_plc_loop_tells_the_truth_of_other_lengths_and_speeds(
     else:
         assert "stopped" not in out
         assert f"{math.floor((line * 14.8 - names['meet']) / length)} cuts, worst error" in out
+
+
+def test_the_line_that_follows_the_request_misses_no_cut(fmus: Fmus, capsys: pytest.CaptureFixture[str]) -> None:
+    """The example begins like the one of the FlyingSaw. All 17 pieces are made, and each is good; what is printed
+    stands below it. The line is slowest where pieces of 600 mm are cut: below 98 % of what the machine can do then."""
+    head, _, _ = code_with(WIRING, "gear_in_pos").partition("saw.instantiate()")
+    code = head.replace("build/native/FlyingSaw.fmu", str(fmus.native("CutToLength")))
+    names, out = executed(code + code_with(WIRING, "line.velocity_request"), capsys)
+    assert "17 good pieces, 0 cuts left out" in out
+    assert names["slowest"] < 0.98 * max_line_velocity(Machine(max_position=900.0), 604.0)
+    assert names["fastest"] <= 0.98 * max_line_velocity(Machine(max_position=900.0), 2504.0)
+    told = re.findall(r"at (\d+) to (\d+) mm/s", WIRING)
+    assert told == [(f"{names['slowest']:.0f}", f"{names['fastest']:.0f}")]
 
 
 def test_the_batch_example_gives_what_its_comments_say() -> None:
@@ -141,6 +180,47 @@ def test_links_lead_to_files_that_exist() -> None:
     for file in files:
         for link in re.findall(r"\]\((?!http|#)([^)#]+)[^)]*\)", file.read_text("utf-8")):
             assert (file.parent / link).exists(), f"{file}: {link}"
+
+
+# --- of the CutToLength ---
+
+
+def test_how_far_its_start_values_carry() -> None:
+    text, machine = readme(CutToLength), Machine()
+    lengths, highest, ways = (row(text, head) for head in ("pieces of", "highest line velocity", "way of the carriage"))
+    assert len(lengths) > 5
+    velocities = [max_line_velocity(machine, length) for length in lengths]
+    assert highest == [round(v) for v in velocities]
+    assert ways == [round(stroke(machine, v)) for v in velocities]
+
+
+def test_the_parts_of_its_cycle() -> None:
+    """Of the reference machine, at 500 and at 1000 mm/s; a cut takes 0.25 s: the way from home is D + 0.25 V."""
+    text, machine = readme(CutToLength), REFERENCE
+    for i, v in enumerate((500.0, 1000.0)):
+        distance, cycle = approach_distance(machine, v), cycle_time(machine, v)
+        away = distance + 0.25 * v
+        for head, value, digits in (
+            ("way to the sync position D", distance, 1),
+            ("approach", 2.0 * distance / v, 3),
+            ("settling, cut, gap, blade out", 0.25, 3),
+            ("way from home S", away, 1),
+            ("way home", return_time(v, away, 1e4, 1e4, 2e5, 1500.0), 3),
+            ("cycle T", cycle, 3),
+            ("shortest pitch", v * cycle, 1),
+            ("stroke", stroke(machine, v), 1),
+        ):
+            assert row(text, head)[-2:][i] == round(value, digits), head
+
+
+def test_what_its_limits_cost() -> None:
+    """The sentence on the reference machine: the highest line velocity for pitches, the last of them by the stroke."""
+    text = re.sub(r"\s+", " ", readme(CutToLength))
+    told = re.findall(
+        r"it is (\S+) mm/s for a pitch of 500, (\S+) for 1000, (\S+) for 1500, and (\S+), for the stroke", text
+    )
+    pitches = (500.0, 1000.0, 1500.0, 2000.0)
+    assert told == [tuple(f"{max_line_velocity(REFERENCE, pitch):.1f}" for pitch in pitches)]
 
 
 # --- of the blocks ---

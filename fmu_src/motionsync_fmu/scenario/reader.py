@@ -17,6 +17,8 @@ from ..interface.roles import books, remote_axis
 from ..interface.turns import Interface, TurnError
 from ..interface.units import BASES
 from .cuts import CutSpec, PieceSpec, usual_tolerance
+from .drive_table import KEYS as DRIVE
+from .drive_table import read_drive
 from .expect_tables import read_expectation
 from .reaction_tables import read_reaction
 from .remote_table import KEYS as TELEGRAMS
@@ -67,6 +69,7 @@ def load(file: Path) -> Scenario:
         reader.cuts(unit) if "cuts" in top and not reader.books else None,
         reader.picture(),
         tuple(reader.reactions()),
+        None if reader.axis else read_drive(reader.axis_table, reader.block),
         top.string("step_bound", ""),
         reader.pieces(unit) if "cuts" in top and reader.books else None,
     )
@@ -153,7 +156,7 @@ class Reader:
 
     def script(self) -> Script:
         table = self.axis_table
-        table.allow_only(*SCRIPT, *(TELEGRAMS if self.axis else ()))
+        table.allow_only(*SCRIPT, *(TELEGRAMS if self.axis else DRIVE))
         p, v, a = (table.number(key, default=0.0) for key in ("position", "velocity", "acceleration"))
         return Script(p, v, a, [_segment(t) for t in table.tables("segments", "{ duration = ..., ... }")])
 

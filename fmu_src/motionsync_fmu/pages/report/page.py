@@ -61,6 +61,7 @@ def write_report(
         deviations=deviations,
         messages=recording.messages,
         reactions=[_told(reaction, scenario) for reaction in asked.reactions],
+        drive=asked.drive,
         unmet=recording.unmet,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
@@ -76,7 +77,7 @@ def write_report(
         origin=origin(fmu) if fmu else None,
         date=now(),
         platform=here(),
-        axis=list(zip(scenario.master.breaks, scenario.master.motions, strict=True)),
+        axis=list(zip(asked.master.breaks, asked.master.motions, strict=True)),
         engineering=engineering,
         kind_colour=kind_colour,
         measured=_measured,
@@ -95,8 +96,8 @@ def _measured(piece: Piece, made: Production) -> str:
 
 
 def happened(scenario: Scenario, recording: Recording) -> Scenario:
-    """The scenario with all that was set in a run of it, each at its time, and without reactions."""
-    return scenario.settled(recording.settings or scenario.settings)
+    """The scenario with all that was set in a run of it, each at its time, and with the master's motion in it."""
+    return scenario.settled(recording.settings or scenario.settings, recording.script or scenario.master)
 
 
 def _told(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
