@@ -6,6 +6,7 @@ Readings of the specification that it leaves open:
 - A piece keeps the length that was ordered, whatever it becomes: `last.error` of a SHORT or MERGED piece is told.
 - `length_waste` holds WASTE, TRIM and bad pieces; a sample's length counts nowhere.
 - `clear_statistics` begins `statistics.*` anew, not the batches, nor `order.completed`.
+- THIS_PIECE with a length that is none: the piece's length is not known any more.
 - The order that will be in front after a piece: the next one, if the piece is the last PRODUCT that its order lacks.
 - A missing mark without `substitute` does not count among the n of `mark.every`.
 - With the source MARK, Δ is 0 wherever it occurs, the piece in progress ends at the front of the queue, and the entry
@@ -43,7 +44,10 @@ class Order:
 
 @dataclass(frozen=True)
 class Piece:
-    """What is made at present, with f, b and Δ of when it was fixed; its cut is to lie at `line`."""
+    """What is made at present, with f, b and Δ of when it was fixed; its cut is to lie at `line`.
+
+    `pitch`: what the line must not be too fast for, of the master; infinite for TRIM and where no length is known.
+    """
 
     kind: int
     ordered: float
@@ -137,7 +141,7 @@ class Books:
         self.running, self.merging = True, False
         self.piece = None
         if mode == 2:
-            self.piece = self._made(TRIM, float(self.inputs["trim_length"]), None)
+            self.piece = replace(self._made(TRIM, float(self.inputs["trim_length"]), None), pitch=inf)
         else:
             self.fix()
 
@@ -186,8 +190,12 @@ class Books:
         wanted = (length, order, self.f, self.kerf, self.correction)
         if wanted == (piece.ordered, piece.order, piece.f, piece.kerf, piece.correction):
             return
-        anew = self._made(PRODUCT, length, order)
-        if length > 0 and anew.pitch * self.f > LEAST_PITCH and ahead(anew.line):
+        anew: Piece | None = self._made(PRODUCT, length, order)
+        if length <= 0 or anew.pitch * self.f <= LEAST_PITCH:
+            possible, anew = ahead(inf), None
+        else:
+            possible = ahead(anew.line)
+        if possible:
             self.piece = anew
         else:
             self.warnings["change_pending"] = True
@@ -238,7 +246,7 @@ class Books:
             self.tally.add("length_waste", length)
         if self.by_marks and piece.kind in (PRODUCT, MERGED):
             self.marks.pop(0)
-        self.warnings |= {"blade_early": False, "gap_skipped": False, "change_pending": False}
+        self.warnings |= {"gap_skipped": False, "change_pending": False}
         self.merging = False
         self.last_piece, self.last_cut, self.origin = piece, line, line
         self.fix()
@@ -338,7 +346,7 @@ class Books:
 
     def pitches(self) -> tuple[float, float]:
         """Of the piece in progress and the one expected after it, the smaller one; and of all that waits."""
-        present = self.piece.pitch if self.piece and self.piece.kind != TRIM else inf
+        present = self.piece.pitch if self.piece else inf
         if self.by_marks:
             apart = [b - a for a, b in zip(self.marks, self.marks[1:], strict=False)]
             spacing = self.inputs["mark.spacing"] * self.inputs["mark.every"] / self.f

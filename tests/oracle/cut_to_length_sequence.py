@@ -6,6 +6,7 @@ What the specification notices at a step's beginning is noticed where the steps 
 Readings of the specification that it leaves open:
 - What is set where the master jumps acts with the master after the jump.
 - The way home is not eased where it begins on a line that accelerates: it would be FAST from the next step on.
+- `warning.blade_early` is told until the blade begins its next cut in time.
 - A `stop` during an eased way home makes it FAST.
 - An eased way home that has become FAST stays FAST.
 - `start` forgets a `cut_now` that waits; so do `stop`'s arrival, `abort` and a fault.
@@ -115,7 +116,7 @@ class Machine:
         self.line, self.sync_place, self.sync_time = 0.0, 0.0, 0.0
         self.on_time: float | None = None
         self.command, self.command_time = False, 0.0
-        self.down = False
+        self.down = self.early = False
         self.cut_begin, self.cut_place, self.clear_end = inf, 0.0, inf
         self.gap_made = False
         self.ease, self.ease_velocity, self.ease_line = 1.0, 0.0, 0.0
@@ -301,7 +302,7 @@ class Machine:
         assert piece is not None
         self.log.append((self.time, "start"))
         self.state, self.cycle, self.line, self.sync_place = APPROACHING, saw, piece.line, saw.home + way
-        self.start_time, self.on_time = self.time, None
+        self.start_time, self.on_time, self.early = self.time, None, False
         self.reserve = 1.0
         if self.former_start is not None:
             spent, cycle = self.time - self.ready_at, self.time - self.former_start
@@ -341,7 +342,7 @@ class Machine:
     def _touch(self) -> None:
         self.down = True
         if self.state == APPROACHING:
-            self.books.warnings["blade_early"] = True
+            self.early = self.books.warnings["blade_early"] = True
             self.books.tally.add("unsynchronised")
 
     def _command_on(self) -> None:
@@ -384,6 +385,7 @@ class Machine:
 
     def _begin_cut(self) -> None:
         self.state, self.cut_begin = CUTTING, self.time
+        self.books.warnings["blade_early"] = self.early
         self.cut_place = self._master().position
 
     def _cutting(self, until: float) -> list[Event]:

@@ -9,7 +9,7 @@ from .. import var
 from ..clock import Clock
 from ..cosine import cosine
 from ..exceeded import Exceeded, Limit
-from ..grid import floor, wrap
+from ..grid import floor, rounding, wrap
 from ..laws import chain_rule
 from ..limits import usable
 from ..motion import SAME_TIME, stopping_distance
@@ -38,6 +38,7 @@ from .way_home import WayHome
 
 NEVER = 1e300  # s since the step's beginning
 LATE = 1.0 - 1e-9  # of the least way of an approach: with less, a start is late
+NEARLY = 1e-9  # of an approach: what is missing to sync is rounding
 WHOLE = 1e-12  # of a pitch: what a number of pitches may lack to be whole
 IN_TIME = 1.0 - 1e-12  # of the time that is left: rounding must not make an eased way home too slow
 LONG_AGO = -1e9  # s: the carriage has been at home since long before the initialization
@@ -619,16 +620,22 @@ class CutToLength(CutToLengthInterface):
             return False
         if self.first(Condition.SYNC, time) < time or self.first(Condition.BACK, time) < time:
             return False
+        if self.tool.command and self.is_nearly_in_sync(time):
+            return False  # the blade touches in sync
         self.now = time
         if self.tool.command:
             self.tool.blade_down = True
-            if self.first(Condition.SYNC, time) == NEVER:
-                self.early = True
-                self.warning.blade_early = True
-                self.statistics.unsynchronised += 1
+            self.early = True
+            self.warning.blade_early = True
+            self.statistics.unsynchronised = more(self.statistics.unsynchronised, 1.0)
         else:
             self.set_tool(True)
         return True
+
+    def is_nearly_in_sync(self, time: float) -> bool:
+        """Whether sync lies ahead by rounding only, at a time since the step's beginning."""
+        missing = self.carriage.sync - self.beyond(self.cut_place, time)
+        return missing <= NEARLY * (self.carriage.sync - self.carriage.start) + rounding(self.cut_place, self.cut_place)
 
     def try_event_synchronous(self, until: float) -> bool:
         """The tool is commanded, the blade touches, the cut begins, or the stroke ends."""
@@ -713,7 +720,7 @@ class CutToLength(CutToLengthInterface):
             return False
         self.now = time
         if self.tool.blade_down:
-            self.statistics.unsynchronised += 1
+            self.statistics.unsynchronised = more(self.statistics.unsynchronised, 1.0)
         if self.fault == Fault.NONE:
             self.stop_for(Fault.STROKE)
         self.set_tool(False)
@@ -1051,10 +1058,12 @@ class CutToLength(CutToLengthInterface):
         """The piece in progress and its cut."""
         piece = self.material.piece
         k = self.predictions.machine.coupling
-        self.piece.kind = piece.kind
-        self.piece.ordered = piece.ordered
+        self.piece.kind = PieceKind.NONE
+        self.piece.ordered = 0.0
         self.piece.length = 0.0
         if self.running:
+            self.piece.kind = piece.kind
+            self.piece.ordered = piece.ordered
             self.piece.length = max(piece.length(self.master.end - self.slave.position / k), 0.0)
         self.next_cut.known = self.running and piece.known
         self.next_cut.position = 0.0
@@ -1077,7 +1086,7 @@ class CutToLength(CutToLengthInterface):
             case Stage.SYNCHRONOUS | Stage.CUTTING:
                 self.local.progress = 1.0
             case _:
-                self.next_cut.distance = max((home + distance) / k - mu, 0.0)
+                self.next_cut.distance = (home + distance) / k - mu
 
     def show_orders(self) -> None:
         orders = self.material.orders

@@ -81,12 +81,12 @@ class Material:
     def fix_marked(self, settings: Settings) -> None:
         """The piece ends at the next mark that is cut. Marks without a known spacing say nothing of its length."""
         piece = self.piece
-        piece.kind = PieceKind.PRODUCT
         piece.exact = settings.mark.spacing > 0.0
-        if piece.exact:
-            piece.ordered = settings.mark.spacing * float(settings.mark.every) - piece.kerf
         if self.marks.waiting > 0:
             piece.known = True
+            piece.kind = PieceKind.PRODUCT
+            if piece.exact:
+                piece.ordered = settings.mark.spacing * float(settings.mark.every) - piece.kerf
             piece.end = self.marks.place(0)
             piece.pitch = limiting(piece.end - piece.begin)
 
