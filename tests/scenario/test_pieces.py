@@ -190,7 +190,8 @@ def test_what_was_made_is_told_in_words(tmp_path: Path) -> None:
     assert made.short_text == "4 pieces, worst error 0 mm, 1 skipped"
     assert made.tolerance == 0.5  # the block's own
     assert made.line
-    assert (made.line.velocity_text, made.line.limit_text) == ("1000 mm/s", "1250 mm/s at 0.21 s")
+    assert made.line.greatest_text == "1000 mm/s"
+    assert made.line.limit_text == "nearest to its limit at 0.21 s: 1000 of 1250 mm/s"
     assert made.remarks == ["cuts that did not come on time: 1 skipped"]
 
 
@@ -202,14 +203,18 @@ def test_the_worst_product_is_told_with_its_number(tmp_path: Path) -> None:
     assert made.short_text == "4 pieces, worst error 0.25 mm (piece 2), 1 skipped"
 
 
-def test_a_line_that_is_too_fast_is_a_remark(tmp_path: Path) -> None:
-    """From 2 s on the machine follows 950 u/s only; before `start` nothing is asked of it."""
+def test_a_line_that_is_too_fast_is_told_and_a_remark_where_cuts_were_missed(tmp_path: Path) -> None:
+    """Between 2 s and 3.5 s the machine follows 950 u/s only; before `start` nothing is asked of it."""
     s = scenario(tmp_path)
-    made = made_of(s, run(s, limit=[(0.0, 1250.0), (2.0, 950.0)]))
-    assert made.line
-    assert made.line.exceeded
-    text = "the line is faster than the machine can follow: 1000 mm/s, limit 950 mm/s at 2 s"
-    assert made.remarks == ["cuts that did not come on time: 1 skipped", text]
+    limit = [(0.0, 1250.0), (2.0, 950.0), (3.5, 1250.0)]
+    for skipped, remarks in (([], 0), ([3], 1)):
+        made = made_of(s, run(s, limit=limit, skipped_with=skipped))
+        assert made.line
+        assert made.line.beyond == pytest.approx(1.5)
+        assert made.line.limit_text == "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
+        assert len(made.remarks) == remarks
+    text = "the line was above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
+    assert made.remarks == [f"cuts that did not come on time: 1 skipped; {text}"]
 
 
 def test_without_a_piece_there_is_little_to_tell(tmp_path: Path) -> None:
