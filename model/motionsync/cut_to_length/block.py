@@ -537,8 +537,8 @@ class CutToLength(CutToLengthInterface):
         return self.predictions.machine.coupling * mu < self.way_home.home - self.local.approach_distance
 
     def is_far_from_ends(self, until: float) -> bool:
-        """Whether the carriage, in sync, need not stop for an end of its stroke up to a time since the step's beginning:
-        it spares the search for the instant. The bound of the way of a stop is a rough one."""
+        """Whether the carriage, in sync, need not stop for an end of its stroke up to a time since the step begins: it
+        spares the search for the instant. The bound of the way of a stop is a rough one."""
         k = self.carriage.coupling
         machine = self.predictions.machine
         down = turning_acceleration(machine)
