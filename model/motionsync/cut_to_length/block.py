@@ -525,17 +525,39 @@ class CutToLength(CutToLengthInterface):
             return False
         return not self.material.piece.waits_for_line() or is_admissible(machine, velocity)
 
+    def is_far_from_start(self, until: float) -> bool:
+        """Whether no start can be due up to a time since the step's beginning: it spares the search for one.
+
+        On a line no faster than that for which the approach was predicted last, this is no longer than predicted."""
+        fastest = max(self.master.begin_velocity, self.master.end_velocity)
+        if not self.predictions.solved or fastest > self.predictions.velocity:
+            return False
+        place = self.material.piece.end
+        mu = max(self.beyond(place, self.now), self.beyond(place, until))
+        return self.predictions.machine.coupling * mu < self.way_home.home - self.local.approach_distance
+
+    def is_far_from_ends(self, until: float) -> bool:
+        """Whether the carriage, in sync, need not stop for an end of its stroke up to a time since the step begins: it
+        spares the search for the instant. The bound of the way of a stop is a rough one."""
+        k = self.carriage.coupling
+        machine = self.predictions.machine
+        down = turning_acceleration(machine)
+        begin = self.master.begin_velocity
+        end = self.master.end_velocity
+        if self.carriage.pulls or not self.carriage.joined or k * abs(end - begin) > down * self.master.step:
+            return False
+        fast = k * max(abs(begin), abs(end)) + 0.5 * down * down / machine.homing_jerk
+        far = fast * (0.5 * fast / down + 3.0 * down / machine.homing_jerk)
+        first = k * self.beyond(self.cut_place, self.now)
+        last = k * self.beyond(self.cut_place, until)
+        low = self.good.axis.min_position + far
+        return low < min(first, last) and max(first, last) < self.good.axis.max_position - far
+
     def has_to_stop(self, time: float) -> bool:
         """Whether the time-optimal stop from here ends at an end of the stroke, or beyond it."""
         position, velocity, acceleration, _ = self.carriage_at(time)
         down = turning_acceleration(self.predictions.machine)
-        jerk = self.predictions.machine.homing_jerk
-        if abs(acceleration) <= down:  # then the stop takes no longer than this
-            fast = abs(velocity) + 0.5 * down * down / jerk
-            far = fast * (0.5 * fast / down + 3.0 * down / jerk)
-            if self.good.axis.min_position < position - far and position + far < self.good.axis.max_position:
-                return False
-        end = position + stopping_distance(velocity, acceleration, down, jerk)
+        end = position + stopping_distance(velocity, acceleration, down, self.predictions.machine.homing_jerk)
         if velocity > 0.0 or (velocity == 0.0 and acceleration > 0.0):
             return end >= self.good.axis.max_position
         return (velocity < 0.0 or acceleration < 0.0) and end <= self.good.axis.min_position
@@ -570,7 +592,7 @@ class CutToLength(CutToLengthInterface):
             return False
         if self.cut_waits:
             time = self.first(Condition.CUT_NOW, until)
-        elif self.material.piece.known:
+        elif self.material.piece.known and not self.is_far_from_start(until):
             time = self.first(Condition.START, until)
         else:
             return False
@@ -717,7 +739,7 @@ class CutToLength(CutToLengthInterface):
 
     def try_end_of_stroke(self, until: float, other: float) -> bool:
         """The carriage has to stop before an end of its stroke, earlier than the other event comes."""
-        time = self.first(Condition.STROKE_END, until)
+        time = NEVER if self.is_far_from_ends(until) else self.first(Condition.STROKE_END, until)
         if time == NEVER or time >= other:
             return False
         self.now = time
@@ -1015,6 +1037,8 @@ class CutToLength(CutToLengthInterface):
                     self.enter_clearing(self.cycle.retract_time)
                 else:
                     self.enter_returning()
+            case Stage.HOMING:
+                self.enter_returning()
             case Stage.RETURNING:
                 if self.way_home.eased:
                     self.enter_returning()
