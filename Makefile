@@ -6,7 +6,7 @@ READY := $(VENV)/ready-native
 WIRABLE := $(READY) $(VENV)/ready-line
 TESTABLE := $(VENV)/ready-test
 ALIVE = while sleep 1; do printf .; done & dots=$$!; trap "kill $$dots; echo" EXIT;
-FLAGSHIP := FlyingSaw/cyclic_cut
+FLAGSHIP := CutToLength/cyclic_orders
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
 .PHONY: run line quick check test build lint format references pictures benchmark release clean help

@@ -12,9 +12,11 @@ from typing import Any
 
 from motionsync.master import MasterInput
 from motionsync_fmu.scenario.crosscheck import csv_text, inputs_csv, options_text
+from motionsync_fmu.scenario.reactions import scans
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import inputs, schedule
 from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.scenario.script import Script
 from motionsync_fmu.scenario.settings import Reaction, Setting
 from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
@@ -46,7 +48,7 @@ def files(scenario_file: Path) -> dict[Path, str]:
     """The cross-check files that belong beside a scenario, with their text."""
     scenario = load(scenario_file)
     script = independent_script(scenario)
-    scenario = scenario.settled(settings(script)) if scenario.reactions else scenario
+    scenario = scenario.settled(settings(script), master(scenario, script)) if scenario.reacts else scenario
     name = scenario.recipe.name
     steps = round(scenario.stop_time / scenario.step_size)
     stride = max(steps // POINTS, 1)
@@ -67,14 +69,14 @@ def files(scenario_file: Path) -> dict[Path, str]:
 
 
 def independent_script(scenario: Scenario) -> dict[str, Any]:
-    """What an oracle gets: the tables of the file, with the members of enumerations as numbers, and with the sets that
-    its own trajectory makes of the reactions.
+    """What an oracle gets: the tables of the file, with the members of enumerations as numbers, and with the sets and
+    the master's segments that its own trajectory makes of the reactions and of what the master follows.
 
     Raises:
         LookupError: the scenario reacts, and the oracle is one that is stepped.
     """
     script = tomllib.loads(scenario.file.read_text()) | {"start": scenario.start}
-    if not scenario.reactions:
+    if not scenario.reacts:
         return script
     if scenario.remote:
         raise LookupError(f"{scenario.file}: the oracle of a block with a remote axis finds no reactions")
@@ -97,12 +99,23 @@ def settings(script: Mapping[str, Any]) -> list[Setting]:
     return [Setting(t["at"], {name: value for name, value in t.items() if name != "at"}) for t in script["set"]]
 
 
+def master(scenario: Scenario, script: Mapping[str, Any]) -> Script:
+    """The scenario's master; one that follows the block has its motion from the script's segments, one a scan."""
+    if not scenario.drive:
+        return scenario.master
+    begin = scenario.master.at(0.0)
+    following = Script(begin.position, begin.velocity, begin.acceleration, ())
+    for at, segment in zip(scans(scenario), script["master"]["segments"][1:], strict=True):
+        following.go_on(at, float(segment["acceleration"]))
+    return following
+
+
 def stepped(made: Callable[..., Any], scenario: Scenario, times: Sequence[float]) -> list[dict[str, float]]:
     """The outputs, at some of the steps' ends, of an oracle that gets in each step the inputs of the FMU."""
     declared = scenario.recipe.variables
     parameters = {name: value for name, value in scenario.start.items() if declared[name].causality == "parameter"}
     seen = {name: value for name, value in scenario.start.items() if declared[name].causality == "input"}
-    seen |= inputs(scenario, 0.0, 0.0)
+    seen |= inputs(scenario, scenario.master, 0.0, 0.0)
     running = made(parameters, seen)
     wanted = {round(t / scenario.step_size, 6): t for t in times}
     rows = []

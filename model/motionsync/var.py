@@ -61,8 +61,14 @@ class Role(Enum):
 
     The first five belong to a block that works in cycles of its own, on telegrams from a controller with another clock.
     A tool makes the telegrams from the motion of an axis, and it judges what the block puts out. The part in which the
-    CYCLE_INDEX lies is the remote axis: it also has `position`, `velocity` and `acceleration`. The others are the
+    CYCLE_INDEX lies is the remote axis: it also has `position`, `velocity` and `acceleration`. The next ones are the
     limits of the slave's axis, beside which a tool shows what the slave did.
+
+    The last ones belong to a block that keeps books of the pieces which it cuts off the master's material. The part in
+    which PIECES lies counts: it also has `skipped` and `late`. That of LAST_LENGTH describes the piece: it also has
+    `error`, `kind` (an enumeration with the member PRODUCT), `good`, `time` and `reserve`. That of MAX_MASTER_VELOCITY
+    also has the `reserve` at the present velocity. A tool measures each piece once more, from the positions of slave
+    and master while CUTTING: it is as long as the material's travel between two cuts, less KERF and LENGTH_CORRECTION.
     """
 
     TASK_CYCLE = "the length of the block's own cycles, s"
@@ -76,6 +82,18 @@ class Role(Enum):
     MAX_ACCELERATION = "the greatest acceleration of the slave's axis; 0: no limit"
     MAX_DECELERATION = "the greatest deceleration of the slave's axis; 0: as its greatest acceleration"
     MAX_JERK = "the greatest jerk of the slave's axis; 0: no limit"
+    PIECES = "how many pieces have been cut off; where it rises, LAST_LENGTH is the length of one"
+    LAST_LENGTH = "the length of the piece that was cut off last"
+    RUNNING = "whether pieces are cut; the first one after a start is not measured from the cut before"
+    CUTTING = "whether the tool works in the material, in sync with it"
+    COUPLING_FACTOR = "the slave's travel over the master's in sync"
+    MATERIAL_FACTOR = "the material's true travel over the master's"
+    CALIBRATION_FACTOR = "a further factor of it, from a piece that was measured"
+    KERF = "the length of material that a cut removes"
+    LENGTH_CORRECTION = "by how much a piece is cut longer than its told length"
+    LENGTH_TOLERANCE = "how far the length of a good piece may be off"
+    MAX_MASTER_VELOCITY = "the greatest velocity of the master at which each cut is reached"
+    MASTER_REQUEST = "the velocity that the block asks the master for"
 
 
 class Enumeration(IntEnum):
@@ -242,8 +260,10 @@ def local(
     min: float = -inf,
     max: float = inf,
     codes: type[Enumeration] | None = None,
+    role: Role | None = None,
 ) -> T:
-    return _declared(start, Declaration("local", description, unit, discrete, min=min, max=max, codes=codes))
+    declaration = Declaration("local", description, unit, discrete, min=min, max=max, codes=codes, role=role)
+    return _declared(start, declaration)
 
 
 def part(

@@ -1,14 +1,20 @@
-"""When the reactions of a scenario happen, found from an oracle's own trajectory.
+"""When the reactions of a scenario happen, and how its master follows, found from an oracle's own trajectory.
 
 A controller looks at the outputs 1/128 of a scan before each scan, and sets something from the scan on, or `after`
 seconds later. The scans are the multiples of the scenario's `step_size`, before its `stop_time`; a condition that holds
-at 0 has not become true. Between two firings nothing is unknown: the oracle is asked for a stretch of looks, the first
-firings in it become sets, and it is asked again from there on.
+at 0 has not become true. A master that follows a velocity u takes it at each scan, as it is at the look: from there to
+the next scan, T later, its acceleration is (u - v)(1 - exp(-T/time_constant))/T, at most max_acceleration.
+
+Between two firings, or two changes of u, nothing is unknown: the oracle is asked for a stretch of looks, the first
+firings in it become sets, u becomes what it is there, and the oracle is asked again from there on.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
+
+from tests.oracle.master import Number, mp
 
 Rows = Callable[[Mapping[str, Any], Sequence[float]], Sequence[Mapping[str, float]]]
 """An oracle's `reference`: the outputs for a script at some times."""
@@ -37,6 +43,36 @@ class _Reaction:
 
 
 @dataclass(slots=True)
+class _Line:
+    """A master that follows a velocity: the table [master], and what was asked for at each of the first scans."""
+
+    table: Mapping[str, Any]
+    scan: float
+    asked: list[float] = field(default_factory=list)
+
+    def takes(self, row: Mapping[str, float]) -> bool:
+        """Whether the velocity at the next look differs from that of the look before, by more than 1e-9 of it."""
+        value, before = row[self.table["follows"]], self.asked[-1] if self.asked else math.nan
+        changed = not abs(value - before) <= 1e-9 * max(1.0, abs(before))
+        self.asked.append(value if changed else before)
+        return changed
+
+    def master(self, scans: int) -> dict[str, Any]:
+        """The script of the first so many scans and the one after them, if what is asked for stays as it is."""
+        velocity, segments = mp.mpf(self.table.get("velocity", 0)), [{"duration": mp.mpf(self.scan)}]
+        for i in range(scans if self.asked else 0):
+            acceleration = self.acceleration(velocity, self.asked[min(i, len(self.asked) - 1)])
+            segments.append({"duration": mp.mpf(self.scan), "acceleration": acceleration})
+            velocity += acceleration * mp.mpf(self.scan)
+        return {**{k: self.table[k] for k in ("position", "velocity") if k in self.table}, "segments": segments}
+
+    def acceleration(self, velocity: Number, asked: float) -> Number:
+        scan, limit = mp.mpf(self.scan), mp.mpf(self.table.get("max_acceleration", mp.inf))
+        needed = (asked - velocity) * (1 - mp.exp(-scan / mp.mpf(self.table["time_constant"]))) / scan
+        return min(max(needed, -limit), limit)
+
+
+@dataclass(slots=True)
 class _Found:
     """What is set: (time, values, additions), in the order in which it was ordered."""
 
@@ -53,7 +89,8 @@ class _Found:
 
 
 def settled(script: Mapping[str, Any], rows: Rows) -> dict[str, Any]:
-    """The script without [[on]]: all that its reactions set is in [[set]]. Steps end at the looks, too.
+    """The script without [[on]]: all that its reactions set is in [[set]], and a master that follows has segments, one
+    a scan. Steps end at the looks, too.
 
     `script`: a condition is written as NAME COMPARISON NUMBER; a variable that is added to has a start value.
 
@@ -66,12 +103,14 @@ def settled(script: Mapping[str, Any], rows: Rows) -> dict[str, Any]:
         scans.append(time)
     looks = [time - scan / 128 for time in scans]
     reactions = [_Reaction(table) for table in script["on"]]
+    line = _Line(script["master"], scan) if "follows" in script["master"] else None
     found = _Found([(t["at"], {k: v for k, v in t.items() if k != "at"}, {}) for t in script.get("set", ())])
     ends = [*script.get("expect", ()), *({"at": look} for look in looks)]
     known = {k: v for k, v in script.items() if k != "on"} | {"expect": ends}
 
     def now() -> dict[str, Any]:
-        return known | {"set": found.tables(script["start"])}
+        master = {"master": line.master(len(scans))} if line else {}
+        return known | {"set": found.tables(script["start"])} | master
 
     (first,) = rows(now() | {"stop_time": scan}, [0.0])
     for reaction in reactions:
@@ -90,6 +129,6 @@ def settled(script: Mapping[str, Any], rows: Rows) -> dict[str, Any]:
                 at = round(scans[i] + r.table.get("after", 0.0), 12)
                 found.sets.append((at, r.table.get("set", {}), r.table.get("add", {})))
             i += 1
-            if fired:
+            if (line is not None and line.takes(row)) or fired:
                 break
     return now()

@@ -8,6 +8,7 @@ import plotly.graph_objects as go
 import pytest
 
 from motionsync_fmu.line.report import decimals, error_chart, event_chart
+from motionsync_fmu.line.variants import Length
 from motionsync_fmu.scenario.cuts import Cut
 from tests.pages.test_report import coloured, named, notes, sheets
 
@@ -18,7 +19,7 @@ def variant(name: str, size: float) -> Any:
     """A variant of a line whose slave is off by `size`, in u, and whose index by twice as many cycles."""
     cuts = [Cut(1.0, 2.0, 100.0, size), Cut(3.0, 4.0, 200.0, -3.0 * size)]
     errors = np.full(100, size)
-    return SimpleNamespace(name=name, away=errors, index=2.0 * errors, cuts=cuts, switches=[])
+    return SimpleNamespace(name=name, away=errors, index=2.0 * errors, cuts=cuts, switches=[], lengths=[])
 
 
 @pytest.fixture
@@ -59,6 +60,17 @@ def test_the_errors_of_the_cuts_have_a_bar_each(line: Any, result: Any) -> None:
     assert (bars["x"], bars["y"], bars["customdata"]) == ([1, 2], [1.5, 4.5], [1.5, -4.5])
     assert chart.axis(1)["type"] == "log"
     assert notes(chart) == ["|error| of the cut in mm"]
+
+
+def test_the_errors_of_products_stand_at_their_numbers(line: Any, result: Any) -> None:
+    """The first piece has no cut before it; a piece with a cut left out in it is no product."""
+    for v in result.variants:
+        v.cuts = []
+        v.lengths = [Length(number, 0.0, 1.0, 300.0, number * v.away[0], 0.0) for number in (2, 4)]
+    chart = event_chart(line, result)
+    (bars,) = named(chart, "raw telegrams")
+    assert (bars["x"], bars["y"]) == ([2, 4], [3.0, 6.0])
+    assert notes(chart) == ["|error| of the product in mm"]
 
 
 def test_its_charts_are_what_plotly_js_takes(line: Any, result: Any) -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motionsync_fmu.scenario.figures import Figures, Peak, engineering, figures
+from motionsync_fmu.scenario.amounts import engineering
+from motionsync_fmu.scenario.figures import Figures, Peak, figures
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
 

@@ -355,14 +355,15 @@ def test_reactions_happen_at_the_scans_of_the_oracle(step_size: float) -> None:
     """The oracle has found them from its own trajectory, and has made the input file of them."""
     scenario = load(FLAGSHIP)
     assert scenario.reactions
-    assert inputs_csv(scenario.settled(run_in_process(scenario, step_size).settings)) == of_the_oracle(scenario)
+    recording = run_in_process(scenario, step_size)
+    assert inputs_csv(scenario.settled(recording.settings, scenario.master)) == of_the_oracle(scenario)
 
 
 @pytest.mark.parametrize("step_size", [0.01, 0.007])
 def test_they_happen_there_in_an_fmu_too(step_size: float, fmus: Fmus) -> None:
     scenario = load(FLAGSHIP)
     recording = simulate(scenario, fmus.python("FlyingSaw"), step_size)
-    assert inputs_csv(scenario.settled(recording.settings)) == of_the_oracle(scenario)
+    assert inputs_csv(scenario.settled(recording.settings, scenario.master)) == of_the_oracle(scenario)
 
 
 @given(st.floats(0.001, 0.5))

@@ -1,4 +1,5 @@
-"""The variables of a block that works in cycles on telegrams, found by the roles that the block declares."""
+"""The variables that mean something to a tool, found by the roles that a block declares: those of a block that works in
+cycles on telegrams, and of one that keeps books of the pieces that it cuts off."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -34,6 +35,51 @@ class RemoteAxis:
     corrected_index: str
 
 
+@dataclass(frozen=True)
+class Books:
+    """The names of the variables by which a block tells the pieces that it cuts off the master's material.
+
+    Attributes:
+        pieces: how many have been cut off; where it rises, the next five tell the last one.
+        skipped, late: how many cuts were left out, or made late.
+        length, error: of the last piece, in u; the error is the length less what was ordered.
+        kind: an enumeration with the member PRODUCT.
+        good: whether the piece is a good product.
+        time: when the tool came in sync for its cut, in s of the block's clock.
+        reserve: the share of its cycle that was left.
+        running: whether pieces are cut.
+        cutting: whether the tool works in the material, in sync with it.
+        coupling_factor: the slave's travel over the master's in sync.
+        factors: their product is the material's true travel over the master's.
+        kerf: the length of material that a cut removes, in u.
+        correction: by how much pieces are cut longer than their told length, in u.
+        tolerance: how far the length of a good piece may be off, in u.
+        max_velocity: the greatest velocity of the master at which each cut is reached, in u/s.
+        spare: the share of a cycle that is left at the present velocity.
+        request: the velocity that the block asks the master for, in u/s.
+    """
+
+    pieces: str
+    skipped: str
+    late: str
+    length: str
+    error: str
+    kind: str
+    good: str
+    time: str
+    reserve: str
+    running: str
+    cutting: str
+    coupling_factor: str
+    factors: tuple[str, str]
+    kerf: str
+    correction: str
+    tolerance: str
+    max_velocity: str
+    spare: str
+    request: str
+
+
 def with_role(variables: Iterable[Variable], role: Role) -> Variable | None:
     """The variable that has this role, if there is one."""
     return next((v for v in variables if v.declaration.role is role), None)
@@ -57,4 +103,38 @@ def remote_axis(variables: Iterable[Variable]) -> RemoteAxis | None:
         by_role[Role.DATA_CYCLE].name,
         by_role[Role.DELAY].name,
         by_role[Role.CORRECTED_INDEX].name,
+    )
+
+
+def books(variables: Iterable[Variable]) -> Books | None:
+    """The variables by which a block tells its pieces; None for a block that does not.
+
+    Raises:
+        KeyError: the block counts PIECES, but has not all the other roles.
+    """
+    by_role = {v.declaration.role: v.name for v in variables if v.declaration.role}
+    if Role.PIECES not in by_role:
+        return None
+    count, length, limit = (by_role[role] for role in (Role.PIECES, Role.LAST_LENGTH, Role.MAX_MASTER_VELOCITY))
+    counted, last, limits = (name.rpartition(".")[0] for name in (count, length, limit))
+    return Books(
+        pieces=count,
+        skipped=f"{counted}.skipped",
+        late=f"{counted}.late",
+        length=length,
+        error=f"{last}.error",
+        kind=f"{last}.kind",
+        good=f"{last}.good",
+        time=f"{last}.time",
+        reserve=f"{last}.reserve",
+        running=by_role[Role.RUNNING],
+        cutting=by_role[Role.CUTTING],
+        coupling_factor=by_role[Role.COUPLING_FACTOR],
+        factors=(by_role[Role.MATERIAL_FACTOR], by_role[Role.CALIBRATION_FACTOR]),
+        kerf=by_role[Role.KERF],
+        correction=by_role[Role.LENGTH_CORRECTION],
+        tolerance=by_role[Role.LENGTH_TOLERANCE],
+        max_velocity=limit,
+        spare=f"{limits}.reserve",
+        request=by_role[Role.MASTER_REQUEST],
     )

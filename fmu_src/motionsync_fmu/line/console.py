@@ -7,7 +7,7 @@ from motionsync.var import Unit
 
 from ..interface.units import unit_name
 from ..pages.console import out, print_checks, print_headline, wide
-from ..scenario.figures import engineering
+from ..scenario.amounts import engineering
 from .judge import Figures
 from .line import Line
 from .outcome import LineOutcome
@@ -33,9 +33,11 @@ def _print_figures(title: str, rows: list[Figures], unit: str) -> None:
     """Print a table with a row for each variant; a column that would be empty is left out."""
     columns = {
         "cuts": [f"{f.cuts}" if f.cuts else "" for f in rows],
+        "missed": ["" if f.missed is None else f"{f.missed}" for f in rows],
         "worst": [_length(f.worst, unit) for f in rows],
         "mean": [_length(f.mean, unit) for f in rows],
         "spread": [_length(f.spread, unit) for f in rows],
+        "worst by the books": [_length(f.told, unit) for f in rows],
         "worst switch": [_length(f.switches, unit) for f in rows],
         "slave, worst": [_length(f.away, unit) for f in rows],
         "jump in a step": [_length(f.jump, unit) for f in rows],

@@ -10,7 +10,8 @@ import numpy as np
 from motionsync.var import Unit
 
 from ..interface.units import unit_name
-from ..scenario.figures import engineering
+from ..scenario.amounts import engineering
+from ..scenario.cuts import PieceSpec
 from ..scenario.judge import Check, check
 from ..scenario.recording import Reals
 from .line import REMOTE, Line
@@ -40,9 +41,11 @@ class Figures:
     Attributes:
         name: the variant's name.
         cuts: the number of cuts.
-        worst: the greatest magnitude of the cuts' errors.
-        mean: the mean of the cuts' errors.
-        spread: the greatest of the cuts' errors minus the least.
+        missed: how many more a follower that keeps books left out or made late.
+        worst: the greatest magnitude of the errors of the cuts, or of the lengths of a follower that keeps books.
+        mean: the mean of these errors.
+        spread: the greatest of these errors minus the least.
+        told: the greatest magnitude of the length errors by the follower's books.
         switches: the greatest magnitude of the errors of the switches.
         away: the greatest magnitude of `Variant.away`.
         jump: the greatest change of `Variant.away` in a step, which is a jump of the setpoint without a cause in the
@@ -52,9 +55,11 @@ class Figures:
 
     name: str
     cuts: int
+    missed: int | None
     worst: float | None
     mean: float | None
     spread: float | None
+    told: float | None
     switches: float | None
     away: float | None
     jump: float | None
@@ -141,8 +146,8 @@ def examine(line: Line, package: Package, progress: Callable[[str], None] = lamb
         settled,
         remote,
         variants,
-        [_figures(variant, line.times < settled) for variant in variants],
-        [_figures(variant, line.times >= settled) for variant in variants],
+        [_figures(line, variant, line.times < settled) for variant in variants],
+        [_figures(line, variant, line.times >= settled) for variant in variants],
         agreements,
         missing,
         list(_checks(line, variants[0], synced, settled, agreements)),
@@ -163,18 +168,22 @@ def _settled(line: Line, remote: Values) -> tuple[float, float]:
     return synced, synced + max(cycles * line.step_size, time)
 
 
-def _figures(variant: Variant, chosen: Any) -> Figures:
+def _figures(line: Line, variant: Variant, chosen: Any) -> Figures:
     times = variant.recording.time[chosen]
     begin, end = (times[0], times[-1]) if len(times) else (math.inf, math.inf)
-    cuts = np.array([c.error for c in variant.cuts if begin <= c.begin <= end])
+    lengths = [x for x in variant.lengths if begin <= x.begin and x.end <= end]
+    made = [c.begin for c in variant.cuts] + [piece.told for piece in variant.pieces]
+    errors = np.array([c.error for c in variant.cuts if begin <= c.begin <= end] + [x.error for x in lengths])
     switches = np.array([s.error for s in variant.switches if begin <= s.time <= end])
     away = variant.away[chosen]
     return Figures(
         variant.name,
-        len(cuts),
-        _greatest(cuts),
-        float(cuts.mean()) if len(cuts) else None,
-        _spread(cuts),
+        sum(bool(begin <= t <= end) for t in made),
+        int(variant.missed[chosen].sum()) if line.books else None,
+        _greatest(errors),
+        float(errors.mean()) if len(errors) else None,
+        _spread(errors),
+        _greatest(np.array([x.told for x in lengths])),
         _greatest(switches),
         _greatest(away),
         _greatest(np.diff(away)),
@@ -193,6 +202,8 @@ def _spread(values: Reals) -> float | None:
 def _agreements(ssp: Mapping[str, Values], cosim: Mapping[str, Values]) -> Iterator[Agreement]:
     for component, values in ssp.items():
         for name, column in values.items():
+            if name not in cosim[component]:
+                continue
             apart = np.abs(column - cosim[component][name])
             allowed = AGREEMENT * max(1.0, float(np.abs(column).max()))
             first, later = (float(part.max(initial=0.0)) for part in (apart[:FIRST], apart[FIRST:]))
@@ -213,7 +224,9 @@ def _checks(line: Line, wired: Variant, synced: float, settled: float, agreement
         yield Check(
             expected, f"{engineering(worst.later, digits=2)} apart in {worst.name}", worst.later <= worst.allowed
         )
-    yield from check(replace(s, cuts=None), wired.recording)
+    yield from check(replace(s, cuts=None, pieces=None), wired.recording)
+    if s.pieces:
+        yield from _lengths(s.pieces, wired, settled, unit)
     if s.cuts and s.cuts.count is not None:
         yield Check(f"number of cuts = {s.cuts.count}", f"{len(wired.cuts)}", len(wired.cuts) == s.cuts.count)
     if s.cuts:
@@ -224,6 +237,19 @@ def _checks(line: Line, wired: Variant, synced: float, settled: float, agreement
         judged = [abs(x.error) for x in wired.switches if x.time >= settled]
         expected = f"transitions within {engineering(line.places, unit)} of their place on the true axis, once in sync"
         yield _judged(expected, judged, line.places, unit, "transition")
+
+
+def _lengths(spec: PieceSpec, wired: Variant, settled: float, unit: str) -> Iterator[Check]:
+    """The follower's pieces: their number, whether a cut was missed, and their lengths."""
+    if spec.count is not None:
+        yield Check(f"number of cuts = {spec.count}", f"{len(wired.pieces)}", len(wired.pieces) == spec.count)
+    missed = int(wired.missed.sum())
+    yield Check("no cut left out or late", f"{missed}", missed == 0)
+    within = engineering(spec.tolerance, unit)
+    judged = [x for x in wired.lengths if x.begin >= settled]
+    for whose, errors in (("on the true axis", [x.error for x in judged]), ("by the books", [x.told for x in judged])):
+        expected = f"products within {within} of their ordered length {whose}, once in sync"
+        yield _judged(expected, [abs(e) for e in errors], spec.tolerance, unit, "product")
 
 
 def _judged(expected: str, errors: list[float], tolerance: float, unit: str, what: str) -> Check:

@@ -1,7 +1,7 @@
 """A line: a scripted remote axis, RemoteSync's parameters, and the follower with its commands."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..interface.recipe import Recipe
-from ..interface.roles import MOTION
+from ..interface.roles import MOTION, Books, books
 from ..interface.variables import Variable
 from ..scenario.recording import Reals
 from ..scenario.scenario import AtTime, Expectation, Scenario, When, Within
@@ -56,6 +56,11 @@ class Line:
         """The name of the package and of the report."""
         return self.follower.file.stem
 
+    @cached_property
+    def books(self) -> Books | None:
+        """The variables by which the follower tells its pieces; None: it does not."""
+        return books(self.follower.recipe.variables.values())
+
     @property
     def step_size(self) -> float:
         return self.follower.step_size
@@ -88,12 +93,20 @@ class Line:
         named = [n for e in s.expectations for n in expected_names(e)]
         named += [s.cuts.name] if s.cuts else []
         named += RAMP if self.places is not None else ()
+        named += self._told
         wanted = {REMOTE: SHOWN[REMOTE], s.recipe.name: (*SHOWN[""], *(_readable(n) for n in named))}
         declared = {name: recipe.variables for name, recipe in self.recipes.items()}
         return {
             name: [declared[name][n] for n in dict.fromkeys(chosen) if n in declared[name]]
             for name, chosen in wanted.items()
         }
+
+    @property
+    def _told(self) -> list[str]:
+        """What the follower tells of its pieces and does not have from outside."""
+        names = astuple(self.books) if self.books else ()
+        flat = [n for name in names for n in (name if isinstance(name, tuple) else (name,))]
+        return [n for n in flat if not self.follower.recipe.variables[n].settable]
 
     @cached_property
     def commands(self) -> dict[str, NDArray[Any]]:

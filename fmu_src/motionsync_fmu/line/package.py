@@ -19,6 +19,7 @@ from ..interface.fmi2_xml import describe
 from ..interface.recipe import Recipe
 from ..interface.roles import MOTION
 from ..interface.units import unit_name
+from ..interface.variables import Variable
 from ..pages.style import TEMPLATES
 from .line import REMOTE, Line
 
@@ -43,12 +44,15 @@ class Package:
 
 @dataclass(frozen=True)
 class Connector:
-    """An input or output of the system or of a component, with FMI's name of its type."""
+    """An input or output of the system or of a component, with FMI's name of its type.
+
+    `enumeration`: the name of an Enumeration's type in the system; empty for other types."""
 
     name: str
     kind: str
     type: str
     unit: str
+    enumeration: str
 
 
 @dataclass(frozen=True)
@@ -104,7 +108,7 @@ def _texts(line: Line) -> dict[str, bytes]:
     def connector(component: str, name: str, kind: str) -> Connector:
         v = blocks[component][name]
         unit = unit_name(v.declaration.unit, line.unit, line.follower.slave_unit)
-        return Connector(name, kind, v.kind, unit)
+        return Connector(name, kind, v.kind, unit, _enumeration(component, v) if v.choices else "")
 
     values: dict[str, Any] = {
         "name": line.name,
@@ -124,6 +128,9 @@ def _texts(line: Line) -> dict[str, bytes]:
             for name in blocks
         ],
         "connections": wires,
+        "enumerations": {
+            _enumeration(name, v): v.choices for name, of in line.outputs.items() for v in of if v.choices
+        },
         "units": _units(line),
         "values": [
             {"component": name, "name": n, "kind": blocks[name][n].kind, "value": blocks[name][n].literal(value)}
@@ -133,6 +140,11 @@ def _texts(line: Line) -> dict[str, bytes]:
     }
     names = {"SystemStructure.ssd": "SystemStructure.ssd", PARAMETERS: "parameters.ssv", STRUCTURE: STRUCTURE}
     return {name: TEMPLATES.get_template(f"{t}.j2").render(values).encode() for name, t in names.items()}
+
+
+def _enumeration(component: str, v: Variable) -> str:
+    """The name of an enumeration in the system, in which each name stands for one type."""
+    return f"{component}.{v.cell.type.__name__}"
 
 
 def _units(line: Line) -> list[dict[str, Any]]:

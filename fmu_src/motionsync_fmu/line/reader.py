@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..interface.recipe import Recipe
+from ..scenario.cuts import PieceSpec
 from ..scenario.reader import SCALARS, Reader, read_block, read_file, read_times
 from ..scenario.scenario import Expectation, Scenario
 from ..scenario.telegrams import Remote
@@ -31,7 +32,9 @@ def load_line(file: Path) -> Line:
     if reader.axis:
         top.fail("fmu", f"{name} sees telegrams itself: name the block that follows it")
     start, settings, expectations = reader.start(), tuple(reader.settings()), _expectations(reader)
-    cuts, places = reader.cuts(unit) if "cuts" in top else None, _places(top, reader.recipe)
+    cuts = reader.cuts(unit) if "cuts" in top and not reader.books else None
+    pieces = _pieces(reader, unit) if "cuts" in top and reader.books else None
+    places = _places(top, reader.recipe)
     remote, remote_start = _remote(Reader(top, REMOTE, stop_time), step_size)
     follower = Scenario(
         file,
@@ -50,6 +53,7 @@ def load_line(file: Path) -> Line:
         settings,
         expectations,
         cuts,
+        pieces=pieces,
     )
     return Line(follower, remote, remote_start, places)
 
@@ -62,6 +66,14 @@ def _expectations(reader: Reader) -> tuple[Expectation, ...]:
             if reader.recipe.variables[name].choices and name != "state":
                 table.fail(name, "is an enumeration: in a line, expect its code or something else")
     return found
+
+
+def _pieces(reader: Reader, unit: str) -> PieceSpec:
+    """How the pieces of the follower are checked."""
+    spec, table = reader.pieces(unit), reader.top.table("cuts")
+    if given := [key for key in ("lengths", "kinds") if key in table]:
+        table.fail(given[0], "in a line each product is compared with its ordered length: give tolerance and count")
+    return spec
 
 
 def _places(top: Table, recipe: Recipe) -> float | None:

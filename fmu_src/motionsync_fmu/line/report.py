@@ -14,12 +14,11 @@ from ..pages.report.motion import fit
 from ..pages.report.origin import here, now, origin
 from ..pages.report.page import bundle, keys_of, run_charts, settings
 from ..pages.style import TEMPLATES
-from ..scenario.cuts import Cut
-from ..scenario.figures import engineering
+from ..scenario.amounts import engineering
 from .judge import Figures, Result
 from .line import REMOTE, Line
 from .package import Package
-from .variants import Switch, Variant
+from .variants import Variant
 
 HUES = (SLAVE, RECEIVED, REFERENCE, "--third", MASTER)  # the colours of the variants
 ROWS = (("slave's error, all variants", 240), ("slave's error, as wired", 170), ("index error", 170))
@@ -47,7 +46,9 @@ def write_line_report(file: Path, line: Line, package: Package, result: Result, 
         "lengths": decimals([x for f in (*result.before, *result.after) for x in _lengths(f)]),
         "indices": decimals([f.index for f in (*result.before, *result.after)]),
         "error_chart": error_chart(line, result).html(),
-        "event_chart": event_chart(line, result).html() if wired.cuts or wired.switches else "",
+        "event_chart": event_chart(line, result).html() if _events(wired) else "",
+        "judged": "length" if s.pieces else "cut",
+        "lengths_of": [{x.number: x for x in variant.lengths} for variant in result.variants],
         "charts": {name: chart.html() for name, chart in charts.items()},
         "keys": keys_of(find_lanes(s, wired.recording)),
         "starts": [(c, n, blocks[c][n].text(value)) for c, given in starts.items() for n, value in given.items()],
@@ -64,7 +65,7 @@ def write_line_report(file: Path, line: Line, package: Package, result: Result, 
 
 
 def _lengths(f: Figures) -> list[float | None]:
-    return [f.worst, f.mean, f.spread, f.switches, f.away, f.jump]
+    return [f.worst, f.mean, f.spread, f.told, f.switches, f.away, f.jump]
 
 
 def decimals(values: list[float | None]) -> int:
@@ -102,16 +103,17 @@ def error_chart(line: Line, result: Result) -> Chart:
 
 
 def event_chart(line: Line, result: Result) -> Chart:
-    """The magnitude of each cut's error, or of each switch's, in each variant, on a logarithmic scale."""
-    unit, what = unit_name(Unit.POSITION, line.unit), "cut" if result.wired.cuts else "switch"
-    most = max(len(_events(variant)) for variant in result.variants)
+    """The magnitude of the error of each cut, switch or product in each variant, on a logarithmic scale."""
+    unit, wired = unit_name(Unit.POSITION, line.unit), result.wired
+    what = "cut" if wired.cuts else "switch" if wired.switches else "product"
+    most = max(max(_events(variant), default=0) for variant in result.variants)
     chart = Chart(f"Error of each {what}", [260], what, (0.5, most + 0.5), hover="closest", timed=False)
     chart.head(1, f"|error| of the {what}{f' in {unit}' if unit else ''}")
     for variant, hue in _hues(result):
         events = _events(variant)
-        bars = {"type": "bar", "x": list(range(1, len(events) + 1)), "y": [abs(e.error) for e in events]}
+        bars = {"type": "bar", "x": list(events), "y": [abs(error) for error in events.values()]}
         said = f"{what} %{{x}}: %{{customdata:.4~g}} {unit}<extra>%{{fullData.name}}</extra>"
-        look = {"marker": {"color": hue}, "customdata": [e.error for e in events], "hovertemplate": said}
+        look = {"marker": {"color": hue}, "customdata": list(events.values()), "hovertemplate": said}
         chart.add(1, variant.name, bars | look)
     chart.axis(1).update({"type": "log", "dtick": 1})
     chart.layout["xaxis"]["dtick"] = 1 + most // 20
@@ -119,5 +121,9 @@ def event_chart(line: Line, result: Result) -> Chart:
     return chart
 
 
-def _events(variant: Variant) -> list[Cut] | list[Switch]:
-    return variant.cuts or variant.switches
+def _events(variant: Variant) -> dict[int, float]:
+    """The errors of a variant's cuts, switches or products, by their numbers."""
+    if variant.lengths:
+        return {x.number: x.error for x in variant.lengths}
+    errors = [c.error for c in variant.cuts] or [s.error for s in variant.switches]
+    return dict(enumerate(errors, 1))

@@ -86,7 +86,8 @@ def _parameters(package: Package) -> ParameterSet:
 
 
 def run_cosim(line: Line, package: Package) -> dict[str, Values]:
-    """libcosim's fixed-step co-simulation of the OSP structure; telegrams and commands override the inputs.
+    """libcosim's fixed-step co-simulation of the OSP structure; telegrams and commands override the inputs. It cannot
+    read enumerations: these are missing.
 
     Raises:
         MissingLibraryError: libcosimpy is not installed.
@@ -146,7 +147,7 @@ class _Cosim:
             if names := [n for n in chosen if n in inputs]:
                 rows = list(zip(*(inputs[n].tolist() for n in names), strict=True))
                 self.feeds.append(_Feed(partial(put, slave, [references[n] for n in names]), rows))
-            if names := [n for n in outputs if n in chosen]:
+            if names := [n for n in outputs if n in chosen]:  # enumerations are in none of the KINDS
                 values = np.empty((self.line.steps, len(names)))
                 self.reads.append(_Read(partial(get, slave, [references[n] for n in names]), component, names, values))
 
@@ -215,9 +216,9 @@ def run_alone(
     Raises:
         UserError: the component refused a value or a step; the message has the time and what the component logged.
     """
-    outputs = {kind: [v.name for v in line.outputs[name] if v.kind == kind] for kind in KINDS}
-    found = {kind: np.empty((line.steps, len(names))) for kind, names in outputs.items()}
     with FmuInstance(package.fmus[name]) as fmu:
+        outputs = {kind: [v.name for v in line.outputs[name] if fmu.kinds[v.name][1] == kind] for kind in KINDS}
+        found = {kind: np.empty((line.steps, len(names))) for kind, names in outputs.items()}
         given = {kind: [n for n in inputs if fmu.kinds[n][1] == kind] for kind in KINDS}
         puts = [
             (getattr(fmu.unit, f"set{kind}"), fmu.references(names), np.array([inputs[n] for n in names]).T.tolist())

@@ -7,12 +7,15 @@ true axis.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from ..interface.roles import MOTION
 from ..scenario.cuts import Cut, find_cuts
+from ..scenario.pieces import Piece, find_pieces, rises
 from ..scenario.recording import Reals, Recording
 from ..scenario.telegrams import errors
 from .line import RAMP, REMOTE, Line
@@ -41,6 +44,27 @@ class Switch:
 
 
 @dataclass(frozen=True)
+class Length:
+    """The length of a product between two cuts of the follower.
+
+    Attributes:
+        number: the piece's number.
+        begin: the beginning of the cut before it, in s.
+        end: the end of the cut that ended it, in s.
+        ordered: how long it should be, in u.
+        error: how much longer it is on the true axis's material, in u.
+        told: how much longer it is by the follower's own books, in u.
+    """
+
+    number: int
+    begin: float
+    end: float
+    ordered: float
+    error: float
+    told: float
+
+
+@dataclass(frozen=True)
 class Variant:
     """The outputs of the follower for one way in which it receives the axis.
 
@@ -49,6 +73,8 @@ class Variant:
         away: slave.position minus the slave.position of the follower that sees the true axis, in u; shape (steps,).
         index: how far the cycle index is ahead of the sender's, in cycles; shape (steps,).
         cuts, switches: those of the follower; their errors are measured on the true axis.
+        pieces: those that the follower tells, measured on the true axis.
+        missed: how many cuts the follower left out or made late in each step; shape (steps,).
     """
 
     name: str
@@ -57,6 +83,17 @@ class Variant:
     index: Reals
     cuts: list[Cut]
     switches: list[Switch]
+    pieces: list[Piece]
+    missed: Reals
+
+    @cached_property
+    def lengths(self) -> list[Length]:
+        """Those of the products between two cuts."""
+        return [
+            Length(p.number, before.cut[0], p.cut[1], p.ordered, p.measured - p.ordered, p.error)
+            for before, p in pairwise(self.pieces)
+            if p.product and p.measured is not None and before.cut and p.cut
+        ]
 
 
 def through(line: Line, package: Package, start: Mapping[str, Any] | None = None) -> tuple[Values, Values]:
@@ -121,7 +158,7 @@ def variant_of(line: Line, name: str, values: Values, truth: Values, remote: Val
     s = line.follower
     motions = [s.master.until(t) for t in line.times.tolist()]
     master = np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions])
-    recording = Recording(line.times, _shown(values), master, [])
+    recording = Recording(line.times, _shown(values), master, [], s.settings)
     away = _nearest(values["slave.position"] - truth["slave.position"], s.period)
     return Variant(
         name,
@@ -130,7 +167,16 @@ def variant_of(line: Line, name: str, values: Values, truth: Values, remote: Val
         _index(line, remote, master),
         find_cuts(s.cuts, recording) if s.cuts else [],
         list(_switches(line, recording)) if line.places is not None else [],
+        find_pieces(s, recording),
+        _missed(line, values),
     )
+
+
+def _missed(line: Line, values: Values) -> Reals:
+    """How many cuts were left out or made late in each step; shape (steps,)."""
+    if not line.books:
+        return np.zeros(line.steps)
+    return rises(values[line.books.skipped]) + rises(values[line.books.late])
 
 
 def _shown(values: Values) -> Values:

@@ -12,7 +12,7 @@ from ..scenario.outcome import Outcome
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
 from ..scenario.shipped import called
-from .report.page import write_report
+from .report.page import happened, write_report
 
 FIRST = ("state", "in_sync")  # columns of the CSV file, after time, master and slave
 MASTER = ("position", "velocity", "acceleration", "jerk")
@@ -36,7 +36,7 @@ def write_outcome(
         (part / results.name).write_text(_outputs_csv(scenario, recording))
         if not own_step or not inputs.exists():  # a user's own scenario may have no such file
             inputs = folder / inputs.name
-            (part / inputs.name).write_text(inputs_csv(scenario.settled(recording.settings)))
+            (part / inputs.name).write_text(inputs_csv(happened(scenario, recording)))
         if report:
             write_report(part / page.name, scenario, recording, checks, deviations, scenario.step_size, fmu, results)
     return Outcome(

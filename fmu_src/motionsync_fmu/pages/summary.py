@@ -4,9 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.markup import escape
 
+from ..scenario.amounts import engineering
 from ..scenario.figures import Peak
 from ..scenario.judge import Check, Deviation
 from ..scenario.outcome import Outcome
+from ..scenario.production import Production
 from .console import out, print_headline, verdict
 
 LETTERS = {"velocity": "v", "acceleration": "a", "deceleration": "d", "jerk": "j"}
@@ -22,7 +24,11 @@ def print_row(outcome: Outcome, width: int) -> None:
     mark = "[green]ok [/]" if outcome.passed else "[red]NOT[/]"
     if outcome.passed and outcome.remarks:
         mark = "[yellow]ok![/]"
-    told = [outcome.figures.cuts_text, ", ".join(_short(p) for p in _shown(outcome.figures.peaks))]
+    made = outcome.figures.production
+    told = [
+        made.short_text if made else outcome.figures.cuts_text,
+        ", ".join(_short(p) for p in _shown(outcome.figures.peaks)),
+    ]
     if outcome.messages:
         told.append(f"{_counted(len(outcome.messages), 'message')} of the FMU")
     out.print(f"{mark} {escape(f'{outcome.name:<{width}}')}  {escape('; '.join(filter(None, told)))}")
@@ -72,6 +78,8 @@ def _figures(outcome: Outcome) -> Iterator[tuple[str, str]]:
     figures = outcome.figures
     if figures.tolerance is not None:
         yield "saw", f"{figures.cuts_text}; {figures.tolerance_text} allowed"
+    if figures.production:
+        yield from _made(figures.production)
     for p in figures.peaks:
         yield p.name, f"{p.value_text:<22}  limit {p.limit_text}" if p.limit_text else p.value_text
     if outcome.expectations:
@@ -80,6 +88,19 @@ def _figures(outcome: Outcome) -> Iterator[tuple[str, str]]:
     if outcome.reference:
         kept, number = sum(d.passed for d in outcome.reference), len(outcome.reference)
         yield "reference", f"{kept} of {_counted(number, 'variable')} agree"
+
+
+def _made(made: Production) -> Iterator[tuple[str, str]]:
+    """What was made, a name and a text each."""
+    yield "made", made.pieces_text
+    if made.worst:
+        allowed = engineering(made.tolerance, made.unit)
+        yield "length error", f"{made.worst_text:<22}  {allowed} allowed"
+    if made.tightest:
+        yield "not on time", made.missed_text or "no cut"
+        yield "reserve", f"at least {made.reserve_text} of a cycle"
+    if made.line:
+        yield "line", f"{made.line.greatest_text:<22}  {made.line.limit_text}"
 
 
 def _shown(peaks: Sequence[Peak]) -> list[Peak]:

@@ -48,6 +48,23 @@ class CutSpec:
 
 
 @dataclass(frozen=True)
+class PieceSpec:
+    """How the pieces are checked that a block itself tells: no marks are needed.
+
+    Attributes:
+        tolerance: how far a length may be off, and a cut from where the block tells it, in u.
+        count: how many pieces there have to be; None: any number.
+        lengths: the lengths that they have to have, in u; None: the products, what was ordered.
+        kinds: the names of the kinds that they have to be of; None: any.
+    """
+
+    tolerance: float
+    count: int | None = None
+    lengths: tuple[float, ...] | None = None
+    kinds: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
 class Cut:
     """One synchronous phase, seen at the communication points.
 

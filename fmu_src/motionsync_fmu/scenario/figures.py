@@ -1,11 +1,10 @@
-"""The figures of a run: how far the slave went beside the limits of its axis, and its cuts.
+"""The figures of a run: how far the slave went beside the limits of its axis, its cuts, and what it has made.
 
 The console and the report print the same texts of them.
 """
 
 import math
 from dataclasses import dataclass
-from decimal import Decimal
 from itertools import islice
 
 import numpy as np
@@ -14,11 +13,13 @@ from motionsync.var import Role, Unit
 
 from ..interface.roles import with_role
 from ..interface.units import unit_name
+from .amounts import ROUNDING, engineering
+from .course import course
 from .cuts import Cut, CutSpec, find_cuts
-from .recording import Reals, Recording
+from .production import Production, production
+from .recording import Reals, Recording, greatest_position
 from .scenario import Scenario
 
-ROUNDING = 1e-9  # relative; what is smaller is rounding
 NOWHERE = 1e9  # u; an end position this far away bounds nothing
 MOST_MARKS = 10_000  # that passed uncut; more are not told apart
 TOLD_MARKS = 4  # uncut marks that a text names; of more it names the first two
@@ -86,6 +87,7 @@ class Figures:
 
     Attributes:
         peaks: one for each of the slave's values.
+        production: what was made by a block that tells its pieces; None: it does not.
         cuts: the cuts in the order of time; empty if the scenario has no table [cuts].
         uncut: the places of the marks that passed the saw without a cut, in u, in the order in which they passed; at
             most MOST_MARKS of them.
@@ -95,6 +97,7 @@ class Figures:
     """
 
     peaks: tuple[Peak, ...]
+    production: Production | None
     cuts: tuple[Cut, ...]
     uncut: tuple[float, ...]
     tolerance: float | None
@@ -141,43 +144,19 @@ class Figures:
         return f"{count} passed uncut: {places} {self.unit}".strip()
 
 
-def engineering(value: float, unit: str = "", *, scale: float = 0.0, digits: int = 4) -> str:
-    """A value as engineers write it: `0.0021 mm`, `1200 mm/s`, `448623 mm/s2`, `3.6e-12 mm`.
-
-    A value with fewer than `digits` digits before its point has `digits` significant ones; the others are whole. One
-    below 1e-9 `scale` is `0 (to rounding)`; powers of ten stand for magnitudes below 1e-6 and from 1e9 on only."""
-    if not math.isfinite(value):
-        return f"{value} {unit}".strip()
-    if 0.0 < abs(value) <= ROUNDING * scale:
-        return "0 (to rounding)"
-    if value == 0.0:
-        return f"0 {unit}".strip()
-    if 1e-6 <= abs(value) < 1e9:
-        whole = math.floor(math.log10(abs(value))) + 1
-        text = format(Decimal(f"{value:.{max(digits, whole)}g}"), "f")
-    else:
-        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
-        text = f"{float(mantissa):g}e{int(exponent)}"
-    return f"{text} {unit}".strip()
-
-
 def figures(scenario: Scenario, recording: Recording) -> Figures:
     """The figures of a run of a scenario."""
     spec = scenario.cuts
     cuts = tuple(find_cuts(spec, recording)) if spec else ()
     return Figures(
         tuple(_peaks(scenario, recording)),
+        production(scenario, recording),
         cuts,
         tuple(_uncut(spec, cuts, recording)) if spec else (),
         spec.tolerance if spec else None,
         unit_name(Unit.POSITION, scenario.unit),
         greatest_position(recording),
     )
-
-
-def greatest_position(recording: Recording) -> float:
-    """The greatest magnitude of the positions of master and slave, in u."""
-    return max(float(np.abs(p).max()) for p in (recording.master[:, 0], recording.values["slave.position"]))
 
 
 # --- peaks ---
@@ -210,17 +189,9 @@ _MOTION = ("position", "velocity", "acceleration", "jerk")
 
 
 def _limit(scenario: Scenario, recording: Recording, role: Role) -> Reals | None:
-    """The value of the variable with this role at each point; None if the block has none.
-
-    What is set at a time shows from the next point on."""
+    """The value of the variable with this role at each point; None if the block has none."""
     v = with_role(scenario.recipe.variables.values(), role)
-    if v is None:
-        return None
-    values = np.full(len(recording.time), float(scenario.start.get(v.name, v.start)))
-    for setting in recording.settings:
-        if v.name in setting.values:
-            values[recording.time > setting.at + ROUNDING] = float(setting.values[v.name])
-    return values
+    return course(scenario, recording, v.name) if v else None
 
 
 def _positive(limit: Reals | None) -> Reals | None:

@@ -12,9 +12,11 @@ from motionsync.var import Unit
 
 from ..errors import UserError
 from ..interface.units import unit_name
-from .cuts import CutSpec, find_cuts
-from .figures import engineering, greatest_position
-from .recording import Recording
+from .amounts import engineering
+from .cuts import CutSpec, PieceSpec, find_cuts
+from .pieces import Piece
+from .production import Production, production
+from .recording import Recording, greatest_position
 from .scenario import AtTime, Scenario, When, Within
 from .settings import COMPARISONS
 from .telegrams import Remote, errors
@@ -84,6 +86,8 @@ def check(scenario: Scenario, recording: Recording) -> list[Check]:
     unit = unit_name(Unit.POSITION, scenario.unit)
     if scenario.cuts:
         found += _cuts(scenario.cuts, recording, unit)
+    if scenario.pieces and (made := production(scenario, recording)):
+        found += _pieces(scenario.pieces, made)
     if scenario.remote:
         found += _accuracy(scenario.remote, recording, unit)
     return found
@@ -134,6 +138,48 @@ def _cuts(spec: CutSpec, recording: Recording, unit: str) -> Iterator[Check]:
         away = f"at most {engineering(worst, unit, scale=greatest_position(recording), digits=3)} away"
         expected = f"cuts within {within} of a mark, one mark each {length}"
         yield Check(expected, away if found else "no cut", worst <= spec.tolerance)
+
+
+def _pieces(spec: PieceSpec, made: Production) -> Iterator[Check]:
+    if spec.count is not None:
+        yield Check(f"number of pieces = {spec.count}", f"{made.cuts}", made.cuts == spec.count)
+    if spec.kinds is not None:
+        kinds = tuple(piece.name for piece in made.pieces)
+        yield Check(
+            f"kinds of the pieces = {', '.join(spec.kinds)}", ", ".join(kinds) or "no piece", kinds == spec.kinds
+        )
+    within = engineering(spec.tolerance, made.unit)
+    if spec.lengths is not None:
+        yield _lengths(spec.lengths, spec.tolerance, made)
+    elif made.products or (spec.count != 0 and not made.pieces):
+        worst = max((abs(piece.error) for piece in made.products), default=math.inf)
+        off = f"at most {made.worst_text} off" if made.products else "no piece"
+        yield Check(f"products as long as ordered, within {within}", off, worst <= spec.tolerance)
+    if gaps := [gap for gap in map(_disagreement, made.pieces) if gap is not None]:
+        away = f"at most {engineering(max(gaps), made.unit, scale=made.scale, digits=3)} away"
+        expected = f"cuts within {within} of where they are told, by the positions of slave and material"
+        yield Check(expected, away, max(gaps) <= spec.tolerance)
+
+
+def _lengths(lengths: tuple[float, ...], tolerance: float, made: Production) -> Check:
+    """Whether there are pieces of these lengths, in this order."""
+    expected = f"{len(lengths)} lengths, each within {engineering(tolerance, made.unit)}"
+    if len(lengths) != len(made.pieces):
+        return Check(expected, f"{len(made.pieces)} pieces", False)
+    off = [abs(piece.length - length) for piece, length in zip(made.pieces, lengths, strict=True)]
+    worst = max(off, default=0.0)
+    text = f"at most {engineering(worst, made.unit, scale=made.scale, digits=3)} off"
+    if worst > tolerance:
+        piece, length = made.pieces[off.index(worst)], lengths[off.index(worst)]
+        text = f"piece {piece.number} of {engineering(piece.length)} instead of {engineering(length, made.unit)}"
+    return Check(expected, text, worst <= tolerance)
+
+
+def _disagreement(piece: Piece) -> float | None:
+    """How far the cut of a piece is from where the block tells it, in u; None: it was shorter than a step."""
+    if piece.cut is None:
+        return None
+    return max(piece.wander, abs(piece.measured - piece.length) if piece.measured is not None else 0.0)
 
 
 def _accuracy(remote: Remote, recording: Recording, unit: str) -> Iterator[Check]:

@@ -57,6 +57,8 @@ class Outcome:
         found = [f"beyond the limit of the axis: {p.text}" for p in self.figures.peaks if p.exceeded]
         if self.figures.uncut:
             found.append(self.figures.uncut_text)
+        if self.figures.production:
+            found += self.figures.production.remarks
         found += self.unmet
         if not self.expectations and not self.reference:
             found.append("nothing is judged: the scenario has no [[expect]], no [cuts] and no reference")
@@ -71,5 +73,5 @@ class Outcome:
             for d in self.reference
         ]
         del found["unmet"]  # a part of the remarks
-        kept = {key: figures[key] for key in ("cuts", "uncut", "peaks")}
+        kept = {key: figures[key] for key in ("cuts", "uncut", "production", "peaks")}
         return found | kept | {"reference": reference, "remarks": self.remarks}

@@ -1,8 +1,9 @@
-"""The reactions of a scenario in one run: the program of a controller with a task cycle.
+"""The reactions of a scenario in one run, and the drive of its master: the program of a controller with a task cycle.
 
 The cycle is the *scan*, the step size in the scenario's file, whatever the step size of the run is. At each of its
 multiples the program knows the outputs of a little earlier, LOOK of a scan before. So it sees what happens exactly at a
-scan at the next one, and rounding has no say in it. What it sets acts from the scan on, or `after` seconds later.
+scan at the next one, and rounding has no say in it. What it sets acts from the scan on, or `after` seconds later. A
+master that follows a velocity takes it at each scan.
 """
 
 import math
@@ -13,6 +14,7 @@ from itertools import count
 from typing import Any
 
 from .scenario import Scenario
+from .script import Script
 from .settings import Condition, Setting, Unmet
 
 LOOK = 1.0 / 128.0  # of a scan: how long before it the outputs are looked at
@@ -31,19 +33,24 @@ class _Waiting:
 
 
 class Program:
-    """Everything that a scenario sets in one run: its settings, and what its reactions make of the outputs.
+    """Everything that a scenario gives the block in one run: its settings, what its reactions make of the outputs, and
+    the motion of the master.
 
     Attributes:
-        names: the outputs that the conditions compare.
+        names: the outputs that the conditions compare and that the master follows.
         settings: what has been set so far.
+        master: the scripted axis; one with a drive is known up to the scan after the next look.
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self.names = sorted({r.condition.name for r in scenario.reactions})
+        self._drive, self._scan = scenario.drive, scenario.scan
+        followed = {self._drive.follows} if self._drive else set()
+        self.names = sorted({r.condition.name for r in scenario.reactions} | followed)
         self.settings: list[Setting] = []
+        self.master = _beginning(scenario.master) if self._drive else scenario.master
         self._reactions = scenario.reactions
         self._stop_time = scenario.stop_time
-        self._looks = _looks(scenario) if self._reactions else iter(())
+        self._looks = _looks(scenario) if scenario.reacts else iter(())
         self._next = next(self._looks, None)
         self._held = [True] * len(self._reactions)
         self._happened = [0] * len(self._reactions)
@@ -75,9 +82,13 @@ class Program:
         self._held = [_holds(r.condition, outputs) for r in self._reactions]
 
     def look(self, outputs: Mapping[str, Any]) -> None:
-        """The outputs at `next_look`: each condition that has become true is reacted to, from the scan on."""
+        """The outputs at `next_look`: each condition that has become true is reacted to, from the scan on, and the
+        master follows."""
         assert self._next
         (_, scan), self._next = self._next, next(self._looks, None)
+        if self._drive:
+            velocity, asked = self.master.until(scan).velocity, float(outputs[self._drive.follows])
+            self.master.go_on(scan, self._drive.acceleration(velocity, asked, self._scan))
         for i, r in enumerate(self._reactions):
             held, self._held[i] = self._held[i], _holds(r.condition, outputs)
             at = round(scan + r.after, DECIMALS)
@@ -106,6 +117,12 @@ def scans(scenario: Scenario) -> Iterator[float]:
     while (scan := round(i * scenario.scan, DECIMALS)) < scenario.stop_time:
         yield scan
         i += 1
+
+
+def _beginning(master: Script) -> Script:
+    """A script of its own that begins like this one."""
+    begin = master.at(0.0)
+    return Script(begin.position, begin.velocity, 0.0, ())
 
 
 def _looks(scenario: Scenario) -> Iterator[tuple[float, float]]:

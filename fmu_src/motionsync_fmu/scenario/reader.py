@@ -13,10 +13,12 @@ from motionsync.blocks import BLOCKS
 
 from ..errors import UserError
 from ..interface.recipe import Recipe, check_slave_unit
-from ..interface.roles import remote_axis
+from ..interface.roles import books, remote_axis
 from ..interface.turns import Interface, TurnError
 from ..interface.units import BASES
-from .cuts import CutSpec, usual_tolerance
+from .cuts import CutSpec, PieceSpec, usual_tolerance
+from .drive_table import KEYS as DRIVE
+from .drive_table import read_drive
 from .expect_tables import read_expectation
 from .reaction_tables import read_reaction
 from .remote_table import KEYS as TELEGRAMS
@@ -64,10 +66,12 @@ def load(file: Path) -> Scenario:
         reader.remote(script, start, settings) if reader.axis else None,
         settings,
         tuple(reader.expectations()),
-        reader.cuts(unit) if "cuts" in top else None,
+        reader.cuts(unit) if "cuts" in top and not reader.books else None,
         reader.picture(),
         tuple(reader.reactions()),
+        None if reader.axis else read_drive(reader.axis_table, reader.block),
         top.string("step_bound", ""),
+        reader.pieces(unit) if "cuts" in top and reader.books else None,
     )
 
 
@@ -120,6 +124,7 @@ class Reader:
     Attributes:
         recipe: the block's FMU.
         axis: the block's remote axis; None: the block has a master.
+        books: the variables by which the block tells its pieces; None: it does not.
     """
 
     def __init__(self, top: Table, name: str, stop_time: float, origin: str = "") -> None:
@@ -128,6 +133,7 @@ class Reader:
         self.stop_time = stop_time
         self.recipe = Recipe(name, interface=read_interface(top, name))
         self.axis = remote_axis(self.recipe.variables.values())
+        self.books = books(self.recipe.variables.values())
         self.scripted = "remote" if self.axis else "master"
         part = self.axis.part if self.axis else "master"
         self.block = Subject(name, self.recipe.variables, part, origin or f"the script in [{self.scripted}]")
@@ -150,7 +156,7 @@ class Reader:
 
     def script(self) -> Script:
         table = self.axis_table
-        table.allow_only(*SCRIPT, *(TELEGRAMS if self.axis else ()))
+        table.allow_only(*SCRIPT, *(TELEGRAMS if self.axis else DRIVE))
         p, v, a = (table.number(key, default=0.0) for key in ("position", "velocity", "acceleration"))
         return Script(p, v, a, [_segment(t) for t in table.tables("segments", "{ duration = ..., ... }")])
 
@@ -203,6 +209,28 @@ class Reader:
             ratio,
             table.number("tolerance", default=usual_tolerance(unit, length), least=0.0),
             count,
+        )
+
+    def pieces(self, unit: str) -> PieceSpec:
+        """How the pieces are checked that the block tells; `unit`: the unit of positions."""
+        assert self.books
+        table = self.top.table("cuts")
+        if marked := [key for key in ("while", "length", "offset", "ratio") if key in table]:
+            table.fail(
+                marked[0], f"is not needed: {self.block.name} itself tells where it cuts, and how long each piece is"
+            )
+        table.allow_only("tolerance", "count", "lengths", "kinds")
+        if BASES[unit][0] != "m" and "tolerance" not in table:
+            table.fail("tolerance", f"is missing: in {unit} there is no usual one")
+        known = [str(member.name) for member in self.recipe.variables[self.books.kind].choices]
+        kinds = table.strings("kinds") if "kinds" in table else None
+        if strange := [kind for kind in kinds or () if kind not in known]:
+            table.fail("kinds", f"{strange[0]!r} is no kind of piece; there is {', '.join(known)}")
+        return PieceSpec(
+            table.number("tolerance", default=usual_tolerance(unit, 0.0), least=0.0),
+            table.whole("count") if "count" in table else None,
+            table.numbers("lengths") if "lengths" in table else None,
+            kinds,
         )
 
     def picture(self) -> Picture:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .script import Script
 from .settings import Setting, Unmet
 
 Reals = np.ndarray[Any, np.dtype[np.float64]]
@@ -17,7 +18,7 @@ class Recording:
 
     `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3. `settings`: all that
     was set, by the scenario's settings and by its reactions, in this order; `unmet`: the reactions that happened less
-    often than they could have.
+    often than they could have. `script`: the same axis at every time; None: the recording was not made by a run.
     """
 
     time: Reals
@@ -26,3 +27,9 @@ class Recording:
     messages: list[str]
     settings: Sequence[Setting] = ()
     unmet: Sequence[Unmet] = ()
+    script: Script | None = None
+
+
+def greatest_position(recording: Recording) -> float:
+    """The greatest magnitude of the positions of master and slave, in u."""
+    return max(float(np.abs(p).max()) for p in (recording.master[:, 0], recording.values["slave.position"]))

@@ -15,23 +15,23 @@ from .fmu_instance import FmuError, FmuInstance
 from .reactions import Program, scans
 from .recording import Recording
 from .scenario import AtTime, Scenario, Within
-from .script import Motion
+from .script import Motion, Script
 
 CLOSE = 1e-9  # of a step: communication points nearer to one another are one
 
 
 def points(scenario: Scenario, step_size: float) -> list[float]:
     """The communication points that are known before the run: a regular grid, and each time of a setting, of an
-    expectation, of a script break, and of a scan if the scenario reacts.
+    expectation, of a script break, and of a scan if the scenario reacts to the block.
 
     So everything happens at its own time, whatever the step size."""
     extra = [s.at for s in scenario.settings]
     extra += [e.at for e in scenario.expectations if isinstance(e, AtTime)]
     extra += [t for e in scenario.expectations if isinstance(e, Within) for t in (e.begin, e.end)]
-    extra += scans(scenario) if scenario.reactions else ()
+    extra += scans(scenario) if scenario.reacts else ()
     extra += [*scenario.master.breaks[1:], scenario.stop_time]
     # Of points at nearly the same time the script's break is kept: `until` then gives the motion that ends there.
-    breaks = set(scenario.master.breaks)
+    breaks = set(scans(scenario) if scenario.drive else scenario.master.breaks)
     grid = [i * step_size for i in range(math.floor(scenario.stop_time / step_size * (1.0 + 1e-12)) + 1)]
     kept: list[float] = []
     exact = set(extra)
@@ -43,13 +43,13 @@ def points(scenario: Scenario, step_size: float) -> list[float]:
     return kept
 
 
-def inputs(scenario: Scenario, t: float, end: float) -> dict[str, float]:
+def inputs(scenario: Scenario, master: Script, t: float, end: float) -> dict[str, float]:
     """The inputs that the scripted axis gives for the step from t to `end`: the telegram of a remote axis, or the
-    motion of the master, whose position is wrapped if the axis is a rotary one."""
+    motion of the `master`, whose position is wrapped if the axis is a rotary one."""
     if scenario.remote:
         return scenario.remote.inputs(t, end)
     mode = scenario.start.get("master.input_mode", MasterInput.START_OF_STEP)
-    motion = scenario.master.until(end) if mode == MasterInput.END_OF_STEP and end > t else scenario.master.at(t)
+    motion = master.until(end) if mode == MasterInput.END_OF_STEP and end > t else master.at(t)
     return {
         "master.position": motion.position % scenario.period if scenario.period else motion.position,
         "master.velocity": motion.velocity,
@@ -62,8 +62,8 @@ Step = tuple[float, float, dict[str, Any]]
 
 
 def schedule(scenario: Scenario, step_size: float) -> Iterator[Step]:
-    """All steps of a scenario that does not react."""
-    assert not scenario.reactions, "what a reaction sets is known after a run only"
+    """All steps of a scenario that does not react to the block."""
+    assert not scenario.reacts, "what a reaction sets, and how a master follows, is known after a run only"
     return _steps(scenario, step_size, Program(scenario))
 
 
@@ -77,7 +77,7 @@ def _steps(scenario: Scenario, step_size: float, program: Program) -> Iterator[S
         end = min(program.next_look, program.next_setting)
         if end >= known[i] - close:
             end, i = known[i], i + 1
-        yield t, end, inputs(scenario, t, end) | changed
+        yield t, end, inputs(scenario, program.master, t, end) | changed
         t = end
 
 
@@ -94,7 +94,6 @@ class _Recorder:
         self.names = [v.name for v in scenario.recipe.variables.values() if not v.settable]
         self.times: list[float] = []
         self.program = Program(scenario)
-        self._master = scenario.master
         self._rows: list[list[float]] = []
         self._motions: list[Motion] = []
 
@@ -105,7 +104,8 @@ class _Recorder:
 
     def add(self, time: float, values: Mapping[str, Any]) -> None:
         self._rows.append([float(values[n]) for n in self.names])
-        self._motions.append(self._master.until(time) if self.times else self._master.at(time))
+        master = self.program.master
+        self._motions.append(master.until(time) if self.times else master.at(time))
         self.times.append(time)
 
     def recording(self, messages: list[str]) -> Recording:
@@ -116,6 +116,7 @@ class _Recorder:
             messages,
             self.program.settings,
             self.program.unmet,
+            self.program.master,
         )
 
 
@@ -130,7 +131,7 @@ class _Unit(Protocol):
 def _stepped(scenario: Scenario, unit: _Unit, step_size: float, recorder: _Recorder) -> Iterator[float]:
     """Step the unit along the scenario; yields the time of each step before the step is done, in s."""
     program = recorder.program
-    unit.initialize({**scenario.start, **inputs(scenario, 0.0, 0.0)})
+    unit.initialize({**scenario.start, **inputs(scenario, program.master, 0.0, 0.0)})
     recorder.add(0.0, unit.get(recorder.names))
     program.begin(unit.get(program.names))
     for time, end, values in _steps(scenario, step_size, program):

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..interface.recipe import Recipe
-from .cuts import CutSpec
+from .cuts import CutSpec, PieceSpec
+from .drive import Drive
 from .script import Script
 from .settings import Condition, Reaction, Setting
 from .telegrams import Remote
@@ -79,12 +80,14 @@ class Scenario:
         step_size: the step size of the run, in s; `motionsync run --step-size` takes another one than the file has.
         scan: the cycle of the reactions' program, in s: the step size in the file, whatever the run's is.
         tolerance: the tolerance of the reference, relative to the greatest magnitude of each variable in it.
-        master: the scripted axis; where it is a remote one, the true axis.
+        master: the scripted axis; where it is a remote one, the true axis; where it has a drive, how it begins.
         remote: how the block sees a remote axis; None: the block has a master.
         settings: what is set, each at its time.
         reactions: what is set when the block puts out something.
         cuts: how its cuts are checked; None: they are not.
+        pieces: how the pieces are checked of a block that tells them; None: they are not.
         picture: how the scenario is drawn where it is a block's example.
+        drive: what moves the master if it follows a velocity that the block puts out; None: it is scripted.
         step_bound: why the scenario means something at its own step size only; empty: it means the same at every one.
     """
 
@@ -106,7 +109,9 @@ class Scenario:
     cuts: CutSpec | None
     picture: Picture = field(default_factory=Picture)
     reactions: tuple[Reaction, ...] = ()
+    drive: Drive | None = None
     step_bound: str = ""
+    pieces: PieceSpec | None = None
 
     @property
     def name(self) -> str:
@@ -130,6 +135,12 @@ class Scenario:
         """The master's period, in u; 0: it is a linear axis."""
         return float(self.start.get("master.period", 0.0))
 
-    def settled(self, settings: Iterable[Setting]) -> Self:
-        """The same scenario with all that a run of it has set, each at its time, and without reactions."""
-        return replace(self, settings=tuple(settings), reactions=())
+    @property
+    def reacts(self) -> bool:
+        """Whether what happens depends on what the block puts out, and so is known after a run only."""
+        return bool(self.reactions or self.drive)
+
+    def settled(self, settings: Iterable[Setting], master: Script) -> Self:
+        """The same scenario with all that a run of it has set, each at its time, and with the motion of the master in
+        that run; so without reactions and without a drive."""
+        return replace(self, settings=tuple(settings), master=master, reactions=(), drive=None)

@@ -58,6 +58,12 @@ class Script:
             ending = begin.after(segment.duration)
         self.motions.append(Motion(ending.position, ending.velocity, 0.0, 0.0))
 
+    def go_on(self, t: float, acceleration: float) -> None:
+        """From t on, a time after the last break, the acceleration is this constant one."""
+        reached = self.until(t)
+        self.breaks.append(t)
+        self.motions.append(Motion(reached.position, reached.velocity, acceleration, 0.0))
+
     def at(self, t: float) -> Motion:
         """The motion at t; where it jumps at t, the motion after the jump."""
         i = max(bisect_right(self.breaks, t) - 1, 0)

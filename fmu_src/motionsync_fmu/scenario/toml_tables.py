@@ -142,6 +142,17 @@ class Table:
             self.fail(key, f"{value!r} is neither a text nor a list of texts")
         return tuple(texts)
 
+    def numbers(self, key: str) -> tuple[float, ...]:
+        """A list of finite numbers."""
+        values = self.values[key]
+        if not isinstance(values, list):
+            self.fail(key, f"{values!r} is not a list of numbers")
+        if wrong := [v for v in values if isinstance(v, bool) or not isinstance(v, int | float)]:
+            self.fail(key, f"{wrong[0]!r} is not a number")
+        if infinite := [v for v in values if not math.isfinite(real(v))]:
+            self.fail(key, f"{infinite[0]} is not allowed: it must be finite")
+        return tuple(map(real, values))
+
     def flag(self, key: str) -> bool:
         """A Boolean; false if it is missing."""
         value = self.values.get(key, False)

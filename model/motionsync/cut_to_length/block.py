@@ -9,10 +9,10 @@ from .. import var
 from ..clock import Clock
 from ..cosine import cosine
 from ..exceeded import Exceeded, Limit
-from ..grid import floor, nearest, wrap
+from ..grid import floor, rounding, wrap
 from ..laws import chain_rule
 from ..limits import usable
-from ..motion import SAME_TIME, Motion, stopping_distance
+from ..motion import SAME_TIME, stopping_distance
 from ..slave import Edge
 from ..var import Enumeration
 from .books import Books, more
@@ -28,47 +28,26 @@ from .interface import (
     State,
     ToolMode,
 )
-from .limits import (
-    Machine,
-    approach_distance,
-    change_time,
-    cycle_time,
-    is_admissible,
-    lead,
-    max_line_velocity,
-    return_time,
-    shortest_pitch,
-    stroke,
-)
-from .marks import Marks
-from .orders import Orders
-from .piece import LEAST_MATERIAL, NO_ORDER, PieceInProgress
+from .limits import Machine, approach_distance, is_admissible, lead, turning_acceleration
+from .material import Material
+from .piece import UNLIMITED
+from .predictions import Predictions
 from .settings import Settings, first_bad, is_narrow
+from .stage import Stage, state_of
 from .tunables import Tunable
+from .way_home import WayHome
 
-NEVER = 1e300  # s since the step's beginning; u: a pitch that limits nothing
+NEVER = 1e300  # s since the step's beginning
 LATE = 1.0 - 1e-9  # of the least way of an approach: with less, a start is late
+FASTER = 1e-9  # of a velocity: by so much the line has become faster
+NEARLY = 1e-9  # of an approach: what is missing to sync is rounding
 WHOLE = 1e-12  # of a pitch: what a number of pitches may lack to be whole
-FASTER = 1.0 + 1e-9  # of a velocity: beyond it the line has become faster
+IN_TIME = 1.0 - 1e-12  # of the time that is left: rounding must not make an eased way home too slow
 LONG_AGO = -1e9  # s: the carriage has been at home since long before the initialization
 MOST_PITCHES = 1e4  # that the master may travel in one step
 MOST_EVENTS = 1000000  # in a piece of the path; so many never happen
 BISECTIONS = 200  # this many halve any time down to neighbouring numbers
 LEAST_FACTOR = 1e-6  # of a calibration
-
-
-class Stage(Enumeration):
-    """What drives the carriage"""
-
-    RESTING = 0, "nothing: it rests, and the machine does not run"
-    HOMING = 1, "its motion home after start"
-    WAITING = 2, "nothing: it rests at home until the start point"
-    APPROACHING = 3, "the curve into sync"
-    SYNCHRONOUS = 4, "the line of the cut, before the blade cuts"
-    CUTTING = 5, "the line of the cut"
-    PULLING = 6, "the curve that gets ahead of the line"
-    CLEARING = 7, "the curve or line on which it was, until the blade is clear"
-    RETURNING = 8, "its motion home"
 
 
 class Condition(Enumeration):
@@ -123,61 +102,34 @@ class CutToLength(CutToLengthInterface):
     begun: bool = False  # there has been a step
     stopping: bool = False  # the machine rests as soon as the carriage is at home
     cut_waits: bool = False  # a cut_now
-    sample_waits: bool = False  # a take_sample
     edges: Edges = var.part(Edges)
-
-    # What the machine computes with.
     good: Settings = var.part(Settings)
-    bad: Tunable = Tunable.NONE
-    machine: Machine = var.part(Machine)
-    cycle: Machine = var.part(Machine)  # as it was when the approach began
-    timeout: float = 0.0  # of the cycle's cut
-
-    # The material.
-    piece_now: PieceInProgress = var.part(PieceInProgress)
-    orders: Orders = var.part(Orders)
-    marks: Marks = var.part(Marks)
+    bad: Tunable = Tunable.NONE  # the first parameter that is out of its range
+    material: Material = var.part(Material)
+    predictions: Predictions = var.part(Predictions)
     books: Books = var.part(Books)
-    has_cut: bool = False  # a cut has been made, at last_place, with this kerf and length correction
-    last_place: float = 0.0
-    last_kerf: float = 0.0
-    last_correction: float = 0.0
+    exceeded: Exceeded = var.part(Exceeded)
 
-    # The carriage.
-    rest: float = 0.0  # where it rests, or rested last, u
+    # The cycle under way.
+    cycle: Machine = var.part(Machine)  # as it was when the approach began
+    timeout: float = 0.0  # of the cut
     carriage: Carriage = var.part(Carriage)
-    cut_place: float = 0.0  # the line of the cycle's cut passes carriage position 0 at this place
-    motion: Motion = var.part(Motion)
-    eased: bool = False  # the way home is an eased one
-    halting: bool = False  # its first part is under way
-    eased_velocity: float = 0.0  # the line's when it was planned
-    eased_place: float = 0.0  # the next cut's when it was planned
+    cut_place: float = 0.0  # the line of the cut passes carriage position 0 at this place
+    cut_mu: float = 0.0  # how far the master is beyond cut_place when the blade begins to cut
+    early: bool = False  # the blade has touched before sync
+    reserve: float = 1.0  # share of the cycle that the carriage has spent ready at home
+    first_cut: bool = True  # there has been no approach since start
+    sync_time: float = 0.0  # the block's time
+    clear_time: float = 0.0  # how long CLEARING lasts
+    way_home: WayHome = var.part(WayHome)
+    ready: bool = False  # the carriage has settled at home
 
-    # Times.
     now: float = 0.0  # up to which all events are carried out, since the step's beginning
     block_clock: Clock = var.part(Clock)
     phase: Clock = var.part(Clock)  # since the stage began; at rest, since the arrival
     cycle_clock: Clock = var.part(Clock)  # since the last start of an approach
     ready_clock: Clock = var.part(Clock)  # since the carriage has been ready for a start
     tool_clock: Clock = var.part(Clock)  # since the tool's command has changed
-    ready: bool = False
-    clear_time: float = 0.0  # of CLEARING
-    first_cut: bool = True  # none has been started since start
-    reserve: float = 1.0  # of the cycle under way
-    sync_time: float = 0.0  # the block's time
-    cut_mu: float = 0.0  # how far the master is beyond cut_place when the cut begins
-    early: bool = False  # the blade has touched before sync, in this cycle
-
-    # What the limits were solved for.
-    solved_velocity: float = 0.0
-    solved_pitch: float = 0.0
-    solved_pitch_orders: float = 0.0
-    pitch: float = 0.0  # shortest at the present line velocity
-    queue_kerf: float = -1.0  # what the shortest pitch of all orders was found for; -1: it has to be found
-    queue_correction: float = 0.0
-    queue_factor: float = 0.0
-    queue_pitch: float = NEVER
-    exceeded: Exceeded = var.part(Exceeded)
 
     def initialize(self) -> Refusal:
         """The carriage rests at its initial position; may be called again while parameters still change."""
@@ -187,7 +139,7 @@ class CutToLength(CutToLengthInterface):
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.cosine = cosine(self.diagonal_angle)
-        self.rest = self.axis.initial_position
+        self.way_home.rest_at(self.axis.initial_position)
         self.phase.start(LONG_AGO)
         self.hold_edges()
         self.use_settings()
@@ -207,7 +159,7 @@ class CutToLength(CutToLengthInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h: the input correction, the commands, then the path of the step."""
-        if self.running and self.master.longest_travel(h) > MOST_PITCHES * self.solved_pitch_orders:
+        if self.running and self.master.longest_travel(h) > MOST_PITCHES * self.predictions.pitch_orders:
             return Refusal.TRAVEL
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
@@ -228,7 +180,7 @@ class CutToLength(CutToLengthInterface):
         self.cycle_clock.advance(h)
         self.ready_clock.advance(h)
         self.tool_clock.advance(h)
-        self.motion.advance(h)
+        self.way_home.motion.advance(h)
 
     # --- the parameters ---
 
@@ -245,15 +197,9 @@ class CutToLength(CutToLengthInterface):
         self.describe_machine()
 
     def describe_machine(self) -> None:
-        self.good.describe(self.machine, self.calibration.factor, self.cosine)
-        self.queue_kerf = -1.0
-        self.solve_cycle(self.master.end_velocity)
-        self.solved_pitch = self.limiting_pitch()
-        self.solve_line_velocity()
-
-    def factor(self) -> float:
-        """True travel of the material per travel of the master."""
-        return self.good.material_factor * self.calibration.factor
+        """Compute with the present factor of calibration."""
+        self.good.describe(self.predictions.machine, self.calibration.factor, self.cosine)
+        self.predictions.solved = False
 
     # --- the commands ---
 
@@ -284,8 +230,8 @@ class CutToLength(CutToLengthInterface):
         self.obey_orders()
         if self.edges.take_sample.try_rise(self.take_sample):
             self.accept()
-            self.sample_waits = True
-        self.watch_marks(self.edges.mark.try_rise(self.mark.detected))
+            self.material.sample_waits = True
+        self.watch_marks()
         if self.edges.cut_now.try_rise(self.cut_now):
             self.command_cut_now()
         if self.edges.done.try_rise(self.tool.done):
@@ -320,13 +266,10 @@ class CutToLength(CutToLengthInterface):
         """order.clear, order.skip, order.add."""
         if self.edges.order_clear.try_rise(self.order.clear):
             self.accept()
-            self.orders.clear()
-            self.queue_kerf = -1.0
+            self.material.clear_orders()
         if self.edges.order_skip.try_rise(self.order.skip):
             self.accept()
-            if self.orders.waiting > 0:
-                self.orders.drop()
-                self.queue_kerf = -1.0
+            self.material.skip_order()
         if self.edges.order_add.try_rise(self.order.add):
             self.command_add_order()
 
@@ -357,7 +300,7 @@ class CutToLength(CutToLengthInterface):
         self.cut_waits = False
         if self.stage == Stage.WAITING:
             self.enter_resting()
-        elif self.stage == Stage.RETURNING and self.eased:
+        elif self.stage == Stage.RETURNING and self.way_home.eased:
             self.enter_returning()
 
     def command_start(self) -> None:
@@ -366,7 +309,7 @@ class CutToLength(CutToLengthInterface):
             self.running
             or self.stage != Stage.RESTING
             or self.fault != Fault.NONE
-            or (self.start_mode == StartMode.CONTINUE and not self.has_cut)
+            or (self.start_mode == StartMode.CONTINUE and not self.material.has_cut)
         ):
             self.refusal = Fault.START
         elif self.bad != Tunable.NONE:
@@ -376,33 +319,35 @@ class CutToLength(CutToLengthInterface):
             self.set_to_work()
 
     def set_to_work(self) -> None:
+        """Where the first piece begins is known; the carriage goes home, or waits there."""
         self.running = True
         self.stopping = False
         self.cut_waits = False
         self.first_cut = True
-        piece = self.piece_now
-        piece.begin = self.last_place
+        material = self.material
+        material.piece.begin = material.last_place
         if self.start_mode != StartMode.CONTINUE:
-            self.marks.forget()
-            front = self.good.front_position / self.machine.coupling + 0.5 * self.good.kerf / self.factor()
-            piece.begin = self.master.begin - front
+            material.forget_marks()
+            front = (
+                self.good.front_position / self.predictions.machine.coupling + 0.5 * self.good.kerf / self.good.factor
+            )
+            material.piece.begin = self.master.begin - front
         if self.start_mode == StartMode.TRIM:
-            self.measure_piece()
-            piece.fix(PieceKind.TRIM, self.good.trim_length, NO_ORDER)
-            piece.pitch = NEVER
+            material.crop(self, self.good)
         else:
-            self.fix_piece()
-        if self.rest == self.good.home_position:
+            material.fix(self, self.good)
+        if self.way_home.home == self.good.home_position:
             self.enter_waiting()
         else:
             self.enter_homing()
 
     def command_calibrate(self) -> None:
         """The last piece measured so long: the material's travel is corrected."""
-        material = self.last.length + self.last_kerf + self.last_correction
+        kerf = self.material.last_kerf
+        material = self.material.measured_material(self.last.length)
         measured = self.calibration.measured_length
-        if self.has_cut and measured > 0.0 and material > 0.0:
-            factor = self.calibration.factor * ((measured + self.last_kerf) / material)
+        if self.material.has_cut and measured > 0.0 and material > 0.0:
+            factor = self.calibration.factor * ((measured + kerf) / material)
             if LEAST_FACTOR <= factor <= 1.0 / LEAST_FACTOR and usable(self.good.material_factor * factor):
                 self.accept()
                 self.calibrate(factor)
@@ -418,12 +363,11 @@ class CutToLength(CutToLengthInterface):
         """Append an order."""
         if not (self.order.length > 0.0 and self.order.quantity >= 1):
             self.refusal = Fault.ORDER
-        elif self.orders.is_full():
+        elif self.material.orders.is_full():
             self.refusal = Fault.ORDERS_FULL
         else:
             self.accept()
-            self.orders.append(self.order.length, float(self.order.quantity))
-            self.queue_kerf = -1.0
+            self.material.add_order(self.order.length, float(self.order.quantity))
 
     def command_cut_now(self) -> None:
         """Keep it until the carriage is ready at home."""
@@ -438,151 +382,50 @@ class CutToLength(CutToLengthInterface):
         if self.stage == Stage.CUTTING and self.tool.mode == ToolMode.FEEDBACK:
             self.end_cut()
 
-    # --- marks ---
+    # --- the material ---
 
-    def watch_marks(self, detected: bool) -> None:
-        """Take a mark that the sensor has seen, and miss those that should have come."""
-        if not (self.running and self.source == Source.MARK):
-            return
-        settings = self.good.mark
-        factor = self.factor()
-        spacing = settings.spacing / factor
-        window = settings.window / factor
-        here = self.master.begin - self.master.begin_velocity * settings.delay
-        place = here
-        if detected and self.mark.latched:
-            place = nearest(self.mark.position, self.master.period, self.master.begin)
-        expects = spacing > 0.0 and window > 0.0
-        if expects:
-            self.miss_marks(place if detected else here, spacing, window)
-        if detected and self.running:
-            if expects and self.marks.known and place < self.marks.last + spacing - window:
-                self.statistics.marks_outside += 1
-                self.warning.mark_outside = True
-            else:
-                self.warning.mark_missing = False
-                self.warning.mark_outside = False
-                self.statistics.marks += 1
-                self.marks.missing = 0
-                self.take_mark(place)
-
-    def miss_marks(self, place: float, spacing: float, window: float) -> None:
-        """Count the marks that should have come before a place, and put others in their stead."""
-        while self.running and self.marks.known and place > self.marks.last + spacing + window:
-            self.marks.missing += 1
-            self.statistics.marks_missing += 1
-            self.warning.mark_missing = True
-            if self.marks.missing > self.good.mark.max_missing:
-                self.fail(Fault.MARKS_MISSING)
-            elif self.mark.substitute:
-                self.take_mark(self.marks.last + spacing)
-            else:
-                self.marks.last += spacing
-
-    def take_mark(self, place: float) -> None:
-        """A mark lies at this place."""
-        self.marks.known = True
-        self.marks.last = place
-        if self.marks.try_take(self.good.mark.every):
-            if self.marks.is_full():
-                self.fail(Fault.MARKS_FULL)
-                return
-            self.marks.append(place + (self.good.mark.sensor_distance + self.good.mark.cut_offset) / self.factor())
-            self.queue_kerf = -1.0
-            piece = self.piece_now
-            if self.running and not piece.known:
-                merged = piece.kind == PieceKind.MERGED
-                self.fix_piece()
-                if merged:
-                    piece.kind = PieceKind.MERGED
-
-    # --- which piece ---
+    def watch_marks(self) -> None:
+        """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
+        detected = self.edges.mark.try_rise(self.mark.detected)
+        if self.running and self.source == Source.MARK:
+            self.material.watch_marks(self, self.good, detected, self.master.begin, self.master.begin_velocity)
+            if self.material.fault != Fault.NONE:
+                self.fail(self.material.fault)
 
     def fix_piece(self) -> None:
-        """Fix the piece that begins at the last cut, if its length is known."""
-        piece = self.piece_now
-        piece.forget()
-        if self.bad != Tunable.NONE:
+        """Fix the piece that begins at the last cut, if that is possible."""
+        if self.bad == Tunable.NONE:
+            self.material.fix(self, self.good)
+        else:
             self.refusal = Fault.TUNABLE
-            return
-        self.measure_piece()
-        if self.source == Source.MARK:
-            self.fix_marked_piece()
-            return
-        length, order = self.product()
-        kind = PieceKind.PRODUCT
-        if self.waste:
-            length = self.good.waste_length
-            kind = PieceKind.WASTE
-        elif self.sample_waits:
-            length = self.good.sample_length
-            kind = PieceKind.SAMPLE
-        if piece.material(length) > LEAST_MATERIAL and length > 0.0:
-            piece.fix(kind, length, order if kind == PieceKind.PRODUCT else NO_ORDER)
-            if kind == PieceKind.SAMPLE:
-                self.sample_waits = False
-
-    def measure_piece(self) -> None:
-        """The piece is measured as the parameters say now; a length correction does not belong to marks."""
-        piece = self.piece_now
-        piece.factor = self.factor()
-        piece.kerf = self.good.kerf
-        piece.correction = self.length_correction if self.source == Source.LENGTH else 0.0
-
-    def fix_marked_piece(self) -> None:
-        """The piece ends at the next mark that is cut. Marks without a known spacing say nothing of its length."""
-        piece = self.piece_now
-        piece.kind = PieceKind.PRODUCT
-        piece.exact = self.good.mark.spacing > 0.0
-        if piece.exact:
-            piece.ordered = self.good.mark.spacing * float(self.good.mark.every) - piece.kerf
-        if self.marks.waiting > 0:
-            piece.known = True
-            piece.end = self.marks.place(0)
-            piece.pitch = piece.end - piece.begin
-
-    def product(self) -> tuple[float, int]:
-        """Length of the product that is due, and the number of its order."""
-        if self.orders.waiting > 0:
-            return self.orders.length(0), self.orders.first
-        return self.length, NO_ORDER
 
     def watch_piece(self) -> None:
         """Look for a length where none was known, and for one that has changed."""
-        piece = self.piece_now
-        self.warning.change_pending = False
+        piece = self.material.piece
         if not self.running or self.source == Source.MARK:
-            return
-        if not piece.known:
+            self.warning.change_pending = False
+        elif not piece.known:
             self.fix_piece()
-        elif self.change_mode == ChangeMode.THIS_PIECE and piece.kind == PieceKind.PRODUCT:
-            length, order = self.product()
-            if (
-                length != piece.ordered
-                or order != piece.order
-                or self.length_correction != piece.correction
-                or self.good.kerf != piece.kerf
-                or self.factor() != piece.factor
-            ):
-                self.change_piece(length, order)
-
-    def change_piece(self, length: float, order: int) -> None:
-        """The product in progress is fixed anew if its new cut can still be reached."""
-        piece = self.piece_now
-        pitch = (length + self.length_correction + self.good.kerf) / self.factor()
-        mu = self.beyond(piece.begin + pitch, 0.0)
-        reachable = self.good.home_position - self.machine.coupling * mu >= lead(
-            self.machine, self.master.begin_velocity
-        )
-        movable = self.stage in (Stage.HOMING, Stage.WAITING, Stage.PULLING, Stage.CLEARING, Stage.RETURNING)
-        if movable and reachable and self.bad == Tunable.NONE:
-            self.measure_piece()
-            if length > 0.0 and piece.material(length) > LEAST_MATERIAL:
-                piece.fix(PieceKind.PRODUCT, length, order)
-            else:
+        elif self.good.change_mode != ChangeMode.THIS_PIECE:
+            self.warning.change_pending = False
+        elif piece.kind == PieceKind.PRODUCT:
+            changed = self.material.has_changed(self, self.good)
+            self.warning.change_pending = changed and not self.can_change()
+            if changed and not self.warning.change_pending:
                 piece.forget()
-        else:
-            self.warning.change_pending = True
+                self.material.measure(self, self.good)
+                self.material.fix_product(self)
+
+    def can_change(self) -> bool:
+        """Whether the cut of the product in progress can still be reached if it is fixed anew."""
+        if self.bad != Tunable.NONE or self.stage in (Stage.APPROACHING, Stage.SYNCHRONOUS, Stage.CUTTING):
+            return False
+        pitch = self.material.changed_pitch(self, self.good)
+        if pitch == UNLIMITED:
+            return False
+        machine = self.predictions.machine
+        mu = self.beyond(self.material.piece.begin + pitch, 0.0)
+        return machine.home_position - machine.coupling * mu >= lead(machine, self.master.begin_velocity)
 
     # --- the master's path ---
 
@@ -597,23 +440,25 @@ class CutToLength(CutToLengthInterface):
 
     def try_event(self, until: float) -> bool:
         """Carry out the next event up to a time since the step's beginning; False: there is none."""
+        happened = False
         match self.stage:
             case Stage.RESTING:
-                return False
+                pass
             case Stage.HOMING | Stage.RETURNING:
-                return self.try_event_returning(until)
+                happened = self.try_event_returning(until)
             case Stage.WAITING:
-                return self.try_event_waiting(until)
+                happened = self.try_event_waiting(until)
             case Stage.APPROACHING:
-                return self.try_event_approaching(until)
+                happened = self.try_event_approaching(until)
             case Stage.SYNCHRONOUS:
-                return self.try_event_synchronous(until)
+                happened = self.try_event_synchronous(until)
             case Stage.CUTTING:
-                return self.try_event_cutting(until)
+                happened = self.try_event_cutting(until)
             case Stage.PULLING:
-                return self.try_event_pulling(until)
-            case _:
-                return self.try_event_clearing(until)
+                happened = self.try_event_pulling(until)
+            case Stage.CLEARING:
+                happened = self.try_event_clearing(until)
+        return happened
 
     def beyond(self, place: float, time: float) -> float:
         """How far the master is beyond a place, at a time since the step's beginning, u."""
@@ -648,51 +493,71 @@ class CutToLength(CutToLengthInterface):
     def holds(self, condition: Condition, time: float) -> bool:
         """Whether a condition holds at a time since the step's beginning."""
         velocity = self.master.velocity_at(time)
+        mu = self.beyond(self.cut_place, time)
         carriage = self.carriage
+        holds = False
         match condition:
             case Condition.START:
-                return self.start_is_due(velocity, time)
+                holds = self.start_is_due(velocity, time)
             case Condition.CUT_NOW:
-                return velocity >= 0.0 and is_admissible(self.machine, velocity)
+                holds = velocity >= 0.0 and is_admissible(self.predictions.machine, velocity)
             case Condition.SYNC:
-                return self.beyond(self.cut_place, time) >= carriage.sync
+                holds = mu >= carriage.sync
             case Condition.BACK:
-                return velocity < 0.0 and self.beyond(self.cut_place, time) < carriage.start
+                holds = velocity < 0.0 and mu < carriage.start
             case Condition.COMMAND:
-                ahead = velocity * (self.cycle.on_delay - self.cycle.settle_time)
-                return self.beyond(self.cut_place, time) + ahead >= carriage.sync
+                holds = mu + velocity * (self.cycle.on_delay - self.cycle.settle_time) >= carriage.sync
             case Condition.THROUGH:
-                travel = self.beyond(self.cut_place, time) - self.cut_mu
-                return carriage.coupling * travel >= self.cycle.cut_distance
+                holds = carriage.coupling * (mu - self.cut_mu) >= self.cycle.cut_distance
             case Condition.PULLED:
-                return self.beyond(self.cut_place, time) >= carriage.gap_end
-            case _:
-                return self.has_to_stop(time)
+                holds = mu >= carriage.gap_end
+            case Condition.STROKE_END:
+                holds = self.has_to_stop(time)
+        return holds
 
     def start_is_due(self, velocity: float, time: float) -> bool:
         """Whether the line moves on, and the next cut's line is where the approach to it begins."""
         if velocity < 0.0 or (velocity == 0.0 and self.master.mean_acceleration() <= 0.0):
             return False
-        travel = self.machine.coupling * self.beyond(self.piece_now.end, time)
-        if travel < self.rest - approach_distance(self.machine, velocity):
+        machine = self.predictions.machine
+        travel = machine.coupling * self.beyond(self.material.piece.end, time)
+        if travel < self.way_home.home - approach_distance(machine, velocity):
             return False
-        return not self.waits_for_line() or is_admissible(self.machine, velocity)
+        return not self.material.piece.waits_for_line() or is_admissible(machine, velocity)
 
-    def waits_for_line(self) -> bool:
-        """Whether the piece's cut is made wherever it can be: it is not skipped, but waits for a slower line."""
-        return self.piece_now.kind in (PieceKind.TRIM, PieceKind.SHORT)
+    def is_far_from_start(self, until: float) -> bool:
+        """Whether no start can be due up to a time since the step's beginning: it spares the search for one.
+
+        On a line no faster than that for which the approach was predicted last, this is no longer than predicted."""
+        fastest = max(self.master.begin_velocity, self.master.end_velocity)
+        if not self.predictions.solved or fastest > self.predictions.velocity:
+            return False
+        place = self.material.piece.end
+        mu = max(self.beyond(place, self.now), self.beyond(place, until))
+        return self.predictions.machine.coupling * mu < self.way_home.home - self.local.approach_distance
+
+    def is_far_from_ends(self, until: float) -> bool:
+        """Whether the carriage, in sync, need not stop for an end of its stroke up to a time since the step begins: it
+        spares the search for the instant. The bound of the way of a stop is a rough one."""
+        k = self.carriage.coupling
+        machine = self.predictions.machine
+        down = turning_acceleration(machine)
+        begin = self.master.begin_velocity
+        end = self.master.end_velocity
+        if self.carriage.pulls or not self.carriage.joined or k * abs(end - begin) > down * self.master.step:
+            return False
+        fast = k * max(abs(begin), abs(end)) + 0.5 * down * down / machine.homing_jerk
+        far = fast * (0.5 * fast / down + 3.0 * down / machine.homing_jerk)
+        first = k * self.beyond(self.cut_place, self.now)
+        last = k * self.beyond(self.cut_place, until)
+        low = self.good.axis.min_position + far
+        return low < min(first, last) and max(first, last) < self.good.axis.max_position - far
 
     def has_to_stop(self, time: float) -> bool:
         """Whether the time-optimal stop from here ends at an end of the stroke, or beyond it."""
         position, velocity, acceleration, _ = self.carriage_at(time)
-        down = min(self.machine.homing_acceleration, self.machine.homing_deceleration)
-        jerk = self.machine.homing_jerk
-        if abs(acceleration) <= down:  # then the stop takes no longer than this
-            fast = abs(velocity) + 0.5 * down * down / jerk
-            far = fast * (0.5 * fast / down + 3.0 * down / jerk)
-            if self.good.axis.min_position < position - far and position + far < self.good.axis.max_position:
-                return False
-        end = position + stopping_distance(velocity, acceleration, down, jerk)
+        down = turning_acceleration(self.predictions.machine)
+        end = position + stopping_distance(velocity, acceleration, down, self.predictions.machine.homing_jerk)
         if velocity > 0.0 or (velocity == 0.0 and acceleration > 0.0):
             return end >= self.good.axis.max_position
         return (velocity < 0.0 or acceleration < 0.0) and end <= self.good.axis.min_position
@@ -709,12 +574,12 @@ class CutToLength(CutToLengthInterface):
 
     def try_event_returning(self, until: float) -> bool:
         """The carriage arrives, or has halted to come home with ease."""
-        time = self.due(self.motion.clock, self.motion.end(), until)
+        time = self.due(self.way_home.motion.clock, self.way_home.motion.end(), until)
         if time == NEVER:
             return False
         self.now = time
-        if self.halting:
-            self.ease_home()
+        if self.way_home.halting:
+            self.way_home.go_on(self.predictions.machine, time)
         else:
             self.arrive()
         return True
@@ -722,30 +587,33 @@ class CutToLength(CutToLengthInterface):
     def try_event_waiting(self, until: float) -> bool:
         """The carriage has settled, or an approach begins."""
         if not self.ready:
-            time = self.due(self.phase, self.good.homing.settle_time, until)
-            if time == NEVER:
-                return False
-            self.now = time
-            self.ready = True
-            self.ready_clock.start(time)
-            return True
+            return self.try_settle(until)
         if self.hold or self.bad != Tunable.NONE:
             return False
         if self.cut_waits:
             time = self.first(Condition.CUT_NOW, until)
-            if time == NEVER:
-                return False
-            self.now = time
-            self.begin_cut_now()
-            return True
-        if not self.piece_now.known:
+        elif self.material.piece.known and not self.is_far_from_start(until):
+            time = self.first(Condition.START, until)
+        else:
             return False
-        time = self.first(Condition.START, until)
         if time == NEVER:
             return False
-        crossed = time > self.now and not self.waits_for_line()
+        crossed = time > self.now and not self.material.piece.waits_for_line()
         self.now = time
-        self.begin_cut(crossed)
+        if self.cut_waits:
+            self.begin_cut_now()
+        else:
+            self.begin_cut(crossed)
+        return True
+
+    def try_settle(self, until: float) -> bool:
+        """The carriage has rested at home for long enough."""
+        time = self.due(self.phase, self.good.homing.settle_time, until)
+        if time == NEVER:
+            return False
+        self.now = time
+        self.ready = True
+        self.ready_clock.start(time)
         return True
 
     def try_event_approaching(self, until: float) -> bool:
@@ -776,16 +644,22 @@ class CutToLength(CutToLengthInterface):
             return False
         if self.first(Condition.SYNC, time) < time or self.first(Condition.BACK, time) < time:
             return False
+        if self.tool.command and self.is_nearly_in_sync(time):
+            return False  # the blade touches in sync
         self.now = time
         if self.tool.command:
             self.tool.blade_down = True
-            if self.first(Condition.SYNC, time) == NEVER:
-                self.early = True
-                self.warning.blade_early = True
-                self.statistics.unsynchronised += 1
+            self.early = True
+            self.warning.blade_early = True
+            self.statistics.unsynchronised = more(self.statistics.unsynchronised, 1.0)
         else:
             self.set_tool(True)
         return True
+
+    def is_nearly_in_sync(self, time: float) -> bool:
+        """Whether sync lies ahead by rounding only, at a time since the step's beginning."""
+        missing = self.carriage.sync - self.beyond(self.cut_place, time)
+        return missing <= NEARLY * (self.carriage.sync - self.carriage.start) + rounding(self.cut_place, self.cut_place)
 
     def try_event_synchronous(self, until: float) -> bool:
         """The tool is commanded, the blade touches, the cut begins, or the stroke ends."""
@@ -865,12 +739,12 @@ class CutToLength(CutToLengthInterface):
 
     def try_end_of_stroke(self, until: float, other: float) -> bool:
         """The carriage has to stop before an end of its stroke, earlier than the other event comes."""
-        time = self.first(Condition.STROKE_END, until)
+        time = NEVER if self.is_far_from_ends(until) else self.first(Condition.STROKE_END, until)
         if time == NEVER or time >= other:
             return False
         self.now = time
         if self.tool.blade_down:
-            self.statistics.unsynchronised += 1
+            self.statistics.unsynchronised = more(self.statistics.unsynchronised, 1.0)
         if self.fault == Fault.NONE:
             self.stop_for(Fault.STROKE)
         self.set_tool(False)
@@ -882,81 +756,78 @@ class CutToLength(CutToLengthInterface):
     def begin_cut(self, crossed: bool) -> None:
         """The next cut's line is where an approach to it begins, or beyond that: begin it, or say that it is late."""
         velocity = self.master.velocity_at(self.now)
-        piece = self.piece_now
-        least = lead(self.machine, velocity)
+        machine = self.predictions.machine
+        piece = self.material.piece
+        least = lead(machine, velocity)
         mu = self.beyond(piece.end, self.now)
-        distance = self.rest - self.machine.coupling * mu
+        distance = self.way_home.home - machine.coupling * mu
         if crossed:
-            distance = approach_distance(self.machine, velocity)
-        late = distance < least * LATE
-        if not (self.waits_for_line() or is_admissible(self.machine, velocity)):
-            if self.late_mode == LateMode.STOP_LINE:
-                self.fail(Fault.STROKE)
-            else:
-                self.skip(mu, least)
-        elif not late:
+            distance = approach_distance(machine, velocity)
+        waits = piece.waits_for_line()
+        if not (waits or is_admissible(machine, velocity)):
+            self.miss_cut(Fault.STROKE, mu, least)
+        elif distance >= least * LATE:
             self.begin_approach(distance, False)
-        elif self.waits_for_line():
+        elif waits or self.good.late_mode == LateMode.LATE:
+            self.statistics.late = more(self.statistics.late, 0.0 if waits else 1.0)
             self.move_cut(mu, least)
-            self.begin_approach(least, True)
-        elif self.late_mode == LateMode.SKIP:
-            self.skip(mu, least)
-        elif self.late_mode == LateMode.LATE:
-            self.move_cut(mu, least)
-            self.statistics.late += 1
             self.begin_approach(least, True)
         else:
-            self.fail(Fault.CUT_MISSED)
+            self.miss_cut(Fault.CUT_MISSED, mu, least)
 
     def begin_cut_now(self) -> None:
         """Cut where the carriage can be in sync first."""
-        piece = self.piece_now
+        piece = self.material.piece
         self.cut_waits = False
         piece.known = True
         piece.kind = PieceKind.SHORT
         piece.end = self.master.begin
-        least = lead(self.machine, self.master.velocity_at(self.now))
+        least = lead(self.predictions.machine, self.master.velocity_at(self.now))
         self.move_cut(self.beyond(piece.end, self.now), least)
         self.begin_approach(least, False)
 
     def move_cut(self, mu: float, distance: float) -> None:
         """The cut, whose line is at mu, goes to where an approach of a distance begins now."""
-        self.piece_now.end += mu - (self.rest - distance) / self.machine.coupling
+        self.material.piece.end += mu - (self.way_home.home - distance) / self.predictions.machine.coupling
 
-    def skip(self, mu: float, least: float) -> None:
-        """The piece ends with the first of the next cuts that can be reached."""
-        piece = self.piece_now
-        k = self.machine.coupling
-        too_far = k * mu - (self.rest - least)  # so far the carriage would have to be ahead of where it can be
+    def miss_cut(self, fault: Fault, mu: float, least: float) -> None:
+        """The cut, whose line is at mu, cannot be made: stop for that, or end the piece with one of the next cuts."""
+        piece = self.material.piece
+        if self.good.late_mode == LateMode.STOP_LINE:
+            self.fail(fault)
+            return
+        piece.kind = PieceKind.MERGED
         if self.source == Source.MARK:
             self.skip_marks(least)
         else:
+            k = self.predictions.machine.coupling
+            too_far = k * mu - (self.way_home.home - least)
             number = max(1.0, -floor(WHOLE - too_far / (k * piece.pitch)))
             piece.end += number * piece.pitch
             self.statistics.skipped = more(self.statistics.skipped, number)
-        piece.kind = PieceKind.MERGED
 
     def skip_marks(self, least: float) -> None:
         """Drop the marks whose cuts cannot be reached, the next one in any case."""
-        piece = self.piece_now
-        self.queue_kerf = -1.0
-        for _ in range(self.marks.waiting):
-            self.marks.drop()
-            self.statistics.skipped += 1
-            if self.marks.waiting > 0:
-                mu = self.beyond(self.marks.place(0), self.now)
-                if self.machine.coupling * mu <= self.rest - least * LATE:
+        material = self.material
+        for _ in range(material.marks.waiting):
+            material.drop_mark()
+            self.statistics.skipped = more(self.statistics.skipped, 1.0)
+            if material.marks.waiting > 0:
+                mu = self.beyond(material.marks.place(0), self.now)
+                if self.predictions.machine.coupling * mu <= self.way_home.home - least * LATE:
                     break
-        piece.known = self.marks.waiting > 0
-        if piece.known:
-            piece.end = self.marks.place(0)
+        material.piece.known = material.marks.waiting > 0
+        if material.piece.known:
+            material.piece.end = material.marks.place(0)
+        else:
+            material.piece.pitch = UNLIMITED
 
     def begin_approach(self, distance: float, late: bool) -> None:
         """The carriage starts now and is in sync after its own travel `distance`."""
-        var.copy(self.cycle, self.machine)
+        var.copy(self.cycle, self.predictions.machine)
         self.timeout = self.good.tool.timeout
-        self.carriage.lay_approach(self.machine.coupling, self.rest, distance)
-        self.cut_place = self.piece_now.end
+        self.carriage.lay_approach(self.cycle.coupling, self.way_home.home, distance)
+        self.cut_place = self.material.piece.end
         self.judge_reserve(late)
         self.first_cut = False
         self.early = False
@@ -995,7 +866,7 @@ class CutToLength(CutToLengthInterface):
 
     def keep_books(self) -> None:
         """Enter the piece that the cut has ended, and fix the next one."""
-        piece = self.piece_now
+        piece = self.material.piece
         length = piece.length(self.cut_place)
         error = length - piece.ordered if piece.exact else 0.0
         good = piece.kind == PieceKind.PRODUCT and abs(error) <= self.good.length_tolerance
@@ -1003,34 +874,25 @@ class CutToLength(CutToLengthInterface):
         self.last.error = error
         self.last.kind = piece.kind
         self.last.good = good
+        self.warning.change_pending = False
         self.last.time = self.sync_time
         self.last.reserve = self.reserve
         self.books.enter(self.statistics, piece.kind, good, length, error, self.reserve)
         self.batch_done = False
         if good:
             self.count_good()
-        self.has_cut = True
-        self.last_place = self.cut_place
-        self.last_kerf = piece.kerf
-        self.last_correction = piece.correction
-        if self.source == Source.MARK and not self.waits_for_line() and self.marks.waiting > 0:
-            self.marks.drop()
-            self.queue_kerf = -1.0
-        piece.begin = self.cut_place
+        self.material.end_piece(self, self.cut_place)
         self.fix_piece()
 
     def count_good(self) -> None:
         """A good piece counts for its order and for the batch."""
-        number = self.piece_now.order
-        if number != NO_ORDER and self.orders.has(number):
-            if self.orders.try_fulfil(number, self.order.repeat):
-                self.order.completed += 1
-            self.queue_kerf = -1.0
+        if self.material.try_fulfil_order(self.order.repeat):
+            self.order.completed = more(self.order.completed, 1.0)
         if self.good.batch_size > 0:
             self.batch_count += 1
             if self.batch_count >= self.good.batch_size:
                 self.batch_count = 0
-                self.batches += 1
+                self.batches = more(self.batches, 1.0)
                 self.batch_done = True
 
     # --- the stages are entered ---
@@ -1039,7 +901,7 @@ class CutToLength(CutToLengthInterface):
         """The machine does not run any more."""
         self.stage = Stage.RESTING
         self.running = False
-        self.piece_now.forget()
+        self.material.piece.forget()
 
     def enter_waiting(self) -> None:
         """At home until the start point."""
@@ -1048,8 +910,8 @@ class CutToLength(CutToLengthInterface):
 
     def enter_homing(self) -> None:
         """From rest to home."""
-        self.plan_way_home(self.rest, 0.0, 0.0)
         self.stage = Stage.HOMING
+        self.way_home.plan(self.predictions.machine, self.now, self.way_home.home, 0.0, 0.0)
 
     def enter_synchronous(self) -> None:
         self.stage = Stage.SYNCHRONOUS
@@ -1076,97 +938,59 @@ class CutToLength(CutToLengthInterface):
         self.clear_time = time
 
     def enter_returning(self) -> None:
-        """From any motion to home, with ease if there is time for it."""
+        """From any motion to home; from the material with ease, if there is time for it."""
+        machine = self.predictions.machine
         if self.stage in (Stage.RETURNING, Stage.HOMING):
-            position, velocity, acceleration, _ = self.motion.at(self.motion.clock.time + self.now)
+            position, velocity, acceleration, _ = self.way_home.at(self.now)
+            self.way_home.plan(machine, self.now, position, velocity, acceleration)
         else:
             position, velocity, acceleration, _ = self.carriage_at(self.now)
-        self.plan_way_home(position, velocity, acceleration)
-        if self.stage not in (Stage.RETURNING, Stage.HOMING):
-            self.plan_ease(position, velocity, acceleration)
+            self.way_home.plan(machine, self.now, position, velocity, acceleration)
+            if self.may_ease():
+                time = self.time_to_home()
+                slowest = self.good.homing.slowest
+                self.way_home.ease(machine, slowest, self.now, position, velocity, acceleration, time)
+                self.way_home.eased_velocity = self.master.velocity_at(self.now)
+                self.way_home.eased_place = self.material.piece.end
         self.stage = Stage.RETURNING
 
-    def plan_way_home(self, position: float, velocity: float, acceleration: float) -> None:
-        """As fast as the limits of homing allow."""
-        machine = self.machine
-        self.rest = machine.home_position
-        self.motion.move(
-            position,
-            velocity,
-            acceleration,
-            machine.home_position,
-            machine.homing_velocity,
-            machine.homing_acceleration,
-            machine.homing_deceleration,
-            machine.homing_jerk,
-        )
-        self.motion.clock.start(self.now)
-        self.eased = False
-        self.halting = False
-        self.local.ease = 1.0
+    def may_ease(self) -> bool:
+        """Whether the next cut is known, and the line comes to it without getting faster."""
+        if self.stopping or self.cut_waits or not (self.running and self.homing.ease and self.material.piece.known):
+            return False
+        return self.master.velocity_at(self.now) > 0.0 and not self.line_accelerates()
 
-    def plan_ease(self, position: float, velocity: float, acceleration: float) -> None:
-        """If there is time, halt first; the way from there to home then takes just the time that is left."""
-        line = self.master.velocity_at(self.now)
-        piece = self.piece_now
-        idle = self.stopping or self.cut_waits or self.fault != Fault.NONE
-        if idle or not (self.homing.ease and piece.known and line > 0.0):
-            return
-        machine = self.machine
-        down = machine.homing_deceleration
-        jerk = machine.homing_jerk
-        halt = change_time(velocity, down, jerk)
-        distance = position - machine.home_position + 0.5 * velocity * halt
-        if not distance > 0.0:
-            return
-        way = return_time(0.0, distance, machine.homing_acceleration, down, jerk, machine.homing_velocity)
-        missing = (machine.home_position - approach_distance(machine, line)) / machine.coupling - self.beyond(
-            piece.end, self.now
-        )
-        left = missing / line - machine.homing_settle_time - self.good.homing.spare_time - halt
-        if left > way:
-            self.eased = True
-            self.halting = True
-            self.eased_velocity = line
-            self.eased_place = piece.end
-            self.local.ease = max(self.good.homing.slowest, way / left)
-            self.motion.halt(position, velocity, acceleration, down, jerk)
-            self.motion.clock.start(self.now)
+    def line_accelerates(self) -> bool:
+        """Whether the line gets faster in the present step."""
+        begin = self.master.begin_velocity
+        return self.master.end_velocity - begin > FASTER * abs(begin)
 
-    def ease_home(self) -> None:
-        """The carriage has halted: from here home, with a share of the limits."""
-        machine = self.machine
-        share = self.local.ease
-        position, _, _, _ = self.motion.at(self.motion.end())
-        self.halting = False
-        self.motion.move(
-            position,
-            0.0,
-            0.0,
-            self.rest,
-            share * machine.homing_velocity,
-            share * share * machine.homing_acceleration,
-            share * share * machine.homing_deceleration,
-            share * share * share * machine.homing_jerk,
-        )
-        self.motion.clock.start(self.now)
+    def time_to_home(self) -> float:
+        """How long the way home may take, s, at the line's present velocity, which is above 0."""
+        machine = self.predictions.machine
+        velocity = self.master.velocity_at(self.now)
+        start = (machine.home_position - approach_distance(machine, velocity)) / machine.coupling
+        time = (start - self.beyond(self.material.piece.end, self.now)) / velocity
+        return time * IN_TIME - machine.homing_settle_time - self.good.homing.spare_time
 
     def watch_ease(self) -> None:
-        """There is no time for ease any more: the line gets faster, or the next cut lies elsewhere."""
-        if self.stage == Stage.RETURNING and self.eased:
-            line = self.master.begin_velocity
-            end = self.master.end_velocity
-            faster = line > self.eased_velocity * FASTER or end > line + (FASTER - 1.0) * abs(line)
-            piece = self.piece_now
-            if faster or self.cut_waits or not piece.known or piece.end != self.eased_place:
+        """Hurry home where there is no time for ease any more."""
+        if self.stage == Stage.RETURNING and self.way_home.eased:
+            piece = self.material.piece
+            if (
+                self.cut_waits
+                or not piece.known
+                or self.line_accelerates()
+                or self.master.begin_velocity > self.way_home.eased_velocity * (1.0 + FASTER)
+                or piece.end != self.way_home.eased_place
+            ):
                 self.enter_returning()
 
     def arrive(self) -> None:
         """The carriage is at home."""
         self.phase.start(self.now)
         self.local.home_time = self.block_clock.time + self.now
-        self.eased = False
-        self.local.ease = 1.0
+        self.way_home.rest_at(self.way_home.home)
         if self.stopping or self.fault != Fault.NONE:
             self.enter_resting()
         else:
@@ -1213,8 +1037,10 @@ class CutToLength(CutToLengthInterface):
                     self.enter_clearing(self.cycle.retract_time)
                 else:
                     self.enter_returning()
+            case Stage.HOMING:
+                self.enter_returning()
             case Stage.RETURNING:
-                if self.eased:
+                if self.way_home.eased:
                     self.enter_returning()
             case _:
                 pass
@@ -1225,9 +1051,9 @@ class CutToLength(CutToLengthInterface):
         """The carriage's setpoint at the end of the step."""
         match self.stage:
             case Stage.RESTING | Stage.WAITING:
-                self.slave.put(self.rest, 0.0, 0.0, 0.0)
+                self.slave.put(self.way_home.home, 0.0, 0.0, 0.0)
             case Stage.HOMING | Stage.RETURNING:
-                position, velocity, acceleration, jerk = self.motion.at(self.motion.clock.time)
+                position, velocity, acceleration, jerk = self.way_home.at(0.0)
                 self.slave.put(position, velocity, acceleration, jerk)
             case _:
                 position, d1, d2, d3 = self.carriage.at(self.master.end - self.cut_place)
@@ -1239,7 +1065,7 @@ class CutToLength(CutToLengthInterface):
     def show(self) -> None:
         self.show_state()
         self.show_tool()
-        self.show_limits()
+        self.predictions.put(self, self.good, self.material)
         self.show_piece()
         self.show_orders()
         self.show_line()
@@ -1264,122 +1090,47 @@ class CutToLength(CutToLengthInterface):
         if self.tool.blade_down and not self.tool.command and self.stage != Stage.CLEARING:
             self.tool.blade_down = self.tool_clock.time < self.cycle.retract_time
 
-    def show_limits(self) -> None:
-        """What the machine can do; it is solved again where something has changed on which it depends."""
-        velocity = self.master.end_velocity
-        if velocity != self.solved_velocity:
-            self.solve_cycle(velocity)
-        pitch = self.limiting_pitch()
-        orders = min(pitch, self.shortest_pitch_of_queue())
-        if pitch != self.solved_pitch or orders != self.solved_pitch_orders:
-            self.solved_pitch = pitch
-            self.solve_line_velocity()
-        moving = velocity > 0.0
-        factor = self.factor()
-        material = factor * self.pitch - self.good.kerf - self.length_correction
-        self.limits.min_length = max(material, 0.0) if moving else 0.0
-        self.limits.reserve = 1.0
-        if moving and self.running and self.piece_now.pitch < NEVER:
-            self.limits.reserve = 1.0 - self.limits.cycle_time * velocity / self.piece_now.pitch
-        sensor = (self.local.approach_distance - self.good.home_position) / self.machine.coupling
-        sensor += max(velocity, 0.0) * self.good.mark.delay
-        self.limits.min_sensor_distance = max(factor * sensor, 0.0)
-
-    def solve_cycle(self, velocity: float) -> None:
-        """The cycle at a line velocity."""
-        self.solved_velocity = velocity
-        self.pitch = shortest_pitch(self.machine, velocity)
-        self.limits.cycle_time = cycle_time(self.machine, velocity)
-        self.limits.stroke = stroke(self.machine, velocity) if velocity > 0.0 else self.machine.approach_distance
-        self.local.approach_distance = approach_distance(self.machine, velocity)
-        self.local.coupling_factor = self.machine.coupling
-
-    def solve_line_velocity(self) -> None:
-        """The highest admissible line velocities."""
-        self.solved_pitch_orders = min(self.solved_pitch, self.shortest_pitch_of_queue())
-        self.limits.max_line_velocity = max_line_velocity(self.machine, self.solved_pitch)
-        self.limits.max_line_velocity_orders = self.limits.max_line_velocity
-        if self.solved_pitch_orders < self.solved_pitch:
-            self.limits.max_line_velocity_orders = max_line_velocity(self.machine, self.solved_pitch_orders)
-
-    def limiting_pitch(self) -> float:
-        """The smaller of the pitch in progress, as it was fixed, and the one that is expected after it."""
-        expected = self.expected_pitch()
-        return min(self.piece_now.pitch, expected) if self.running else expected
-
-    def expected_pitch(self) -> float:
-        """The pitch of the piece after the one in progress, as far as it is known; NEVER: it is not."""
-        if self.source == Source.MARK:
-            if self.marks.waiting > 1:
-                return self.marks.place(1) - self.marks.place(0)
-            spacing = self.good.mark.spacing * float(self.good.mark.every)
-            return spacing / self.factor() if spacing > 0.0 else NEVER
-        if self.waste:
-            return self.pitch_of(self.good.waste_length)
-        if self.sample_waits:
-            return self.pitch_of(self.good.sample_length)
-        place = self.orders.place_after(self.piece_now.order if self.running else NO_ORDER, self.order.repeat)
-        return self.pitch_of(self.length if place < 0 else self.orders.length(place))
-
-    def pitch_of(self, length: float) -> float:
-        """The pitch of a piece of that length; NEVER: it is none."""
-        material = length + self.length_correction + self.good.kerf
-        return material / self.factor() if length > 0.0 and material > LEAST_MATERIAL else NEVER
-
-    def shortest_pitch_of_queue(self) -> float:
-        """The least pitch of all orders that wait, or of all marks."""
-        factor = self.factor()
-        if (
-            self.queue_kerf != self.good.kerf
-            or self.queue_correction != self.length_correction
-            or self.queue_factor != factor
-        ):
-            self.queue_kerf = self.good.kerf
-            self.queue_correction = self.length_correction
-            self.queue_factor = factor
-            shortest = self.marks.shortest()
-            if self.source == Source.LENGTH:
-                shortest = self.orders.shortest()
-                shortest = self.pitch_of(shortest) if shortest < NEVER else NEVER
-            self.queue_pitch = shortest
-        return self.queue_pitch
-
     def show_piece(self) -> None:
         """The piece in progress and its cut."""
-        piece = self.piece_now
-        k = self.machine.coupling
-        self.piece.kind = piece.kind
-        self.piece.ordered = piece.ordered
+        piece = self.material.piece
+        k = self.predictions.machine.coupling
+        self.piece.kind = PieceKind.NONE
+        self.piece.ordered = 0.0
         self.piece.length = 0.0
         if self.running:
             self.piece.length = max(piece.length(self.master.end - self.slave.position / k), 0.0)
-        known = self.running and piece.known
-        self.next_cut.known = known
-        self.next_cut.position = wrap(piece.end, self.master.period) if known else 0.0
+        self.next_cut.known = self.running and piece.known
+        self.next_cut.position = 0.0
         self.next_cut.distance = 0.0
         self.local.start_position = 0.0
         self.local.progress = 0.0
-        if known:
-            mu = self.master.end - piece.end
-            distance = self.local.approach_distance
-            start = (self.good.home_position - distance) / k
-            self.local.start_position = wrap(piece.end + start, self.master.period)
-            match self.stage:
-                case Stage.APPROACHING:
-                    self.next_cut.distance = max(self.carriage.sync - mu, 0.0)
-                    travel = self.carriage.sync - self.carriage.start
-                    if travel > 0.0:
-                        self.local.progress = max(0.0, min((mu - self.carriage.start) / travel, 1.0))
-                case Stage.SYNCHRONOUS | Stage.CUTTING:
-                    self.local.progress = 1.0
-                case _:
-                    self.next_cut.distance = max((self.good.home_position + distance) / k - mu, 0.0)
+        if self.next_cut.known:
+            self.piece.kind = piece.kind
+            self.piece.ordered = piece.ordered
+            self.next_cut.position = wrap(piece.end, self.master.period)
+            self.show_approach(self.master.end - piece.end, k)
+
+    def show_approach(self, mu: float, k: float) -> None:
+        """How far the approach to the next cut, whose line is at mu, lies ahead or is done."""
+        home = self.predictions.machine.home_position
+        distance = self.local.approach_distance
+        self.local.start_position = wrap(self.material.piece.end + (home - distance) / k, self.master.period)
+        match self.stage:
+            case Stage.APPROACHING:
+                self.next_cut.distance = max(self.carriage.sync - mu, 0.0)
+                self.local.progress = self.carriage.progress(mu)
+            case Stage.SYNCHRONOUS | Stage.CUTTING:
+                self.local.progress = 1.0
+            case _:
+                self.next_cut.distance = (home + distance) / k - mu
 
     def show_orders(self) -> None:
-        self.order.waiting = self.orders.waiting
-        self.order.remaining = int(self.orders.lacking())
-        self.order.length_active = self.orders.length(0) if self.orders.waiting > 0 else 0.0
-        self.local.marks_waiting = self.marks.waiting
+        orders = self.material.orders
+        self.order.waiting = orders.waiting
+        self.order.remaining = int(orders.lacking())
+        self.order.length_active = orders.length(0) if orders.waiting > 0 else 0.0
+        self.local.marks_waiting = self.material.marks.waiting
+        self.local.ease = self.way_home.share
 
     def show_line(self) -> None:
         """What the machine asks of the line."""
@@ -1394,9 +1145,10 @@ class CutToLength(CutToLengthInterface):
         warning = self.warning
         warning.line_too_fast = velocity > self.limits.max_line_velocity
         warning.orders_too_fast = velocity > self.limits.max_line_velocity_orders
-        warning.stroke = self.good.home_position + self.limits.stroke > self.good.axis.max_position
-        warning.velocity = self.machine.coupling * velocity > self.machine.max_velocity
-        warning.no_length = self.running and self.source == Source.LENGTH and not self.piece_now.known
+        machine = self.predictions.machine
+        warning.stroke = machine.home_position + self.limits.stroke > machine.max_position
+        warning.velocity = machine.coupling * velocity > machine.max_velocity
+        warning.no_length = self.running and self.source == Source.LENGTH and not self.next_cut.known
         self.exceeded.judge_setpoint(self.axis, self.slave)
         warning.limit_exceeded = self.exceeded.limit != Limit.NONE
         self.local.exceeded_limit = self.exceeded.limit
@@ -1423,32 +1175,6 @@ class CutToLength(CutToLengthInterface):
             self.master.rebase()
             turns = before - self.master.end
             if turns != 0.0:
-                self.piece_now.begin -= turns
-                self.piece_now.end -= turns
+                self.material.shift(turns)
+                self.way_home.eased_place -= turns
                 self.cut_place -= turns
-                self.last_place -= turns
-                self.eased_place -= turns
-                self.marks.shift(turns)
-
-
-def state_of(stage: Stage) -> State:
-    """What is shown of a stage, without a fault."""
-    match stage:
-        case Stage.HOMING:
-            return State.HOMING
-        case Stage.WAITING:
-            return State.WAITING
-        case Stage.APPROACHING:
-            return State.APPROACHING
-        case Stage.SYNCHRONOUS:
-            return State.SYNCHRONOUS
-        case Stage.CUTTING:
-            return State.CUTTING
-        case Stage.PULLING:
-            return State.PULLING
-        case Stage.CLEARING:
-            return State.CLEARING
-        case Stage.RETURNING:
-            return State.RETURNING
-        case _:
-            return State.OFF

@@ -9,6 +9,7 @@ from math import sqrt
 
 from ..axis_limits import AxisLimits
 from ..laws import half_ramp, polynomial_3_4_5
+from ..limits import clamp
 
 GAP_VELOCITY = 1.875  # g / T: greatest velocity of the gap's curve
 GAP_ACCELERATION = 10.0 / sqrt(3.0)  # g / T^2: its greatest acceleration
@@ -54,6 +55,11 @@ class Carriage:
         self.gap_begin = mu
         self.gap_end = mu + travel / self.coupling
         self.gap = distance
+
+    def progress(self, mu: float) -> float:
+        """Share of the approach that is done, 0 to 1."""
+        travel = self.sync - self.start
+        return clamp((mu - self.start) / travel, 0.0, 1.0) if travel > 0.0 else 1.0
 
     def at(self, mu: float) -> tuple[float, float, float, float]:
         """The carriage's position and its derivatives by the master's position."""

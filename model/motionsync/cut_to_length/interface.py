@@ -170,7 +170,7 @@ class Tool:
     )
     timeout: float = var.parameter(0.0, "FEEDBACK: the longest cut; 0: any", Unit.TIME, tunable=True, min=0.0, max=1e6)
     blade_down: bool = var.local(False, "the blade is in the material, as modelled: from command + delay until clear")
-    cutting: bool = var.local(False, "the machine is cutting")
+    cutting: bool = var.local(False, "the machine is cutting", role=Role.CUTTING)
 
 
 @dataclass(slots=True)
@@ -179,7 +179,11 @@ class LineRequest:
 
     wanted_velocity: float = var.input(1e9, "what the line would like to run", Unit.VELOCITY, discrete=True)
     velocity_request: float = var.output(
-        0.0, "the velocity at which the line should run; 0 in FAULT", Unit.VELOCITY, discrete=True
+        0.0,
+        "the velocity at which the line should run; 0 in FAULT",
+        Unit.VELOCITY,
+        discrete=True,
+        role=Role.MASTER_REQUEST,
     )
     stop_request: bool = var.output(False, "the line should stop: a fault is present")
     margin: float = var.parameter(
@@ -195,7 +199,11 @@ class LineRequest:
 class NextCut:
     """The cut that comes next."""
 
-    distance: float = var.output(0.0, "master travel missing until sync; 0 from then until the cut ends", Unit.POSITION)
+    distance: float = var.output(
+        0.0,
+        "master travel missing until sync, 0 from then until the cut ends; negative: too late",
+        Unit.POSITION,
+    )
     position: float = var.local(
         0.0, "master position at which the cut's line passes carriage position 0", Unit.POSITION, discrete=True
     )
@@ -215,7 +223,7 @@ class Piece:
 class Last:
     """The piece that the last cut ended."""
 
-    length: float = var.output(0.0, "its length", Unit.POSITION, discrete=True)
+    length: float = var.output(0.0, "its length", Unit.POSITION, discrete=True, role=Role.LAST_LENGTH)
     error: float = var.output(0.0, "its length less the ordered one", Unit.POSITION, discrete=True)
     good: bool = var.output(False, "it is a product within length_tolerance")
     kind: PieceKind = var.local(PieceKind.NONE, "what it was")
@@ -228,7 +236,11 @@ class Limits:
     """What the machine can do."""
 
     max_line_velocity: float = var.output(
-        0.0, "highest admissible for the piece in progress and the next one", Unit.VELOCITY, discrete=True
+        0.0,
+        "highest admissible for the piece in progress and the next one",
+        Unit.VELOCITY,
+        discrete=True,
+        role=Role.MAX_MASTER_VELOCITY,
     )
     min_length: float = var.output(0.0, "shortest piece at the present line velocity", Unit.POSITION)
     reserve: float = var.output(1.0, "share of the cycle that is left at the present line velocity")
@@ -246,7 +258,7 @@ class Limits:
 class Statistics:
     """What the machine has made."""
 
-    cuts: int = var.output(0, "cuts")
+    cuts: int = var.output(0, "cuts", role=Role.PIECES)
     pieces_good: int = var.output(0, "good products")
     skipped: int = var.output(0, "cuts left out because they could not be reached")
     pieces_bad: int = var.local(0, "products out of tolerance, short and merged pieces")
@@ -296,7 +308,9 @@ class Calibration:
         0.0, "measured length of the last piece", Unit.POSITION, tunable=True, min=-MOST, max=MOST
     )
     reset: bool = var.parameter(False, "rising edge: forget the factor", tunable=True)
-    factor: float = var.local(1.0, "further factor of the material's travel", discrete=True)
+    factor: float = var.local(
+        1.0, "further factor of the material's travel", discrete=True, role=Role.CALIBRATION_FACTOR
+    )
 
 
 @dataclass(slots=True)
@@ -370,7 +384,9 @@ class Local:
     approach_distance: float = var.local(
         0.0, "way from home to the sync position at the present line velocity", Unit.POSITION
     )
-    coupling_factor: float = var.local(1.0, "carriage velocity per line velocity in sync", discrete=True)
+    coupling_factor: float = var.local(
+        1.0, "carriage velocity per line velocity in sync", discrete=True, role=Role.COUPLING_FACTOR
+    )
     progress: float = var.local(0.0, "share of the approach that is done", min=0.0, max=1.0)
     ease: float = var.local(1.0, "share of the limits that the way home uses", discrete=True)
     marks_waiting: int = var.local(0, "marks in the queue")
@@ -395,7 +411,11 @@ class CutToLengthInterface:
         1000.0, "length of a piece while no order waits; at most 0: none", Unit.POSITION, discrete=True
     )
     length_correction: float = var.input(
-        0.0, "is added to every piece's measured length (stretch, tape error)", Unit.POSITION, discrete=True
+        0.0,
+        "is added to every piece's measured length (stretch, tape error)",
+        Unit.POSITION,
+        discrete=True,
+        role=Role.LENGTH_CORRECTION,
     )
     cut_now: bool = var.command(False, "rising edge: cut as soon as possible")
     take_sample: bool = var.command(False, "rising edge: one sample after the next cut")
@@ -414,7 +434,7 @@ class CutToLengthInterface:
         "18 marks missing, 19 tool timeout, 20 marks full",
         codes=Fault,
     )
-    running: bool = var.output(False, "from start to the arrival after stop or abort, or to a fault")
+    running: bool = var.output(False, "from start to the arrival after stop or abort, or to a fault", role=Role.RUNNING)
     in_sync: bool = var.output(False, "the carriage is on the line of its cut")
     next_cut: NextCut = var.part(NextCut)
     piece: Piece = var.part(Piece)
@@ -431,13 +451,30 @@ class CutToLengthInterface:
         0.0, "angle between the carriage's and the material's travel", Unit.ANGLE, above=-90.0, below=90.0
     )
     material_factor: float = var.parameter(
-        1.0, "true travel of the material per travel of the master", tunable=True, min=LEAST_LIMIT, max=MOST
+        1.0,
+        "true travel of the material per travel of the master",
+        tunable=True,
+        min=LEAST_LIMIT,
+        max=MOST,
+        role=Role.MATERIAL_FACTOR,
     )
     kerf: float = var.parameter(
-        0.0, "material that a cut removes, along the material", Unit.POSITION, tunable=True, min=0.0, max=MOST
+        0.0,
+        "material that a cut removes, along the material",
+        Unit.POSITION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        role=Role.KERF,
     )
     length_tolerance: float = var.parameter(
-        0.5, "a piece is good if its length is off by no more", Unit.POSITION, tunable=True, min=0.0, max=MOST
+        0.5,
+        "a piece is good if its length is off by no more",
+        Unit.POSITION,
+        tunable=True,
+        min=0.0,
+        max=MOST,
+        role=Role.LENGTH_TOLERANCE,
     )
     source: Source = var.parameter(Source.LENGTH, "what decides where the cuts lie")
     start_mode: StartMode = var.parameter(StartMode.FRONT, "what the first piece is measured from", tunable=True)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from .. import var
+from .piece import UNLIMITED
 
 CAPACITY = 64
 
@@ -61,10 +62,12 @@ class Marks:
         return True
 
     def shortest(self) -> float:
-        """The least distance of two cuts that follow one another, u; 1e300 without two."""
-        least = 1e300
+        """The least distance above 0 of two cuts that follow one another, u; UNLIMITED without two."""
+        least = UNLIMITED
         for index in range(1, self.waiting):
-            least = min(least, self.place(index) - self.place(index - 1))
+            distance = self.place(index) - self.place(index - 1)
+            if 0.0 < distance < least:
+                least = distance
         return least
 
     def shift(self, distance: float) -> None:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from .. import var
+from .piece import UNLIMITED
 
 CAPACITY = 64
 
@@ -81,8 +82,8 @@ class Orders:
         return 0 if repeat else -1
 
     def shortest(self) -> float:
-        """The least length of all orders, u; 1e300 without any."""
-        least = 1e300
+        """The least length of all orders, u; UNLIMITED without any."""
+        least = UNLIMITED
         for place in range(self.waiting):
             least = min(least, self.length(place))
         return least

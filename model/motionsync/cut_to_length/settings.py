@@ -9,11 +9,24 @@ from dataclasses import dataclass
 from .. import var
 from ..axis_limits import limit_in_use
 from ..limits import LEAST_LIMIT, MOST, usable
-from .interface import Approach, CutToLengthInterface, Gap, Homing, Mark, SawAxis, Tool, ToolMode
+from .interface import (
+    Approach,
+    ChangeMode,
+    CutToLengthInterface,
+    Gap,
+    Homing,
+    LateMode,
+    Mark,
+    SawAxis,
+    StartMode,
+    Tool,
+    ToolMode,
+)
 from .limits import Machine
 from .tunables import Tunable
 
 LONGEST = 1e6  # s
+GREATEST_RESERVE = 1e6
 
 
 @dataclass(slots=True)
@@ -36,6 +49,10 @@ class Settings:
     waste_length: float = 100.0
     batch_size: int = 0
     margin: float = 0.02
+    start_mode: StartMode = StartMode.FRONT
+    change_mode: ChangeMode = ChangeMode.NEXT_PIECE
+    late_mode: LateMode = LateMode.SKIP
+    factor: float = 1.0  # true travel of the material per travel of the master, calibration included
 
     def are_those_of(self, block: CutToLengthInterface) -> bool:
         """Whether no parameter has been tuned since they were taken."""
@@ -50,6 +67,9 @@ class Settings:
             and self.waste_length == block.waste_length
             and self.batch_size == block.batch_size
             and self.margin == block.line.margin
+            and self.start_mode == block.start_mode
+            and self.change_mode == block.change_mode
+            and self.late_mode == block.late_mode
             and is_same_axis(self.axis, block.axis)
             and is_same_approach(self.approach, block.approach)
             and is_same_homing(self.homing, block.homing)
@@ -76,13 +96,17 @@ class Settings:
         self.waste_length = block.waste_length
         self.batch_size = block.batch_size
         self.margin = block.line.margin
+        self.start_mode = block.start_mode
+        self.change_mode = block.change_mode
+        self.late_mode = block.late_mode
 
     def describe(self, machine: Machine, factor: float, cosine: float) -> None:
         """Put the limits in use into what a cycle is computed from; `factor` is found by calibration, `cosine` that of
         the diagonal angle."""
+        self.factor = self.material_factor * factor
         axis = self.axis
         deceleration = axis.deceleration()
-        machine.coupling = self.material_factor * factor / cosine
+        machine.coupling = self.factor / cosine
         machine.home_position = self.home_position
         machine.max_position = axis.max_position
         machine.max_velocity = axis.max_velocity
@@ -163,115 +187,86 @@ def first_bad(block: CutToLengthInterface) -> Tunable:
     """The first parameter that is out of its range; NONE if all are good. NaN is out of every range."""
     bad = first_bad_of_machine(block)
     if bad == Tunable.NONE:
-        bad = first_bad_of_cycle(block)
+        bad = first_bad_of_approach(block.approach)
+    if bad == Tunable.NONE:
+        bad = first_bad_of_homing(block.homing)
+    if bad == Tunable.NONE:
+        bad = first_bad_of_tool(block.tool, block.gap)
     if bad == Tunable.NONE:
         bad = first_bad_of_pieces(block)
     return first_bad_of_marks(block.mark) if bad == Tunable.NONE else bad
 
 
 def first_bad_of_machine(block: CutToLengthInterface) -> Tunable:
-    """The axis, where it waits, and what it cuts."""
+    """The axis, where it waits, and what it asks of the line."""
     axis = block.axis
-    if not (-MOST <= axis.min_position <= block.home_position and block.home_position <= axis.max_position <= MOST):
-        return Tunable.HOME_POSITION
-    if not usable(block.material_factor * block.calibration.factor):
-        return Tunable.MATERIAL_FACTOR
-    if not usable(axis.max_velocity):
-        return Tunable.MAX_VELOCITY
-    if not usable(axis.max_acceleration):
-        return Tunable.MAX_ACCELERATION
-    if not usable_or_0(axis.max_deceleration):
-        return Tunable.MAX_DECELERATION
-    if not usable(axis.max_jerk):
-        return Tunable.MAX_JERK
-    return Tunable.NONE if 0.0 <= block.line.margin < 1.0 else Tunable.MARGIN
-
-
-def first_bad_of_cycle(block: CutToLengthInterface) -> Tunable:
-    """The approach, the way home, the tool and the gap."""
-    bad = first_bad_of_approach(block.approach)
-    if bad == Tunable.NONE:
-        bad = first_bad_of_homing(block.homing)
-    if bad == Tunable.NONE:
-        bad = first_bad_of_tool(block.tool)
-    if bad != Tunable.NONE:
-        return bad
-    if not 0.0 <= block.gap.distance <= MOST:
-        return Tunable.GAP_DISTANCE
-    return Tunable.NONE if LEAST_LIMIT <= block.gap.travel <= MOST else Tunable.GAP_TRAVEL
+    low = axis.min_position
+    high = axis.max_position
+    home = block.home_position
+    bad = judged(Tunable.NONE, -MOST <= low <= home <= high <= MOST, Tunable.HOME_POSITION)
+    bad = judged(bad, usable(block.material_factor * block.calibration.factor), Tunable.MATERIAL_FACTOR)
+    bad = judged(bad, usable(axis.max_velocity), Tunable.MAX_VELOCITY)
+    bad = judged(bad, usable(axis.max_acceleration), Tunable.MAX_ACCELERATION)
+    bad = judged(bad, usable_or_0(axis.max_deceleration), Tunable.MAX_DECELERATION)
+    bad = judged(bad, usable(axis.max_jerk), Tunable.MAX_JERK)
+    return judged(bad, 0.0 <= block.line.margin < 1.0, Tunable.MARGIN)
 
 
 def first_bad_of_approach(approach: Approach) -> Tunable:
-    if not 0.0 <= approach.distance <= MOST:
-        return Tunable.APPROACH_DISTANCE
-    if not 0.0 <= approach.reserve <= 1e6:
-        return Tunable.APPROACH_RESERVE
-    if not usable_or_0(approach.acceleration):
-        return Tunable.APPROACH_ACCELERATION
-    return Tunable.NONE if usable_or_0(approach.jerk) else Tunable.APPROACH_JERK
+    bad = judged(Tunable.NONE, 0.0 <= approach.distance <= MOST, Tunable.APPROACH_DISTANCE)
+    bad = judged(bad, 0.0 <= approach.reserve <= GREATEST_RESERVE, Tunable.APPROACH_RESERVE)
+    bad = judged(bad, usable_or_0(approach.acceleration), Tunable.APPROACH_ACCELERATION)
+    return judged(bad, usable_or_0(approach.jerk), Tunable.APPROACH_JERK)
 
 
 def first_bad_of_homing(homing: Homing) -> Tunable:
-    if not usable_or_0(homing.velocity):
-        return Tunable.HOMING_VELOCITY
-    if not usable_or_0(homing.acceleration):
-        return Tunable.HOMING_ACCELERATION
-    if not usable_or_0(homing.deceleration):
-        return Tunable.HOMING_DECELERATION
-    if not usable_or_0(homing.jerk):
-        return Tunable.HOMING_JERK
-    if not 0.0 <= homing.settle_time <= LONGEST:
-        return Tunable.HOMING_SETTLE_TIME
-    if not 0.0 <= homing.spare_time <= LONGEST:
-        return Tunable.HOMING_SPARE_TIME
-    return Tunable.NONE if 0.0 < homing.slowest <= 1.0 else Tunable.HOMING_SLOWEST
+    bad = judged(Tunable.NONE, usable_or_0(homing.velocity), Tunable.HOMING_VELOCITY)
+    bad = judged(bad, usable_or_0(homing.acceleration), Tunable.HOMING_ACCELERATION)
+    bad = judged(bad, usable_or_0(homing.deceleration), Tunable.HOMING_DECELERATION)
+    bad = judged(bad, usable_or_0(homing.jerk), Tunable.HOMING_JERK)
+    bad = judged(bad, 0.0 <= homing.settle_time <= LONGEST, Tunable.HOMING_SETTLE_TIME)
+    bad = judged(bad, 0.0 <= homing.spare_time <= LONGEST, Tunable.HOMING_SPARE_TIME)
+    return judged(bad, 0.0 < homing.slowest <= 1.0, Tunable.HOMING_SLOWEST)
 
 
-def first_bad_of_tool(tool: Tool) -> Tunable:
-    if not 0.0 <= tool.settle_time <= LONGEST:
-        return Tunable.SETTLE_TIME
-    if not 0.0 <= tool.on_delay <= LONGEST:
-        return Tunable.ON_DELAY
-    if not 0.0 <= tool.cut_time <= LONGEST:
-        return Tunable.CUT_TIME
-    if not 0.0 <= tool.cut_distance <= MOST:
-        return Tunable.CUT_DISTANCE
-    if not 0.0 <= tool.retract_time <= LONGEST:
-        return Tunable.RETRACT_TIME
-    return Tunable.NONE if 0.0 <= tool.timeout <= LONGEST else Tunable.TIMEOUT
+def first_bad_of_tool(tool: Tool, gap: Gap) -> Tunable:
+    bad = judged(Tunable.NONE, 0.0 <= tool.settle_time <= LONGEST, Tunable.SETTLE_TIME)
+    bad = judged(bad, 0.0 <= tool.on_delay <= LONGEST, Tunable.ON_DELAY)
+    bad = judged(bad, 0.0 <= tool.cut_time <= LONGEST, Tunable.CUT_TIME)
+    bad = judged(bad, 0.0 <= tool.cut_distance <= MOST, Tunable.CUT_DISTANCE)
+    bad = judged(bad, 0.0 <= tool.retract_time <= LONGEST, Tunable.RETRACT_TIME)
+    bad = judged(bad, 0.0 <= tool.timeout <= LONGEST, Tunable.TIMEOUT)
+    bad = judged(bad, 0.0 <= gap.distance <= MOST, Tunable.GAP_DISTANCE)
+    return judged(bad, LEAST_LIMIT <= gap.travel <= MOST, Tunable.GAP_TRAVEL)
 
 
 def first_bad_of_pieces(block: CutToLengthInterface) -> Tunable:
     """What a piece is measured with."""
-    if not 0.0 <= block.kerf <= MOST:
-        return Tunable.KERF
-    if not 0.0 <= block.length_tolerance <= MOST:
-        return Tunable.LENGTH_TOLERANCE
-    if not abs(block.front_position) <= MOST:
-        return Tunable.FRONT_POSITION
-    if not 0.0 <= block.trim_length <= MOST:
-        return Tunable.TRIM_LENGTH
-    if not LEAST_LIMIT <= block.sample_length <= MOST:
-        return Tunable.SAMPLE_LENGTH
-    if not LEAST_LIMIT <= block.waste_length <= MOST:
-        return Tunable.WASTE_LENGTH
-    return Tunable.NONE if block.batch_size >= 0 else Tunable.BATCH_SIZE
+    bad = judged(Tunable.NONE, 0.0 <= block.kerf <= MOST, Tunable.KERF)
+    bad = judged(bad, 0.0 <= block.length_tolerance <= MOST, Tunable.LENGTH_TOLERANCE)
+    bad = judged(bad, abs(block.front_position) <= MOST, Tunable.FRONT_POSITION)
+    bad = judged(bad, 0.0 <= block.trim_length <= MOST, Tunable.TRIM_LENGTH)
+    bad = judged(bad, LEAST_LIMIT <= block.sample_length <= MOST, Tunable.SAMPLE_LENGTH)
+    bad = judged(bad, LEAST_LIMIT <= block.waste_length <= MOST, Tunable.WASTE_LENGTH)
+    bad = judged(bad, block.batch_size >= 0, Tunable.BATCH_SIZE)
+    bad = judged(bad, StartMode.FRONT <= block.start_mode <= StartMode.CONTINUE, Tunable.START_MODE)
+    bad = judged(bad, ChangeMode.NEXT_PIECE <= block.change_mode <= ChangeMode.THIS_PIECE, Tunable.CHANGE_MODE)
+    return judged(bad, LateMode.SKIP <= block.late_mode <= LateMode.STOP_LINE, Tunable.LATE_MODE)
 
 
 def first_bad_of_marks(mark: Mark) -> Tunable:
-    if not abs(mark.sensor_distance) <= MOST:
-        return Tunable.SENSOR_DISTANCE
-    if not abs(mark.cut_offset) <= MOST:
-        return Tunable.CUT_OFFSET
-    if not 0.0 <= mark.spacing <= MOST:
-        return Tunable.SPACING
-    if not (0.0 <= mark.window <= MOST and is_narrow(mark)):
-        return Tunable.WINDOW
-    if mark.every < 1:
-        return Tunable.EVERY
-    if mark.max_missing < 0:
-        return Tunable.MAX_MISSING
-    return Tunable.NONE if 0.0 <= mark.delay <= LONGEST else Tunable.MARK_DELAY
+    bad = judged(Tunable.NONE, abs(mark.sensor_distance) <= MOST, Tunable.SENSOR_DISTANCE)
+    bad = judged(bad, abs(mark.cut_offset) <= MOST, Tunable.CUT_OFFSET)
+    bad = judged(bad, 0.0 <= mark.spacing <= MOST, Tunable.SPACING)
+    bad = judged(bad, 0.0 <= mark.window <= MOST and is_narrow(mark), Tunable.WINDOW)
+    bad = judged(bad, mark.every >= 1, Tunable.EVERY)
+    bad = judged(bad, mark.max_missing >= 0, Tunable.MAX_MISSING)
+    return judged(bad, 0.0 <= mark.delay <= LONGEST, Tunable.MARK_DELAY)
+
+
+def judged(bad: Tunable, good: bool, parameter: Tunable) -> Tunable:
+    """The bad parameter found before; without one this parameter, unless it is good."""
+    return bad if bad != Tunable.NONE or good else parameter
 
 
 def is_narrow(mark: Mark) -> bool:

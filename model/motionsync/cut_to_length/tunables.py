@@ -67,3 +67,6 @@ class Tunable(Enumeration):
     MAX_MISSING = 38, "mark.max_missing must be at least 0", "mark.max_missing"
     MARK_DELAY = 39, "mark.delay must be 0 to 1e6 s", "mark.delay"
     MARGIN = 40, "line.margin must be at least 0 and below 1", "line.margin"
+    START_MODE = 41, "start_mode must be 1, 2 or 3", "start_mode"
+    CHANGE_MODE = 42, "change_mode must be 1 or 2", "change_mode"
+    LATE_MODE = 43, "late_mode must be 1, 2 or 3", "late_mode"

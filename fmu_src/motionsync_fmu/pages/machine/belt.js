@@ -22,9 +22,9 @@ const [ground, rollers, stock, rail, measures, carriage] =
   ["ground", "rollers", "stock", "rail", "measures", "carriage"].map((name) => draw(svg, "g", {class: name}));
 const fixed = draw(ground, "g"), scale = draw(ground, "g");
 const spokes = pool(rollers, "path", {fill: "var(--m-paper)", stroke: "var(--m-soft)"});
-const pieces = pool(stock, "rect", {fill: "var(--m-wood)", stroke: "var(--m-edge)", rx: SAW ? 1 : 0});
+const pieces = pool(stock, "rect", {stroke: "var(--m-edge)", rx: SAW ? 1 : 0});
 const grain = pool(stock, "path", {stroke: "var(--m-grain)", "stroke-width": 1.5, "stroke-linecap": "round"});
-const names = pool(stock, "text", {"text-anchor": "middle", class: "soft"});
+const names = pool(stock, "text", {"text-anchor": "middle", class: data.pieces ? "" : "soft"});
 const marks = pool(stock, "path", SAW
   ? {stroke: "var(--m-ink)", "stroke-width": 1.5, "stroke-dasharray": "4 3", fill: "none"}
   : {stroke: "var(--m-edge)", fill: "var(--m-wood)"});
@@ -100,8 +100,17 @@ function show(t) {
   tell(SAW ? "saw" : "slave", number(slave, data.slave_unit));
   tell("velocity", number(velocity, `${data.slave_unit}/s`, slow));
   tell(SAW ? "material" : "master velocity", number(lineVelocity, `${data.unit}/s`, slow));
-  if (data.marks) tell(SAW ? "saw to mark" : "slave to product", nearest);
-  if (data.cuts.length) tell("cuts", `${done.length} of ${data.cuts.length}`);
+  if (data.marks) tell(data.pieces ? "saw to next cut" : SAW ? "saw to mark" : "slave to product", nearest);
+  if (data.request) tell("asked of the line", number(held(data.request, t), `${data.unit}/s`, slow));
+  if (data.pieces) tellPieces(done);
+  else if (data.cuts.length) tell("cuts", `${done.length} of ${data.cuts.length}`);
+}
+
+/** Tell how many pieces have been cut off, and what the last one is. */
+function tellPieces(done) {
+  tell("pieces", `${done.length} of ${data.pieces.length}`);
+  const last = data.pieces[done.length - 1];
+  tell("last piece", last ? `${number(last.length, data.unit, 1e-3)} ${last.name}` : "none");
 }
 
 /** How far the tool is down: 0 to 1. */
@@ -122,22 +131,41 @@ function taken(place, master, done) {
   return flow * sum;
 }
 
+/** The bodies into which the cuts have parted the material: their ends, null where one is endless, and their names. */
+function bodies(done) {
+  if (data.pieces) return ownBodies(done);
+  const borders = done.map((cut) => cut.place).sort((a, b) => flow * ratio * (b - a)); // from upstream on
+  return Array.from({length: borders.length + 1}, (_, i) => {
+    const [upstream, downstream] = [borders[i - 1] ?? null, borders[i] ?? null];
+    const text = i === 0 ? "" : i === borders.length ? "front end" : `piece ${borders.length - i}`;
+    return {upstream, downstream, text, fill: "var(--m-wood)"};
+  });
+}
+
+/** The same where each piece is known: those that have been cut off, and the material behind them. */
+function ownBodies(done) {
+  const ready = data.pieces.slice(0, done.length), front = data.pieces[done.length]?.begin ?? ready.at(-1)?.end ?? null;
+  const off = ready.map(({number: n, begin, end, kind, name, length: of}) => {
+    const text = `${n}: ${name === "PRODUCT" ? "" : `${name} `}${number(of, data.unit, 1e-4 * data.span)}`;
+    return {upstream: end, downstream: begin, text, fill: `var(--m-kind-${kind})`};
+  });
+  return [{upstream: null, downstream: front, text: "", fill: "var(--m-wood)"}, ...off.reverse()];
+}
+
 function showMaterial(t, master, done) {
   const where = (place) => at(ratio * (master - place));
-  const borders = done.map((cut) => cut.place).sort((a, b) => flow * ratio * (b - a)); // from upstream on
   const endless = flow > 0 ? [-GAP, width + GAP] : [width + GAP, -GAP];
   let count = 0, named = 0;
-  for (let i = 0; i <= borders.length; i++) {
-    const middle = (borders[i - 1] ?? borders[0]) + (borders[i] ?? borders.at(-1));
-    const inside = i === 0 ? borders[0] + flow * ratio : i === borders.length ? borders.at(-1) - flow * ratio : middle / 2;
-    const shift = borders.length ? taken(inside, master, done) : 0;
-    const from = i === 0 ? endless[0] : where(borders[i - 1]) + shift;
-    const to = i === borders.length ? endless[1] : where(borders[i]) + shift;
+  for (const {upstream, downstream, text, fill} of bodies(done)) {
+    const inside = upstream === null ? downstream + flow * ratio
+      : downstream === null ? upstream - flow * ratio : (upstream + downstream) / 2;
+    const shift = done.length ? taken(inside, master, done) : 0;
+    const from = upstream === null ? endless[0] : where(upstream) + shift;
+    const to = downstream === null ? endless[1] : where(downstream) + shift;
     const x = Math.max(Math.min(from, to), -GAP), end = Math.min(Math.max(from, to), width + GAP);
     if (end <= x) continue;
-    pieces.use(count++, {x, width: end - x, y: SAW ? TOP : BOTTOM - 8, height: SAW ? BOTTOM - TOP : 8});
-    if (i > 0 && end - x > 80) {
-      const text = i === borders.length ? "front end" : `piece ${borders.length - i}`;
+    pieces.use(count++, {x, width: end - x, y: SAW ? TOP : BOTTOM - 8, height: SAW ? BOTTOM - TOP : 8, fill});
+    if (text && end - x > Math.max(80, 7.5 * text.length)) {
       names.use(named++, {x: (x + end) / 2, y: (TOP + BOTTOM) / 2 + 4, text});
     }
   }
@@ -180,8 +208,9 @@ function showRollers(master) {
 }
 
 /** The places of the marks near the window, with their numbers. */
-function marksIn(master) {
+function marksIn(t, master, done) {
   if (!data.marks) return [];
+  if (data.marks.next) return nextCut(t, done);
   const edges = [low, high].map((x) => master - x / ratio).sort((a, b) => a - b), room = 0.06 * (edges[1] - edges[0]);
   const {offset, length: distance, places} = data.marks;
   if (places) return places.map((place, i) => [i + 1, place]).filter(([, p]) => edges[0] - room < p && p < edges[1] + room);
@@ -190,8 +219,19 @@ function marksIn(master) {
   return Array.from({length: final - first + 1}, (_, i) => [first + i, offset + (first + i) * distance]);
 }
 
+/** Whether a cut is under way. */
+function underWay(t) {
+  return cuts.some(({begin, end}) => begin <= t && t < end);
+}
+
+/** The next cut, if it is known and the blade is not yet in the material: number and place. */
+function nextCut(t, done) {
+  return held(data.marks.known, t) && !underWay(t) ? [[done.length + 1, held(data.marks.next, t)]] : [];
+}
+
 /** The mark that is nearest to the tool: its number and place; nothing if there are none. */
-function nearestMark(master, slave) {
+function nearestMark(t, master, slave, done) {
+  if (data.marks?.next) return nextCut(t, done)[0];
   const place = master - slave / ratio, {offset, length: distance, places} = data.marks ?? {};
   if (places) {
     const i = places.reduce((best, p, j) => Math.abs(p - place) < Math.abs(places[best] - place) ? j : best, 0);
@@ -205,7 +245,7 @@ function nearestMark(master, slave) {
 function showMarks(t, master, slave, done) {
   const cut = new Set(cuts.filter(({begin}) => begin <= t).map(({mark}) => Math.round(mark / data.within)));
   let count = 0;
-  for (const [n, place] of marksIn(master)) {
+  for (const [n, place] of marksIn(t, master, done)) {
     const x = at(ratio * (master - place)) + taken(place, master, done);
     if (SAW && cut.has(Math.round(place / data.within))) continue;
     const box = `M${x - 11} ${BOTTOM - 9}v-22h22v22Z`, line = `M${x.toFixed(3)} ${TOP - 4}V${BOTTOM}`;
@@ -214,12 +254,12 @@ function showMarks(t, master, slave, done) {
   }
   marks.end(count);
   flags.end(count);
-  const nearest = nearestMark(master, slave);
-  if (!nearest) return "none";
+  const nearest = nearestMark(t, master, slave, done);
+  if (!nearest) return data.pieces && underWay(t) ? "0, cutting" : "none";
   const away = slave - ratio * (master - nearest[1]);
   root.dataset.distance = away;
   showDistance(at(slave), at(slave - away), number(away, data.slave_unit));
-  return `${number(away, data.slave_unit)} (${SAW ? "mark" : "product"} ${nearest[0]})`;
+  return `${number(away, data.slave_unit)} (${data.pieces ? "cut" : SAW ? "mark" : "product"} ${nearest[0]})`;
 }
 
 function showDistance(saw, mark, text) {

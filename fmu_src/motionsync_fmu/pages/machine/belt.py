@@ -1,4 +1,5 @@
-"""The machines with moving material and a carriage beside it: a FlyingSaw, and a Follower whose slave is linear.
+"""The machines with moving material and a carriage beside it: a FlyingSaw, a CutToLength, and a Follower whose slave is
+linear.
 
 What lies on the material at m passes the slave's position ratio (master - m). The slave that keeps this position works
 on the material there.
@@ -12,10 +13,11 @@ from motionsync.var import Role
 
 from ...interface.roles import with_role
 from ...scenario.cuts import find_cuts
+from ...scenario.pieces import Piece, find_pieces
 from ...scenario.recording import Reals
 from ..numbers import rounded
 from .run import Run
-from .signals import DIGITS, held
+from .signals import DIGITS, Signal, held
 
 ROOM = 0.14  # of the carriage's range, beside it at both ends
 OUTFEED = 0.7  # of the carriage's range, the most that is shown of the pieces that have been cut off
@@ -40,6 +42,37 @@ def flying_saw(run: Run) -> dict[str, Any]:
         "home": {"at": home, "label": "home" if homed else "start"},
         "zone": _zone(run.values("slave.position"), down),
     }
+
+
+def cut_to_length(run: Run) -> dict[str, Any]:
+    """A saw that knows its next cut alone; each piece that it has cut off has the colour of its kind."""
+    pieces = find_pieces(run.scenario, run.recording)
+    factors = run.values("local.coupling_factor")[run.values("tool.cutting") != 0.0]
+    ratio = float(factors[0]) if len(factors) else float(run.values("local.coupling_factor")[-1]) or 1.0
+    pitches = [piece.end - piece.begin for piece in pieces]
+    drawn = ("number", "begin", "end", "kind", "name", "length")
+    cuts = [(*(piece.cut or (piece.told, piece.told)), piece.end) for piece in pieces]
+    belt = _belt(run, run.values("tool.blade_down") != 0.0, ratio, float(np.median(pitches)) if pitches else 0.0)
+    return belt | {
+        "tool": "saw",
+        "marks": {"next": _next_cut(run, pieces), "known": run.held("next_cut.known")},
+        "cuts": [{"begin": begin, "end": end, "place": place, "mark": place} for begin, end, place in cuts],
+        "pieces": [{name: getattr(piece, name) for name in drawn} for piece in pieces],
+        "request": run.held("line.velocity_request"),
+        "home": {"at": run.start("home_position"), "label": "home"},
+        "zone": _zone(run.values("slave.position"), run.values("in_sync") != 0.0),
+    }
+
+
+def _next_cut(run: Run, pieces: list[Piece]) -> Signal:
+    """Where on the material the next cut is due: in the turn in which it is made, or else in that of the master."""
+    time, places = run.recording.time, run.values("next_cut.position")
+    if period := run.scenario.period:
+        ends = np.array([piece.end for piece in pieces] + [np.nan])
+        near = ends[np.searchsorted([piece.told for piece in pieces], time, side="right")]
+        near = np.where(np.isnan(near), run.recording.master[:, 0], near)
+        places = places + period * np.round((near - places) / period)
+    return held(time, np.where(run.values("next_cut.known") != 0.0, places, 0.0))
 
 
 def follower(run: Run) -> dict[str, Any]:

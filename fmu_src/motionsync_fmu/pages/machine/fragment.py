@@ -38,6 +38,7 @@ def _scene(run: Run) -> dict[str, Any] | None:
     if run.scenario.remote:
         return remote_axis(run, run.scenario.remote)
     scenes: dict[str, Callable[[Run], dict[str, Any]]] = {
+        "CutToLength": belt.cut_to_length,
         "FlyingSaw": belt.flying_saw,
         "Follower": _follower,
         "Gearing": axes.gearing,

@@ -28,6 +28,7 @@ MASTER, SLAVE, REFERENCE, RECEIVED, LIMIT, OK, BAD = (
 )
 TOP, GAP, BOTTOM, LEFT, RIGHT = 58, 34, 44, 62, 16  # px; the heights of rows are in px, too
 CLEAR = "rgba(0,0,0,0)"
+KINDS = 7  # colours of kinds of pieces
 
 
 @dataclass(frozen=True)
@@ -228,6 +229,11 @@ class Chart:
         return frame.format(self.name, self.layout["height"]) + Markup(
             '<script type="application/json" class="plot-data">{}</script>\n'
         ).format(data)
+
+
+def kind_colour(kind: int) -> str:
+    """The CSS property with the colour of a kind of pieces."""
+    return f"--kind-{kind % KINDS}"
 
 
 def align(charts: Iterable[Chart]) -> None:

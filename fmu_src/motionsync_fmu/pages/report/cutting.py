@@ -7,8 +7,9 @@ import numpy as np
 from motionsync.var import Unit
 
 from ...interface.units import unit_name
+from ...scenario.amounts import ROUNDING, engineering
 from ...scenario.cuts import CutSpec, Passage, passages, reach
-from ...scenario.figures import ROUNDING, Figures, engineering
+from ...scenario.figures import Figures
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded

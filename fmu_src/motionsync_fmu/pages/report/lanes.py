@@ -1,18 +1,19 @@
 """What is discrete, over time: a lane for the state, each other enumeration and each Boolean, and for what was set."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from markupsafe import escape
 
+from ...interface.roles import books
 from ...interface.variables import Variable
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
-from .chart import INK, Chart
+from .chart import INK, Chart, kind_colour
 
 LANE = 36  # the height of a lane, in px
 BAR = 0.5  # the height of a bar, of its lane
@@ -33,12 +34,19 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Lane:
-    """A variable and its values, one after the other; `names` are all variables with these very values."""
+    """A variable and its values, one after the other.
+
+    Attributes:
+        names: all variables with these very values.
+        joined: whether stretches that lie close together have become one.
+        kinds: whether the values are kinds of pieces, which have the same colours everywhere.
+    """
 
     variable: Variable
     names: list[str]
     stretches: list[Stretch]
-    joined: bool = field(default=False)
+    joined: bool = False
+    kinds: bool = False
 
     @property
     def state(self) -> bool:
@@ -61,6 +69,8 @@ class Lane:
         """The colour of a value; those that occur differ as long as there are colours."""
         if not self.variable.choices:
             return "--true"
+        if self.kinds:
+            return kind_colour(value)
         i = self.values.index(value)
         return f"--band-{i % HUES}" if self.state else f"--tone-{i % TONES}"
 
@@ -76,6 +86,8 @@ def find_lanes(scenario: Scenario, recording: Recording) -> list[Lane]:
     found: list[Lane] = []
     first: dict[tuple[type, bytes], Lane] = {}
     by_name = scenario.recipe.variables
+    told = books(by_name.values())
+    kinds = by_name[told.kind].cell.type if told else None
     for kind in ("Enumeration", "Boolean"):
         for v in (by_name[name] for name in recording.values if by_name[name].kind == kind):
             values = recording.values[v.name].astype(int)
@@ -87,7 +99,7 @@ def find_lanes(scenario: Scenario, recording: Recording) -> list[Lane]:
                 continue
             stretches = list(_stretches(recording, v.name))
             drawn = _joined(stretches, scenario.stop_time) if len(stretches) > MOST_STRETCHES else stretches
-            found.append(Lane(v, [v.name], drawn, drawn is not stretches))
+            found.append(Lane(v, [v.name], drawn, drawn is not stretches, v.cell.type is kinds))
             first[same] = found[-1]
     return sorted(found, key=lambda lane: not lane.state)
 

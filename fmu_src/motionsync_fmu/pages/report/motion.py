@@ -9,7 +9,8 @@ from motionsync.var import Role, Unit
 
 from ...interface.roles import with_role
 from ...interface.units import unit_name
-from ...scenario.figures import ROUNDING, Figures, engineering
+from ...scenario.amounts import ROUNDING, engineering
+from ...scenario.figures import Figures
 from ...scenario.judge import read_reference
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario

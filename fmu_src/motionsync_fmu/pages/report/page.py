@@ -10,18 +10,22 @@ from motionsync.var import Unit
 from ... import __version__
 from ...archive import HERE
 from ...interface.units import unit_name
-from ...scenario.figures import Figures, engineering, figures
+from ...scenario.amounts import ROUNDING, engineering
+from ...scenario.figures import Figures, figures
 from ...scenario.judge import Check, Deviation
+from ...scenario.pieces import Piece
+from ...scenario.production import Production
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ...scenario.settings import Reaction
 from ..machine.fragment import machine
 from ..style import TEMPLATES
-from .chart import Chart, align
+from .chart import Chart, align, kind_colour
 from .cutting import cut_chart
 from .lanes import Lane, changes, find_lanes, lane_chart
 from .motion import error_chart, motion_chart
 from .origin import here, now, origin
+from .pieces import kinds_of, list_chart, piece_chart
 
 BUNDLE = HERE / "pages" / "vendor" / "plotly-basic.min.js"
 
@@ -57,11 +61,13 @@ def write_report(
         deviations=deviations,
         messages=recording.messages,
         reactions=[_told(reaction, scenario) for reaction in asked.reactions],
+        drive=asked.drive,
         unmet=recording.unmet,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
         machine=machine(scenario, recording),
         keys=keys_of(lanes),
+        kinds=[("kind", kinds_of(scenario, found.production))] if found.production else [],
         unit=unit_name(Unit.POSITION, scenario.unit),
         by_name=scenario.recipe.variables,
         settings=settings(scenario),
@@ -71,17 +77,27 @@ def write_report(
         origin=origin(fmu) if fmu else None,
         date=now(),
         platform=here(),
-        axis=list(zip(scenario.master.breaks, scenario.master.motions, strict=True)),
+        axis=list(zip(asked.master.breaks, asked.master.motions, strict=True)),
         engineering=engineering,
+        kind_colour=kind_colour,
+        measured=_measured,
         results=results.name if results else None,
         bundle=bundle(),
     )
     file.write_text(text, "utf-8")
 
 
+def _measured(piece: Piece, made: Production) -> str:
+    """The length of a piece by the positions of slave and material: `as told`, or the length; empty if not known."""
+    if piece.measured is None:
+        return ""
+    exact = abs(piece.measured - piece.length) <= ROUNDING * made.scale
+    return "as told" if exact else engineering(piece.measured, made.unit, digits=7)
+
+
 def happened(scenario: Scenario, recording: Recording) -> Scenario:
-    """The scenario with all that was set in a run of it, each at its time, and without reactions."""
-    return scenario.settled(recording.settings or scenario.settings)
+    """The scenario with all that was set in a run of it, each at its time, and with the master's motion in it."""
+    return scenario.settled(recording.settings or scenario.settings, recording.script or scenario.master)
 
 
 def _told(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
@@ -106,7 +122,8 @@ def keys_of(lanes: list[Lane]) -> list[tuple[str, list[tuple[str, str, str]]]]:
 
 
 def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
-    """The charts of a run: "cuts" (if there is a table [cuts]), "errors" (of a remote axis), "motion" and "lanes"."""
+    """The charts of a run: "cuts" (if there is a table [cuts]), "list" and "pieces" (of a block that tells its pieces),
+    "errors" (of a remote axis), "motion" and "lanes"."""
     scenario = happened(scenario, recording)
     return _charts(scenario, recording, figures(scenario, recording), find_lanes(scenario, recording))
 
@@ -118,6 +135,9 @@ def _charts(scenario: Scenario, recording: Recording, found: Figures, lanes: lis
     texts = [", ".join(f"{name} = {text}" for name, text in values) for _, values in given]
     kept = changes(recording, lanes, times)
     charts = {"cuts": cut_chart(scenario.cuts, scenario, recording, found, kept)} if scenario.cuts else {}
+    if found.production:
+        charts |= {"list": list_chart(scenario, found.production)} if found.production.pieces else {}
+        charts["pieces"] = piece_chart(scenario, recording, found, found.production, kept)
     if scenario.remote:
         charts["errors"] = error_chart(scenario.remote, scenario, recording, kept)
     charts["motion"] = motion_chart(scenario, recording, found, lanes, times, kept)

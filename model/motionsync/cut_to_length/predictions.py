@@ -1,0 +1,78 @@
+"""What the machine can do, put out: solved again where something has changed on which it depends."""
+
+from dataclasses import dataclass
+
+from .. import var
+from .interface import CutToLengthInterface
+from .limits import (
+    Machine,
+    approach_distance,
+    cycle_time,
+    max_line_velocity,
+    stroke,
+)
+from .material import Material
+from .piece import UNLIMITED
+from .settings import Settings
+
+
+@dataclass(slots=True)
+class Predictions:
+    """The machine, and what its limits were solved for last.
+
+    Attributes:
+        velocity: the line's, u/s.
+        pitch: the smaller one of the piece in progress and of the next one, u of the master.
+        pitch_orders: the smallest of these and of all that wait.
+        shortest_pitch: what is possible at `velocity`.
+    """
+
+    machine: Machine = var.part(Machine)
+    solved: bool = False
+    velocity: float = 0.0
+    pitch: float = 0.0
+    pitch_orders: float = 0.0
+    shortest_pitch: float = 0.0
+
+    def put(self, block: CutToLengthInterface, settings: Settings, material: Material) -> None:
+        """Put out the limits at the line velocity of the step's end."""
+        velocity = block.master.end_velocity
+        if not self.solved or velocity != self.velocity:
+            self.solve_cycle(block, velocity)
+        pitch = material.limiting_pitch(block, settings)
+        pitch_orders = min(pitch, material.shortest_pitch(block, settings))
+        if not self.solved or pitch != self.pitch or pitch_orders != self.pitch_orders:
+            self.solve_line_velocity(block, pitch, pitch_orders)
+        self.solved = True
+        self.put_piece(block, settings, material)
+
+    def solve_cycle(self, block: CutToLengthInterface, velocity: float) -> None:
+        """The cycle at a line velocity."""
+        self.velocity = velocity
+        time = cycle_time(self.machine, velocity)
+        self.shortest_pitch = velocity * time
+        block.limits.cycle_time = time
+        block.limits.stroke = stroke(self.machine, velocity) if velocity > 0.0 else self.machine.approach_distance
+        block.local.approach_distance = approach_distance(self.machine, velocity)
+        block.local.coupling_factor = self.machine.coupling
+
+    def solve_line_velocity(self, block: CutToLengthInterface, pitch: float, pitch_orders: float) -> None:
+        """The highest admissible line velocities."""
+        self.pitch = pitch
+        self.pitch_orders = pitch_orders
+        block.limits.max_line_velocity = max_line_velocity(self.machine, pitch)
+        block.limits.max_line_velocity_orders = block.limits.max_line_velocity
+        if pitch_orders < pitch:
+            block.limits.max_line_velocity_orders = max_line_velocity(self.machine, pitch_orders)
+
+    def put_piece(self, block: CutToLengthInterface, settings: Settings, material: Material) -> None:
+        """What a piece and a sensor need at the present line velocity."""
+        velocity = self.velocity
+        length = settings.factor * self.shortest_pitch - settings.kerf - block.length_correction
+        block.limits.min_length = max(length, 0.0) if velocity > 0.0 else 0.0
+        block.limits.reserve = 1.0
+        if velocity > 0.0 and block.running and material.piece.pitch < UNLIMITED:
+            block.limits.reserve = 1.0 - self.shortest_pitch / material.piece.pitch
+        sensor = (block.local.approach_distance - self.machine.home_position) / self.machine.coupling
+        sensor += max(velocity, 0.0) * settings.mark.delay
+        block.limits.min_sensor_distance = max(settings.factor * sensor, 0.0)

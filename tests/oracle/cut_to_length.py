@@ -1,0 +1,290 @@
+"""Reference for the CutToLength: the machine's true behaviour on the continuous time axis.
+
+The sequence is simulated from event to event (`cut_to_length_sequence`, which lists the readings of the specification
+that it takes, as `cut_to_length_books` does); a row is computed from what holds at its time.
+
+A row is what the step that ends at its time puts out: what is set at that time does not show yet. Steps end at the
+multiples of the scenario's `step_size` and where something is set, expected, or the master's script breaks; that
+matters where the specification notices something at a step's beginning.
+
+Further readings:
+- `next_cut.distance` is below 0 where the machine waits although its cut has been passed.
+- `piece.length` is 0 while the machine does not run. While no piece is fixed, it takes f, b and Δ as they are set.
+- `limits.reserve` is 1 while the pitch is not known.
+"""
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Mapping, Sequence
+from math import floor, inf
+from typing import Any
+
+from tests.oracle.cut_to_length_carriage import Course, Motion
+from tests.oracle.cut_to_length_sequence import (
+    APPROACHING,
+    COMMANDS,
+    CUTTING,
+    SYNCHRONOUS,
+    Machine,
+    Snapshot,
+)
+from tests.oracle.master import mp, stretches
+
+COLUMNS = (
+    "slave.position",
+    "slave.velocity",
+    "slave.acceleration",
+    "state_code",
+    "error_id",
+    "running",
+    "in_sync",
+    "tool.command",
+    "tool.command_time",
+    "next_cut.position",
+    "next_cut.distance",
+    "piece.length",
+    "piece.ordered",
+    "piece.kind",
+    "last.length",
+    "last.error",
+    "last.good",
+    "last.time",
+    "last.reserve",
+    "order.waiting",
+    "order.remaining",
+    "limits.max_line_velocity",
+    "limits.max_line_velocity_orders",
+    "limits.min_length",
+    "limits.reserve",
+    "limits.cycle_time",
+    "limits.stroke",
+    "line.velocity_request",
+    "statistics.cuts",
+    "statistics.pieces_good",
+    "statistics.pieces_bad",
+    "statistics.skipped",
+    "statistics.late",
+    "statistics.length_good",
+    "statistics.length_waste",
+    "warning.line_too_fast",
+)
+"""What a scenario's reference holds beside the time."""
+
+WINDOW = 1e-9
+"""Time (s) around a requested one within which a jump makes two rows."""
+
+DEFAULTS: dict[str, Any] = {
+    "home_position": 0.0,
+    "material_factor": 1.0,
+    "kerf": 0.0,
+    "length_tolerance": 0.5,
+    "start_mode": 1,
+    "front_position": 0.0,
+    "trim_length": 0.0,
+    "change_mode": 1,
+    "late_mode": 1,
+    "sample_length": 100.0,
+    "waste_length": 100.0,
+    "batch_size": 0,
+    "approach.distance": 0.0,
+    "approach.reserve": 0.02,
+    "approach.acceleration": 0.0,
+    "approach.jerk": 0.0,
+    "homing.velocity": 0.0,
+    "homing.acceleration": 0.0,
+    "homing.deceleration": 0.0,
+    "homing.jerk": 0.0,
+    "homing.settle_time": 0.0,
+    "homing.ease": False,
+    "homing.spare_time": 0.02,
+    "homing.slowest": 0.05,
+    "tool.settle_time": 0.0,
+    "tool.on_delay": 0.0,
+    "tool.cut_time": 0.25,
+    "tool.cut_distance": 100.0,
+    "tool.retract_time": 0.0,
+    "tool.timeout": 0.0,
+    "gap.distance": 0.0,
+    "gap.travel": 100.0,
+    "mark.sensor_distance": 1000.0,
+    "mark.cut_offset": 0.0,
+    "mark.spacing": 0.0,
+    "mark.window": 0.0,
+    "mark.every": 1,
+    "mark.max_missing": 3,
+    "mark.substitute": True,
+    "mark.delay": 0.0,
+    "order.repeat": False,
+    "line.margin": 0.02,
+    "hold": False,
+    "length": 1000.0,
+    "length_correction": 0.0,
+    "order.length": 0.0,
+    "order.quantity": 1,
+    "waste": False,
+    "mark.position": 0.0,
+    "calibration.measured_length": 0.0,
+    "line.wanted_velocity": 1e9,
+    **dict.fromkeys(COMMANDS, False),
+}
+"""What may be set while the block runs, with the start values."""
+
+FIXED: dict[str, Any] = {
+    "auto_start": False,
+    "axis.initial_position": 0.0,
+    "axis.max_velocity": 2000.0,
+    "axis.max_acceleration": 10000.0,
+    "axis.max_deceleration": 10000.0,
+    "axis.max_jerk": 100000.0,
+    "axis.min_position": -1e9,
+    "axis.max_position": 1e9,
+    "diagonal_angle": 0.0,
+    "source": 1,
+    "tool.mode": 1,
+    "mark.latched": True,
+    "master.period": 0.0,
+}
+"""What holds for a whole run."""
+
+MEMBERS = {
+    "start_mode": ("FRONT", "TRIM", "CONTINUE"),
+    "change_mode": ("NEXT_PIECE", "THIS_PIECE"),
+    "late_mode": ("SKIP", "LATE", "STOP_LINE"),
+}
+
+
+def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[str, float]]:
+    """The block's outputs at each of `times` (s, in rising order, each once), enumerations and Booleans as numbers.
+
+    The script has `stop_time`, `step_size`, `[start]` values, the `[master]` script and `[[set]]` tables. Two rows,
+    just before and just after, where an output jumps within 1e-9 s of a time.
+    """
+    wanted = sorted(set(times))
+    courses, machine = _run(script, max([float(script["stop_time"]), *wanted]) + 2 * WINDOW)
+    rows = _Rows(courses, machine)
+    return [row for time in wanted for row in rows.at(time)]
+
+
+def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
+    """What happens until `stop_time`: (time, name) of start, sync, cut, home and faults, in order.
+
+    Raises ValueError for a set at or before 0 and for a set of something that is neither an input nor tunable.
+    """
+    return _run(script, float(script["stop_time"]))[1].log
+
+
+def _run(script: Mapping[str, Any], horizon: float) -> tuple[list[Course], Machine]:
+    start = script.get("start", {})
+    inputs = {name: start.get(name, default) for name, default in (DEFAULTS | FIXED).items()}
+    period = float(inputs["master.period"])
+    pieces = stretches(script["master"], mp.mpf(horizon))[1:]
+    place = float(pieces[0].start.position)
+    shift = -floor(place / period) * period if period > 0 else 0.0
+    courses = [Course.of(piece, shift) for piece in pieces]
+    sets = _gathered(script.get("set", ()))
+    initial = float(inputs["axis.initial_position"])
+    return courses, Machine(inputs, courses, _points(script), sets, period, initial)
+
+
+class _Rows:
+    """The outputs of a run at any time."""
+
+    def __init__(self, courses: Sequence[Course], machine: Machine) -> None:
+        self.courses, self.snapshots = courses, machine.snapshots
+        self.begins = [course.begin for course in courses]
+        self.times = [snapshot.time for snapshot in self.snapshots]
+
+    def at(self, time: float) -> list[dict[str, float]]:
+        """One row for `time`, or two if something changes within the window around it."""
+        first = max(bisect_left(self.times, time - WINDOW) - 1, 0)
+        last = bisect_right(self.times, time + WINDOW)
+        latest = first
+        while latest + 1 < last and not self.snapshots[latest + 1].given:
+            latest += 1
+        early = self._row(time, self.snapshots[first], -WINDOW)
+        late = self._row(time, self.snapshots[latest], WINDOW) if time > 0 else early
+        return [early] if early == late else [early, late]
+
+    def _row(self, time: float, holds: Snapshot, lean: float) -> dict[str, float]:
+        """The outputs at `time` with the master's velocity just before or after it."""
+        moving = self.courses[max(bisect_right(self.begins, time + lean) - 1, 0)].at(time)
+        position = self.courses[max(bisect_right(self.begins, time) - 1, 0)].at(time).position
+        master = Motion(position, moving.velocity, moving.acceleration)
+        s, v, a, j = holds.law.at(time, master)
+        return {
+            "time": time,
+            "clock": time,
+            "slave.position": s + 0.0,
+            "slave.velocity": v + 0.0,
+            "slave.acceleration": a + 0.0,
+            "slave.jerk": j + 0.0,
+            "state": float(holds.state),
+            "state_code": float(holds.state),
+            **holds.outputs,
+            **_material(holds, master, s),
+            **self._limits(holds, master),
+        }
+
+    def _limits(self, holds: Snapshot, master: Motion) -> dict[str, float]:
+        """What depends on the line's present velocity."""
+        saw, v, piece = holds.saw, master.velocity, holds.piece
+        cycle = saw.cycle_time(v)
+        pitch = piece.pitch if piece else inf
+        kerf, correction = holds.material
+        way = saw.way(v)
+        sensor = saw.f * ((way - saw.home) / saw.k + v * holds.mark_delay)
+        return {
+            "limits.cycle_time": cycle,
+            "limits.min_length": max(saw.f * v * cycle - kerf - correction, 0.0) if v > 0 else 0.0,
+            "limits.reserve": 1 - cycle * v / pitch,
+            "limits.stroke": saw.stroke(v),
+            "limits.min_sensor_distance": max(sensor, 0.0),
+            "local.approach_distance": way,
+            "warning.line_too_fast": float(v > holds.max_velocity),
+            "warning.orders_too_fast": float(v > holds.max_velocity_orders),
+            "warning.stroke": float(saw.home + saw.stroke(v) > saw.high),
+            "warning.velocity": float(saw.k * v > saw.axis[0]),
+        }
+
+
+def _material(holds: Snapshot, master: Motion, slave: float) -> dict[str, float]:
+    """What is told of the piece in progress and of its cut."""
+    piece, distance, length = holds.piece, 0.0, 0.0
+    if holds.running and piece is not None and holds.state not in (SYNCHRONOUS, CUTTING):
+        saw = holds.saw
+        place = holds.sync_place / holds.cycle.k
+        if holds.state != APPROACHING:
+            place = (saw.home + saw.way(master.velocity)) / saw.k
+        distance = place - (master.position - piece.line)
+    if holds.running:
+        f, (kerf, correction) = holds.saw.f, holds.material
+        if piece is not None:
+            f, kerf, correction = piece.f, piece.kerf, piece.correction
+        length = max(f * (master.position - slave / holds.cycle.k - holds.origin) - kerf - correction, 0.0)
+    return {"next_cut.distance": distance, "piece.length": length}
+
+
+def _points(script: Mapping[str, Any]) -> list[float]:
+    """The ends of the steps: multiples of the step size, and where something is set, expected, or the script breaks."""
+    stop, step = float(script["stop_time"]), float(script["step_size"])
+    points = [i * step for i in range(int(stop / step * (1 + 1e-12)) + 1)]
+    points += [float(table["at"]) for table in script.get("set", ())]
+    points += [float(table[key]) for table in script.get("expect", ()) for key in ("at", "from", "to") if key in table]
+    end = mp.mpf(0)
+    for segment in script["master"].get("segments", ()):
+        end += mp.mpf(segment["duration"])
+        points.append(float(end))
+    return [p for p in sorted({*points, stop}) if p <= stop]
+
+
+def _gathered(tables: Sequence[Mapping[str, Any]]) -> dict[float, dict[str, Any]]:
+    """The values that are set at each time, enumerations as numbers."""
+    gathered: dict[float, dict[str, Any]] = {}
+    for table in sorted(tables, key=lambda table: float(table["at"])):
+        values = {name: value for name, value in table.items() if name != "at"}
+        if unknown := sorted(values.keys() - DEFAULTS.keys()):
+            raise ValueError(f"{', '.join(unknown)} cannot be set; inputs and tunable parameters can")
+        if table["at"] <= 0:
+            raise ValueError(f"a set is given at {table['at']}; a set at 0 or before is never an edge")
+        values = {n: MEMBERS[n].index(v) + 1 if isinstance(v, str) else v for n, v in values.items()}
+        gathered.setdefault(float(table["at"]), {}).update(values)
+    return gathered

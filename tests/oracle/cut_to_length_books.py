@@ -1,0 +1,368 @@
+"""What a cut-to-length machine makes: orders, pieces, marks, and the books that are kept of them.
+
+Nothing here moves: the sequence (`cut_to_length_sequence`) says when a piece ends and where its cut lies.
+
+Readings of the specification that it leaves open:
+- A piece keeps the length that was ordered, whatever it becomes: `last.error` of a SHORT or MERGED piece is told.
+- `length_waste` holds WASTE, TRIM and bad pieces; a sample's length counts nowhere.
+- `clear_statistics` begins `statistics.*` anew, not the batches, nor `order.completed`.
+- THIS_PIECE with a length that is none: the piece stays as it was fixed, and the change waits until it ends.
+- A calibration that would bring the factor out of 1e-6 to 1e6 is refused.
+- The order that will be in front after a piece: the next one, if the piece is the last PRODUCT that its order lacks.
+- A missing mark without `substitute` does not count among the n of `mark.every`.
+- With the source MARK, Δ is 0 wherever it occurs, the piece in progress ends at the front of the queue, and the entry
+  leaves the queue when that cut ends. A piece whose marks were all dropped by SKIP is MERGED by the next mark.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from math import ceil, inf, sqrt
+from typing import Any
+
+from tests.oracle.cut_to_length_limits import Saw
+
+LENGTH, MARK = 1, 2
+NONE, PRODUCT, SAMPLE, WASTE, TRIM, SHORT, MERGED = range(7)
+START_REFUSED, ORDER_REFUSED, ORDERS_FULL, CALIBRATION_REFUSED, TUNABLE, CUT_NOW_REFUSED = range(1, 7)
+CUT_MISSED, STROKE, MARKS_MISSING, TOOL_TIMEOUT, MARKS_FULL = range(16, 21)
+QUEUE = 64
+LEAST_PITCH = 1e-6
+LEAST_FACTOR = 1e-6
+
+COUNTERS = (
+    *("cuts", "pieces_good", "pieces_bad", "pieces_sample", "pieces_waste", "skipped", "late", "marks"),
+    *("marks_missing", "marks_outside", "unsynchronised", "length_good", "length_waste", "error_worst"),
+)
+
+
+@dataclass(eq=False)
+class Order:
+    """So many good pieces of a length, and how many are still lacking."""
+
+    length: float
+    quantity: int
+    remaining: int
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What is made at present, with f, b and Δ of when it was fixed; its cut is to lie at `line`.
+
+    `pitch`: what the line must not be too fast for, of the master; infinite for TRIM and where no length is known.
+    """
+
+    kind: int
+    ordered: float
+    pitch: float
+    f: float
+    kerf: float
+    correction: float
+    line: float
+    order: Order | None = None
+    late: bool = False
+
+
+@dataclass
+class Tally:
+    """The statistics; the errors of products as they come."""
+
+    counts: dict[str, float] = field(default_factory=lambda: dict.fromkeys(COUNTERS, 0.0))
+    errors: list[float] = field(default_factory=list)
+    reserve_worst: float = 1.0
+
+    def add(self, name: str, amount: float = 1) -> None:
+        self.counts[name] += amount
+
+    def shown(self) -> dict[str, float]:
+        n = len(self.errors)
+        mean = sum(self.errors) / n if n else 0.0
+        deviation = sqrt(sum((e - mean) ** 2 for e in self.errors) / (n - 1)) if n > 1 else 0.0
+        found = self.counts | {"error_mean": mean, "error_deviation": deviation, "reserve_worst": self.reserve_worst}
+        return {f"statistics.{name}": float(value) for name, value in found.items()}
+
+
+class Books:
+    """All that is known of the material; `inputs` is the machine's present settings, which others change."""
+
+    def __init__(self, inputs: Mapping[str, Any]) -> None:
+        self.inputs = inputs
+        self.calibration = 1.0
+        self.running = False
+        self.origin = 0.0
+        self.piece: Piece | None = None
+        self.last_cut: float | None = None
+        self.last_piece: Piece | None = None
+        self.merging = False
+        self.sample_waits = False
+        self.orders: list[Order] = []
+        self.completed = 0
+        self.marks: list[float] = []
+        self.last_mark: float | None = None
+        self.mark_number = 0
+        self.missing = 0
+        self.tally = Tally()
+        self.batch_count, self.batches = 0, 0
+        self.last = dict.fromkeys(("length", "error", "kind", "good", "time", "reserve"), 0.0)
+        self.warnings = dict.fromkeys(
+            ("blade_early", "gap_skipped", "mark_missing", "mark_outside", "change_pending"), False
+        )
+        self.batch_done = False
+
+    # --- settings -------------------------------------------------------------------------------------------------
+
+    @property
+    def by_marks(self) -> bool:
+        return bool(self.inputs["source"] == MARK)
+
+    @property
+    def f(self) -> float:
+        return float(self.inputs["material_factor"] * self.calibration)
+
+    @property
+    def kerf(self) -> float:
+        return float(self.inputs["kerf"])
+
+    @property
+    def correction(self) -> float:
+        return 0.0 if self.by_marks else float(self.inputs["length_correction"])
+
+    def saw(self) -> Saw:
+        return Saw.of(self.inputs, self.calibration)
+
+    # --- pieces ---------------------------------------------------------------------------------------------------
+
+    def begin(self, master: float, saw: Saw) -> None:
+        """The first piece after `start`."""
+        mode = self.inputs["start_mode"]
+        if mode == 3:
+            assert self.last_cut is not None
+            self.origin = self.last_cut
+        else:
+            self.origin = master - self.inputs["front_position"] / saw.k - self.kerf / (2 * saw.f)
+            self.marks, self.last_mark, self.mark_number, self.missing = [], None, 0, 0
+        self.running, self.merging = True, False
+        self.piece = None
+        if mode == 2:
+            self.piece = replace(self._made(TRIM, float(self.inputs["trim_length"]), None), pitch=inf)
+        else:
+            self.fix()
+
+    def end(self) -> None:
+        """The machine does not run any more; the last cut stays known."""
+        self.running, self.piece, self.merging = False, None, False
+        self.warnings["change_pending"] = False
+
+    def fix(self) -> None:
+        """The piece that begins at the last cut, if its length is known."""
+        self.piece = None
+        if not self.by_marks:
+            kind, length, order = self._wanted(self.orders)
+            pitch = (length + self.correction + self.kerf) / self.f
+            if length > 0 and pitch * self.f > LEAST_PITCH:
+                self.piece = self._made(kind, length, order)
+                self.sample_waits = self.sample_waits and kind != SAMPLE
+        elif self.marks:
+            inputs = self.inputs
+            ordered = inputs["mark.spacing"] * inputs["mark.every"] - self.kerf if inputs["mark.spacing"] > 0 else 0.0
+            kind = MERGED if self.merging else PRODUCT
+            line = self.marks[0]
+            self.piece = Piece(kind, ordered, line - self.origin, self.f, self.kerf, 0.0, line)
+
+    def _made(self, kind: int, length: float, order: Order | None) -> Piece:
+        pitch = (length + self.correction + self.kerf) / self.f
+        return Piece(kind, length, pitch, self.f, self.kerf, self.correction, self.origin + pitch, order)
+
+    def _wanted(self, orders: list[Order]) -> tuple[int, float, Order | None]:
+        """Kind, length and order of a piece that begins now; a length of 0 or less is none."""
+        if self.inputs["waste"]:
+            return WASTE, float(self.inputs["waste_length"]), None
+        if self.sample_waits:
+            return SAMPLE, float(self.inputs["sample_length"]), None
+        if orders:
+            return PRODUCT, orders[0].length, orders[0]
+        return PRODUCT, float(self.inputs["length"]), None
+
+    def change(self, ahead: Callable[[float], bool]) -> None:
+        """THIS_PIECE at a step's beginning; `ahead(line)`: the start for a cut there is still to come."""
+        piece = self.piece
+        if piece is None or piece.kind not in (PRODUCT, MERGED):
+            self.warnings["change_pending"] = False
+            return
+        if piece.kind == MERGED:
+            return
+        length, order = (self.orders[0].length, self.orders[0]) if self.orders else (float(self.inputs["length"]), None)
+        wanted = (length, order, self.f, self.kerf, self.correction)
+        same = wanted == (piece.ordered, piece.order, piece.f, piece.kerf, piece.correction)
+        self.warnings["change_pending"] = not (self.inputs["change_mode"] != 2 or self.by_marks or same)
+        if self.warnings["change_pending"] and self._pitch(length) < inf:
+            anew = self._made(PRODUCT, length, order)
+            if ahead(anew.line):
+                self.piece, self.warnings["change_pending"] = anew, False
+
+    def move_line(self, line: float, kind: int | None = None, *, late: bool = False) -> None:
+        """The piece in progress, or one of unknown length, is to end at another line."""
+        piece = self.piece or replace(self._made(SHORT, 0.0, None), pitch=inf)
+        self.piece = replace(piece, line=line, kind=piece.kind if kind is None else kind, late=late)
+
+    def skip(self, least: float) -> None:
+        """The cut is left out; the next one lies at `least` or beyond."""
+        piece = self.piece
+        assert piece is not None
+        if not self.by_marks:
+            n = max(1, ceil((least - piece.line) / piece.pitch))
+            self.piece = replace(piece, line=piece.line + n * piece.pitch, kind=MERGED)
+        else:
+            before = len(self.marks)
+            self.marks.pop(0)
+            while self.marks and self.marks[0] < least:
+                self.marks.pop(0)
+            n, self.merging = before - len(self.marks), True
+            self.piece = replace(piece, line=self.marks[0], kind=MERGED) if self.marks else None
+        self.tally.add("skipped", n)
+
+    def cut(self, line: float, time: float, reserve: float) -> None:
+        """A cut has been made: the piece ends, and the next one is fixed."""
+        piece = self.piece
+        assert piece is not None
+        length = piece.f * (line - self.origin) - piece.kerf - piece.correction
+        unknown = self.by_marks and self.inputs["mark.spacing"] <= 0 and piece.kind in (PRODUCT, MERGED)
+        error = 0.0 if unknown else length - piece.ordered
+        good = piece.kind == PRODUCT and abs(error) <= self.inputs["length_tolerance"]
+        values = (length, error, float(piece.kind), float(good), time, reserve)
+        self.last = dict(zip(self.last, values, strict=True))
+        self.tally.add("cuts")
+        self.tally.reserve_worst = min(self.tally.reserve_worst, reserve)
+        self.batch_done = False
+        if piece.kind == PRODUCT:
+            self.tally.errors.append(error)
+            self.tally.counts["error_worst"] = max(self.tally.counts["error_worst"], abs(error))
+        if good:
+            self._count_good(piece, length)
+        elif piece.kind == SAMPLE:
+            self.tally.add("pieces_sample")
+        else:
+            self.tally.add("pieces_waste" if piece.kind in (WASTE, TRIM) else "pieces_bad")
+            self.tally.add("length_waste", length)
+        if self.by_marks and piece.kind in (PRODUCT, MERGED):
+            self.marks.pop(0)
+        self.warnings |= {"gap_skipped": False, "change_pending": False}
+        self.merging = False
+        self.last_piece, self.last_cut, self.origin = piece, line, line
+        self.fix()
+
+    def _count_good(self, piece: Piece, length: float) -> None:
+        self.tally.add("pieces_good")
+        self.tally.add("length_good", length)
+        if self.inputs["batch_size"] > 0:
+            self.batch_count += 1
+            if self.batch_count >= self.inputs["batch_size"]:
+                self.batch_count, self.batches, self.batch_done = 0, self.batches + 1, True
+        order = piece.order
+        if order is not None and order in self.orders:
+            order.remaining -= 1
+            if order.remaining == 0:
+                self.completed += 1
+                self.orders = self._without(order)
+
+    def _without(self, order: Order) -> list[Order]:
+        """The queue once that order is completed."""
+        rest = [other for other in self.orders if other is not order]
+        again = [Order(order.length, order.quantity, order.quantity)] if self.inputs["order.repeat"] else []
+        return rest + again
+
+    # --- commands -------------------------------------------------------------------------------------------------
+
+    def add_order(self) -> int:
+        """The refusal, or 0."""
+        length, quantity = float(self.inputs["order.length"]), int(self.inputs["order.quantity"])
+        if length <= 0 or quantity < 1:
+            return ORDER_REFUSED
+        if len(self.orders) >= QUEUE:
+            return ORDERS_FULL
+        self.orders.append(Order(length, quantity, quantity))
+        return 0
+
+    def calibrate(self) -> int:
+        """The refusal, or 0."""
+        measured, piece = float(self.inputs["calibration.measured_length"]), self.last_piece
+        if piece is None or measured <= 0:
+            return CALIBRATION_REFUSED
+        travel = self.last["length"] + piece.kerf + piece.correction
+        factor = self.calibration * (measured + piece.kerf) / travel if travel > 0 else inf
+        if not LEAST_FACTOR <= factor <= 1 / LEAST_FACTOR:
+            return CALIBRATION_REFUSED
+        self.calibration = factor
+        return 0
+
+    # --- marks ----------------------------------------------------------------------------------------------------
+
+    def _window(self) -> tuple[float, float] | None:
+        """The place at which the next mark is expected, and how far off it may be."""
+        spacing, window = self.inputs["mark.spacing"], self.inputs["mark.window"]
+        if spacing > 0 and window > 0 and self.last_mark is not None:
+            return self.last_mark + spacing / self.f, window / self.f
+        return None
+
+    @property
+    def expects_marks(self) -> bool:
+        return self.running and self.by_marks and self._window() is not None
+
+    def miss_marks(self, place: float) -> int:
+        """Marks that were expected more than their window before `place` have not come: the fault, or 0."""
+        while (found := self._window()) is not None and place > found[0] + found[1]:
+            self.tally.add("marks_missing")
+            self.warnings["mark_missing"] = True
+            self.missing += 1
+            if self.missing > self.inputs["mark.max_missing"]:
+                return MARKS_MISSING
+            self.last_mark = found[0]
+            if self.inputs["mark.substitute"] and (fault := self._take_mark(found[0])):
+                return fault
+        return 0
+
+    def mark(self, place: float) -> int:
+        """An edge of the sensor, while the master was at `place`: the fault, or 0."""
+        if not (self.running and self.by_marks):
+            return 0
+        if fault := self.miss_marks(place):
+            return fault
+        found = self._window()
+        if found is not None and place < found[0] - found[1]:
+            self.tally.add("marks_outside")
+            self.warnings["mark_outside"] = True
+            return 0
+        self.tally.add("marks")
+        self.warnings |= {"mark_missing": False, "mark_outside": False}
+        self.missing, self.last_mark = 0, place
+        return self._take_mark(place)
+
+    def _take_mark(self, place: float) -> int:
+        number, self.mark_number = self.mark_number, self.mark_number + 1
+        if number % self.inputs["mark.every"] != 0:
+            return 0
+        if len(self.marks) >= QUEUE:
+            return MARKS_FULL
+        self.marks.append(place + (self.inputs["mark.sensor_distance"] + self.inputs["mark.cut_offset"]) / self.f)
+        return 0
+
+    # --- what the line may run ------------------------------------------------------------------------------------
+
+    def pitches(self) -> tuple[float, float]:
+        """Of the piece in progress and the one expected after it, the smaller one; and of all that waits."""
+        present = self.piece.pitch if self.piece else inf
+        if self.by_marks:
+            apart = [b - a for a, b in zip(self.marks, self.marks[1:], strict=False)]
+            spacing = self.inputs["mark.spacing"] * self.inputs["mark.every"] / self.f
+            expected = apart[0] if apart else (spacing or inf)
+            one = min(present, expected)
+            return one, min([one, *apart])
+        orders = list(self.orders)
+        if self.piece and self.piece.kind == PRODUCT and self.piece.order in orders and self.piece.order.remaining == 1:
+            orders = self._without(self.piece.order)
+        one = min(present, self._pitch(self._wanted(orders)[1]))
+        return one, min([one, *(self._pitch(order.length) for order in self.orders)])
+
+    def _pitch(self, length: float) -> float:
+        """The pitch for a length; infinite for none."""
+        travel = length + self.correction + self.kerf
+        return travel / self.f if length > 0 and travel > LEAST_PITCH else inf

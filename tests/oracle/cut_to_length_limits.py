@@ -1,0 +1,236 @@
+"""What a cut-to-length machine can do: the closed forms of a cycle, and their inversion for the line's velocity.
+
+A cycle at constant line velocity v leads from the start of an approach to the earliest start of the next. V = k·v is
+the carriage's velocity in sync. Floats, with roots to the last bit.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import cos, inf, pi, sqrt
+from typing import Any, TypeAlias
+
+Function: TypeAlias = Callable[[float], float]
+
+TIME, DISTANCE, FEEDBACK = 1, 2, 3
+SAMPLES = 48
+GOLDEN = (sqrt(5.0) - 1.0) / 2.0
+
+
+def root(function: Function, low: float, high: float) -> float:
+    """The place in [low, high] from which on the function is not negative, where it is less than 0 at `low` only.
+
+    False position that halves the weight of an end that stays, and every third step a bisection.
+    """
+    at_low, at_high = function(low), function(high)
+    for count in range(300):
+        middle = (low + high) / 2 if count % 3 == 2 else (low * at_high - high * at_low) / (at_high - at_low)
+        if not low < middle < high:
+            middle = (low + high) / 2
+            if not low < middle < high:
+                break
+        here = function(middle)
+        if here >= 0:
+            high, at_high, at_low = middle, here, at_low / 2
+        else:
+            low, at_low, at_high = middle, here, at_high / 2
+    return high
+
+
+def first(function: Function, low: float, high: float) -> float | None:
+    """The first place in [low, high] at which the continuous function is not negative; None without one.
+
+    Dense samples, and between them the greatest value near each sample that is greater than its neighbours.
+    """
+    if function(low) >= 0:
+        return low
+    if high <= low:
+        return None
+    places = [low + (high - low) * i / SAMPLES for i in range(SAMPLES)] + [high]
+    values = [function(place) for place in places]
+    for i in range(1, len(places)):
+        if values[i] >= 0:
+            return root(function, places[i - 1], places[i])
+        if i + 1 < len(places) and values[i] > max(values[i - 1], values[i + 1]):
+            peak = _greatest(function, places[i - 1], places[i + 1])
+            if function(peak) >= 0:
+                return root(function, places[i - 1], peak)
+    return None
+
+
+def _greatest(function: Function, low: float, high: float) -> float:
+    """Where the function is greatest, by golden sections; the first place found at which it is not negative."""
+    for _ in range(60):
+        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        at_left, at_right = function(left), function(right)
+        if max(at_left, at_right) >= 0:
+            return left if at_left >= 0 else right
+        low, high = (low, right) if at_left > at_right else (left, high)
+    return (low + high) / 2
+
+
+def change_time(change: float, acceleration: float, jerk: float) -> float:
+    """R: the time of a jerk-limited change of velocity between states without acceleration."""
+    if change >= acceleration**2 / jerk:
+        return change / acceleration + acceleration / jerk
+    return 2 * sqrt(max(change, 0.0) / jerk)
+
+
+@dataclass(frozen=True)
+class Saw:
+    """What the machine is set to at an instant. A limit that was given as 0 is here the axis's.
+
+    `k`: carriage velocity per line velocity in sync; `f`: travel of the material per travel of the master; `home`: h.
+    `axis`: velocity, acceleration, deceleration and jerk limits of the axis; `homing`: the same of the way home.
+    """
+
+    f: float
+    k: float
+    home: float
+    low: float
+    high: float
+    axis: tuple[float, float, float, float]
+    distance: float
+    reserve: float
+    approach_acceleration: float
+    approach_jerk: float
+    homing: tuple[float, float, float, float]
+    settle_home: float
+    mode: int
+    settle: float
+    on_delay: float
+    cut_time: float
+    cut_distance: float
+    retract: float
+    timeout: float
+    gap: float
+    gap_travel: float
+
+    @staticmethod
+    def of(inputs: Mapping[str, Any], calibration: float) -> "Saw":
+        """The machine as its variables are set now, with the factor that calibration has found."""
+        f = float(inputs["material_factor"]) * calibration
+        velocity, acceleration, deceleration, jerk = (
+            float(inputs[f"axis.max_{name}"]) for name in ("velocity", "acceleration", "deceleration", "jerk")
+        )
+        axis = (velocity, acceleration, deceleration or acceleration, jerk)
+        homing = (
+            float(inputs["homing.velocity"]) or axis[0],
+            float(inputs["homing.acceleration"]) or axis[1],
+            float(inputs["homing.deceleration"]) or axis[2],
+            float(inputs["homing.jerk"]) or axis[3],
+        )
+        return Saw(
+            f=f,
+            k=f / cos(inputs["diagonal_angle"] * pi / 180),
+            home=float(inputs["home_position"]),
+            low=float(inputs["axis.min_position"]),
+            high=float(inputs["axis.max_position"]),
+            axis=axis,
+            distance=float(inputs["approach.distance"]),
+            reserve=float(inputs["approach.reserve"]),
+            approach_acceleration=float(inputs["approach.acceleration"]) or axis[1],
+            approach_jerk=float(inputs["approach.jerk"]) or axis[3],
+            homing=homing,
+            settle_home=float(inputs["homing.settle_time"]),
+            mode=int(inputs["tool.mode"]),
+            settle=float(inputs["tool.settle_time"]),
+            on_delay=float(inputs["tool.on_delay"]),
+            cut_time=float(inputs["tool.cut_time"]),
+            cut_distance=float(inputs["tool.cut_distance"]),
+            retract=float(inputs["tool.retract_time"]),
+            timeout=float(inputs["tool.timeout"]),
+            gap=float(inputs["gap.distance"]),
+            gap_travel=float(inputs["gap.travel"]),
+        )
+
+    @property
+    def turning(self) -> float:
+        """The limit of acceleration where the carriage turns round."""
+        return min(self.homing[1], self.homing[2])
+
+    def lead(self, velocity: float) -> float:
+        """The shortest way from home to sync for a carriage that is V = `velocity` then."""
+        v = max(velocity, 0.0)
+        return max(0.75 * v**2 / self.approach_acceleration, sqrt(1.5 * v**3 / self.approach_jerk))
+
+    def way(self, v: float) -> float:
+        """D(v): the way from home to sync that an approach is laid out for, at the line velocity v."""
+        return max(self.distance, self.lead(self.k * max(v, 0.0) * (1 + self.reserve)))
+
+    def approach_time(self, v: float) -> float:
+        return 2 * self.way(v) / (self.k * v)
+
+    def tool_time(self, v: float) -> float:
+        """t_s without the time of the gap."""
+        cut = self.cut_distance / (self.k * v) if self.mode == DISTANCE else self.cut_time
+        return max(self.settle, self.on_delay - self.approach_time(v), 0.0) + cut + self.retract
+
+    def cut_travel(self, v: float) -> float:
+        """S: from home to where the way home begins."""
+        gap = self.gap_travel + self.gap if self.gap > 0 else 0.0
+        return self.way(v) + self.k * v * self.tool_time(v) + gap
+
+    def return_time(self, velocity: float, distance: float, turning: float) -> float:
+        """T_r: the way home over `distance` from the velocity V; `turning`: the acceleration limit until its peak."""
+        fastest, _, deceleration, jerk = self.homing
+
+        def covered(w: float) -> float:
+            up = (w - velocity) / 2 * change_time(velocity + w, turning, jerk)
+            return up + w / 2 * change_time(w, deceleration, jerk)
+
+        peak, cruise = fastest, 0.0
+        if covered(fastest) <= distance:
+            cruise = (distance - covered(fastest)) / fastest
+        else:
+            peak = root(lambda w: covered(w) - distance, 0.0, fastest)
+        return change_time(velocity + peak, turning, jerk) + change_time(peak, deceleration, jerk) + cruise
+
+    def cycle_time(self, v: float) -> float:
+        """T_c; 0 for a line that does not move forwards."""
+        if v <= 0:
+            return 0.0
+        gap = self.gap_travel / (self.k * v) if self.gap > 0 else 0.0
+        home = self.return_time(self.k * v, self.cut_travel(v), self.turning)
+        return self.approach_time(v) + self.tool_time(v) + gap + home + self.settle_home
+
+    def shortest_pitch(self, v: float) -> float:
+        """p_min: travel of the master in the shortest cycle."""
+        return v * self.cycle_time(v)
+
+    def stroke(self, v: float) -> float:
+        """The way from home that a cycle takes."""
+        if v <= 0:
+            return self.distance
+        speed = self.k * v
+        return self.cut_travel(v) + speed / 2 * change_time(speed, self.turning, self.homing[3])
+
+    def room(self, v: float) -> float:
+        """How far the line velocity is from what velocity and stroke of the axis admit; not below 0: admissible."""
+        return min(self.axis[0] - self.k * v, self.high - self.home - self.stroke(v))
+
+    def max_line_velocity(self, pitch: float) -> float:
+        """The greatest velocity for cuts that lie `pitch` (of the master, or inf) apart; 0 if there is none."""
+        fastest = self.axis[0] / self.k
+        slowest = fastest * 1e-15
+
+        def too_far(v: float) -> float:
+            return self.home + self.stroke(v) - self.high
+
+        def too_often(v: float) -> float:
+            return self.shortest_pitch(v) - pitch
+
+        found = fastest
+        for excess in (too_far, too_often) if pitch < inf else (too_far,):
+            if excess(fastest) > 0:
+                found = min(found, root(excess, slowest, fastest) if excess(slowest) < 0 else 0.0)
+        return found
+
+    def gap_fits(self, v: float) -> bool:
+        """The curve that opens the gap keeps the axis's limits at the line velocity v."""
+        speed, (fastest, acceleration, deceleration, jerk) = self.k * v, self.axis
+        time = self.gap_travel / speed
+        return (
+            speed + 1.875 * self.gap / time <= fastest
+            and 10 / sqrt(3) * self.gap / time**2 <= min(acceleration, deceleration)
+            and 60 * self.gap / time**3 <= jerk
+        )
