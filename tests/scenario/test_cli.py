@@ -777,6 +777,7 @@ def test_json_has_all_that_was_found_and_nothing_else_is_printed(workshop: Comma
         "reference": [{"variable": "slave.position", "allowed": pytest.approx(3e-8), "passed": True}],
         "cuts": [],
         "uncut": [],
+        "production": None,
         "remarks": [],
         "messages": [],
         "result": str(Path("build/reports/Synchronizer/stop/Synchronizer_out.csv")),
