@@ -8,7 +8,7 @@ multiples of the scenario's `step_size` and where something is set, expected, or
 matters where the specification notices something at a step's beginning.
 
 Further readings:
-- `next_cut.distance` is not below 0 where the machine waits although its cut has been passed.
+- `next_cut.distance` is below 0 where the machine waits although its cut has been passed.
 - `piece.length` is 0 while the machine does not run. While no piece is fixed, it takes f, b and Δ as they are set.
 - `limits.reserve` is 1 while the pitch is not known.
 """
@@ -254,7 +254,7 @@ def _material(holds: Snapshot, master: Motion, slave: float) -> dict[str, float]
         place = holds.sync_place / holds.cycle.k
         if holds.state != APPROACHING:
             place = (saw.home + saw.way(master.velocity)) / saw.k
-        distance = max(place - (master.position - piece.line), 0.0)
+        distance = place - (master.position - piece.line)
     if holds.running:
         f, (kerf, correction) = holds.saw.f, holds.material
         if piece is not None:

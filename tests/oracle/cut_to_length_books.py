@@ -6,7 +6,8 @@ Readings of the specification that it leaves open:
 - A piece keeps the length that was ordered, whatever it becomes: `last.error` of a SHORT or MERGED piece is told.
 - `length_waste` holds WASTE, TRIM and bad pieces; a sample's length counts nowhere.
 - `clear_statistics` begins `statistics.*` anew, not the batches, nor `order.completed`.
-- THIS_PIECE with a length that is none: the piece's length is not known any more.
+- THIS_PIECE with a length that is none: the piece stays as it was fixed, and the change waits until it ends.
+- A calibration that would bring the factor out of 1e-6 to 1e6 is refused.
 - The order that will be in front after a piece: the next one, if the piece is the last PRODUCT that its order lacks.
 - A missing mark without `substitute` does not count among the n of `mark.every`.
 - With the source MARK, Δ is 0 wherever it occurs, the piece in progress ends at the front of the queue, and the entry
@@ -26,6 +27,7 @@ START_REFUSED, ORDER_REFUSED, ORDERS_FULL, CALIBRATION_REFUSED, TUNABLE, CUT_NOW
 CUT_MISSED, STROKE, MARKS_MISSING, TOOL_TIMEOUT, MARKS_FULL = range(16, 21)
 QUEUE = 64
 LEAST_PITCH = 1e-6
+LEAST_FACTOR = 1e-6
 
 COUNTERS = (
     *("cuts", "pieces_good", "pieces_bad", "pieces_sample", "pieces_waste", "skipped", "late", "marks"),
@@ -182,23 +184,20 @@ class Books:
 
     def change(self, ahead: Callable[[float], bool]) -> None:
         """THIS_PIECE at a step's beginning; `ahead(line)`: the start for a cut there is still to come."""
-        self.warnings["change_pending"] = False
         piece = self.piece
-        if self.inputs["change_mode"] != 2 or self.by_marks or piece is None or piece.kind != PRODUCT:
+        if piece is None or piece.kind not in (PRODUCT, MERGED):
+            self.warnings["change_pending"] = False
+            return
+        if piece.kind == MERGED:
             return
         length, order = (self.orders[0].length, self.orders[0]) if self.orders else (float(self.inputs["length"]), None)
         wanted = (length, order, self.f, self.kerf, self.correction)
-        if wanted == (piece.ordered, piece.order, piece.f, piece.kerf, piece.correction):
-            return
-        anew: Piece | None = self._made(PRODUCT, length, order)
-        if length <= 0 or anew.pitch * self.f <= LEAST_PITCH:
-            possible, anew = ahead(inf), None
-        else:
-            possible = ahead(anew.line)
-        if possible:
-            self.piece = anew
-        else:
-            self.warnings["change_pending"] = True
+        same = wanted == (piece.ordered, piece.order, piece.f, piece.kerf, piece.correction)
+        self.warnings["change_pending"] = not (self.inputs["change_mode"] != 2 or self.by_marks or same)
+        if self.warnings["change_pending"] and self._pitch(length) < inf:
+            anew = self._made(PRODUCT, length, order)
+            if ahead(anew.line):
+                self.piece, self.warnings["change_pending"] = anew, False
 
     def move_line(self, line: float, kind: int | None = None, *, late: bool = False) -> None:
         """The piece in progress, or one of unknown length, is to end at another line."""
@@ -288,7 +287,11 @@ class Books:
         measured, piece = float(self.inputs["calibration.measured_length"]), self.last_piece
         if piece is None or measured <= 0:
             return CALIBRATION_REFUSED
-        self.calibration *= (measured + piece.kerf) / (self.last["length"] + piece.kerf + piece.correction)
+        travel = self.last["length"] + piece.kerf + piece.correction
+        factor = self.calibration * (measured + piece.kerf) / travel if travel > 0 else inf
+        if not LEAST_FACTOR <= factor <= 1 / LEAST_FACTOR:
+            return CALIBRATION_REFUSED
+        self.calibration = factor
         return 0
 
     # --- marks ----------------------------------------------------------------------------------------------------

@@ -100,7 +100,7 @@ def _made(made: Production) -> Iterator[tuple[str, str]]:
         yield "not on time", made.missed_text or "no cut"
         yield "reserve", f"at least {made.reserve_text} of a cycle"
     if made.line:
-        yield "line", f"{made.line.velocity_text:<22}  limit {made.line.limit_text}"
+        yield "line", f"{made.line.greatest_text:<22}  {made.line.limit_text}"
 
 
 def _shown(peaks: Sequence[Peak]) -> list[Peak]:

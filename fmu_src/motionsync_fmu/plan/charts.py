@@ -1,6 +1,7 @@
 """The charts of a plan: over length, over line velocity, and one cycle of the carriage over time."""
 
 from collections.abc import Callable, Sequence
+from itertools import groupby
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from ..pages.style import typeset
 from ..scenario.recording import Reals
 from .machine_data import MachineData
 from .plan import Plan
-from .prediction import CYCLE, SHARE, STROKE, VELOCITY, Point, fastest, shortest
+from .prediction import CYCLE, NEEDS, SHARE, STROKE, VELOCITY, Point, fastest, shortest
 from .simulation import cycle_motion
 
 FINE = 160  # points of a curve
@@ -21,12 +22,12 @@ CYCLE_STEPS = 1500  # of the run whose cycle is drawn
 MARGIN = 0.05  # beside the chosen points
 ROWS = (300, 190, 190)
 BANDS = {CYCLE: "--band-0", STROKE: "--band-3", VELOCITY: "--band-1"}  # what limits
-PARTS = ("--tone-0", "--band-1", "--slave", "--band-3", "--band-5", "--tone-1", "--band-0")  # of a cycle, in its order
+PARTS = ("--tone-0", "--band-1", "--cut", "--band-3", "--band-5", "--tone-1", "--band-0")  # of a cycle, in its order
 GAINS = ("--reference", "--slave", "--third", "--limit", "--muted", "--received", "--master", "--axis", "--ok", "--ink")
 PHASES = {  # of the cycle that is drawn: the block's states, with a name and a colour each
     State.APPROACHING: ("approach", PARTS[0]),
     State.SYNCHRONOUS: ("settling", PARTS[1]),
-    State.CUTTING: ("cut", "--cut"),
+    State.CUTTING: ("cut", PARTS[2]),
     State.PULLING: ("gap", PARTS[3]),
     State.CLEARING: ("clearing", PARTS[4]),
     State.RETURNING: ("way home", PARTS[5]),
@@ -134,11 +135,12 @@ def _draw_result(
     """Draw the result, from where on cuts are lost, what limits, and the points at which the block was run."""
     chart.head(1, f"{what}{_in(unit)}")
     behind = chart.behind(1)
-    for bound, colour in BANDS.items():
-        inside = [x(point) for point in points if point.bound == bound]
-        if inside:
-            chart.shade(behind, bound, [(min(inside), max(inside))], colour)
     along, values = _values(points, x), _values(points, result)
+    begin = 0
+    for bound, group in groupby(point.bound for point in points):
+        end = begin + len(list(group))
+        chart.shade(behind, bound, [(float(along[begin]), float(along[min(end, len(along) - 1)]))], BANDS[bound])
+        begin = end
     lost = _values(points, lambda point: point.lost or 0.0)
     if np.any(np.abs(lost - values) > 1e-6 * values):
         chart.curve(1, "cuts are lost from here on", along, lost, Style(REFERENCE, 1.5, "dash"), unit=unit)
@@ -168,4 +170,5 @@ def _draw_gains(chart: Chart, points: list[Point], x: Value) -> None:
     for i, name in enumerate(points[0].gains if points else ()):
         values = 100.0 * _values(points, lambda point, name=name: point.gains[name])  # type: ignore[misc]
         if values.any():
-            chart.curve(3, f"{name} ", along, values, Style(GAINS[i], 1.8), unit="%")
+            more = "less" if name in NEEDS else "more"
+            chart.curve(3, f"{more} {name}", along, values, Style(GAINS[i], 1.8), unit="%")

@@ -13,6 +13,7 @@ from .prediction import LENGTH, NEAR, Point
 from .simulation import PIECES, Run, arrival, simulate
 
 ASIDE = 1e-6  # relative: how far beside a prediction the block is run
+SLOW = 1e-3  # of the greatest line velocity
 MANY = 200  # pieces, within which a start that is late by ASIDE of a pitch comes to be too late
 SAME_TIME = 1e-9  # relative
 LEAST_LENGTH = 1e-6  # u; what is shorter is no length to the block
@@ -23,7 +24,9 @@ def confirmed(data: MachineData, point: Point) -> Point:
     """The point with what runs of the block were expected to do, and did."""
     if point.length is None:
         return replace(point, checks=[_nothing_is_cut(data, point.velocity)])
-    if point.velocity <= 0.0 or point.length <= LEAST_LENGTH:
+    if point.velocity <= 0.0:
+        return replace(point, checks=[_is_always_too_fast(data, point.length)])
+    if point.length <= LEAST_LENGTH:
         return point
     result = point.velocity if point.asked == LENGTH else point.length
     sides = _Sides(data, point)
@@ -83,6 +86,12 @@ def _cycle(data: MachineData, point: Point) -> Check:
         f"{found:.9g} s",
         abs(found - expected) <= near + SAME_TIME * expected,
     )
+
+
+def _is_always_too_fast(data: MachineData, length: float) -> Check:
+    """Pieces shorter than the ways of a cycle are too short for a line of any velocity."""
+    run = simulate(data, length, SLOW * data.greatest_velocity)
+    return Check(f"pieces of {length:.9g} on a slow line: line_too_fast stands", run.text, run.warned)
 
 
 def _nothing_is_cut(data: MachineData, velocity: float) -> Check:

@@ -32,7 +32,7 @@ def print_plan(plan: Plan, *, verbose: bool) -> None:
     _print_table("The shortest length, over the line velocity", plan, plan.over_velocity)
     for remark in dict.fromkeys(point.remark for point in plan.points if point.remark):
         where = [_place(plan, point) for point in plan.points if point.remark == remark]
-        out.print(f"[yellow]![/] {escape(', '.join(where))}: {escape(remark)}")
+        out.print(f"[yellow]![/] {escape(remark)}: {escape(', '.join(where))}")
     print_checks(c for point in plan.points for c in point.checks if verbose or not c.passed)
 
 

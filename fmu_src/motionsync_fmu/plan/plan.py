@@ -15,7 +15,7 @@ from .prediction import Point, fastest, shortest
 
 FEW = 9  # lengths or velocities that are chosen where none are given
 SLOWEST = 0.1  # of the greatest line velocity: the least one that is chosen
-BEYOND = 1.25  # of the longest piece whose length matters: the longest one that is chosen
+BEYOND = 1.25  # of the longest pitch that matters: the longest one that is chosen
 
 
 @dataclass(frozen=True)
@@ -97,8 +97,11 @@ def chosen_velocities(data: MachineData) -> list[float]:
 def chosen_lengths(data: MachineData) -> list[float]:
     """Round lengths from those of a slow line up to those that the cycle time no longer limits."""
     top = data.greatest_velocity
-    low, high = (data.length(shortest_pitch(data.machine, v)) for v in (SLOWEST * top, top))
-    return [length for length in round_values(low, BEYOND * high) if length > 0.0]
+    low, high = (shortest_pitch(data.machine, v) for v in (SLOWEST * top, top))
+    beyond = data.length(BEYOND * high)
+    if beyond <= 0.0:  # the kerf alone takes longer than any cycle
+        low, beyond = data.pitch(0.0), data.length(data.pitch(0.0) + high)
+    return [length for length in round_values(data.length(low), beyond) if length > 0.0]
 
 
 def round_values(low: float, high: float) -> list[float]:

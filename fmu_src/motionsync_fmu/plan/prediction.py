@@ -26,7 +26,7 @@ HALVINGS = 200
 
 LENGTH, LINE = "length", "line velocity"
 VELOCITY, ACCELERATION, JERK, STROKE = "velocity", "acceleration", "jerk", "stroke"
-CYCLE, WAYS = "cycle time", "ways that each cycle takes: approach.distance, tool.cut_distance, gap.travel"
+CYCLE, WAYS = "cycle time", "ways of approach, cut and gap"
 LIMITS = {  # what limits the carriage, and the machine's data that say how far
     VELOCITY: ("max_velocity", "homing_velocity"),
     ACCELERATION: ("approach_acceleration", "homing_acceleration", "homing_deceleration"),

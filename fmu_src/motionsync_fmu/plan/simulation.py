@@ -17,8 +17,8 @@ from .machine_data import MachineData
 
 PIECES = 6  # of a run, if nothing else is said
 STEPS = 9.7  # of a run in each piece; no event comes at a fixed part of a step
-LONE = 3.0  # cycles that a run of one cycle lasts; the piece takes two of them, so the cycle ends before the third does
-CYCLE_STEPS = 40  # of such a run
+SHORT = 1e-3  # u: a length of pieces that the kerf keeps apart
+CYCLE_STEPS = 40  # of a run of one cycle
 
 
 @dataclass(frozen=True)
@@ -100,13 +100,20 @@ def simulate(data: MachineData, length: float, velocity: float, pieces: int = PI
 
 
 def lone_cycle(data: MachineData, velocity: float, steps: int) -> Iterator[Stepper]:
-    """The block at each of so many steps, in which it goes through one cycle; the next one begins far behind it."""
+    """The block at each of so many steps, which begin shortly before a cycle and end before the next one begins.
+
+    The first cut lies a pitch and half a kerf behind home, where the carriage begins less than a cycle before it."""
     time = cycle_time(data.machine, velocity)
-    h = LONE * time / steps
+    pitch = max(2.0 * velocity * time, data.pitch(SHORT))
     stepper = Stepper(data.recipe.block())
-    stepper.initialize(start_values(data, data.length((LONE - 1.0) * velocity * time)))
+    stepper.initialize(start_values(data, data.length(pitch)) | {"homing.ease": False})
+    kerf = data.pitch(data.value("kerf")) - data.pitch(0.0)
+    begin = max((pitch - 0.5 * kerf) / velocity - time, 0.0)
+    if begin > 0.0:
+        stepper.step(begin, {"master.position": 0.0, "master.velocity": velocity})
+    h = 2.0 * time / steps
     for i in range(steps):
-        yield stepper.step(h, {"master.position": i * h * velocity, "master.velocity": velocity})
+        yield stepper.step(h, {"master.position": (begin + i * h) * velocity, "master.velocity": velocity})
 
 
 def arrival(data: MachineData, velocity: float) -> float:

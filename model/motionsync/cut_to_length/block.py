@@ -30,6 +30,7 @@ from .interface import (
 )
 from .limits import Machine, approach_distance, is_admissible, lead, turning_acceleration
 from .material import Material
+from .piece import UNLIMITED
 from .predictions import Predictions
 from .settings import Settings, first_bad, is_narrow
 from .stage import Stage, state_of
@@ -38,6 +39,7 @@ from .way_home import WayHome
 
 NEVER = 1e300  # s since the step's beginning
 LATE = 1.0 - 1e-9  # of the least way of an approach: with less, a start is late
+FASTER = 1e-9  # of a velocity: by so much the line has become faster
 NEARLY = 1e-9  # of an approach: what is missing to sync is rounding
 WHOLE = 1e-12  # of a pitch: what a number of pitches may lack to be whole
 IN_TIME = 1.0 - 1e-12  # of the time that is left: rounding must not make an eased way home too slow
@@ -325,7 +327,7 @@ class CutToLength(CutToLengthInterface):
         material = self.material
         material.piece.begin = material.last_place
         if self.start_mode != StartMode.CONTINUE:
-            material.marks.forget()
+            material.forget_marks()
             front = (
                 self.good.front_position / self.predictions.machine.coupling + 0.5 * self.good.kerf / self.good.factor
             )
@@ -400,29 +402,29 @@ class CutToLength(CutToLengthInterface):
     def watch_piece(self) -> None:
         """Look for a length where none was known, and for one that has changed."""
         piece = self.material.piece
-        self.warning.change_pending = False
         if not self.running or self.source == Source.MARK:
-            return
-        if not piece.known:
+            self.warning.change_pending = False
+        elif not piece.known:
             self.fix_piece()
-        elif (
-            self.good.change_mode == ChangeMode.THIS_PIECE
-            and piece.kind == PieceKind.PRODUCT
-            and self.material.has_changed(self, self.good)
-        ):
-            if self.can_change():
+        elif self.good.change_mode != ChangeMode.THIS_PIECE:
+            self.warning.change_pending = False
+        elif piece.kind == PieceKind.PRODUCT:
+            changed = self.material.has_changed(self, self.good)
+            self.warning.change_pending = changed and not self.can_change()
+            if changed and not self.warning.change_pending:
                 piece.forget()
                 self.material.measure(self, self.good)
                 self.material.fix_product(self)
-            else:
-                self.warning.change_pending = True
 
     def can_change(self) -> bool:
         """Whether the cut of the product in progress can still be reached if it is fixed anew."""
         if self.bad != Tunable.NONE or self.stage in (Stage.APPROACHING, Stage.SYNCHRONOUS, Stage.CUTTING):
             return False
+        pitch = self.material.changed_pitch(self, self.good)
+        if pitch == UNLIMITED:
+            return False
         machine = self.predictions.machine
-        mu = self.beyond(self.material.changed_end(self, self.good), 0.0)
+        mu = self.beyond(self.material.piece.begin + pitch, 0.0)
         return machine.home_position - machine.coupling * mu >= lead(machine, self.master.begin_velocity)
 
     # --- the master's path ---
@@ -523,17 +525,39 @@ class CutToLength(CutToLengthInterface):
             return False
         return not self.material.piece.waits_for_line() or is_admissible(machine, velocity)
 
+    def is_far_from_start(self, until: float) -> bool:
+        """Whether no start can be due up to a time since the step's beginning: it spares the search for one.
+
+        On a line no faster than that for which the approach was predicted last, this is no longer than predicted."""
+        fastest = max(self.master.begin_velocity, self.master.end_velocity)
+        if not self.predictions.solved or fastest > self.predictions.velocity:
+            return False
+        place = self.material.piece.end
+        mu = max(self.beyond(place, self.now), self.beyond(place, until))
+        return self.predictions.machine.coupling * mu < self.way_home.home - self.local.approach_distance
+
+    def is_far_from_ends(self, until: float) -> bool:
+        """Whether the carriage, in sync, need not stop for an end of its stroke up to a time since the step begins: it
+        spares the search for the instant. The bound of the way of a stop is a rough one."""
+        k = self.carriage.coupling
+        machine = self.predictions.machine
+        down = turning_acceleration(machine)
+        begin = self.master.begin_velocity
+        end = self.master.end_velocity
+        if self.carriage.pulls or not self.carriage.joined or k * abs(end - begin) > down * self.master.step:
+            return False
+        fast = k * max(abs(begin), abs(end)) + 0.5 * down * down / machine.homing_jerk
+        far = fast * (0.5 * fast / down + 3.0 * down / machine.homing_jerk)
+        first = k * self.beyond(self.cut_place, self.now)
+        last = k * self.beyond(self.cut_place, until)
+        low = self.good.axis.min_position + far
+        return low < min(first, last) and max(first, last) < self.good.axis.max_position - far
+
     def has_to_stop(self, time: float) -> bool:
         """Whether the time-optimal stop from here ends at an end of the stroke, or beyond it."""
         position, velocity, acceleration, _ = self.carriage_at(time)
         down = turning_acceleration(self.predictions.machine)
-        jerk = self.predictions.machine.homing_jerk
-        if abs(acceleration) <= down:  # then the stop takes no longer than this
-            fast = abs(velocity) + 0.5 * down * down / jerk
-            far = fast * (0.5 * fast / down + 3.0 * down / jerk)
-            if self.good.axis.min_position < position - far and position + far < self.good.axis.max_position:
-                return False
-        end = position + stopping_distance(velocity, acceleration, down, jerk)
+        end = position + stopping_distance(velocity, acceleration, down, self.predictions.machine.homing_jerk)
         if velocity > 0.0 or (velocity == 0.0 and acceleration > 0.0):
             return end >= self.good.axis.max_position
         return (velocity < 0.0 or acceleration < 0.0) and end <= self.good.axis.min_position
@@ -568,7 +592,7 @@ class CutToLength(CutToLengthInterface):
             return False
         if self.cut_waits:
             time = self.first(Condition.CUT_NOW, until)
-        elif self.material.piece.known:
+        elif self.material.piece.known and not self.is_far_from_start(until):
             time = self.first(Condition.START, until)
         else:
             return False
@@ -715,7 +739,7 @@ class CutToLength(CutToLengthInterface):
 
     def try_end_of_stroke(self, until: float, other: float) -> bool:
         """The carriage has to stop before an end of its stroke, earlier than the other event comes."""
-        time = self.first(Condition.STROKE_END, until)
+        time = NEVER if self.is_far_from_ends(until) else self.first(Condition.STROKE_END, until)
         if time == NEVER or time >= other:
             return False
         self.now = time
@@ -795,6 +819,8 @@ class CutToLength(CutToLengthInterface):
         material.piece.known = material.marks.waiting > 0
         if material.piece.known:
             material.piece.end = material.marks.place(0)
+        else:
+            material.piece.pitch = UNLIMITED
 
     def begin_approach(self, distance: float, late: bool) -> None:
         """The carriage starts now and is in sync after its own travel `distance`."""
@@ -929,9 +955,15 @@ class CutToLength(CutToLengthInterface):
         self.stage = Stage.RETURNING
 
     def may_ease(self) -> bool:
-        """Whether the next cut is known, and the line comes to it."""
-        busy = self.running and not (self.stopping or self.cut_waits)
-        return busy and self.homing.ease and self.material.piece.known and self.master.velocity_at(self.now) > 0.0
+        """Whether the next cut is known, and the line comes to it without getting faster."""
+        if self.stopping or self.cut_waits or not (self.running and self.homing.ease and self.material.piece.known):
+            return False
+        return self.master.velocity_at(self.now) > 0.0 and not self.line_accelerates()
+
+    def line_accelerates(self) -> bool:
+        """Whether the line gets faster in the present step."""
+        begin = self.master.begin_velocity
+        return self.master.end_velocity - begin > FASTER * abs(begin)
 
     def time_to_home(self) -> float:
         """How long the way home may take, s, at the line's present velocity, which is above 0."""
@@ -948,7 +980,9 @@ class CutToLength(CutToLengthInterface):
             if (
                 self.cut_waits
                 or not piece.known
-                or self.way_home.is_too_slow(self.master.begin_velocity, self.master.end_velocity, piece.end)
+                or self.line_accelerates()
+                or self.master.begin_velocity > self.way_home.eased_velocity * (1.0 + FASTER)
+                or piece.end != self.way_home.eased_place
             ):
                 self.enter_returning()
 
@@ -1003,6 +1037,8 @@ class CutToLength(CutToLengthInterface):
                     self.enter_clearing(self.cycle.retract_time)
                 else:
                     self.enter_returning()
+            case Stage.HOMING:
+                self.enter_returning()
             case Stage.RETURNING:
                 if self.way_home.eased:
                     self.enter_returning()
@@ -1062,8 +1098,6 @@ class CutToLength(CutToLengthInterface):
         self.piece.ordered = 0.0
         self.piece.length = 0.0
         if self.running:
-            self.piece.kind = piece.kind
-            self.piece.ordered = piece.ordered
             self.piece.length = max(piece.length(self.master.end - self.slave.position / k), 0.0)
         self.next_cut.known = self.running and piece.known
         self.next_cut.position = 0.0
@@ -1071,6 +1105,8 @@ class CutToLength(CutToLengthInterface):
         self.local.start_position = 0.0
         self.local.progress = 0.0
         if self.next_cut.known:
+            self.piece.kind = piece.kind
+            self.piece.ordered = piece.ordered
             self.next_cut.position = wrap(piece.end, self.master.period)
             self.show_approach(self.master.end - piece.end, k)
 

@@ -28,7 +28,7 @@ POSITIONS = (
     *("statistics.error_worst", "statistics.error_mean", "statistics.error_deviation"),
 )
 TIMES = (*("clock", "tool.command_time", "last.time", "limits.cycle_time", "local.start_time", "local.home_time"),)
-SHARES = ("last.reserve", "limits.reserve", "statistics.reserve_worst", "local.ease", "calibration.factor")
+SHARES = ("last.reserve", "limits.reserve", "statistics.reserve_worst", "local.ease", "calibration.factor", "local.coupling_factor")
 AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve", "limits.stroke", "next_cut.distance")
 """What jumps where the line comes to a stand: rounding of the velocity decides."""
 STANDING = 1e-3
@@ -70,6 +70,8 @@ def play(script: Script, cuts: Iterable[float], names: Sequence[str], mode: Mast
         stepper.set(sets.get(begin, {}))
         show(end if mode == MasterInput.END_OF_STEP else begin, line[0])
         stepper.step(end - begin)
+        if abs(line[0].at(end).velocity) < STANDING and abs(end - line[0].end) < 1e-9:
+            continue
         chosen = [name for name in names if name not in AT_VELOCITY or abs(line[0].at(end).velocity) > STANDING]
         found.append({"time": end, **{name: float(value) for name, value in stepper.get(chosen).items()}})
     return found
@@ -173,7 +175,7 @@ def line(r: Random, duration: float) -> dict[str, Any]:
     now, total = speed, 0.0
     while total < duration:
         segment = {"duration": r.randint(12, 192) / 128.0}
-        match r.choice(["steady", "steady", "ramp", "ramp", "stop", "jump", "back"]):
+        match r.choice(["steady", "steady", "ramp", "ramp", "stop", "jump", *(["back"] if now > 0.0 else [])]):
             case "ramp":
                 segment["acceleration"] = round(16.0 * r.uniform(-now, 1300.0 - now) / segment["duration"]) / 16.0
             case "stop":

@@ -18,7 +18,7 @@ from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
 from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 from ..style import typeset
-from .chart import BAD, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
+from .chart import BAD, CLEAR, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
 from .motion import NEAR, bounds, draw_bound
 
 OUTFEED = 0.35  # of the saw's range, above it, in which the pieces are shown that have been cut off
@@ -203,20 +203,12 @@ def _draw_numbers(chart: Chart, time: Reals, travel: Reals, factor: float, made:
     """Write the pieces' numbers where their middles pass a position of the saw."""
     if len(made.pieces) > MOST_NUMBERED:
         return
-    middles = np.array([0.5 * (p.begin + p.end) for p in made.pieces])
-    passing = travel - position / factor
-    forward = np.maximum.accumulate(passing)
-    seen = (middles > forward[0]) & (middles < forward[-1])
-    trace = {
-        "type": "scatter",
-        "mode": "text",
-        "x": rounded(np.interp(middles[seen], forward, time), TIME_DIGITS),
-        "y": [position] * int(seen.sum()),
-        "text": [str(p.number) for p, shown in zip(made.pieces, seen, strict=True) if shown],
-        "textfont": {"color": INK, "size": 11},
-        "hoverinfo": "skip",
-    }
-    chart.add(1, "numbers", trace, legend=False)
+    passing = np.maximum.accumulate(travel - position / factor)
+    for piece in made.pieces:
+        middle = 0.5 * (piece.begin + piece.end)
+        if passing[0] < middle < passing[-1]:
+            at = float(np.interp(middle, passing, time))
+            chart.note(str(piece.number), xref="x", x=at, yref="y", y=position, bgcolor=CLEAR, font={"size": 11})
 
 
 def _draw_cutting(chart: Chart, time: Reals, saw: Reals, cutting: Any) -> None:
@@ -276,7 +268,7 @@ def _draw_stems(chart: Chart, made: Production, most: float) -> None:
     beyond = [abs(p.error) > most for p in made.pieces]
     x = rounded((p.told for p in made.pieces), TIME_DIGITS)
     y = rounded(float(np.clip(p.error, -most, most)) for p in made.pieces)
-    line = {"type": "scatter", "mode": "lines", "line": {"color": MUTED, "width": 1}, "hoverinfo": "skip"}
+    line = {"type": "scatter", "mode": "lines", "line": {"color": INK, "width": 1}, "hoverinfo": "skip"}
     stems = {"x": [e for t in x for e in (t, t, None)], "y": [e for v in y for e in (0, v, None)]}
     chart.add(3, "stems", line | stems, legend=False)
     up = ["triangle-up" if p.error > 0.0 else "triangle-down" for p in made.pieces]
