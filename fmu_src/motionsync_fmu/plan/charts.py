@@ -38,7 +38,7 @@ def over_length(plan: Plan) -> Chart:
     """The greatest line velocity, the parts of the cycle at it, and what more of each limit brings, over the length."""
     data = plan.data
     low, high = _span([point.length or 0.0 for point in plan.over_length])
-    points = _drawn([fastest(data, x) for x in np.linspace(low, high, FINE)])
+    points = [point for x in np.linspace(low, high, FINE) if (point := fastest(data, x)).cycle]
     what = "greatest line velocity"
     chart = _chart(plan, f"The {what} over the length", "length of the pieces", Unit.POSITION, (low, high))
     unit = unit_name(Unit.VELOCITY, data.unit)
@@ -52,14 +52,15 @@ def over_velocity(plan: Plan) -> Chart:
     """The shortest length, the parts of the cycle, and what more of each limit brings, over the line velocity."""
     data = plan.data
     asked = [point.velocity for point in plan.over_velocity]
-    low, high = _span([v for v in asked if v <= data.greatest_velocity] or asked)
-    points = _drawn([shortest(data, x) for x in np.linspace(low, min(high, data.greatest_velocity), FINE)])
+    top = data.greatest_velocity
+    low, high = _span([*asked, top] if max(asked) > top else asked)
+    points = [shortest(data, x) for x in np.linspace(low, min(high, top), FINE)]
     what = "shortest length"
     chart = _chart(plan, f"The {what} over the line velocity", "line velocity", Unit.VELOCITY, (low, high))
     _draw_result(chart, what, unit_name(Unit.POSITION, data.unit), points, plan.over_velocity, _velocity, _length)
     _draw_parts(chart, points, _velocity)
     _draw_gains(chart, points, _velocity)
-    chart.mark(data.greatest_velocity, "greatest line velocity")
+    chart.mark(top, "greatest line velocity")
     return chart
 
 
@@ -110,11 +111,6 @@ def _span(values: Sequence[float]) -> tuple[float, float]:
     low, high = min(values), max(values)
     room = MARGIN * (high - low) or MARGIN * high
     return max(low - room, 0.1 * low), high + room
-
-
-def _drawn(points: list[Point]) -> list[Point]:
-    """Those with a result, which can be drawn."""
-    return [point for point in points if point.cycle]
 
 
 def _chart(plan: Plan, name: str, title: str, kind: Unit, span: tuple[float, float]) -> Chart:
