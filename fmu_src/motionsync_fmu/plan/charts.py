@@ -17,13 +17,14 @@ from .plan import Plan
 from .prediction import CYCLE, NEEDS, SHARE, STROKE, VELOCITY, Point, fastest, shortest
 from .simulation import cycle_motion
 
-FINE = 160  # points of a curve
+FINE = 120  # points of a curve
 CYCLE_STEPS = 1500  # of the run whose cycle is drawn
 MARGIN = 0.05  # beside the chosen points
 ROWS = (300, 190, 190)
 BANDS = {CYCLE: "--band-0", STROKE: "--band-3", VELOCITY: "--band-1"}  # what limits
 PARTS = ("--tone-0", "--band-1", "--cut", "--band-3", "--band-5", "--tone-1", "--band-0")  # of a cycle, in its order
-GAINS = ("--reference", "--slave", "--third", "--limit", "--muted", "--received", "--master", "--axis", "--ok", "--ink")
+MORE = ("--reference", "--slave", "--third", "--limit")  # of each limit, in their order
+LESS = ("--muted", "--received", "--ink", "--slave", "--third", "--reference")  # of each need, in their order
 PHASES = {  # of the cycle that is drawn: the block's states, with a name and a colour each
     State.APPROACHING: ("approach", PARTS[0]),
     State.SYNCHRONOUS: ("settling", PARTS[1]),
@@ -163,8 +164,9 @@ def _draw_gains(chart: Chart, points: list[Point], x: Value) -> None:
     """Draw what more of each limit, or less of each need, brings."""
     chart.head(3, f"what {100.0 * SHARE:g} % brings, in %")
     along = _values(points, x)
-    for i, name in enumerate(points[0].gains if points else ()):
+    names = list(points[0].gains if points else ())
+    styles = [*(Style(colour, 1.8) for colour in MORE), *(Style(colour, 1.8, "dash") for colour in LESS)]
+    for name, style in zip(names, styles[: len(names)], strict=True):
         values = 100.0 * _values(points, lambda point, name=name: point.gains[name])  # type: ignore[misc]
         if values.any():
-            more = "less" if name in NEEDS else "more"
-            chart.curve(3, f"{more} {name}", along, values, Style(GAINS[i], 1.8), unit="%")
+            chart.curve(3, f"{'less' if name in NEEDS else 'more'} {name}", along, values, style, unit="%")
