@@ -18,7 +18,6 @@ WORKING = {
     "homing.velocity": 1200.0,
     "homing.settle_time": 0.02,
     "approach.reserve": 0.1,
-    "axis.max_position": 900.0,
 }
 
 
@@ -80,7 +79,6 @@ CASES = Cases(
     worst=(
         piece_ends("start values", {}),
         piece_ends("all times, limits of its own", WORKING),
-        piece_ends("the stroke limits the line", WORKING | {"axis.max_position": 500.0}),
         piece_ends("with a gap", WORKING | {"gap.distance": 10.0, "gap.travel": 150.0}),
         piece_ends("eased way home", WORKING | {"homing.ease": True}, (1500.0, 1900.0)),
         piece_ends(

@@ -17,6 +17,7 @@ from .commands.error import error
 from .commands.line import line
 from .commands.list import list_all
 from .commands.new import new
+from .commands.plan_line import plan_line
 from .commands.run import run
 from .errors import Interrupted, UserError
 from .pages.console import err
@@ -42,6 +43,7 @@ COMMANDS: dict[
     "new": (new, "Write a scenario to begin your own with."),
     "run": (run, "Run scenarios, judge them, write reports."),
     "line": (line, "Run a production line of several FMUs."),
+    "plan-line": (plan_line, "Tell how fast a cutting line may run, and why."),
     "error": (error, "Explain a fault code."),
 }
 for name, (command, help_line) in COMMANDS.items():

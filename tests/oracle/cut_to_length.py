@@ -8,7 +8,7 @@ multiples of the scenario's `step_size` and where something is set, expected, or
 matters where the specification notices something at a step's beginning.
 
 Further readings:
-- `next_cut.distance` is told less than 0 where the machine waits although the start has been passed.
+- `next_cut.distance` is below 0 where the machine waits although its cut has been passed.
 - `piece.length` is 0 while the machine does not run. While no piece is fixed, it takes f, b and Δ as they are set.
 - `limits.reserve` is 1 while the pitch is not known.
 """
@@ -18,7 +18,6 @@ from collections.abc import Mapping, Sequence
 from math import floor, inf
 from typing import Any
 
-from tests.oracle.cut_to_length_books import TRIM
 from tests.oracle.cut_to_length_carriage import Course, Motion
 from tests.oracle.cut_to_length_sequence import (
     APPROACHING,
@@ -229,7 +228,7 @@ class _Rows:
         """What depends on the line's present velocity."""
         saw, v, piece = holds.saw, master.velocity, holds.piece
         cycle = saw.cycle_time(v)
-        pitch = piece.pitch if piece and piece.kind != TRIM else inf
+        pitch = piece.pitch if piece else inf
         kerf, correction = holds.material
         way = saw.way(v)
         sensor = saw.f * ((way - saw.home) / saw.k + v * holds.mark_delay)

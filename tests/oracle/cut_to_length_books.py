@@ -6,6 +6,8 @@ Readings of the specification that it leaves open:
 - A piece keeps the length that was ordered, whatever it becomes: `last.error` of a SHORT or MERGED piece is told.
 - `length_waste` holds WASTE, TRIM and bad pieces; a sample's length counts nowhere.
 - `clear_statistics` begins `statistics.*` anew, not the batches, nor `order.completed`.
+- THIS_PIECE with a length that is none: the piece stays as it was fixed, and the change waits until it ends.
+- A calibration that would bring the factor out of 1e-6 to 1e6 is refused.
 - The order that will be in front after a piece: the next one, if the piece is the last PRODUCT that its order lacks.
 - A missing mark without `substitute` does not count among the n of `mark.every`.
 - With the source MARK, Δ is 0 wherever it occurs, the piece in progress ends at the front of the queue, and the entry
@@ -25,6 +27,7 @@ START_REFUSED, ORDER_REFUSED, ORDERS_FULL, CALIBRATION_REFUSED, TUNABLE, CUT_NOW
 CUT_MISSED, STROKE, MARKS_MISSING, TOOL_TIMEOUT, MARKS_FULL = range(16, 21)
 QUEUE = 64
 LEAST_PITCH = 1e-6
+LEAST_FACTOR = 1e-6
 
 COUNTERS = (
     *("cuts", "pieces_good", "pieces_bad", "pieces_sample", "pieces_waste", "skipped", "late", "marks"),
@@ -43,7 +46,10 @@ class Order:
 
 @dataclass(frozen=True)
 class Piece:
-    """What is made at present, with f, b and Δ of when it was fixed; its cut is to lie at `line`."""
+    """What is made at present, with f, b and Δ of when it was fixed; its cut is to lie at `line`.
+
+    `pitch`: what the line must not be too fast for, of the master; infinite for TRIM and where no length is known.
+    """
 
     kind: int
     ordered: float
@@ -137,7 +143,7 @@ class Books:
         self.running, self.merging = True, False
         self.piece = None
         if mode == 2:
-            self.piece = self._made(TRIM, float(self.inputs["trim_length"]), None)
+            self.piece = replace(self._made(TRIM, float(self.inputs["trim_length"]), None), pitch=inf)
         else:
             self.fix()
 
@@ -178,19 +184,20 @@ class Books:
 
     def change(self, ahead: Callable[[float], bool]) -> None:
         """THIS_PIECE at a step's beginning; `ahead(line)`: the start for a cut there is still to come."""
-        self.warnings["change_pending"] = False
         piece = self.piece
-        if self.inputs["change_mode"] != 2 or self.by_marks or piece is None or piece.kind != PRODUCT:
+        if piece is None or piece.kind not in (PRODUCT, MERGED):
+            self.warnings["change_pending"] = False
+            return
+        if piece.kind == MERGED:
             return
         length, order = (self.orders[0].length, self.orders[0]) if self.orders else (float(self.inputs["length"]), None)
         wanted = (length, order, self.f, self.kerf, self.correction)
-        if wanted == (piece.ordered, piece.order, piece.f, piece.kerf, piece.correction):
-            return
-        anew = self._made(PRODUCT, length, order)
-        if length > 0 and anew.pitch * self.f > LEAST_PITCH and ahead(anew.line):
-            self.piece = anew
-        else:
-            self.warnings["change_pending"] = True
+        same = wanted == (piece.ordered, piece.order, piece.f, piece.kerf, piece.correction)
+        self.warnings["change_pending"] = not (self.inputs["change_mode"] != 2 or self.by_marks or same)
+        if self.warnings["change_pending"] and self._pitch(length) < inf:
+            anew = self._made(PRODUCT, length, order)
+            if ahead(anew.line):
+                self.piece, self.warnings["change_pending"] = anew, False
 
     def move_line(self, line: float, kind: int | None = None, *, late: bool = False) -> None:
         """The piece in progress, or one of unknown length, is to end at another line."""
@@ -238,7 +245,7 @@ class Books:
             self.tally.add("length_waste", length)
         if self.by_marks and piece.kind in (PRODUCT, MERGED):
             self.marks.pop(0)
-        self.warnings |= {"blade_early": False, "gap_skipped": False, "change_pending": False}
+        self.warnings |= {"gap_skipped": False, "change_pending": False}
         self.merging = False
         self.last_piece, self.last_cut, self.origin = piece, line, line
         self.fix()
@@ -280,7 +287,11 @@ class Books:
         measured, piece = float(self.inputs["calibration.measured_length"]), self.last_piece
         if piece is None or measured <= 0:
             return CALIBRATION_REFUSED
-        self.calibration *= (measured + piece.kerf) / (self.last["length"] + piece.kerf + piece.correction)
+        travel = self.last["length"] + piece.kerf + piece.correction
+        factor = self.calibration * (measured + piece.kerf) / travel if travel > 0 else inf
+        if not LEAST_FACTOR <= factor <= 1 / LEAST_FACTOR:
+            return CALIBRATION_REFUSED
+        self.calibration = factor
         return 0
 
     # --- marks ----------------------------------------------------------------------------------------------------
@@ -338,7 +349,7 @@ class Books:
 
     def pitches(self) -> tuple[float, float]:
         """Of the piece in progress and the one expected after it, the smaller one; and of all that waits."""
-        present = self.piece.pitch if self.piece and self.piece.kind != TRIM else inf
+        present = self.piece.pitch if self.piece else inf
         if self.by_marks:
             apart = [b - a for a, b in zip(self.marks, self.marks[1:], strict=False)]
             spacing = self.inputs["mark.spacing"] * self.inputs["mark.every"] / self.f

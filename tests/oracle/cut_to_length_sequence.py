@@ -6,13 +6,16 @@ What the specification notices at a step's beginning is noticed where the steps 
 Readings of the specification that it leaves open:
 - What is set where the master jumps acts with the master after the jump.
 - The way home is not eased where it begins on a line that accelerates: it would be FAST from the next step on.
+- `warning.blade_early` is told until the blade begins its next cut in time.
 - A `stop` during an eased way home makes it FAST.
 - An eased way home that has become FAST stays FAST.
+- A `cut_now` after `stop` or `abort` is refused, though the machine runs until it is at home.
 - `start` forgets a `cut_now` that waits; so do `stop`'s arrival, `abort` and a fault.
 - Where the line turns back past the start, the cycle is measured from the former start on.
 - `tool.done` and marks are no commands: they leave a refusal as it is.
-- Any other command that is not refused clears a refusal, whatever it does.
-- A TRIM piece and a `cut_now` on a line that is too fast wait, and do not keep another cut from being judged.
+- Any other command that is not refused clears a refusal; `stop` and `abort` of a machine that does not run are none.
+- A blade that touches less than 1e-9 s before sync touches at sync.
+- While a `cut_now` waits for a slower line, the cut that is due is not judged.
 """
 
 from bisect import bisect_right
@@ -59,6 +62,7 @@ COMMANDS = (
 )
 LATENESS = 1e-9
 FASTER = 1e-9
+EARLY = 1e-9
 
 Event = tuple[float, Callable[[], None]]
 
@@ -115,7 +119,7 @@ class Machine:
         self.line, self.sync_place, self.sync_time = 0.0, 0.0, 0.0
         self.on_time: float | None = None
         self.command, self.command_time = False, 0.0
-        self.down = False
+        self.down = self.early = False
         self.cut_begin, self.cut_place, self.clear_end = inf, 0.0, inf
         self.gap_made = False
         self.ease, self.ease_velocity, self.ease_line = 1.0, 0.0, 0.0
@@ -251,8 +255,9 @@ class Machine:
         def room(time: float) -> float:
             return saw.room(self._master(time).velocity)
 
-        if self.cut_waits and (at := first(room, begin, until)) is not None:
-            found.append((at, self._cut_at_once))
+        if self.cut_waits:
+            at = first(room, begin, until)
+            return [] if at is None else [(at, self._cut_at_once)]
         if piece is not None and self.course.direction > 0:
 
             def past(time: float) -> float:
@@ -301,7 +306,7 @@ class Machine:
         assert piece is not None
         self.log.append((self.time, "start"))
         self.state, self.cycle, self.line, self.sync_place = APPROACHING, saw, piece.line, saw.home + way
-        self.start_time, self.on_time = self.time, None
+        self.start_time, self.on_time, self.early = self.time, None, False
         self.reserve = 1.0
         if self.former_start is not None:
             spent, cycle = self.time - self.ready_at, self.time - self.former_start
@@ -340,8 +345,10 @@ class Machine:
 
     def _touch(self) -> None:
         self.down = True
-        if self.state == APPROACHING:
-            self.books.warnings["blade_early"] = True
+        m = self._master()
+        missing = self.line + self.sync_place / self.cycle.k - m.position
+        if self.state == APPROACHING and missing > EARLY * m.velocity:
+            self.early = self.books.warnings["blade_early"] = True
             self.books.tally.add("unsynchronised")
 
     def _command_on(self) -> None:
@@ -384,6 +391,7 @@ class Machine:
 
     def _begin_cut(self) -> None:
         self.state, self.cut_begin = CUTTING, self.time
+        self.books.warnings["blade_early"] = self.early
         self.cut_place = self._master().position
 
     def _cutting(self, until: float) -> list[Event]:
@@ -503,7 +511,8 @@ class Machine:
             self._off()
 
     def _off(self) -> None:
-        self.state, self.stopping, self.cut_waits = OFF, False, False
+        self.state = OFF
+        self.stopping = self.cut_waits = False
         self.books.end()
 
     def _fail(self, fault: int) -> None:
@@ -539,13 +548,11 @@ class Machine:
             self.state, self.fault = OFF, 0
 
     def _do_abort(self) -> None:
-        self._answer()
         if not self.books.running:
             return
+        self._answer()
         down, clearing = self.down and self.state != APPROACHING, self.state == CLEARING
         self.stopping, self.cut_waits = True, False
-        self.books.end()
-        self.books.running = True
         if self.state == WAITING:
             self._off()
             return
@@ -553,9 +560,11 @@ class Machine:
         self._leave(down, clearing)
 
     def _do_stop(self) -> None:
+        if not self.books.running:
+            return
         self._answer()
-        self.stopping = self.books.running
-        if self.stopping and self.state == WAITING:
+        self.stopping = True
+        if self.state == WAITING:
             self._off()
 
     def _do_start(self) -> None:
@@ -612,11 +621,11 @@ class Machine:
             self._fail(fault)
 
     def _do_cut_now(self) -> None:
-        if not self.books.running:
+        if not self.books.running or self.stopping:
             self._answer(CUT_NOW_REFUSED)
             return
         self._answer()
-        self.cut_waits = not self.stopping
+        self.cut_waits = True
 
     def _do_tool_done(self) -> None:
         if self.state == CUTTING and self.cycle.mode == FEEDBACK:

@@ -18,12 +18,12 @@ def files(text: str) -> list[str]:
     return [block for block in re.findall(r"```toml\n(.*?)```", text, re.DOTALL) if block.startswith("title")]
 
 
-@pytest.mark.parametrize("i", [0, 1])
+@pytest.mark.parametrize("i", [0, 1, 2])
 @pytest.mark.parametrize("step_size", [0.01, 0.007])
 def test_an_example_copied_from_the_page_is_as_expected(i: int, step_size: float, tmp_path: Path) -> None:
-    """Three cuts, as both files expect them."""
+    """Three cuts, as all files expect them."""
     examples = files(README.read_text())
-    assert len(examples) == 2
+    assert len(examples) == 3
     file = tmp_path / "saw" / "scenario.toml"
     file.parent.mkdir()
     file.write_text(examples[i])
@@ -32,14 +32,15 @@ def test_an_example_copied_from_the_page_is_as_expected(i: int, step_size: float
     found = check(scenario, recording)
     assert found
     assert [c for c in found if not c.passed] == []
-    assert any(c.expected == "number of cuts = 3" and c.found == "3" for c in found)
+    made = "pieces" if scenario.pieces else "cuts"
+    assert any(c.expected == f"number of {made} = 3" and c.found == "3" for c in found)
     assert recording.unmet == []
-    assert not recording.values["limit_exceeded"].any()
+    assert not any(recording.values[name].any() for name in recording.values if name.endswith("limit_exceeded"))
 
 
 def test_the_card_has_every_key_of_a_scenario(tmp_path: Path) -> None:
     """The keys that a reader's message names where one is wrong; [remote] has an example of its own."""
-    card = files(README.read_text())[1]
+    card, pieces = files(README.read_text())[1:]
     file = tmp_path / "scenario.toml"
     for table, spared in (("", {"slave_unit", "remote"}), ("[[on]]", set()), ("[cuts]", set()), ("[picture]", set())):
         file.write_text(f"nonsense = 1\n{card}" if not table else card.replace(table, f"{table}\nnonsense = 1", 1))
@@ -47,3 +48,8 @@ def test_the_card_has_every_key_of_a_scenario(tmp_path: Path) -> None:
             load(file)
         for key in set(str(told.value).split("there is ")[1].split(", ")) - spared:
             assert re.search(rf"^(# )?(\[+(picture\.)?{key}\b|{key} =)", card, re.MULTILINE), key
+    file.write_text(pieces.replace("[cuts]", "[cuts]\nnonsense = 1"))
+    with pytest.raises(Exception, match="unknown key; there is") as told:
+        load(file)
+    for key in set(str(told.value).split("there is ")[1].split(", ")):
+        assert re.search(rf"^{key} =", pieces, re.MULTILINE), key

@@ -19,7 +19,7 @@ from ..interface.turns import Interface, TurnError
 from ..interface.units import BASES
 from ..pages.console import err, out
 from ..pages.progress import doing
-from .options import UNITS
+from .options import UNITS, assignments
 
 Turned = Annotated[
     list[str] | None,
@@ -73,7 +73,7 @@ def build(
     """
     names = [spelled(BLOCKS, name, "block") for name in fmu or BLOCKS]
     unit, slave_unit = spelled(BASES, unit, "unit"), spelled(["", *BASES], slave_unit, "slave unit")
-    starts = _assignments(start or [])
+    starts = assignments("--start", start or [], "output_phasing=45")
     interface = Interface(input or (), output or (), parameter or (), local or ())
     turned = next((f"--{causality}" for causality, _ in interface.patterns()), "")
     if (option := "--start" if starts else turned) and len(names) != 1:
@@ -103,14 +103,3 @@ def _check(recipe: Recipe) -> None:
         recipe.block()
     except TurnError as e:
         raise UserError(f"--{e}") from None
-
-
-def _assignments(texts: list[str]) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not equals:
-            raise UserError(f"--start {text}: write NAME=VALUE, as in: --start output_phasing=45")
-        if (other := found.setdefault(name, value)) != value:
-            raise UserError(f"--start {name} is given twice, as {other} and as {value}")
-    return found

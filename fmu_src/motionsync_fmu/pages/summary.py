@@ -97,10 +97,10 @@ def _made(made: Production) -> Iterator[tuple[str, str]]:
         allowed = engineering(made.tolerance, made.unit)
         yield "length error", f"{made.worst_text:<22}  {allowed} allowed"
     if made.tightest:
-        yield "late cuts", made.missed_text or "none, none skipped"
+        yield "not on time", made.missed_text or "no cut"
         yield "reserve", f"at least {made.reserve_text} of a cycle"
     if made.line:
-        yield "line", f"{made.line.velocity_text:<22}  limit {made.line.limit_text}"
+        yield "line", f"{made.line.greatest_text:<22}  {made.line.limit_text}"
 
 
 def _shown(peaks: Sequence[Peak]) -> list[Peak]:

@@ -18,30 +18,36 @@ from .scenario import Scenario
 
 @dataclass(frozen=True)
 class Line:
-    """The master's velocity where it is nearest to the greatest one that the block can follow, while pieces are cut.
+    """The master's velocity beside the greatest one that the block can follow, while pieces are cut.
 
     Attributes:
-        at: when, in s.
-        velocity, limit: the master's, and that greatest one, in u/s.
-        exceeded: whether it was beyond it, by more than rounding.
-        unit: the unit of both.
+        greatest: the greatest velocity, in u/s.
+        at: where the velocity was nearest to the limit, or farthest beyond it, in s.
+        velocity, limit: both at that time, in u/s.
+        beyond: how long it was beyond the limit, by more than rounding, in s. The limit falls as soon as a short
+            piece is expected: a line that then slows down is beyond it for a while, and nothing is missed.
+        unit: the unit of velocities.
     """
 
+    greatest: float
     at: float
     velocity: float
     limit: float
-    exceeded: bool
+    beyond: float
     unit: str
 
     @property
-    def velocity_text(self) -> str:
-        """The master's velocity: `1290 mm/s`."""
-        return engineering(self.velocity, self.unit)
+    def greatest_text(self) -> str:
+        """The greatest velocity: `1200 mm/s`."""
+        return engineering(self.greatest, self.unit)
 
     @property
     def limit_text(self) -> str:
-        """The limit, and when: `1293 mm/s at 3.2 s`."""
-        return f"{engineering(self.limit, self.unit)} at {engineering(self.at, 's')}"
+        """Where it was nearest to its limit: `nearest to its limit at 3.2 s: 1200 of 1293 mm/s`."""
+        where = f"at {engineering(self.at, 's')}: {engineering(self.velocity)} of {engineering(self.limit, self.unit)}"
+        if self.beyond:
+            return f"above its limit for {engineering(self.beyond, 's', digits=3)}, most {where}"
+        return f"nearest to its limit {where}"
 
 
 @dataclass(frozen=True)
@@ -133,10 +139,8 @@ class Production:
         """What a reader has to know although it is not judged, a sentence each."""
         found = []
         if self.missed_text:
-            found.append(f"cuts that did not come on time: {self.missed_text}")
-        if self.line and self.line.exceeded:
-            limit = f"limit {self.line.limit_text}"
-            found.append(f"the line is faster than the machine can follow: {self.line.velocity_text}, {limit}")
+            why = f"; the line was {self.line.limit_text}" if self.line and self.line.beyond else ""
+            found.append(f"cuts that did not come on time: {self.missed_text}{why}")
         if untold := self.cuts - len(self.pieces):
             found.append(f"{_counted(untold, 'piece')} not told: the step is longer than it takes to make one")
         return found
@@ -169,8 +173,10 @@ def _line(recording: Recording, limit: str, running: str, unit: str) -> Line | N
         return None
     velocity, allowed = recording.master[at, 1], recording.values[limit][at]
     i = int(np.argmax(velocity / np.maximum(allowed, 1e-300)))
-    exceeded = bool(velocity[i] > allowed[i] * (1.0 + ROUNDING))
-    return Line(float(recording.time[at[i]]), float(velocity[i]), float(allowed[i]), exceeded, unit)
+    beyond = velocity > allowed * (1.0 + ROUNDING)
+    lasted = float(np.diff(recording.time, prepend=recording.time[0])[at][beyond].sum())
+    found = (float(velocity.max()), float(recording.time[at[i]]), float(velocity[i]), float(allowed[i]))
+    return Line(*found, lasted, unit)
 
 
 def _counted(number: int, what: str) -> str:

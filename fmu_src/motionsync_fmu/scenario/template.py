@@ -17,6 +17,10 @@ COMMENTS = {
     "[cuts]": "# The slave is a saw, the master its material: where its marks lie, and how many are cut. What meets\n"
     "# master_sync_position with slave_sync_position cuts at master_sync_position - slave_sync_position / ratio.",
 }
+PIECES = (  # in place of the comment of [cuts], for a block that tells its pieces
+    "# The pieces that there have to be: count = how many, lengths = [...], kinds = [...]. What the block tells of\n"
+    "# them is compared with the positions of slave and master."
+)
 HEAD = """\
 # A scenario of the block {name}. Lengths, speeds and times are yours to change: run it again, and look at the report.
 # Positions are in `unit` ("mm" if it is left out), times in s.
@@ -29,9 +33,11 @@ def template_of(name: str) -> str:
     Raises:
         UserError: no block has this name.
     """
-    text = example_of(name).file.read_text("utf-8").partition("\n[picture")[0].rstrip() + "\n"
+    example = example_of(name)
+    comments = COMMENTS | ({"[cuts]": PIECES} if example.pieces else {})
+    text = example.file.read_text("utf-8").partition("\n[picture")[0].rstrip() + "\n"
     text = re.sub(r"^source = .*\n", "", text, flags=re.MULTILINE)
-    for heading, comment in COMMENTS.items():
+    for heading, comment in comments.items():
         before, found, after = text.partition(f"\n{heading}")
         text = f"{before}\n{comment}{found}{after}" if found else text
     return HEAD.format(name=name) + text

@@ -9,7 +9,7 @@ from .. import var
 from ..clock import Clock
 from ..cosine import cosine
 from ..exceeded import Exceeded, Limit
-from ..grid import floor, wrap
+from ..grid import floor, rounding, wrap
 from ..laws import chain_rule
 from ..limits import usable
 from ..motion import SAME_TIME, stopping_distance
@@ -30,14 +30,17 @@ from .interface import (
 )
 from .limits import Machine, approach_distance, is_admissible, lead, turning_acceleration
 from .material import Material
+from .piece import UNLIMITED
 from .predictions import Predictions
-from .settings import Settings, first_bad, is_narrow
+from .settings import Settings, is_narrow
 from .stage import Stage, state_of
 from .tunables import Tunable
 from .way_home import WayHome
 
 NEVER = 1e300  # s since the step's beginning
 LATE = 1.0 - 1e-9  # of the least way of an approach: with less, a start is late
+FASTER = 1e-9  # of a velocity: by so much the line has become faster
+NEARLY = 1e-9  # of an approach: what is missing to sync is rounding
 WHOLE = 1e-12  # of a pitch: what a number of pitches may lack to be whole
 IN_TIME = 1.0 - 1e-12  # of the time that is left: rounding must not make an eased way home too slow
 LONG_AGO = -1e9  # s: the carriage has been at home since long before the initialization
@@ -101,7 +104,7 @@ class CutToLength(CutToLengthInterface):
     cut_waits: bool = False  # a cut_now
     edges: Edges = var.part(Edges)
     good: Settings = var.part(Settings)
-    bad: Tunable = Tunable.NONE  # the first parameter that is out of its range
+    bad: Tunable = Tunable.NONE  # the first tuned parameter that is out of its range
     material: Material = var.part(Material)
     predictions: Predictions = var.part(Predictions)
     books: Books = var.part(Books)
@@ -115,7 +118,7 @@ class CutToLength(CutToLengthInterface):
     cut_mu: float = 0.0  # how far the master is beyond cut_place when the blade begins to cut
     early: bool = False  # the blade has touched before sync
     reserve: float = 1.0  # share of the cycle that the carriage has spent ready at home
-    first_cut: bool = True  # there has been no approach since start
+    first_cut: bool = True  # there has been no cut since start
     sync_time: float = 0.0  # the block's time
     clear_time: float = 0.0  # how long CLEARING lasts
     way_home: WayHome = var.part(WayHome)
@@ -124,7 +127,8 @@ class CutToLength(CutToLengthInterface):
     now: float = 0.0  # up to which all events are carried out, since the step's beginning
     block_clock: Clock = var.part(Clock)
     phase: Clock = var.part(Clock)  # since the stage began; at rest, since the arrival
-    cycle_clock: Clock = var.part(Clock)  # since the last start of an approach
+    start_clock: Clock = var.part(Clock)  # since the last start of an approach
+    cycle_clock: Clock = var.part(Clock)  # since the start of the last cut's approach
     ready_clock: Clock = var.part(Clock)  # since the carriage has been ready for a start
     tool_clock: Clock = var.part(Clock)  # since the tool's command has changed
 
@@ -174,6 +178,7 @@ class CutToLength(CutToLengthInterface):
     def advance_clocks(self, h: float) -> None:
         self.block_clock.advance(h)
         self.phase.advance(h)
+        self.start_clock.advance(h)
         self.cycle_clock.advance(h)
         self.ready_clock.advance(h)
         self.tool_clock.advance(h)
@@ -182,15 +187,14 @@ class CutToLength(CutToLengthInterface):
     # --- the parameters ---
 
     def judge_settings(self) -> None:
-        """Take over what was tuned, if all parameters are good."""
+        """Take over what was tuned, if it is good."""
         if self.bad != Tunable.NONE or not self.good.are_those_of(self):
-            self.bad = first_bad(self)
-            if self.bad == Tunable.NONE:
-                self.use_settings()
+            self.use_settings()
 
     def use_settings(self) -> None:
-        """Compute with the present parameters and the present factor of calibration."""
-        self.good.take(self)
+        """Compute with the present parameters, as far as they are good."""
+        self.good.judge(self)
+        self.bad = self.good.first_bad()
         self.describe_machine()
 
     def describe_machine(self) -> None:
@@ -309,7 +313,7 @@ class CutToLength(CutToLengthInterface):
             or (self.start_mode == StartMode.CONTINUE and not self.material.has_cut)
         ):
             self.refusal = Fault.START
-        elif self.bad != Tunable.NONE:
+        elif not self.good.can_start():
             self.refusal = Fault.TUNABLE
         else:
             self.accept()
@@ -324,7 +328,7 @@ class CutToLength(CutToLengthInterface):
         material = self.material
         material.piece.begin = material.last_place
         if self.start_mode != StartMode.CONTINUE:
-            material.marks.forget()
+            material.forget_marks()
             front = (
                 self.good.front_position / self.predictions.machine.coupling + 0.5 * self.good.kerf / self.good.factor
             )
@@ -391,7 +395,7 @@ class CutToLength(CutToLengthInterface):
 
     def fix_piece(self) -> None:
         """Fix the piece that begins at the last cut, if that is possible."""
-        if self.bad == Tunable.NONE:
+        if self.good.can_fix():
             self.material.fix(self, self.good)
         else:
             self.refusal = Fault.TUNABLE
@@ -399,29 +403,29 @@ class CutToLength(CutToLengthInterface):
     def watch_piece(self) -> None:
         """Look for a length where none was known, and for one that has changed."""
         piece = self.material.piece
-        self.warning.change_pending = False
         if not self.running or self.source == Source.MARK:
-            return
-        if not piece.known:
+            self.warning.change_pending = False
+        elif not piece.known:
             self.fix_piece()
-        elif (
-            self.good.change_mode == ChangeMode.THIS_PIECE
-            and piece.kind == PieceKind.PRODUCT
-            and self.material.has_changed(self, self.good)
-        ):
-            if self.can_change():
+        elif self.good.change_mode != ChangeMode.THIS_PIECE:
+            self.warning.change_pending = False
+        elif piece.kind == PieceKind.PRODUCT:
+            changed = self.material.has_changed(self, self.good)
+            self.warning.change_pending = changed and not self.can_change()
+            if changed and not self.warning.change_pending:
                 piece.forget()
                 self.material.measure(self, self.good)
                 self.material.fix_product(self)
-            else:
-                self.warning.change_pending = True
 
     def can_change(self) -> bool:
         """Whether the cut of the product in progress can still be reached if it is fixed anew."""
-        if self.bad != Tunable.NONE or self.stage in (Stage.APPROACHING, Stage.SYNCHRONOUS, Stage.CUTTING):
+        if not self.good.can_fix() or self.stage in (Stage.APPROACHING, Stage.SYNCHRONOUS, Stage.CUTTING):
+            return False
+        pitch = self.material.changed_pitch(self, self.good)
+        if pitch == UNLIMITED:
             return False
         machine = self.predictions.machine
-        mu = self.beyond(self.material.changed_end(self, self.good), 0.0)
+        mu = self.beyond(self.material.piece.begin + pitch, 0.0)
         return machine.home_position - machine.coupling * mu >= lead(machine, self.master.begin_velocity)
 
     # --- the master's path ---
@@ -522,17 +526,39 @@ class CutToLength(CutToLengthInterface):
             return False
         return not self.material.piece.waits_for_line() or is_admissible(machine, velocity)
 
+    def is_far_from_start(self, until: float) -> bool:
+        """Whether no start can be due up to a time since the step's beginning: it spares the search for one.
+
+        On a line no faster than that for which the approach was predicted last, this is no longer than predicted."""
+        fastest = max(self.master.begin_velocity, self.master.end_velocity)
+        if not self.predictions.solved or fastest > self.predictions.velocity:
+            return False
+        place = self.material.piece.end
+        mu = max(self.beyond(place, self.now), self.beyond(place, until))
+        return self.predictions.machine.coupling * mu < self.way_home.home - self.local.approach_distance
+
+    def is_far_from_ends(self, until: float) -> bool:
+        """Whether the carriage, in sync, need not stop for an end of its stroke up to a time since the step begins: it
+        spares the search for the instant. The bound of the way of a stop is a rough one."""
+        k = self.carriage.coupling
+        machine = self.predictions.machine
+        down = turning_acceleration(machine)
+        begin = self.master.begin_velocity
+        end = self.master.end_velocity
+        if self.carriage.pulls or not self.carriage.joined or k * abs(end - begin) > down * self.master.step:
+            return False
+        fast = k * max(abs(begin), abs(end)) + 0.5 * down * down / machine.homing_jerk
+        far = fast * (0.5 * fast / down + 3.0 * down / machine.homing_jerk)
+        first = k * self.beyond(self.cut_place, self.now)
+        last = k * self.beyond(self.cut_place, until)
+        low = self.good.axis.min_position + far
+        return low < min(first, last) and max(first, last) < self.good.axis.max_position - far
+
     def has_to_stop(self, time: float) -> bool:
         """Whether the time-optimal stop from here ends at an end of the stroke, or beyond it."""
         position, velocity, acceleration, _ = self.carriage_at(time)
         down = turning_acceleration(self.predictions.machine)
-        jerk = self.predictions.machine.homing_jerk
-        if abs(acceleration) <= down:  # then the stop takes no longer than this
-            fast = abs(velocity) + 0.5 * down * down / jerk
-            far = fast * (0.5 * fast / down + 3.0 * down / jerk)
-            if self.good.axis.min_position < position - far and position + far < self.good.axis.max_position:
-                return False
-        end = position + stopping_distance(velocity, acceleration, down, jerk)
+        end = position + stopping_distance(velocity, acceleration, down, self.predictions.machine.homing_jerk)
         if velocity > 0.0 or (velocity == 0.0 and acceleration > 0.0):
             return end >= self.good.axis.max_position
         return (velocity < 0.0 or acceleration < 0.0) and end <= self.good.axis.min_position
@@ -563,15 +589,18 @@ class CutToLength(CutToLengthInterface):
         """The carriage has settled, or an approach begins."""
         if not self.ready:
             return self.try_settle(until)
-        if self.hold or self.bad != Tunable.NONE:
+        if self.hold:
             return False
         if self.cut_waits:
             time = self.first(Condition.CUT_NOW, until)
-        elif self.material.piece.known:
+        elif self.material.piece.known and not self.is_far_from_start(until):
             time = self.first(Condition.START, until)
         else:
             return False
         if time == NEVER:
+            return False
+        if self.good.bad_machine != Tunable.NONE:
+            self.refusal = Fault.TUNABLE
             return False
         crossed = time > self.now and not self.material.piece.waits_for_line()
         self.now = time
@@ -619,16 +648,23 @@ class CutToLength(CutToLengthInterface):
             return False
         if self.first(Condition.SYNC, time) < time or self.first(Condition.BACK, time) < time:
             return False
+        if self.tool.command and self.is_nearly_in_sync(time):
+            return False  # the blade touches in sync
         self.now = time
         if self.tool.command:
             self.tool.blade_down = True
-            if self.first(Condition.SYNC, time) == NEVER:
-                self.early = True
-                self.warning.blade_early = True
-                self.statistics.unsynchronised += 1
+            self.early = True
+            self.warning.blade_early = True
+            self.statistics.unsynchronised = more(self.statistics.unsynchronised, 1.0)
         else:
             self.set_tool(True)
         return True
+
+    def is_nearly_in_sync(self, time: float) -> bool:
+        """Whether sync lies ahead by rounding only, at a time since the step's beginning."""
+        missing = self.carriage.sync - self.beyond(self.cut_place, time)
+        travel = self.carriage.sync - self.carriage.start
+        return missing <= NEARLY * travel + rounding(self.cut_place, self.master.end)
 
     def try_event_synchronous(self, until: float) -> bool:
         """The tool is commanded, the blade touches, the cut begins, or the stroke ends."""
@@ -708,12 +744,12 @@ class CutToLength(CutToLengthInterface):
 
     def try_end_of_stroke(self, until: float, other: float) -> bool:
         """The carriage has to stop before an end of its stroke, earlier than the other event comes."""
-        time = self.first(Condition.STROKE_END, until)
+        time = NEVER if self.is_far_from_ends(until) else self.first(Condition.STROKE_END, until)
         if time == NEVER or time >= other:
             return False
         self.now = time
         if self.tool.blade_down:
-            self.statistics.unsynchronised += 1
+            self.statistics.unsynchronised = more(self.statistics.unsynchronised, 1.0)
         if self.fault == Fault.NONE:
             self.stop_for(Fault.STROKE)
         self.set_tool(False)
@@ -788,6 +824,8 @@ class CutToLength(CutToLengthInterface):
         material.piece.known = material.marks.waiting > 0
         if material.piece.known:
             material.piece.end = material.marks.place(0)
+        else:
+            material.piece.pitch = UNLIMITED
 
     def begin_approach(self, distance: float, late: bool) -> None:
         """The carriage starts now and is in sync after its own travel `distance`."""
@@ -796,12 +834,11 @@ class CutToLength(CutToLengthInterface):
         self.carriage.lay_approach(self.cycle.coupling, self.way_home.home, distance)
         self.cut_place = self.material.piece.end
         self.judge_reserve(late)
-        self.first_cut = False
         self.early = False
-        self.cycle_clock.start(self.now)
+        self.start_clock.start(self.now)
         self.local.start_time = self.block_clock.time + self.now
         self.stage = Stage.APPROACHING
-        if distance == 0.0:  # the line stands where the cut is
+        if self.is_nearly_in_sync(self.now):  # the line stands where the cut is, or nearly so
             self.enter_synchronous()
 
     def judge_reserve(self, late: bool) -> None:
@@ -844,6 +881,8 @@ class CutToLength(CutToLengthInterface):
         self.warning.change_pending = False
         self.last.time = self.sync_time
         self.last.reserve = self.reserve
+        self.first_cut = False
+        var.copy(self.cycle_clock, self.start_clock)
         self.books.enter(self.statistics, piece.kind, good, length, error, self.reserve)
         self.batch_done = False
         if good:
@@ -922,9 +961,15 @@ class CutToLength(CutToLengthInterface):
         self.stage = Stage.RETURNING
 
     def may_ease(self) -> bool:
-        """Whether the next cut is known, and the line comes to it."""
-        busy = self.running and not (self.stopping or self.cut_waits)
-        return busy and self.homing.ease and self.material.piece.known and self.master.velocity_at(self.now) > 0.0
+        """Whether the next cut is known, and the line comes to it without getting faster."""
+        if self.stopping or self.cut_waits or not (self.running and self.homing.ease and self.material.piece.known):
+            return False
+        return self.master.velocity_at(self.now) > 0.0 and not self.line_accelerates()
+
+    def line_accelerates(self) -> bool:
+        """Whether the line gets faster in the present step."""
+        begin = self.master.begin_velocity
+        return self.master.end_velocity - begin > FASTER * abs(begin)
 
     def time_to_home(self) -> float:
         """How long the way home may take, s, at the line's present velocity, which is above 0."""
@@ -941,7 +986,9 @@ class CutToLength(CutToLengthInterface):
             if (
                 self.cut_waits
                 or not piece.known
-                or self.way_home.is_too_slow(self.master.begin_velocity, self.master.end_velocity, piece.end)
+                or self.line_accelerates()
+                or self.master.begin_velocity > self.way_home.eased_velocity * (1.0 + FASTER)
+                or piece.end != self.way_home.eased_place
             ):
                 self.enter_returning()
 
@@ -996,6 +1043,8 @@ class CutToLength(CutToLengthInterface):
                     self.enter_clearing(self.cycle.retract_time)
                 else:
                     self.enter_returning()
+            case Stage.HOMING:
+                self.enter_returning()
             case Stage.RETURNING:
                 if self.way_home.eased:
                     self.enter_returning()
@@ -1051,8 +1100,8 @@ class CutToLength(CutToLengthInterface):
         """The piece in progress and its cut."""
         piece = self.material.piece
         k = self.predictions.machine.coupling
-        self.piece.kind = piece.kind
-        self.piece.ordered = piece.ordered
+        self.piece.kind = PieceKind.NONE
+        self.piece.ordered = 0.0
         self.piece.length = 0.0
         if self.running:
             self.piece.length = max(piece.length(self.master.end - self.slave.position / k), 0.0)
@@ -1062,6 +1111,8 @@ class CutToLength(CutToLengthInterface):
         self.local.start_position = 0.0
         self.local.progress = 0.0
         if self.next_cut.known:
+            self.piece.kind = piece.kind
+            self.piece.ordered = piece.ordered
             self.next_cut.position = wrap(piece.end, self.master.period)
             self.show_approach(self.master.end - piece.end, k)
 
@@ -1077,7 +1128,7 @@ class CutToLength(CutToLengthInterface):
             case Stage.SYNCHRONOUS | Stage.CUTTING:
                 self.local.progress = 1.0
             case _:
-                self.next_cut.distance = max((home + distance) / k - mu, 0.0)
+                self.next_cut.distance = (home + distance) / k - mu
 
     def show_orders(self) -> None:
         orders = self.material.orders

@@ -199,7 +199,11 @@ class LineRequest:
 class NextCut:
     """The cut that comes next."""
 
-    distance: float = var.output(0.0, "master travel missing until sync; 0 from then until the cut ends", Unit.POSITION)
+    distance: float = var.output(
+        0.0,
+        "master travel missing until sync, 0 from then until the cut ends; negative: too late",
+        Unit.POSITION,
+    )
     position: float = var.local(
         0.0, "master position at which the cut's line passes carriage position 0", Unit.POSITION, discrete=True
     )

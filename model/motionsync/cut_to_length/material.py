@@ -81,12 +81,12 @@ class Material:
     def fix_marked(self, settings: Settings) -> None:
         """The piece ends at the next mark that is cut. Marks without a known spacing say nothing of its length."""
         piece = self.piece
-        piece.kind = PieceKind.PRODUCT
         piece.exact = settings.mark.spacing > 0.0
-        if piece.exact:
-            piece.ordered = settings.mark.spacing * float(settings.mark.every) - piece.kerf
         if self.marks.waiting > 0:
             piece.known = True
+            piece.kind = PieceKind.PRODUCT
+            if piece.exact:
+                piece.ordered = settings.mark.spacing * float(settings.mark.every) - piece.kerf
             piece.end = self.marks.place(0)
             piece.pitch = limiting(piece.end - piece.begin)
 
@@ -108,10 +108,10 @@ class Material:
             or settings.factor != piece.factor
         )
 
-    def changed_end(self, block: CutToLengthInterface, settings: Settings) -> float:
-        """Where the product in progress would end if it were fixed now."""
+    def changed_pitch(self, block: CutToLengthInterface, settings: Settings) -> float:
+        """The pitch of the product in progress if it were fixed now; UNLIMITED: it would have no length."""
         length, _ = self.product(block)
-        return self.piece.begin + (length + block.length_correction + settings.kerf) / settings.factor
+        return self.pitch_of(length, block, settings)
 
     def end_piece(self, block: CutToLengthInterface, place: float) -> None:
         """The piece has been cut; the next one begins, of which nothing is known yet."""
@@ -155,6 +155,10 @@ class Material:
         return self.orders.try_fulfil(self.piece.order, repeat)
 
     # --- the marks ---
+
+    def forget_marks(self) -> None:
+        self.marks.forget()
+        self.queue_known = False
 
     def watch_marks(
         self, block: CutToLengthInterface, settings: Settings, detected: bool, master: float, velocity: float
@@ -243,7 +247,8 @@ class Material:
             return settings.waste_length
         if self.sample_waits:
             return settings.sample_length
-        place = self.orders.place_after(self.piece.order if block.running else NO_ORDER, block.order.repeat)
+        counts = block.running and self.piece.kind == PieceKind.PRODUCT
+        place = self.orders.place_after(self.piece.order if counts else NO_ORDER, block.order.repeat)
         return block.length if place < 0 else self.orders.length(place)
 
     def pitch_of(self, length: float, block: CutToLengthInterface, settings: Settings) -> float:

@@ -6,8 +6,6 @@ from .. import var
 from ..motion import Motion
 from .limits import Machine, change_time, return_time
 
-FASTER = 1e-9  # of a velocity: by so much the line has become faster
-
 
 @dataclass(slots=True)
 class WayHome:
@@ -91,11 +89,6 @@ class WayHome:
             share * share * share * machine.homing_jerk,
         )
         self.motion.clock.start(begin)
-
-    def is_too_slow(self, velocity: float, end_velocity: float, place: float) -> bool:
-        """Whether there is no time for ease any more: the line gets faster, or the next cut lies elsewhere."""
-        accelerates = end_velocity - velocity > FASTER * abs(velocity)
-        return accelerates or velocity > self.eased_velocity * (1.0 + FASTER) or place != self.eased_place
 
     def at(self, time: float) -> tuple[float, float, float, float]:
         """Position, velocity, acceleration and jerk at a time since the step's beginning."""

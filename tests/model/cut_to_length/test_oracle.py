@@ -282,7 +282,7 @@ EASE: dict[str, Any] = {"homing__ease": True, "length": 3000.0}
 
 
 def test_the_way_home_is_eased() -> None:
-    """σ 0.197109: the peak is 0.197109·1500 = 295.7; home 0.02 s before each start."""
+    """The share is 0.197109: the peak is 0.197109·1500 = 295.7; home 0.02 s before each start."""
     script = steady(1000.0, 12.2, **EASE)
     found = rows(script, 0.002)
     returning = [row for row in found if row["state_code"] == RETURNING]

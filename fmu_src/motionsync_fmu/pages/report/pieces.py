@@ -12,13 +12,13 @@ from ...interface.roles import Books, books
 from ...interface.units import unit_name
 from ...scenario.amounts import ROUNDING, engineering
 from ...scenario.figures import Figures
-from ...scenario.pieces import Piece
+from ...scenario.pieces import Piece, coupling_factor
 from ...scenario.production import Production
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
 from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 from ..style import typeset
-from .chart import BAD, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
+from .chart import BAD, CLEAR, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
 from .motion import NEAR, bounds, draw_bound
 
 OUTFEED = 0.35  # of the saw's range, above it, in which the pieces are shown that have been cut off
@@ -26,6 +26,7 @@ MOST_DRAWN = 400  # pieces on the time plot; more could not be told apart
 MOST_NUMBERED = 60
 FAR = 100.0  # the tolerance is drawn unless it is so many times the greatest error
 OFF = 1.5  # an error is drawn up to this multiple of tolerance and products' errors; of greater ones only the direction
+SMALL = 1e-3  # errors below it are written with powers of ten
 FASTEST = 1.6  # the limit of the line is drawn up to this multiple of its velocity
 
 
@@ -41,7 +42,7 @@ def list_chart(scenario: Scenario, made: Production) -> Chart:
     """All pieces side by side, as they lay on the material."""
     unit = unit_name(Unit.POSITION, scenario.unit)
     begin, end = min(p.begin for p in made.pieces), max(p.end for p in made.pieces)
-    title = f"place on the material{f' in {typeset(unit)}' if unit else ''}, as the master counts"
+    title = f"place on the material{_in(unit)}"
     chart = Chart("The pieces on the material", [64], title, (begin, end), hover="closest", timed=False)
     chart.axis(1).update({"visible": False, "range": [-0.5, 0.5], "fixedrange": True})
     for name in dict.fromkeys(piece.name for piece in made.pieces):
@@ -122,7 +123,7 @@ def _draw_material(
     low, high = float(saw.min()), float(saw.max())
     room = max(high - low, 1e-9 * max(abs(low), abs(high), 1.0))
     low, high = low - 0.08 * room, high + OUTFEED * room
-    factor = _factor(recording, names)
+    factor = coupling_factor(scenario, recording)
     travel = recording.master[:, 0]
     if 0 < len(made.pieces) <= MOST_DRAWN:
         for name in dict.fromkeys(piece.name for piece in made.pieces):
@@ -133,20 +134,12 @@ def _draw_material(
     elif made.pieces:
         chart.note(f"{len(made.pieces)} pieces: too many to draw", yref="y domain", x=0.5, y=0.97, yanchor="top")
     chart.curve(1, "saw", recording.time, saw, Style(SLAVE, 2.2), unit=unit, kept=kept)
-    cutting = np.where(recording.values[names.cutting] != 0.0, saw, np.nan)
-    if np.isfinite(cutting).any():
-        _draw_cutting(chart, recording.time, saw, recording.values[names.cutting] != 0.0)
+    if (cutting := recording.values[names.cutting] != 0.0).any():
+        _draw_cutting(chart, recording.time, saw, cutting)
     chart.axis(1)["range"] = [low, high]
     for bound in bounds(scenario, found):
         if bound.row == 1 and abs(bound.value - 0.5 * (low + high)) <= 0.5 * NEAR * room:
             draw_bound(chart, bound, unit)
-
-
-def _factor(recording: Recording, names: Books) -> float:
-    """The saw's travel over the master's, as it was while it cut."""
-    factors = recording.values[names.coupling_factor]
-    at = np.flatnonzero(recording.values[names.cutting])
-    return float(factors[at[0] if len(at) else -1]) or 1.0
 
 
 def _draw_bands(
@@ -203,20 +196,12 @@ def _draw_numbers(chart: Chart, time: Reals, travel: Reals, factor: float, made:
     """Write the pieces' numbers where their middles pass a position of the saw."""
     if len(made.pieces) > MOST_NUMBERED:
         return
-    middles = np.array([0.5 * (p.begin + p.end) for p in made.pieces])
-    passing = travel - position / factor
-    forward = np.maximum.accumulate(passing)
-    seen = (middles > forward[0]) & (middles < forward[-1])
-    trace = {
-        "type": "scatter",
-        "mode": "text",
-        "x": rounded(np.interp(middles[seen], forward, time), TIME_DIGITS),
-        "y": [position] * int(seen.sum()),
-        "text": [str(p.number) for p, shown in zip(made.pieces, seen, strict=True) if shown],
-        "textfont": {"color": INK, "size": 11},
-        "hoverinfo": "skip",
-    }
-    chart.add(1, "numbers", trace, legend=False)
+    passing = np.maximum.accumulate(travel - position / factor)
+    for piece in made.pieces:
+        middle = 0.5 * (piece.begin + piece.end)
+        if passing[0] < middle < passing[-1]:
+            at = float(np.interp(middle, passing, time))
+            chart.note(str(piece.number), xref="x", x=at, yref="y", y=position, bgcolor=CLEAR, font={"size": 11})
 
 
 def _draw_cutting(chart: Chart, time: Reals, saw: Reals, cutting: Any) -> None:
@@ -265,15 +250,18 @@ def _draw_errors(chart: Chart, made: Production) -> None:
         _draw_tolerance(chart, made)
     _draw_stems(chart, made, most)
     if rounding and made.products:
-        chart.note(f"0 to rounding: at most {engineering(worst, made.unit)}", yref="y3 domain", x=0.5, y=0.85)
+        text = f"0 to rounding: at most {engineering(worst, made.unit)}" if worst else "0 for each product"
+        chart.note(text, yref="y3 domain", x=0.5, y=0.85)
     chart.axis(3)["range"] = [-1.12 * most, 1.12 * most]
+    if most < SMALL:
+        chart.axis(3)["tickformat"] = ".2~e"
 
 
 def _draw_stems(chart: Chart, made: Production, most: float) -> None:
     beyond = [abs(p.error) > most for p in made.pieces]
     x = rounded((p.told for p in made.pieces), TIME_DIGITS)
     y = rounded(float(np.clip(p.error, -most, most)) for p in made.pieces)
-    line = {"type": "scatter", "mode": "lines", "line": {"color": MUTED, "width": 1}, "hoverinfo": "skip"}
+    line = {"type": "scatter", "mode": "lines", "line": {"color": INK, "width": 1}, "hoverinfo": "skip"}
     stems = {"x": [e for t in x for e in (t, t, None)], "y": [e for v in y for e in (0, v, None)]}
     chart.add(3, "stems", line | stems, legend=False)
     up = ["triangle-up" if p.error > 0.0 else "triangle-down" for p in made.pieces]
@@ -319,7 +307,8 @@ def _draw_reserve(chart: Chart, recording: Recording, made: Production, names: B
     stems = {"x": [e for t in x for e in (t, t, None)], "y": [e for v in y for e in (0, v, None)]}
     chart.add(4, "reserve of a piece", line | stems)
     said = [f"{engineering(100.0 * p.reserve, digits=3)} %, piece {p.number}" for p in made.pieces]
-    dots = {"x": x, "y": y, "customdata": said, "marker": {"color": [OK if v > 0 else BAD for v in y], "size": 7}}
+    colours = [BAD if p.product and p.reserve <= 0.0 else OK for p in made.pieces]
+    dots = {"x": x, "y": y, "customdata": said, "marker": {"color": colours, "size": 7}}
     dots |= {"type": "scatter", "mode": "markers", "hovertemplate": "%{customdata}<extra>reserve</extra>"}
     chart.add(4, "reserve", dots, legend=False)
     chart.axis(4)["range"] = [min(0.0, 1.1 * float(spare.min(initial=0.0, where=spare > -50.0))), 106.0]

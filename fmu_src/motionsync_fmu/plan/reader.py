@@ -1,0 +1,142 @@
+"""Reads a machine's data: from a TOML file, from a scenario, and from the options of the command line."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+from motionsync.var import LARGEST_INPUT
+
+from ..errors import UserError, choose, spelled
+from ..interface.recipe import Recipe, parse
+from ..interface.units import BASES
+from ..scenario.reader import load
+from ..scenario.shipped import called, find
+from ..scenario.toml_tables import Table, read_toml
+from ..scenario.variable_tables import StartTable, Subject
+from .machine_data import BLOCK, MachineData
+from .plan import round_values
+
+KEYS = ("title", "unit", "start", "lengths", "velocities")
+LINE = "the line velocities of the plan"  # where the master's inputs come from
+BETWEEN = ".."
+
+
+def read_machine(
+    path: Path | None, settings: dict[str, str], unit: str
+) -> tuple[MachineData, list[float], list[float]]:
+    """A machine, and the lengths and line velocities that its file asks for (none: none are given).
+
+    `path`: a file with a machine's data, a scenario of the block or the name of one; None: the block's own start
+    values. `settings`: further values, as texts by name. `unit`: of positions; empty: the file's, else mm.
+
+    Raises:
+        UserError: the first mistake, with file, line and key, or with the option.
+    """
+    data, lengths, velocities = _from_file(path) if path else (_plain(), [], [])
+    given = {name: _setting(data.recipe, name, text) for name, text in settings.items()}
+    unit = spelled(BASES, unit, "unit") if unit else data.unit
+    data = MachineData(data.title, data.name, data.origin, data.recipe, unit, {**data.start, **given})
+    for length in lengths:
+        check_length(data, length)
+    return data, lengths, velocities
+
+
+def _plain() -> MachineData:
+    return MachineData(f"A machine with {BLOCK}", "machine", "", Recipe(BLOCK), "mm", {})
+
+
+def _from_file(path: Path) -> tuple[MachineData, list[float], list[float]]:
+    file = path if path.is_file() else _only(path)
+    top = read_toml(file)
+    if "fmu" in top:
+        return _of_scenario(file, top), [], []
+    top.allow_only(*KEYS)
+    unit = top.string("unit", "mm")
+    if unit not in BASES:
+        top.fail("unit", f"{unit!r} is not one of {', '.join(BASES)}")
+    recipe = Recipe(BLOCK)
+    start = StartTable(top.table("start"), Subject(BLOCK, recipe.variables, "master", LINE)).values()
+    data = MachineData(top.string("title", file.stem), file.stem, str(file), recipe, unit, start)
+    return data, _numbers(top, "lengths"), _numbers(top, "velocities")
+
+
+def _only(path: Path) -> Path:
+    files = find(path)
+    if len(files) > 1:
+        raise UserError(f"{path}: there are {len(files)} scenarios; name one of them")
+    return files[0]
+
+
+def _of_scenario(file: Path, top: Table) -> MachineData:
+    """The machine of a scenario: its start values, without its script."""
+    if (name := top.string("fmu")) != BLOCK:
+        top.fail("fmu", f"{name} is no machine that can be planned: it must be {BLOCK}")
+    scenario = load(file)
+    own = {name: value for name, value in scenario.start.items() if not name.startswith("master.")}
+    return MachineData(scenario.title, scenario.name, called(file), scenario.recipe, scenario.unit, own)
+
+
+def _setting(recipe: Recipe, name: str, text: str) -> Any:
+    """The value of an option `--set`."""
+    if name.startswith("master."):
+        raise UserError(f"--set {name}: it comes from {LINE}")
+    settable = {v.name: v for v in recipe.variables.values() if v.settable and not v.name.startswith("master.")}
+    return parse(choose(settable, name, f"parameter or input of {BLOCK}"), text)
+
+
+def _numbers(top: Table, key: str) -> list[float]:
+    """A list of numbers, or a text such as an option's, in a file; none if it is missing."""
+    value = top.values.get(key, [])
+    if isinstance(value, list) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in value):
+        text = ",".join(map(repr, value))
+    elif isinstance(value, str):
+        text = value
+    else:
+        top.fail(key, f'{value!r} is neither a list of numbers nor a text such as "500..1500"')
+    try:
+        return read_numbers(text)
+    except UserError as e:
+        top.fail(key, str(e))
+
+
+def read_numbers(text: str) -> list[float]:
+    """The numbers of a text, in rising order: `500,1000,1500`, or `100..1200` for round numbers in between.
+
+    Raises:
+        UserError: it is no such text, or a number in it is not allowed.
+    """
+    found: set[float] = set()
+    for part in filter(None, (p.strip() for p in text.split(","))):
+        begin, between, end = part.partition(BETWEEN)
+        numbers = [_number(begin), _number(end)] if between else [_number(begin)]
+        if between and numbers[0] >= numbers[1]:
+            raise UserError(f"{part}: the second number must be greater than the first")
+        found.update([*numbers, *(round_values(*numbers) if between else ())])
+    return sorted(found)
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise UserError(f"{text!r} is no number: write numbers with commas, 500,1000, or a range, 100..1200") from None
+    if not (math.isfinite(value) and 0.0 < value <= LARGEST_INPUT):
+        raise UserError(f"{value:g} is not allowed: it must be > 0 and <= {LARGEST_INPUT:g}")
+    return value
+
+
+def option(name: str, text: str) -> list[float]:
+    """The numbers of an option; none if it is empty."""
+    try:
+        return read_numbers(text)
+    except UserError as e:
+        raise UserError(f"--{name} {text}: {e}") from None
+
+
+def check_length(data: MachineData, length: float) -> None:
+    """Refuse a length that leaves no distance between two cuts."""
+    if data.pitch(length) <= 0.0:
+        raise UserError(
+            f"length {length:g} is not allowed: with kerf = {data.value('kerf'):g} and length_correction = "
+            f"{data.value('length_correction'):g} it must be > {data.length(0.0):g}"
+        )

@@ -1,0 +1,242 @@
+"""Random scripts of a line with commands, the CutToLength's run along one, and its comparison with the oracle."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import accumulate, pairwise
+from random import Random
+from typing import Any
+
+from motionsync.cut_to_length.block import CutToLength
+from motionsync.master import MasterInput
+from motionsync_fmu.interface.stepper import Stepper
+from tests.oracle.cut_to_length import reference
+from tests.oracle.cut_to_length_carriage import Course
+from tests.oracle.master import mp, stretches
+
+Script = dict[str, Any]
+Row = dict[str, float]
+
+SLACK = 1e-6
+"""Time (s) around an event in which an acceleration that jumps there is not compared."""
+
+VELOCITIES = (
+    *("slave.velocity", "limits.max_line_velocity", "limits.max_line_velocity_orders", "line.velocity_request"),
+)
+POSITIONS = (
+    *("slave.position", "next_cut.position", "next_cut.distance", "piece.length", "piece.ordered"),
+    *("last.length", "last.error", "limits.min_length", "limits.stroke", "limits.min_sensor_distance"),
+    *("local.approach_distance", "order.length_active", "statistics.length_good", "statistics.length_waste"),
+    *("statistics.error_worst", "statistics.error_mean", "statistics.error_deviation"),
+)
+TIMES = (*("clock", "tool.command_time", "last.time", "limits.cycle_time", "local.start_time", "local.home_time"),)
+SHARES = ("last.reserve", "limits.reserve", "statistics.reserve_worst", "local.ease", "calibration.factor", "local.coupling_factor")
+AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve", "limits.stroke", "next_cut.distance")
+"""What jumps where the line comes to a stand: rounding of the velocity decides."""
+STANDING = 1e-3
+FREE = ("time", "slave.jerk")
+"""What a row of the oracle holds and nobody compares."""
+
+
+def ends(script: Script, cuts: Iterable[float]) -> list[float]:
+    """The ends of the steps: `cuts`, and where something is set or the line's script breaks."""
+    stop = float(script["stop_time"])
+    breaks = accumulate(segment["duration"] for segment in script["master"]["segments"])
+    fixed = {0.0, stop, *breaks, *(table["at"] for table in script["set"])}
+    apart = {time for time in cuts if min(abs(time - other) for other in fixed) > 1e-9}
+    return [time for time in sorted(fixed | apart) if 0.0 <= time <= stop]
+
+
+def play(script: Script, cuts: Iterable[float], names: Sequence[str], mode: MasterInput) -> list[Row]:
+    """The block's outputs at the end of each step."""
+    stepper = Stepper(CutToLength())
+    line = [Course.of(piece, 0.0) for piece in stretches(script["master"], mp.mpf(script["stop_time"]) + 1)[1:]]
+    period = float(script["start"].get("master.period", 0.0))
+
+    def show(time: float, course: Course) -> None:
+        m = course.at(time)
+        place = m.position % period if period > 0.0 else m.position
+        values = {"master.position": place, "master.velocity": m.velocity, "master.acceleration": m.acceleration}
+        stepper.set(values)
+
+    stepper.set(script["start"] | {"master.input_mode": mode})
+    show(0.0, line[0])
+    stepper.initialize()
+    found = []
+    sets: dict[float, dict[str, Any]] = {}
+    for table in script["set"]:
+        sets.setdefault(table["at"], {}).update({name: value for name, value in table.items() if name != "at"})
+    for begin, end in pairwise(ends(script, cuts)):
+        while len(line) > 1 and line[1].begin <= begin:
+            line.pop(0)
+        stepper.set(sets.get(begin, {}))
+        show(end if mode == MasterInput.END_OF_STEP else begin, line[0])
+        stepper.step(end - begin)
+        if abs(line[0].at(end).velocity) < STANDING and abs(end - line[0].end) < 1e-9:
+            continue
+        chosen = [name for name in names if name not in AT_VELOCITY or abs(line[0].at(end).velocity) > STANDING]
+        found.append({"time": end, **{name: float(value) for name, value in stepper.get(chosen).items()}})
+    return found
+
+
+def tolerance(name: str, scale: Mapping[str, float], relative: float) -> float:
+    """How far a value may be from the oracle's; `scale`: the sizes of the script."""
+    if name == "slave.acceleration":
+        return relative * scale["acceleration"]
+    if name in VELOCITIES:
+        return relative * scale["velocity"]
+    if name in POSITIONS:
+        return relative * scale["length"]
+    return relative if name in TIMES or name in SHARES else 0.0
+
+
+def differences(script: Script, played: Sequence[Row], relative: float) -> list[str]:
+    """Where the block's rows are neither at nor between the oracle's rows for that time."""
+    expected: dict[float, list[Row]] = {}
+    for row in reference(script, [row["time"] for row in played]):
+        expected.setdefault(row["time"], []).append(row)
+    start = script["start"]
+    fastest = max(1.0, start["axis.max_velocity"])
+    acceleration = max(1.0, start["axis.max_acceleration"])
+    scale = {"length": 1000.0, "velocity": fastest, "acceleration": acceleration}
+    found = []
+    for row in played:
+        for name in row.keys() - set(FREE):
+            allowed = [other[name] for other in expected[row["time"]]]
+            margin = tolerance(name, scale, relative) * (max(1.0, row[name]) if name in TIMES else 1.0)
+            if not min(allowed) - margin <= row[name] <= max(allowed) + margin:
+                found.append(f"{name} is {row[name]!r} at {row['time']!r}, not {allowed}")
+    return found
+
+
+# --- scripts ----------------------------------------------------------------------------------------------------------
+
+
+def machine(r: Random) -> dict[str, Any]:
+    """Parameters of a machine that can cut pieces of 300 to 3000 at some hundred u/s."""
+
+    def some(chance: float, low: float, high: float) -> float:
+        return r.uniform(low, high) if r.random() < chance else 0.0
+
+    start: dict[str, Any] = {
+        "axis.max_velocity": r.uniform(1000.0, 2500.0),
+        "axis.max_acceleration": r.uniform(5000.0, 20000.0),
+        "axis.max_deceleration": some(0.7, 4000.0, 20000.0),
+        "axis.max_jerk": r.uniform(5e4, 5e5),
+        "home_position": r.uniform(-200.0, 200.0),
+        "axis.min_position": r.choice([-1e9, -300.0]),
+        "axis.max_position": r.choice([1e9, 1e9, 1500.0, 800.0]),
+        "diagonal_angle": some(0.3, -40.0, 40.0),
+        "material_factor": r.choice([1.0, r.uniform(0.9, 1.1)]),
+        "kerf": some(0.6, 0.0, 8.0),
+        "length": r.uniform(300.0, 2000.0),
+        "length_correction": some(0.3, -3.0, 3.0),
+        "length_tolerance": r.choice([0.5, 1e-3]),
+        "late_mode": r.choice([1, 1, 2, 2, 3]),
+        "start_mode": r.choice([1, 1, 2]),
+        "trim_length": some(0.7, 0.0, 400.0),
+        "front_position": some(0.4, -300.0, 100.0),
+        "change_mode": r.choice([1, 2]),
+        "sample_length": r.uniform(100.0, 600.0),
+        "waste_length": r.uniform(100.0, 600.0),
+        "batch_size": r.choice([0, 1, 2, 3]),
+        "approach.distance": some(0.3, 0.0, 250.0),
+        "approach.reserve": r.choice([0.0, 0.02, r.uniform(0.0, 0.3)]),
+        "approach.acceleration": some(0.3, 3000.0, 12000.0),
+        "approach.jerk": some(0.3, 3e4, 4e5),
+        "homing.velocity": some(0.4, 500.0, 2000.0),
+        "homing.acceleration": some(0.4, 3000.0, 15000.0),
+        "homing.deceleration": some(0.4, 3000.0, 15000.0),
+        "homing.jerk": some(0.4, 3e4, 5e5),
+        "homing.settle_time": some(0.4, 0.0, 0.1),
+        "homing.ease": r.random() < 0.4,
+        "homing.spare_time": r.uniform(0.0, 0.1),
+        "homing.slowest": r.choice([0.05, 0.4]),
+        "tool.mode": r.choice([1, 1, 2, 3]),
+        "tool.settle_time": some(0.4, 0.0, 0.1),
+        "tool.on_delay": some(0.5, 0.0, 0.2),
+        "tool.cut_time": r.uniform(0.0, 0.4),
+        "tool.cut_distance": r.uniform(0.0, 250.0),
+        "tool.retract_time": some(0.5, 0.0, 0.1),
+        "tool.timeout": some(0.6, 0.1, 0.5),
+        "gap.distance": some(0.4, 1.0, 20.0),
+        "gap.travel": r.uniform(80.0, 300.0),
+        "order.repeat": r.random() < 0.3,
+        "line.margin": r.choice([0.02, 0.0]),
+        "line.wanted_velocity": r.choice([1e9, 700.0]),
+        "master.period": r.choice([0.0, 0.0, 360.0, 5000.0]),
+    }
+    start["axis.initial_position"] = r.choice([start["home_position"], start["home_position"] + r.uniform(-90.0, 90.0)])
+    return start
+
+
+def line(r: Random, duration: float) -> dict[str, Any]:
+    """A line that speeds up, brakes, stands, jumps and now and then reverses; a stop is exact, in binary fractions."""
+    speed = r.choice([0.0, float(r.randint(100, 1300))])
+    segments: list[dict[str, float]] = []
+    now, total = speed, 0.0
+    while total < duration:
+        segment = {"duration": r.randint(12, 192) / 128.0}
+        match r.choice(["steady", "steady", "ramp", "ramp", "stop", "jump", *(["back"] if now > 0.0 else [])]):
+            case "ramp":
+                segment["acceleration"] = round(16.0 * r.uniform(-now, 1300.0 - now) / segment["duration"]) / 16.0
+            case "stop":
+                segment = {"duration": r.choice([0.25, 0.5, 1.0])}
+                segment["acceleration"] = -now / segment["duration"]
+            case "back":
+                segment["acceleration"] = -16.0 * round((now + r.uniform(20.0, 300.0)) / segment["duration"] / 16.0)
+            case "jump":
+                segment["velocity"] = now = max(now + r.randint(-200, 200), 0.0)
+        segments.append(segment)
+        now += segment.get("acceleration", 0.0) * segment["duration"]
+        if now < 0.0:  # it does not go back for long
+            segments.append({"duration": 0.25, "acceleration": -now / 0.25})
+            now = 0.0
+        total = sum(each["duration"] for each in segments)
+    return {"position": r.uniform(-500.0, 5000.0), "velocity": speed, "segments": segments}
+
+
+COMMANDS = (
+    *("start", "stop", "abort", "reset", "cut_now", "cut_now", "take_sample", "order.add", "order.add", "order.add"),
+    *("order.skip", "order.clear", "tool.done", "tool.done", "clear_statistics", "calibration.execute"),
+)
+
+
+def commands(r: Random, start: dict[str, Any], duration: float) -> list[dict[str, Any]]:
+    """Edges of commands, and levels and lengths that change."""
+    begin = r.randint(50, 400) / 1000.0
+    sets: list[dict[str, Any]] = [{"at": begin, "start": True}, {"at": begin + 0.0125, "start": False}]
+    rate = r.choice([0.3, 1.0, 3.0])
+    time = begin
+    if start["tool.mode"] == 3:
+        done = begin
+        while done < duration:
+            done = round(done + r.uniform(0.1, 0.5), 4)
+            sets += [{"at": done, "tool.done": True}, {"at": round(done + 0.0125, 4), "tool.done": False}]
+    while (time := round(time + r.expovariate(rate), 4)) < duration:
+        name = r.choice([*COMMANDS, "hold", "waste", "length", "length", "late_mode", "start_mode", "kerf"])
+        values: dict[str, Any] = {name: True}
+        match name:
+            case "hold" | "waste":
+                sets.append({"at": round(time + r.uniform(0.05, 1.0), 4), name: False})
+            case "length":
+                values = {name: r.choice([0.0, r.uniform(300.0, 2000.0), r.uniform(300.0, 2000.0)])}
+            case "late_mode" | "start_mode":
+                values = {name: r.choice([1, 2, 3])}
+            case "kerf":
+                values = {name: r.uniform(0.0, 8.0)}
+            case "order.add":
+                values |= {"order.length": r.uniform(300.0, 2000.0), "order.quantity": r.choice([0, 1, 1, 2, 3])}
+            case "calibration.execute":
+                values |= {"calibration.measured_length": r.choice([0.0, r.uniform(900.0, 1100.0)])}
+        sets.append({"at": time, **values})
+        if name in COMMANDS:
+            sets.append({"at": round(time + 0.0125, 4), name: False})
+    return sorted((table for table in sets if table["at"] < duration), key=lambda table: table["at"])
+
+
+def scripted(r: Random, duration: float = 6.0) -> Script:
+    """A machine, its line, and what it is told."""
+    start = machine(r)
+    course = line(r, duration)
+    sets = commands(r, start, duration)
+    stop = sum(segment["duration"] for segment in course["segments"])
+    return {"stop_time": stop, "step_size": stop, "start": start, "master": course, "set": sets}
