@@ -2,14 +2,19 @@
 
 import os
 import re
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import is_hypothesis_test, settings
 from hypothesis.internal.conjecture import providers
 
 from motionsync.blocks import BLOCKS
+from motionsync_fmu import cli
+from motionsync_fmu.pages import progress
 from tests.support.by_block import folder
+from tests.support.command_line import Command, Outcome
 from tests.support.fmus import Fmus, Shared
 
 HERE = Path(__file__).parent
@@ -124,3 +129,23 @@ def fmu(fmus: Fmus) -> Path:
 def native(fmus: Fmus) -> Path:
     """The Synchronizer's FMU, native flavour."""
     return fmus.native("Synchronizer")
+
+
+@pytest.fixture
+def motionsync(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    """The console script's function, in an empty folder and in this process: a process of its own takes a second."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(progress, "PATIENCE", 1e3)  # a busy machine makes no difference
+
+    def call(*arguments: str | Path) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["motionsync", *map(str, arguments)])
+        capsys.readouterr()
+        status: Any = 0
+        try:
+            cli.main()
+        except SystemExit as e:
+            status = e.code or 0
+        captured = capsys.readouterr()
+        return Outcome(status, captured.out, captured.err)
+
+    return call

@@ -11,6 +11,7 @@ import pytest
 
 from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.scenario.cuts import find_cuts
+from motionsync_fmu.scenario.pieces import find_pieces
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run import run_in_process
@@ -21,6 +22,7 @@ from tests.browser.visit import Visit
 
 FLAGSHIP = "FlyingSaw/cyclic_cut"
 SMALL = "FlyingSaw/diagonal_saw"
+KINDS = "CutToLength/sample_and_waste"
 PAGE = "<!doctype html><html lang=en><meta charset=utf-8><title>{}</title><body style='margin: 1rem'>{}</body></html>"
 
 OpenRun = Callable[..., Visit]
@@ -127,6 +129,37 @@ def test_a_cut_piece_falls_apart_from_the_material(open_run: OpenRun) -> None:
     visit.show(1.3)
     scale = (visit.number(".carriage", "x") - low) / (visit.number(".carriage", "slave-position") - high)
     assert end == pytest.approx(low + scale * (800.0 - high), abs=0.1)
+
+
+def test_each_piece_has_the_colour_and_the_name_of_its_kind(open_run: OpenRun) -> None:
+    """Shortly after its cut a piece is the body that is next to the material on the side to which that flows."""
+    found = find_pieces(*run(KINDS))
+    visit = open_run(KINDS)
+    bodies = "[...document.querySelectorAll('.stock rect[visibility=visible]')]"
+    looks = f"{bodies}.map(e => [+e.getAttribute('x'), e.getAttribute('fill')]).sort((a, b) => a[0] - b[0])"
+    assert len({piece.name for piece in found}) >= 3
+    for piece in found:
+        visit.show(piece.told + 0.02)
+        assert visit.page.evaluate(looks)[1][1] == f"var(--m-kind-{piece.kind})"
+        assert visit.readout("last piece") == f"{piece.length:.2f} mm {piece.name}"
+        assert visit.readout("pieces") == f"{piece.number} of {len(found)}"
+
+
+def test_the_next_cut_is_the_one_that_the_block_knows(open_run: OpenRun) -> None:
+    """While it cuts, and before it has a length, it has no next one."""
+    _, recording = run(KINDS)
+    visit = open_run(KINDS)
+    for i in some_times(recording, 25):
+        visit.show(float(recording.time[i]))
+        values = {name: recording.values[name][i] for name in ("next_cut.position", "next_cut.known", "tool.cutting")}
+        told = visit.readout("saw to next cut")
+        if not values["next_cut.known"] or values["tool.cutting"]:
+            assert told in ("none", "0, cutting")
+            continue
+        away = recording.values["slave.position"][i] - recording.master[i, 0] + values["next_cut.position"]
+        number, _, text = told.partition(" mm ")
+        assert float(number.replace("\N{MINUS SIGN}", "-")) == pytest.approx(away, abs=0.01)
+        assert text == f"(cut {int(recording.values['statistics.cuts'][i]) + 1})"
 
 
 def test_the_distance_from_the_saw_to_its_mark_is_told(open_run: OpenRun) -> None:

@@ -20,8 +20,10 @@ from tests.browser.conftest import Open
 from tests.browser.visit import Visit
 
 FLAGSHIP = "FlyingSaw/cyclic_cut"
+PIECES = "CutToLength/cyclic_orders"
 ALL = (
     FLAGSHIP,
+    PIECES,
     "FlyingSaw/diagonal_saw",
     "Follower/cyclic_through",
     "Follower/linear_wait_in_park",
@@ -87,14 +89,26 @@ def test_all_charts_are_drawn_with_their_legends_and_fit_their_window(open_repor
     assert visit.page.locator(".motionsync-machine svg > g").count() >= 2
     if run(name)[0].cuts:
         assert "saw" in ChartView(visit, CUTS).legend
-    for width in (1100, 500):
+    for width in (1100, 320):
         visit.page.set_viewport_size({"width": width, "height": 900})
         visit.page.wait_for_timeout(200)
         assert visit.overflow() <= 0.0
 
 
-def test_the_flagship_is_below_two_and_a_half_megabytes(written: Callable[[str], Path]) -> None:
-    assert written(FLAGSHIP).stat().st_size < 2.5e6
+def test_the_flagships_are_below_two_and_a_half_megabytes(written: Callable[[str], Path]) -> None:
+    for name in (FLAGSHIP, PIECES):
+        assert written(name).stat().st_size < 2.5e6
+
+
+def test_the_pointer_over_the_pieces_is_told_what_is_asked_of_the_line(open_report: OpenReport) -> None:
+    """All rows are told together: where the saw is, how fast the line is, what is asked of it, and its limit."""
+    visit = open_report(PIECES)
+    chart = ChartView(visit, "Pieces passing")
+    assert {"saw", "line", "asked of the line", "limit of the line", "tolerance"} <= set(chart.legend)
+    time, values = chart.told(8.0)
+    assert values["saw"] == pytest.approx(recorded(PIECES, "slave.position", time), rel=1e-4, abs=1e-3)
+    for name in ("line.velocity_request", "limits.max_line_velocity"):
+        assert values[name] == pytest.approx(recorded(PIECES, name, time), rel=1e-4)
 
 
 @pytest.mark.parametrize("name", [FLAGSHIP, "Gearing/ccw_direct", "Synchronizer/polynomial"])

@@ -19,61 +19,16 @@ from motionsync.remote_sync.interface import Estimator
 from motionsync_fmu import cli
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.line.judge import Result, examine
-from motionsync_fmu.line.line import Line
-from motionsync_fmu.line.package import PARAMETERS, Package, write_package
+from motionsync_fmu.line.judge import Result
+from motionsync_fmu.line.package import PARAMETERS, write_package
 from motionsync_fmu.line.reader import load_line
-from motionsync_fmu.line.variants import RAW, Variant, through
+from motionsync_fmu.line.variants import RAW, through
 from motionsync_fmu.scenario.clocks import Rate
+from tests.line.conftest import Examined, examined
 from tests.support.fmus import Fmus, Shared
-from tests.support.lines import LINES, SAW, SYNCHRONIZER, copied
+from tests.support.lines import LINES, MACHINE, SAW, SYNCHRONIZER, copied, integrated, replaced
 
 CYCLE, PPM, PHASE = 0.002, 300e-6, 0.665  # of line.toml
-
-
-@dataclass(frozen=True)
-class Examined:
-    line: Line
-    package: Package
-    result: Result
-
-    def variant(self, name: str) -> Variant:
-        return next(v for v in self.result.variants if v.name == name)
-
-
-@pytest.fixture(scope="session")
-def output(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder of this process with both lines' packages."""
-    return copied(shared, fmus, tmp_path_factory.mktemp("lines"))
-
-
-def examined(file: Path, output: Path) -> Examined:
-    line = load_line(file)
-    package = write_package(line, Flavour.NATIVE, output, pytest.fail)
-    return Examined(line, package, examine(line, package))
-
-
-@pytest.fixture(scope="session")
-def saw(output: Path) -> Examined:
-    return examined(SAW, output)
-
-
-@pytest.fixture(scope="session")
-def synchronizer(output: Path) -> Examined:
-    return examined(SYNCHRONIZER, output)
-
-
-def integrated(pieces: list[tuple[float, float]], t: float) -> float:
-    """Position at t of an axis that starts at rest, from durations and accelerations."""
-    position, velocity = 0.0, 0.0
-    for duration, acceleration in [*pieces, (math.inf, 0.0)]:
-        stretch = min(duration, t)
-        position += velocity * stretch + 0.5 * acceleration * stretch * stretch
-        velocity += acceleration * stretch
-        if (t := t - stretch) <= 0.0:
-            break
-    return position
-
 
 MATERIAL = [(0.5, 0.0), (2.0, 500.0), (6.5, 0.0), (1.5, -200.0), (4.5, 0.0), (2.0, 200.0), (6.0, 0.0), (1.0, -200.0)]
 AXIS = [(0.5, 720.0), (11.5, 0.0), (1.0, -180.0), (4.0, 0.0), (2.0, 180.0)]
@@ -93,7 +48,7 @@ def test_the_example_of_the_page_is_as_expected(shared: Shared, fmus: Fmus, tmp_
 # --- the package ---
 
 
-@pytest.mark.parametrize("name", ["saw", "synchronizer"])
+@pytest.mark.parametrize("name", ["saw", "synchronizer", "machine"])
 def test_the_package_is_valid(name: str, request: pytest.FixtureRequest) -> None:
     run: Examined = request.getfixturevalue(name)
     follower = run.line.follower.recipe.name
@@ -143,7 +98,7 @@ def test_the_example_for_fmpy_runs(saw: Examined) -> None:
 # --- both runs ---
 
 
-@pytest.mark.parametrize("name", ["saw", "synchronizer"])
+@pytest.mark.parametrize("name", ["saw", "synchronizer", "machine"])
 def test_fmpy_and_libcosim_agree_after_two_steps(name: str, request: pytest.FixtureRequest) -> None:
     result: Result = request.getfixturevalue(name).result
     assert result.missing == ""
@@ -270,11 +225,7 @@ def short(file: Path, *changes: tuple[str, str]) -> Path:
     head, *settings = text.split("[[set]]")
     tail = settings[-1][settings[-1].index("[cuts]") :]
     kept = [s for s in settings if float(re.findall(r"at = ([\d.]+)", s)[0]) < 5.1]
-    text = "[[set]]".join([head, *kept]) + tail
-    for old, new in (*SHORT, *changes):
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    file.write_text(text)
+    file.write_text(replaced("[[set]]".join([head, *kept]) + tail, *SHORT, *changes))
     return file
 
 
@@ -415,7 +366,7 @@ def test_they_are_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     with pytest.raises(SystemExit):
         cli.main()
     told = capsys.readouterr().out
-    for file in (SAW, SYNCHRONIZER):
+    for file in (SAW, SYNCHRONIZER, MACHINE):
         assert f"line/{file.name}" in told  # the name by which it is run
         assert load_line(file).follower.title in told
 

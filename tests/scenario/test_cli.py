@@ -9,8 +9,6 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
-from dataclasses import dataclass
 from html.parser import HTMLParser
 from importlib import import_module
 from math import pi
@@ -29,12 +27,13 @@ from motionsync_fmu.build import Flavour
 from motionsync_fmu.commands import run
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import here
-from motionsync_fmu.pages import console, progress, results
+from motionsync_fmu.pages import console, results
 from motionsync_fmu.scenario.shipped import FILE, LINES, find
 from tests import ROOT
+from tests.support.command_line import Command, Outcome, assert_one_line
 from tests.support.fmus import Fmus, Shared
 
-COMMANDS = ("build", "list", "describe", "new", "run", "line", "error")
+COMMANDS = ("build", "list", "describe", "new", "run", "line", "plan-line", "error")
 FLAVOURS = ("native", "python")
 PYTHON = ("--flavour", "python")  # the quicker one to build, where either shows it
 
@@ -74,38 +73,6 @@ from = 0.0
 to = 0.5
 "slave.velocity" = { min = 0.0, max = 100.0 }
 """
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What a command left behind: exit status and both streams."""
-
-    status: int
-    out: str
-    err: str
-
-
-Command = Callable[..., Outcome]
-
-
-@pytest.fixture
-def motionsync(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
-    """The console script's function, in an empty folder and in this process: a process of its own takes a second."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(progress, "PATIENCE", 1e3)  # a busy machine makes no difference
-
-    def call(*arguments: str | Path) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["motionsync", *map(str, arguments)])
-        capsys.readouterr()
-        status: Any = 0
-        try:
-            cli.main()
-        except SystemExit as e:
-            status = e.code or 0
-        captured = capsys.readouterr()
-        return Outcome(status, captured.out, captured.err)
-
-    return call
 
 
 @pytest.fixture
@@ -163,16 +130,6 @@ def start_value(fmu: Path, name: str) -> str | None:
 def the_fmu(folder: str) -> Path:
     (file,) = Path(folder).rglob("*.fmu")
     return file
-
-
-def assert_one_line(outcome: Outcome, *parts: str) -> None:
-    """A mistake of the user: exit status 2, one line that says all of this, nothing else."""
-    assert outcome.status == 2, outcome
-    assert outcome.err.count("\n") == 1, outcome.err
-    assert outcome.err.startswith("motionsync: ")
-    for part in parts:
-        assert part in outcome.err
-    assert outcome.out == ""
 
 
 # --- build ---
@@ -820,6 +777,7 @@ def test_json_has_all_that_was_found_and_nothing_else_is_printed(workshop: Comma
         "reference": [{"variable": "slave.position", "allowed": pytest.approx(3e-8), "passed": True}],
         "cuts": [],
         "uncut": [],
+        "production": None,
         "remarks": [],
         "messages": [],
         "result": str(Path("build/reports/Synchronizer/stop/Synchronizer_out.csv")),

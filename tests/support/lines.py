@@ -1,9 +1,11 @@
 """The packages of the scenarios' lines, built once in a test run."""
 
+import math
 import shutil
 from pathlib import Path
 
 from motionsync_fmu.build import Flavour
+from motionsync_fmu.line.line import REMOTE
 from motionsync_fmu.line.package import write_package
 from motionsync_fmu.line.reader import load_line
 from tests import ROOT
@@ -11,15 +13,41 @@ from tests.support.fmus import Fmus, Shared
 
 LINES = ROOT / "scenarios" / "line"
 SAW, SYNCHRONIZER = LINES / "line.toml", LINES / "line_synchronizer.toml"
+MACHINE = LINES / "line_cut_to_length.toml"
 
 
 def copied(shared: Shared, fmus: Fmus, own: Path) -> Path:
-    """A folder of this process with both lines' packages, whose FMUs are built once for all processes."""
+    """A folder of this process with all lines' packages, whose FMUs are built once for all processes."""
 
     def fill(folder: Path) -> None:
-        for name in ("FlyingSaw", "Synchronizer"):
+        for name in ("FlyingSaw", "Synchronizer", "CutToLength"):
             fmus.copied(Flavour.NATIVE, name, folder)
-        for file in (SAW, SYNCHRONIZER):
-            write_package(load_line(file), Flavour.NATIVE, folder, lambda text: None)
+        saw = load_line(SAW)
+        remote = write_package(saw, Flavour.NATIVE, folder, lambda text: None).fmus[REMOTE]
+        for line in map(load_line, (SYNCHRONIZER, MACHINE)):
+            if line.recipes[REMOTE] == saw.recipes[REMOTE]:  # no second build of it
+                (folder / line.name).mkdir()
+                shutil.copyfile(remote, folder / line.name / remote.name)
+            write_package(line, Flavour.NATIVE, folder, lambda text: None)
 
     return Path(shutil.copytree(shared.once("lines", fill), own, dirs_exist_ok=True))
+
+
+def integrated(pieces: list[tuple[float, float]], t: float) -> float:
+    """Position at t of an axis that starts at rest, from durations and accelerations."""
+    position, velocity = 0.0, 0.0
+    for duration, acceleration in [*pieces, (math.inf, 0.0)]:
+        stretch = min(duration, t)
+        position += velocity * stretch + 0.5 * acceleration * stretch * stretch
+        velocity += acceleration * stretch
+        if (t := t - stretch) <= 0.0:
+            break
+    return position
+
+
+def replaced(text: str, *changes: tuple[str, str]) -> str:
+    """A text in which each of these texts, which is there once, is replaced."""
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text

@@ -12,13 +12,13 @@ from ...interface.roles import Books, books
 from ...interface.units import unit_name
 from ...scenario.amounts import ROUNDING, engineering
 from ...scenario.figures import Figures
-from ...scenario.pieces import Piece
+from ...scenario.pieces import Piece, coupling_factor
 from ...scenario.production import Production
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
 from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, rounded
 from ..style import typeset
-from .chart import BAD, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
+from .chart import BAD, CLEAR, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
 from .motion import NEAR, bounds, draw_bound
 
 OUTFEED = 0.35  # of the saw's range, above it, in which the pieces are shown that have been cut off
@@ -123,7 +123,7 @@ def _draw_material(
     low, high = float(saw.min()), float(saw.max())
     room = max(high - low, 1e-9 * max(abs(low), abs(high), 1.0))
     low, high = low - 0.08 * room, high + OUTFEED * room
-    factor = _factor(recording, names)
+    factor = coupling_factor(scenario, recording)
     travel = recording.master[:, 0]
     if 0 < len(made.pieces) <= MOST_DRAWN:
         for name in dict.fromkeys(piece.name for piece in made.pieces):
@@ -140,13 +140,6 @@ def _draw_material(
     for bound in bounds(scenario, found):
         if bound.row == 1 and abs(bound.value - 0.5 * (low + high)) <= 0.5 * NEAR * room:
             draw_bound(chart, bound, unit)
-
-
-def _factor(recording: Recording, names: Books) -> float:
-    """The saw's travel over the master's, as it was while it cut."""
-    factors = recording.values[names.coupling_factor]
-    at = np.flatnonzero(recording.values[names.cutting])
-    return float(factors[at[0] if len(at) else -1]) or 1.0
 
 
 def _draw_bands(
@@ -203,20 +196,12 @@ def _draw_numbers(chart: Chart, time: Reals, travel: Reals, factor: float, made:
     """Write the pieces' numbers where their middles pass a position of the saw."""
     if len(made.pieces) > MOST_NUMBERED:
         return
-    middles = np.array([0.5 * (p.begin + p.end) for p in made.pieces])
-    passing = travel - position / factor
-    forward = np.maximum.accumulate(passing)
-    seen = (middles > forward[0]) & (middles < forward[-1])
-    trace = {
-        "type": "scatter",
-        "mode": "text",
-        "x": rounded(np.interp(middles[seen], forward, time), TIME_DIGITS),
-        "y": [position] * int(seen.sum()),
-        "text": [str(p.number) for p, shown in zip(made.pieces, seen, strict=True) if shown],
-        "textfont": {"color": INK, "size": 11},
-        "hoverinfo": "skip",
-    }
-    chart.add(1, "numbers", trace, legend=False)
+    passing = np.maximum.accumulate(travel - position / factor)
+    for piece in made.pieces:
+        middle = 0.5 * (piece.begin + piece.end)
+        if passing[0] < middle < passing[-1]:
+            at = float(np.interp(middle, passing, time))
+            chart.note(str(piece.number), xref="x", x=at, yref="y", y=position, bgcolor=CLEAR, font={"size": 11})
 
 
 def _draw_cutting(chart: Chart, time: Reals, saw: Reals, cutting: Any) -> None:
@@ -276,7 +261,7 @@ def _draw_stems(chart: Chart, made: Production, most: float) -> None:
     beyond = [abs(p.error) > most for p in made.pieces]
     x = rounded((p.told for p in made.pieces), TIME_DIGITS)
     y = rounded(float(np.clip(p.error, -most, most)) for p in made.pieces)
-    line = {"type": "scatter", "mode": "lines", "line": {"color": MUTED, "width": 1}, "hoverinfo": "skip"}
+    line = {"type": "scatter", "mode": "lines", "line": {"color": INK, "width": 1}, "hoverinfo": "skip"}
     stems = {"x": [e for t in x for e in (t, t, None)], "y": [e for v in y for e in (0, v, None)]}
     chart.add(3, "stems", line | stems, legend=False)
     up = ["triangle-up" if p.error > 0.0 else "triangle-down" for p in made.pieces]

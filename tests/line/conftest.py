@@ -1,0 +1,63 @@
+"""The lines of the scenarios, each run once."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from motionsync_fmu.build import Flavour
+from motionsync_fmu.line.judge import Result, examine
+from motionsync_fmu.line.line import Line
+from motionsync_fmu.line.package import Package, write_package
+from motionsync_fmu.line.reader import load_line
+from motionsync_fmu.line.variants import Variant
+from tests.support.fmus import Fmus, Shared
+from tests.support.lines import MACHINE, SAW, SYNCHRONIZER, copied, replaced
+
+FEW = (  # seven cuts; a clock that is 3000 ppm fast: a beat each 1.33 s
+    ("stop_time = 149.7", "stop_time = 8.0"),
+    ("sender_cycle = 0.00399880035989204 # 4 ms / 1.0003", "sender_cycle = 0.003988035892323031"),
+    ("at = 20.0", "at = 3.2"),
+    ("count = 200", "count = 7"),
+    ("to = 149.7", "to = 8.0"),
+)
+
+
+@dataclass(frozen=True)
+class Examined:
+    line: Line
+    package: Package
+    result: Result
+
+    def variant(self, name: str) -> Variant:
+        return next(v for v in self.result.variants if v.name == name)
+
+
+@pytest.fixture(scope="session")
+def output(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of this process with all lines' packages."""
+    return copied(shared, fmus, tmp_path_factory.mktemp("lines"))
+
+
+def examined(file: Path, output: Path) -> Examined:
+    line = load_line(file)
+    package = write_package(line, Flavour.NATIVE, output, pytest.fail)
+    return Examined(line, package, examine(line, package))
+
+
+@pytest.fixture(scope="session")
+def saw(output: Path) -> Examined:
+    return examined(SAW, output)
+
+
+@pytest.fixture(scope="session")
+def synchronizer(output: Path) -> Examined:
+    return examined(SYNCHRONIZER, output)
+
+
+@pytest.fixture(scope="session")
+def machine(output: Path, tmp_path_factory: pytest.TempPathFactory) -> Examined:
+    """The first seven cuts of line_cut_to_length.toml."""
+    file = tmp_path_factory.mktemp("few") / MACHINE.name
+    file.write_text(replaced(MACHINE.read_text(), *FEW))
+    return examined(file, output)

@@ -1,0 +1,26 @@
+"""What a command of the command line leaves behind, and what it says to a mistake."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command left behind: exit status and both streams."""
+
+    status: int
+    out: str
+    err: str
+
+
+Command = Callable[..., Outcome]
+
+
+def assert_one_line(outcome: Outcome, *parts: str) -> None:
+    """A mistake of the user: exit status 2, one line that says all of this, nothing else."""
+    assert outcome.status == 2, outcome
+    assert outcome.err.count("\n") == 1, outcome.err
+    assert outcome.err.startswith("motionsync: ")
+    for part in parts:
+        assert part in outcome.err
+    assert outcome.out == ""
