@@ -16,9 +16,11 @@ import pytest
 
 from motionsync.cut_to_length.interface import PieceKind
 from motionsync_fmu.pages.machine.fragment import machine
+from motionsync_fmu.pages.pictures import piece_ends
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
 from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.pieces import find_pieces
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
@@ -216,6 +218,17 @@ def test_kinds_have_the_same_colours_in_all_charts(run: Run) -> None:
     bars = {(t["name"], t["marker"]["color"]) for t in chart.traces if t["type"] == "bar"}
     for name, colour in (("PRODUCT", "--kind-1"), ("SAMPLE", "--kind-2"), ("TRIM", "--kind-4"), ("MERGED", "--kind-6")):
         assert {found for kind, found in bars if kind == name} == {colour}
+
+
+def test_the_picture_of_an_example_has_the_ends_of_its_pieces(run: Run) -> None:
+    """Each passes the saw at 1000 u/s, and is where the saw is while that cuts."""
+    s, recording = run
+    ends = piece_ends(find_pieces(s, recording), s, recording)
+    cutting = recording.values["tool.cutting"] != 0.0
+    assert ends[cutting] == pytest.approx(recording.values["slave.position"][cutting], abs=1e-9)
+    steps = np.diff(ends)
+    assert steps[np.isfinite(steps)] == pytest.approx(10.0)
+    assert np.isnan(ends).sum() > 100
 
 
 # --- the page ---

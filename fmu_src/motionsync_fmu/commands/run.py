@@ -47,8 +47,8 @@ def run(
 ) -> None:
     """Run scenarios through their FMUs with FMPy, compare with expectations and reference, write CSV and report.
 
-    A scenario has one line: ok or NOT, its name, its cuts, and the slave's greatest velocity v, acceleration a (or
-    deceleration d) and jerk j beside the limits of its axis. A ! marks what is not judged, but has to be known.
+    A scenario has one line: ok or NOT, its name, its cuts or pieces, and the slave's greatest velocity v, acceleration
+    a (or deceleration d) and jerk j beside the limits of its axis. A ! marks what is not judged, but has to be known.
 
     Without an up-to-date FMU in build/<flavour>/, one for this machine is built in the user's cache. The exit status is
     1 if anything was not as expected.

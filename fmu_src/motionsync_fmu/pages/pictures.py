@@ -7,6 +7,7 @@ out. `python -m motionsync_fmu.pages.pictures FOLDER` writes FOLDER/<block>.svg 
 import io
 import re
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from motionsync.var import Unit
 from ..interface.units import axis_label, unit_name
 from ..scenario.cuts import CutSpec, passages, reach
 from ..scenario.example import example_of
+from ..scenario.pieces import Piece, coupling_factor, find_pieces
 from ..scenario.recording import Reals, Recording
 from ..scenario.run import run_in_process
 from ..scenario.scenario import Scenario
@@ -42,6 +44,7 @@ STYLE: Any = {  # the same picture at every build
 VARIANTS = (SLAVE, "#1f6fb2")  # the slave's colour in each of an example's runs
 ICON_COLOURS = 16  # an icon needs few shades
 SHADE: Any = {"color": "#d5ead8", "linewidth": 0.0, "zorder": 0}
+BESIDE = 0.35  # of the saw's range, beside it, in which ends of pieces are drawn
 MOST_POINTS = 270  # of a line; of a longer recording only every n-th point is drawn
 
 
@@ -108,16 +111,19 @@ def _variants(example: Scenario) -> dict[str, Scenario]:
 def _motion(example: Scenario, runs: list[Run], unit: str, slave_unit: str) -> list[Panel]:
     """Position and velocity of master and slave, and the slave's acceleration.
 
-    In place of the material's position, a saw is shown with the marks that pass it."""
+    In place of the material's position, a saw is shown with the marks that pass it, or with the cuts that it makes."""
     first = runs[0].recording
     drawn, shaded = _thinned(first.time), example.picture.shaded
     position, velocity = first.master[:, 0], first.master[:, 1]
+    pieces = find_pieces(example, first)
     master = {Unit.POSITION: position % example.period if example.period else position, Unit.VELOCITY: velocity}
 
     def panel(kind: Unit, name: str) -> Panel:
         followed = [Line("master", MASTER, 1.5, _broken(master[kind][drawn]))] if kind in master else []
         if kind == Unit.POSITION and example.cuts:
             followed = [Line("marks on the master", MASTER, 1.5, _marks(example.cuts, first)[drawn])]
+        if kind == Unit.POSITION and pieces:
+            followed = [Line("ends of the pieces", MASTER, 1.5, piece_ends(pieces, example, first)[drawn])]
         label = axis_label(kind, unit, slave_unit) if followed else unit_name(kind, slave_unit or unit)
         lines = [Line(r.name, r.colour, 2.2, _broken(r.recording.values[f"slave.{name}"][drawn])) for r in runs]
         shade = first.values[shaded][drawn] if shaded else None
@@ -136,6 +142,20 @@ def _marks(spec: CutSpec, recording: Recording) -> Reals:
     for passage in passages(spec, recording, *reach(spec, recording)):
         at = np.searchsorted(recording.time, passage.time)
         places[at], places[at[0]] = passage.position, np.nan
+    return places
+
+
+def piece_ends(pieces: Sequence[Piece], example: Scenario, recording: Recording) -> Reals:
+    """Where the end of a piece is at each point that passes the saw's range, or a place beside it; a gap where none
+    does, or where another one takes over."""
+    factor = coupling_factor(example, recording)
+    saw, places = recording.values["slave.position"], np.full(len(recording.time), np.nan)
+    room = BESIDE * float(np.ptp(saw))
+    for piece in pieces:
+        passing = factor * (recording.master[:, 0] - piece.end)
+        inside = np.flatnonzero((passing >= saw.min() - room) & (passing <= saw.max() + room))
+        places[inside] = passing[inside]
+        places[inside[:1]] = np.nan
     return places
 
 

@@ -69,6 +69,20 @@ def find_pieces(scenario: Scenario, recording: Recording) -> list[Piece]:
     return _Finder(scenario, recording, names).pieces() if names else []
 
 
+def coupling_factor(scenario: Scenario, recording: Recording) -> float:
+    """The slave's travel over the master's at the first cut of a run; without one, at its end.
+
+    Raises:
+        KeyError: the block does not tell its pieces.
+    """
+    names = books(scenario.recipe.variables.values())
+    if names is None:
+        raise KeyError(scenario.recipe.name)
+    factors = recording.values[names.coupling_factor]
+    at = np.flatnonzero(recording.values[names.cutting])
+    return float(factors[at[0] if len(at) else -1]) or 1.0
+
+
 def rises(counter: Reals) -> Reals:
     """By how much a counter went up at each point, shape (points,); where it goes down it began anew from 0."""
     steps = np.diff(counter, prepend=counter[0])

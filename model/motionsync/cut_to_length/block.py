@@ -32,7 +32,7 @@ from .limits import Machine, approach_distance, is_admissible, lead, turning_acc
 from .material import Material
 from .piece import UNLIMITED
 from .predictions import Predictions
-from .settings import Settings, first_bad, is_narrow
+from .settings import Settings, is_narrow
 from .stage import Stage, state_of
 from .tunables import Tunable
 from .way_home import WayHome
@@ -104,7 +104,7 @@ class CutToLength(CutToLengthInterface):
     cut_waits: bool = False  # a cut_now
     edges: Edges = var.part(Edges)
     good: Settings = var.part(Settings)
-    bad: Tunable = Tunable.NONE  # the first parameter that is out of its range
+    bad: Tunable = Tunable.NONE  # the first tuned parameter that is out of its range
     material: Material = var.part(Material)
     predictions: Predictions = var.part(Predictions)
     books: Books = var.part(Books)
@@ -118,7 +118,7 @@ class CutToLength(CutToLengthInterface):
     cut_mu: float = 0.0  # how far the master is beyond cut_place when the blade begins to cut
     early: bool = False  # the blade has touched before sync
     reserve: float = 1.0  # share of the cycle that the carriage has spent ready at home
-    first_cut: bool = True  # there has been no approach since start
+    first_cut: bool = True  # there has been no cut since start
     sync_time: float = 0.0  # the block's time
     clear_time: float = 0.0  # how long CLEARING lasts
     way_home: WayHome = var.part(WayHome)
@@ -127,7 +127,8 @@ class CutToLength(CutToLengthInterface):
     now: float = 0.0  # up to which all events are carried out, since the step's beginning
     block_clock: Clock = var.part(Clock)
     phase: Clock = var.part(Clock)  # since the stage began; at rest, since the arrival
-    cycle_clock: Clock = var.part(Clock)  # since the last start of an approach
+    start_clock: Clock = var.part(Clock)  # since the last start of an approach
+    cycle_clock: Clock = var.part(Clock)  # since the start of the last cut's approach
     ready_clock: Clock = var.part(Clock)  # since the carriage has been ready for a start
     tool_clock: Clock = var.part(Clock)  # since the tool's command has changed
 
@@ -177,6 +178,7 @@ class CutToLength(CutToLengthInterface):
     def advance_clocks(self, h: float) -> None:
         self.block_clock.advance(h)
         self.phase.advance(h)
+        self.start_clock.advance(h)
         self.cycle_clock.advance(h)
         self.ready_clock.advance(h)
         self.tool_clock.advance(h)
@@ -185,15 +187,14 @@ class CutToLength(CutToLengthInterface):
     # --- the parameters ---
 
     def judge_settings(self) -> None:
-        """Take over what was tuned, if all parameters are good."""
+        """Take over what was tuned, if it is good."""
         if self.bad != Tunable.NONE or not self.good.are_those_of(self):
-            self.bad = first_bad(self)
-            if self.bad == Tunable.NONE:
-                self.use_settings()
+            self.use_settings()
 
     def use_settings(self) -> None:
-        """Compute with the present parameters and the present factor of calibration."""
-        self.good.take(self)
+        """Compute with the present parameters, as far as they are good."""
+        self.good.judge(self)
+        self.bad = self.good.first_bad()
         self.describe_machine()
 
     def describe_machine(self) -> None:
@@ -312,7 +313,7 @@ class CutToLength(CutToLengthInterface):
             or (self.start_mode == StartMode.CONTINUE and not self.material.has_cut)
         ):
             self.refusal = Fault.START
-        elif self.bad != Tunable.NONE:
+        elif not self.good.can_start():
             self.refusal = Fault.TUNABLE
         else:
             self.accept()
@@ -394,7 +395,7 @@ class CutToLength(CutToLengthInterface):
 
     def fix_piece(self) -> None:
         """Fix the piece that begins at the last cut, if that is possible."""
-        if self.bad == Tunable.NONE:
+        if self.good.can_fix():
             self.material.fix(self, self.good)
         else:
             self.refusal = Fault.TUNABLE
@@ -418,7 +419,7 @@ class CutToLength(CutToLengthInterface):
 
     def can_change(self) -> bool:
         """Whether the cut of the product in progress can still be reached if it is fixed anew."""
-        if self.bad != Tunable.NONE or self.stage in (Stage.APPROACHING, Stage.SYNCHRONOUS, Stage.CUTTING):
+        if not self.good.can_fix() or self.stage in (Stage.APPROACHING, Stage.SYNCHRONOUS, Stage.CUTTING):
             return False
         pitch = self.material.changed_pitch(self, self.good)
         if pitch == UNLIMITED:
@@ -588,7 +589,7 @@ class CutToLength(CutToLengthInterface):
         """The carriage has settled, or an approach begins."""
         if not self.ready:
             return self.try_settle(until)
-        if self.hold or self.bad != Tunable.NONE:
+        if self.hold:
             return False
         if self.cut_waits:
             time = self.first(Condition.CUT_NOW, until)
@@ -597,6 +598,9 @@ class CutToLength(CutToLengthInterface):
         else:
             return False
         if time == NEVER:
+            return False
+        if self.good.bad_machine != Tunable.NONE:
+            self.refusal = Fault.TUNABLE
             return False
         crossed = time > self.now and not self.material.piece.waits_for_line()
         self.now = time
@@ -659,7 +663,8 @@ class CutToLength(CutToLengthInterface):
     def is_nearly_in_sync(self, time: float) -> bool:
         """Whether sync lies ahead by rounding only, at a time since the step's beginning."""
         missing = self.carriage.sync - self.beyond(self.cut_place, time)
-        return missing <= NEARLY * (self.carriage.sync - self.carriage.start) + rounding(self.cut_place, self.cut_place)
+        travel = self.carriage.sync - self.carriage.start
+        return missing <= NEARLY * travel + rounding(self.cut_place, self.master.end)
 
     def try_event_synchronous(self, until: float) -> bool:
         """The tool is commanded, the blade touches, the cut begins, or the stroke ends."""
@@ -829,12 +834,11 @@ class CutToLength(CutToLengthInterface):
         self.carriage.lay_approach(self.cycle.coupling, self.way_home.home, distance)
         self.cut_place = self.material.piece.end
         self.judge_reserve(late)
-        self.first_cut = False
         self.early = False
-        self.cycle_clock.start(self.now)
+        self.start_clock.start(self.now)
         self.local.start_time = self.block_clock.time + self.now
         self.stage = Stage.APPROACHING
-        if distance == 0.0:  # the line stands where the cut is
+        if self.is_nearly_in_sync(self.now):  # the line stands where the cut is, or nearly so
             self.enter_synchronous()
 
     def judge_reserve(self, late: bool) -> None:
@@ -877,6 +881,8 @@ class CutToLength(CutToLengthInterface):
         self.warning.change_pending = False
         self.last.time = self.sync_time
         self.last.reserve = self.reserve
+        self.first_cut = False
+        var.copy(self.cycle_clock, self.start_clock)
         self.books.enter(self.statistics, piece.kind, good, length, error, self.reserve)
         self.batch_done = False
         if good:

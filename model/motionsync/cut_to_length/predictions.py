@@ -15,6 +15,8 @@ from .material import Material
 from .piece import UNLIMITED
 from .settings import Settings
 
+STANDING = 1e-12  # of the greatest velocity: what rounding leaves of a line that comes to a stand
+
 
 @dataclass(slots=True)
 class Predictions:
@@ -37,6 +39,8 @@ class Predictions:
     def put(self, block: CutToLengthInterface, settings: Settings, material: Material) -> None:
         """Put out the limits at the line velocity of the step's end."""
         velocity = block.master.end_velocity
+        if abs(velocity) * self.machine.coupling < STANDING * self.machine.max_velocity:
+            velocity = 0.0
         if not self.solved or velocity != self.velocity:
             self.solve_cycle(block, velocity)
         pitch = material.limiting_pitch(block, settings)

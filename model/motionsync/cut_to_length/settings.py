@@ -1,7 +1,8 @@
 """The tunable parameters that the machine computes with: which of them is out of its range, and the last good ones.
 
-A parameter may be tuned at any time and to any value. The block computes with the `Settings`, which take over new
-values only if all of them are good.
+A parameter may be tuned at any time and to any value. The block computes with the `Settings`. There are four groups, by
+what reads them: the machine's cycle, the pieces, the command start, the marks. The settings take over the values of a
+group only if all of them are good.
 """
 
 from dataclasses import dataclass
@@ -31,7 +32,18 @@ GREATEST_RESERVE = 1e6
 
 @dataclass(slots=True)
 class Settings:
-    """The values of the tunable parameters when all of them were good last."""
+    """The values of the tunable parameters when their group was good last.
+
+    Attributes:
+        bad_machine, bad_pieces, bad_start, bad_marks: the first parameter of each group that is out of its range.
+        factor: true travel of the material per travel of the master, calibration included.
+    """
+
+    bad_machine: Tunable = Tunable.NONE
+    bad_pieces: Tunable = Tunable.NONE
+    bad_start: Tunable = Tunable.NONE
+    bad_marks: Tunable = Tunable.NONE
+    factor: float = 1.0
 
     axis: SawAxis = var.part(SawAxis, hidden=True)
     approach: Approach = var.part(Approach, hidden=True)
@@ -52,7 +64,6 @@ class Settings:
     start_mode: StartMode = StartMode.FRONT
     change_mode: ChangeMode = ChangeMode.NEXT_PIECE
     late_mode: LateMode = LateMode.SKIP
-    factor: float = 1.0  # true travel of the material per travel of the master, calibration included
 
     def are_those_of(self, block: CutToLengthInterface) -> bool:
         """Whether no parameter has been tuned since they were taken."""
@@ -78,27 +89,57 @@ class Settings:
             and is_same_mark(self.mark, block.mark)
         )
 
-    def take(self, block: CutToLengthInterface) -> None:
-        """Take over the block's parameters, all of which are good."""
+    def judge(self, block: CutToLengthInterface) -> None:
+        """Judge the block's parameters, and take over each group that is good."""
+        self.bad_machine = first_bad_of_machine(block)
+        self.bad_pieces = first_bad_of_pieces(block)
+        self.bad_start = first_bad_of_start(block)
+        self.bad_marks = first_bad_of_marks(block.mark)
+        if self.bad_machine == Tunable.NONE:
+            self.take_machine(block)
+        if self.bad_pieces == Tunable.NONE:
+            self.take_pieces(block)
+        if self.bad_start == Tunable.NONE:
+            self.start_mode = block.start_mode
+            self.front_position = block.front_position
+            self.trim_length = block.trim_length
+        if self.bad_marks == Tunable.NONE:
+            var.copy(self.mark, block.mark)
+
+    def take_machine(self, block: CutToLengthInterface) -> None:
+        """Take over what a cycle is computed from."""
         var.copy(self.axis, block.axis)
         var.copy(self.approach, block.approach)
         var.copy(self.homing, block.homing)
         var.copy(self.tool, block.tool)
         var.copy(self.gap, block.gap)
-        var.copy(self.mark, block.mark)
         self.home_position = block.home_position
         self.material_factor = block.material_factor
+        self.margin = block.line.margin
+        self.late_mode = block.late_mode
+
+    def take_pieces(self, block: CutToLengthInterface) -> None:
+        """Take over what a piece is fixed and judged with."""
         self.kerf = block.kerf
         self.length_tolerance = block.length_tolerance
-        self.front_position = block.front_position
-        self.trim_length = block.trim_length
         self.sample_length = block.sample_length
         self.waste_length = block.waste_length
         self.batch_size = block.batch_size
-        self.margin = block.line.margin
-        self.start_mode = block.start_mode
         self.change_mode = block.change_mode
-        self.late_mode = block.late_mode
+
+    def first_bad(self) -> Tunable:
+        """The first parameter of all that is out of its range; NONE if all are good."""
+        bad = judged(self.bad_machine, self.bad_pieces == Tunable.NONE, self.bad_pieces)
+        bad = judged(bad, self.bad_start == Tunable.NONE, self.bad_start)
+        return judged(bad, self.bad_marks == Tunable.NONE, self.bad_marks)
+
+    def can_fix(self) -> bool:
+        """Whether all is good that a piece is fixed with."""
+        return self.bad_pieces == Tunable.NONE and self.bad_machine != Tunable.MATERIAL_FACTOR
+
+    def can_start(self) -> bool:
+        """Whether all is good that the command start reads."""
+        return self.can_fix() and self.bad_machine == Tunable.NONE and self.bad_start == Tunable.NONE
 
     def describe(self, machine: Machine, factor: float, cosine: float) -> None:
         """Put the limits in use into what a cycle is computed from; `factor` is found by calibration, `cosine` that of
@@ -183,33 +224,29 @@ def is_same_mark(a: Mark, b: Mark) -> bool:
     )
 
 
-def first_bad(block: CutToLengthInterface) -> Tunable:
-    """The first parameter that is out of its range; NONE if all are good. NaN is out of every range."""
-    bad = first_bad_of_machine(block)
+def first_bad_of_machine(block: CutToLengthInterface) -> Tunable:
+    """Of what a cycle is computed from. NaN is out of every range."""
+    bad = judged(Tunable.NONE, usable(block.material_factor * block.calibration.factor), Tunable.MATERIAL_FACTOR)
+    if bad == Tunable.NONE:
+        bad = first_bad_of_axis(block.axis, block.home_position)
     if bad == Tunable.NONE:
         bad = first_bad_of_approach(block.approach)
     if bad == Tunable.NONE:
         bad = first_bad_of_homing(block.homing)
     if bad == Tunable.NONE:
         bad = first_bad_of_tool(block.tool, block.gap)
-    if bad == Tunable.NONE:
-        bad = first_bad_of_pieces(block)
-    return first_bad_of_marks(block.mark) if bad == Tunable.NONE else bad
+    bad = judged(bad, 0.0 <= block.line.margin < 1.0, Tunable.MARGIN)
+    return judged(bad, LateMode.SKIP <= block.late_mode <= LateMode.STOP_LINE, Tunable.LATE_MODE)
 
 
-def first_bad_of_machine(block: CutToLengthInterface) -> Tunable:
-    """The axis, where it waits, and what it asks of the line."""
-    axis = block.axis
+def first_bad_of_axis(axis: SawAxis, home: float) -> Tunable:
     low = axis.min_position
     high = axis.max_position
-    home = block.home_position
     bad = judged(Tunable.NONE, -MOST <= low <= home <= high <= MOST, Tunable.HOME_POSITION)
-    bad = judged(bad, usable(block.material_factor * block.calibration.factor), Tunable.MATERIAL_FACTOR)
     bad = judged(bad, usable(axis.max_velocity), Tunable.MAX_VELOCITY)
     bad = judged(bad, usable(axis.max_acceleration), Tunable.MAX_ACCELERATION)
     bad = judged(bad, usable_or_0(axis.max_deceleration), Tunable.MAX_DECELERATION)
-    bad = judged(bad, usable(axis.max_jerk), Tunable.MAX_JERK)
-    return judged(bad, 0.0 <= block.line.margin < 1.0, Tunable.MARGIN)
+    return judged(bad, usable(axis.max_jerk), Tunable.MAX_JERK)
 
 
 def first_bad_of_approach(approach: Approach) -> Tunable:
@@ -241,17 +278,21 @@ def first_bad_of_tool(tool: Tool, gap: Gap) -> Tunable:
 
 
 def first_bad_of_pieces(block: CutToLengthInterface) -> Tunable:
-    """What a piece is measured with."""
+    """Of what a piece is fixed and judged with."""
     bad = judged(Tunable.NONE, 0.0 <= block.kerf <= MOST, Tunable.KERF)
     bad = judged(bad, 0.0 <= block.length_tolerance <= MOST, Tunable.LENGTH_TOLERANCE)
-    bad = judged(bad, abs(block.front_position) <= MOST, Tunable.FRONT_POSITION)
-    bad = judged(bad, 0.0 <= block.trim_length <= MOST, Tunable.TRIM_LENGTH)
     bad = judged(bad, LEAST_LIMIT <= block.sample_length <= MOST, Tunable.SAMPLE_LENGTH)
     bad = judged(bad, LEAST_LIMIT <= block.waste_length <= MOST, Tunable.WASTE_LENGTH)
     bad = judged(bad, block.batch_size >= 0, Tunable.BATCH_SIZE)
-    bad = judged(bad, StartMode.FRONT <= block.start_mode <= StartMode.CONTINUE, Tunable.START_MODE)
-    bad = judged(bad, ChangeMode.NEXT_PIECE <= block.change_mode <= ChangeMode.THIS_PIECE, Tunable.CHANGE_MODE)
-    return judged(bad, LateMode.SKIP <= block.late_mode <= LateMode.STOP_LINE, Tunable.LATE_MODE)
+    return judged(bad, ChangeMode.NEXT_PIECE <= block.change_mode <= ChangeMode.THIS_PIECE, Tunable.CHANGE_MODE)
+
+
+def first_bad_of_start(block: CutToLengthInterface) -> Tunable:
+    """Of what the command start reads."""
+    bad = judged(Tunable.NONE, StartMode.FRONT <= block.start_mode <= StartMode.CONTINUE, Tunable.START_MODE)
+    bad = judged(bad, abs(block.front_position) <= MOST, Tunable.FRONT_POSITION)
+    trims = block.start_mode == StartMode.TRIM
+    return judged(bad, not trims or 0.0 <= block.trim_length <= MOST, Tunable.TRIM_LENGTH)
 
 
 def first_bad_of_marks(mark: Mark) -> Tunable:

@@ -13,7 +13,7 @@ from motionsync.var import Role
 
 from ...interface.roles import with_role
 from ...scenario.cuts import find_cuts
-from ...scenario.pieces import Piece, find_pieces
+from ...scenario.pieces import Piece, coupling_factor, find_pieces
 from ...scenario.recording import Reals
 from ..numbers import rounded
 from .run import Run
@@ -47,8 +47,7 @@ def flying_saw(run: Run) -> dict[str, Any]:
 def cut_to_length(run: Run) -> dict[str, Any]:
     """A saw that knows its next cut alone; each piece that it has cut off has the colour of its kind."""
     pieces = find_pieces(run.scenario, run.recording)
-    factors = run.values("local.coupling_factor")[run.values("tool.cutting") != 0.0]
-    ratio = float(factors[0]) if len(factors) else float(run.values("local.coupling_factor")[-1]) or 1.0
+    ratio = coupling_factor(run.scenario, run.recording)
     pitches = [piece.end - piece.begin for piece in pieces]
     drawn = ("number", "begin", "end", "kind", "name", "length")
     cuts = [(*(piece.cut or (piece.told, piece.told)), piece.end) for piece in pieces]

@@ -12,7 +12,7 @@ from ...interface.roles import Books, books
 from ...interface.units import unit_name
 from ...scenario.amounts import ROUNDING, engineering
 from ...scenario.figures import Figures
-from ...scenario.pieces import Piece
+from ...scenario.pieces import Piece, coupling_factor
 from ...scenario.production import Production
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
@@ -123,7 +123,7 @@ def _draw_material(
     low, high = float(saw.min()), float(saw.max())
     room = max(high - low, 1e-9 * max(abs(low), abs(high), 1.0))
     low, high = low - 0.08 * room, high + OUTFEED * room
-    factor = _factor(recording, names)
+    factor = coupling_factor(scenario, recording)
     travel = recording.master[:, 0]
     if 0 < len(made.pieces) <= MOST_DRAWN:
         for name in dict.fromkeys(piece.name for piece in made.pieces):
@@ -140,13 +140,6 @@ def _draw_material(
     for bound in bounds(scenario, found):
         if bound.row == 1 and abs(bound.value - 0.5 * (low + high)) <= 0.5 * NEAR * room:
             draw_bound(chart, bound, unit)
-
-
-def _factor(recording: Recording, names: Books) -> float:
-    """The saw's travel over the master's, as it was while it cut."""
-    factors = recording.values[names.coupling_factor]
-    at = np.flatnonzero(recording.values[names.cutting])
-    return float(factors[at[0] if len(at) else -1]) or 1.0
 
 
 def _draw_bands(
