@@ -28,7 +28,14 @@ POSITIONS = (
     *("statistics.error_worst", "statistics.error_mean", "statistics.error_deviation"),
 )
 TIMES = (*("clock", "tool.command_time", "last.time", "limits.cycle_time", "local.start_time", "local.home_time"),)
-SHARES = ("last.reserve", "limits.reserve", "statistics.reserve_worst", "local.ease", "calibration.factor", "local.coupling_factor")
+SHARES = (
+    "last.reserve",
+    "limits.reserve",
+    "statistics.reserve_worst",
+    "local.ease",
+    "calibration.factor",
+    "local.coupling_factor",
+)
 AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve", "limits.stroke", "next_cut.distance")
 """What jumps where the line comes to a stand: rounding of the velocity decides."""
 STANDING = 1e-3
