@@ -161,7 +161,7 @@ class Machine:
     def _look(self) -> None:
         """What is noticed at a step's beginning."""
         books = self.books
-        if books.running and not self.stopping and books.piece is None:
+        if books.running and books.piece is None:
             books.fix()
         if books.running:
             books.change(self._start_ahead)
@@ -170,7 +170,7 @@ class Machine:
             fault = books.miss_marks(m.position - m.velocity * self.inputs["mark.delay"])
             if fault:
                 self._fail(fault)
-            elif books.piece is None and not self.stopping:
+            elif books.piece is None:
                 books.fix()
         self.edge_of_mark = False
         if self.ease < 1.0 and self._hurries():
@@ -670,7 +670,7 @@ class Machine:
             "error": bool(self.fault or self.refusal),
             "error_id": self.fault or self.refusal,
             **{f"warning.{name}": value for name, value in books.warnings.items()},
-            "warning.no_length": books.running and not books.by_marks and piece is None and not self.stopping,
+            "warning.no_length": books.running and not books.by_marks and piece is None,
             "local.coupling_factor": self.cycle.k if cycling else saw.k,
             "local.ease": self.ease,
             "local.marks_waiting": len(books.marks),
