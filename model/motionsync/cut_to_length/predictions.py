@@ -58,7 +58,6 @@ class Predictions:
         block.limits.cycle_time = time
         block.limits.stroke = stroke(self.machine, velocity) if velocity > 0.0 else self.machine.approach_distance
         block.local.approach_distance = approach_distance(self.machine, velocity)
-        block.local.coupling_factor = self.machine.coupling
 
     def solve_line_velocity(self, block: CutToLengthInterface, pitch: float, pitch_orders: float) -> None:
         """The highest admissible line velocities."""
