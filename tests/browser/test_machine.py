@@ -20,7 +20,7 @@ from tests import ROOT
 from tests.browser.conftest import Open
 from tests.browser.visit import Visit
 
-FLAGSHIP = "FlyingSaw/cyclic_cut"
+CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 SMALL = "FlyingSaw/diagonal_saw"
 KINDS = "CutToLength/sample_and_waste"
 PAGE = "<!doctype html><html lang=en><meta charset=utf-8><title>{}</title><body style='margin: 1rem'>{}</body></html>"
@@ -58,7 +58,7 @@ def some_times(recording: Recording, count: int) -> list[int]:
 @pytest.mark.parametrize(
     "name",
     [
-        FLAGSHIP,
+        CYCLIC_CUT,
         SMALL,
         "FlyingSaw/rotary_master",
         "Follower/linear_wait_in_park",
@@ -84,8 +84,8 @@ def test_the_slave_is_where_the_recording_has_it(open_run: OpenRun, name: str) -
 
 def test_the_saw_stands_over_its_position_on_the_ruler(open_run: OpenRun) -> None:
     """The scale is that of the ruler: its numbers and the places where they stand. 0.1 px, as drawn on the screen."""
-    _, recording = run(FLAGSHIP)
-    visit = open_run(FLAGSHIP)
+    _, recording = run(CYCLIC_CUT)
+    visit = open_run(CYCLIC_CUT)
     ruler = "[...document.querySelectorAll('.motionsync-machine .ground text[text-anchor=middle].soft')]"
     texts, places = visit.page.evaluate(f"[{ruler}.map(e => e.textContent), {ruler}.map(e => +e.getAttribute('x'))]")
     numbers = [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
@@ -100,8 +100,8 @@ def test_the_saw_stands_over_its_position_on_the_ruler(open_run: OpenRun) -> Non
 
 
 def test_the_blade_is_down_while_the_saw_cuts(open_run: OpenRun) -> None:
-    scenario, recording = run(FLAGSHIP)
-    visit = open_run(FLAGSHIP)
+    scenario, recording = run(CYCLIC_CUT)
+    visit = open_run(CYCLIC_CUT)
     cuts = find_cuts(scenario.cuts, recording)
     seen = []
     for before, cut, after in zip([None, *cuts], cuts, [*cuts[1:], None], strict=False):
@@ -116,7 +116,7 @@ def test_the_blade_is_down_while_the_saw_cuts(open_run: OpenRun) -> None:
 
 def test_a_cut_piece_falls_apart_from_the_material(open_run: OpenRun) -> None:
     """At 1.4 s the first cut is under way, at 1000 mm on the material; at 1.8 s this is at 800 mm, with a gap."""
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     pieces = "[...document.querySelectorAll('.stock rect[visibility=visible]')]"
     ends = f"{pieces}.map(e => [+e.getAttribute('x'), +e.getAttribute('width')])"
     visit.show(1.4)
@@ -164,8 +164,8 @@ def test_the_next_cut_is_the_one_that_the_block_knows(open_run: OpenRun) -> None
 
 def test_the_distance_from_the_saw_to_its_mark_is_told(open_run: OpenRun) -> None:
     """Marks each 1500 mm from 1000 on: how far master - slave is from the nearest one; positive: the saw is ahead."""
-    _, recording = run(FLAGSHIP)
-    visit = open_run(FLAGSHIP)
+    _, recording = run(CYCLIC_CUT)
+    visit = open_run(CYCLIC_CUT)
     for i in some_times(recording, 25):
         visit.show(float(recording.time[i]))
         place = recording.master[i, 0] - recording.values["slave.position"][i]
@@ -179,7 +179,7 @@ def test_the_distance_from_the_saw_to_its_mark_is_told(open_run: OpenRun) -> Non
 
 def test_state_and_velocity_are_told(open_run: OpenRun) -> None:
     """At first the saw stands; at 19.4 s it cuts mark 11 at 1100 mm/s; at 33 s all is cut."""
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     visit.show(19.4)
     assert visit.readout("state") == "SYNCHRON \N{EN DASH} coupled, in sync"
     assert visit.readout("velocity") == "1100 mm/s"
@@ -218,8 +218,8 @@ def test_the_window_shows_how_far_the_telegram_is_off(open_run: OpenRun) -> None
 
 def test_the_slider_moves_the_saw(open_run: OpenRun) -> None:
     """Between its points, 0.01 s apart, the recording is within 10000 * 0.01^2 / 8 = 0.125 mm of straight lines."""
-    _, recording = run(FLAGSHIP)
-    visit = open_run(FLAGSHIP)
+    _, recording = run(CYCLIC_CUT)
+    visit = open_run(CYCLIC_CUT)
     box = visit.page.locator(".motionsync-machine input[type=range]").bounding_box()
     for share in (0.1, 0.35, 0.8):
         visit.page.mouse.click(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
@@ -231,7 +231,7 @@ def test_the_slider_moves_the_saw(open_run: OpenRun) -> None:
 
 @pytest.mark.parametrize("speed", ["0.1", "1", "5"])
 def test_playing_takes_as_long_as_the_speed_says(open_run: OpenRun, speed: str) -> None:
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     visit.freeze()
     visit.page.locator(".motionsync-machine select").select_option(speed)
     visit.page.get_by_role("button", name="Play").click()
@@ -257,7 +257,7 @@ def test_playing_stops_at_the_end_and_begins_again(open_run: OpenRun) -> None:
 
 
 def test_keys_play_and_step(open_run: OpenRun) -> None:
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     visit.freeze()
     visit.page.locator(".motionsync-machine").focus()
     keyboard = visit.page.keyboard
@@ -274,7 +274,7 @@ def test_keys_play_and_step(open_run: OpenRun) -> None:
 
 
 def test_space_on_the_button_plays_once(open_run: OpenRun) -> None:
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     visit.freeze()
     visit.page.get_by_role("button", name="Play").focus()
     visit.page.keyboard.press(" ")
@@ -283,7 +283,7 @@ def test_space_on_the_button_plays_once(open_run: OpenRun) -> None:
 
 
 def test_the_machine_follows_the_plots_and_tells_them_its_time(open_run: OpenRun) -> None:
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     visit.listen()
     event = "new CustomEvent('motionsync:time', {detail: {time: 12.5, source: 'plots'}})"
     visit.page.evaluate(f"document.dispatchEvent({event})")
@@ -294,7 +294,7 @@ def test_the_machine_follows_the_plots_and_tells_them_its_time(open_run: OpenRun
 
 
 def test_who_wants_less_motion_sees_a_few_pictures_a_second(open_run: OpenRun) -> None:
-    visit = open_run(FLAGSHIP, reduced_motion="reduce")
+    visit = open_run(CYCLIC_CUT, reduced_motion="reduce")
     visit.freeze()
     visit.listen()
     visit.page.get_by_role("button", name="Play").click()
@@ -310,7 +310,7 @@ def test_who_wants_less_motion_sees_a_few_pictures_a_second(open_run: OpenRun) -
 def test_dark_colours_are_others(open_run: OpenRun) -> None:
     seen = {}
     for scheme in ("light", "dark"):
-        visit = open_run(FLAGSHIP, color_scheme=scheme)
+        visit = open_run(CYCLIC_CUT, color_scheme=scheme)
         fill = "e => getComputedStyle(e).fill"
         parts = (".carriage rect[rx='5']", ".stock rect", ".ground text >> nth=0")
         seen[scheme] = [visit.page.locator(part).first.evaluate(fill) for part in parts]
@@ -318,12 +318,14 @@ def test_dark_colours_are_others(open_run: OpenRun) -> None:
 
 
 def test_the_colours_of_the_page_are_taken(open_run: OpenRun) -> None:
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     visit.page.add_style_tag(content=":root { --slave: rgb(1, 2, 3); }")
     assert visit.page.locator(".carriage rect[rx='5']").evaluate("e => getComputedStyle(e).fill") == "rgb(1, 2, 3)"
 
 
-@pytest.mark.parametrize("name", [FLAGSHIP, "Synchronizer/polynomial", "Gearing/ccw_direct", "RemoteSync/slow_sender"])
+@pytest.mark.parametrize(
+    "name", [CYCLIC_CUT, "Synchronizer/polynomial", "Gearing/ccw_direct", "RemoteSync/slow_sender"]
+)
 @pytest.mark.parametrize("width", [320, 500, 1600])
 def test_the_picture_fits_its_window(open_run: OpenRun, name: str, width: int) -> None:
     visit = open_run(name, width=width)
@@ -335,7 +337,7 @@ def test_the_picture_fits_its_window(open_run: OpenRun, name: str, width: int) -
 
 def test_the_picture_follows_the_size_of_its_window(open_run: OpenRun) -> None:
     """The saw stays over its position: 400 mm at 1.4 s, in sync since 1.25 s at 250 mm."""
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     visit.show(1.4)
     wide = visit.number(".carriage", "x")
     visit.page.set_viewport_size({"width": 500, "height": 800})
@@ -358,7 +360,7 @@ def run_window(visit: Visit) -> tuple[float, float]:
 
 
 def test_a_screen_reader_is_told_what_there_is(open_run: OpenRun) -> None:
-    visit = open_run(FLAGSHIP)
+    visit = open_run(CYCLIC_CUT)
     group = visit.page.get_by_role("group", name="Animated picture of the machine")
     assert group.get_by_role("slider", name="Time").count() == 1
     assert group.get_by_role("img").count() == 1

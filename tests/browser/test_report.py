@@ -19,10 +19,10 @@ from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
 from tests.browser.visit import Visit
 
-FLAGSHIP = "FlyingSaw/cyclic_cut"
+CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 PIECES = "CutToLength/cyclic_orders"
 ALL = (
-    FLAGSHIP,
+    CYCLIC_CUT,
     PIECES,
     "FlyingSaw/diagonal_saw",
     "Follower/cyclic_through",
@@ -95,8 +95,8 @@ def test_all_charts_are_drawn_with_their_legends_and_fit_their_window(open_repor
         assert visit.overflow() <= 0.0
 
 
-def test_the_flagships_are_below_two_and_a_half_megabytes(written: Callable[[str], Path]) -> None:
-    for name in (FLAGSHIP, PIECES):
+def test_reports_of_cuts_are_below_two_and_a_half_megabytes(written: Callable[[str], Path]) -> None:
+    for name in (CYCLIC_CUT, PIECES):
         assert written(name).stat().st_size < 2.5e6
 
 
@@ -111,7 +111,7 @@ def test_the_pointer_over_the_pieces_is_told_what_is_asked_of_the_line(open_repo
         assert values[name] == pytest.approx(recorded(PIECES, name, time), rel=1e-4)
 
 
-@pytest.mark.parametrize("name", [FLAGSHIP, "Gearing/ccw_direct", "Synchronizer/polynomial"])
+@pytest.mark.parametrize("name", [CYCLIC_CUT, "Gearing/ccw_direct", "Synchronizer/polynomial"])
 def test_the_pointer_is_told_the_slave_s_values(open_report: OpenReport, name: str) -> None:
     """Five significant digits, at a point that is drawn: points between are left out where nobody would see them."""
     visit = open_report(name)
@@ -126,26 +126,26 @@ def test_the_pointer_is_told_the_slave_s_values(open_report: OpenReport, name: s
 
 
 def test_the_pointer_over_the_cuts_is_told_where_the_saw_is(open_report: OpenReport) -> None:
-    visit = open_report(FLAGSHIP)
+    visit = open_report(CYCLIC_CUT)
     time, values = ChartView(visit, CUTS).told(9.0)
-    assert values["saw"] == pytest.approx(recorded(FLAGSHIP, "slave.position", time), rel=1e-4, abs=1e-3)
+    assert values["saw"] == pytest.approx(recorded(CYCLIC_CUT, "slave.position", time), rel=1e-4, abs=1e-3)
 
 
 def test_the_machine_follows_the_pointer(open_report: OpenReport) -> None:
-    """A px is 36 ms of the flagship; the other charts show a cursor there, the one under the pointer has its own."""
-    visit = open_report(FLAGSHIP)
+    """A px is 36 ms of the cyclic cut; the other charts show a cursor there, the one under the pointer has its own."""
+    visit = open_report(CYCLIC_CUT)
     motion, cuts = ChartView(visit, MOTION), ChartView(visit, CUTS)
     motion.point(12.0)
     visit.page.wait_for_function("Math.abs(document.querySelector('.motionsync-machine').dataset.time - 12) < 0.05")
     assert visit.number(".carriage", "slave-position") == pytest.approx(
-        recorded(FLAGSHIP, "slave.position", visit.time), abs=0.1
+        recorded(CYCLIC_CUT, "slave.position", visit.time), abs=0.1
     )
     assert cuts.cursor == pytest.approx(visit.time, abs=0.05)
     assert motion.cursor is None
 
 
 def test_the_plots_follow_the_machine(open_report: OpenReport) -> None:
-    visit = open_report(FLAGSHIP)
+    visit = open_report(CYCLIC_CUT)
     charts = [ChartView(visit, name) for name in (MOTION, CUTS, LANES)]
     for t in (3.7, 21.0):
         visit.show(t)
@@ -154,7 +154,7 @@ def test_the_plots_follow_the_machine(open_report: OpenReport) -> None:
 
 
 def test_the_slider_moves_the_saw_and_the_cursor(open_report: OpenReport) -> None:
-    visit = open_report(FLAGSHIP)
+    visit = open_report(CYCLIC_CUT)
     motion = ChartView(visit, MOTION)
     slider = visit.page.get_by_role("slider", name="Time")
     slider.scroll_into_view_if_needed()
@@ -164,15 +164,15 @@ def test_the_slider_moves_the_saw_and_the_cursor(open_report: OpenReport) -> Non
     visit.page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + box["height"] / 2, steps=8)
     visit.page.mouse.up()
     visit.page.wait_for_timeout(100)
-    assert visit.time == pytest.approx(0.6 * run(FLAGSHIP)[0].stop_time, abs=0.6)
+    assert visit.time == pytest.approx(0.6 * run(CYCLIC_CUT)[0].stop_time, abs=0.6)
     shown = visit.number(".carriage", "slave-position")
-    assert shown == pytest.approx(recorded(FLAGSHIP, "slave.position", visit.time), abs=0.1)
+    assert shown == pytest.approx(recorded(CYCLIC_CUT, "slave.position", visit.time), abs=0.1)
     assert motion.cursor == pytest.approx(visit.time, abs=0.05)
 
 
 def test_playing_moves_saw_and_cursor(open_report: OpenReport) -> None:
     """In real time: the plots keep up, a picture takes far less than the 0.1 s that playing makes up for."""
-    visit = open_report(FLAGSHIP)
+    visit = open_report(CYCLIC_CUT)
     motion = ChartView(visit, MOTION)
     visit.listen()
     visit.page.get_by_role("button", name="Play").click()
@@ -184,7 +184,7 @@ def test_playing_moves_saw_and_cursor(open_report: OpenReport) -> None:
 
 
 def test_dark_mode_changes_page_plots_and_machine_and_back(open_report: OpenReport) -> None:
-    visit = open_report(FLAGSHIP)
+    visit = open_report(CYCLIC_CUT)
     seen = {}
     for scheme in ("light", "dark", "light"):
         visit.page.emulate_media(color_scheme=scheme)
@@ -211,5 +211,5 @@ def contrast(text: str, ground: str) -> float:
 
 
 def test_the_report_opens_in_a_narrow_window(open_report: OpenReport) -> None:
-    visit = open_report(FLAGSHIP, width=500)
+    visit = open_report(CYCLIC_CUT, width=500)
     assert visit.overflow() <= 0.0

@@ -104,8 +104,8 @@ def test_the_lengths_are_those_on_the_material(whole: Whole) -> None:
 
 
 def test_with_remote_sync_hardly_any_reserve_is_needed(whole: Whole) -> None:
-    """The estimate moves by some thousandths of a millimetre from step to step, the material by 1.6 mm and more: so a
-    start is jumped over once in thousands of cuts. Without a reserve that would be a cut too late."""
+    """The estimate jumps by some thousandths of a millimetre at most, while the material travels 1.6 mm and more in a
+    step: hardly a start is jumped over, which without a reserve would be a cut too late."""
     axis = {f"master.{n}": np.concatenate([[0.0], whole.remote[f"slave.{n}"][:-1]]) for n in MOTION}
     assert whole.skipped(axis, 0.0) == (200, 0)
 
@@ -176,7 +176,7 @@ def test_enumerations_are_declared_in_the_package(machine: Examined) -> None:
 
 
 MISTAKES = {  # what is written in place of what; what is told
-    "marks": ("tolerance = 0.05", "length = 300.0", "length: is not needed: CutToLength itself tells where it cuts"),
+    "marks": ("tolerance = 0.05", "length = 304.0", "length: is not needed: CutToLength itself tells where it cuts"),
     "lengths": (
         "tolerance = 0.05",
         "lengths = [300.0]",

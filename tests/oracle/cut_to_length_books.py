@@ -16,6 +16,7 @@ Readings of the specification that it leaves open:
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from math import ceil, inf, sqrt
 from typing import Any
 
@@ -48,7 +49,8 @@ class Order:
 class Piece:
     """What is made at present, with f, b and Δ of when it was fixed; its cut is to lie at `line`.
 
-    `pitch`: what the line must not be too fast for, of the master; infinite for TRIM and where no length is known.
+    `pitch`: what the line must not be too fast for, of the master; infinite for TRIM, where no length is known, and
+    for a mark whose cut lies before the last one.
     """
 
     kind: int
@@ -166,7 +168,8 @@ class Books:
             ordered = inputs["mark.spacing"] * inputs["mark.every"] - self.kerf if inputs["mark.spacing"] > 0 else 0.0
             kind = MERGED if self.merging else PRODUCT
             line = self.marks[0]
-            self.piece = Piece(kind, ordered, line - self.origin, self.f, self.kerf, 0.0, line)
+            pitch = line - self.origin if line > self.origin else inf
+            self.piece = Piece(kind, ordered, pitch, self.f, self.kerf, 0.0, line)
 
     def _made(self, kind: int, length: float, order: Order | None) -> Piece:
         pitch = (length + self.correction + self.kerf) / self.f
@@ -185,10 +188,9 @@ class Books:
     def change(self, ahead: Callable[[float], bool]) -> None:
         """THIS_PIECE at a step's beginning; `ahead(line)`: the start for a cut there is still to come."""
         piece = self.piece
-        if piece is None or piece.kind not in (PRODUCT, MERGED):
+        if piece is None:
             self.warnings["change_pending"] = False
-            return
-        if piece.kind == MERGED:
+        if piece is None or piece.kind != PRODUCT:
             return
         length, order = (self.orders[0].length, self.orders[0]) if self.orders else (float(self.inputs["length"]), None)
         wanted = (length, order, self.f, self.kerf, self.correction)
@@ -225,7 +227,7 @@ class Books:
         piece = self.piece
         assert piece is not None
         length = piece.f * (line - self.origin) - piece.kerf - piece.correction
-        unknown = self.by_marks and self.inputs["mark.spacing"] <= 0 and piece.kind in (PRODUCT, MERGED)
+        unknown = self.by_marks and self.inputs["mark.spacing"] <= 0 and piece.kind != TRIM
         error = 0.0 if unknown else length - piece.ordered
         good = piece.kind == PRODUCT and abs(error) <= self.inputs["length_tolerance"]
         values = (length, error, float(piece.kind), float(good), time, reserve)
@@ -351,7 +353,7 @@ class Books:
         """Of the piece in progress and the one expected after it, the smaller one; and of all that waits."""
         present = self.piece.pitch if self.piece else inf
         if self.by_marks:
-            apart = [b - a for a, b in zip(self.marks, self.marks[1:], strict=False)]
+            apart = [b - a if b > a else inf for a, b in pairwise(self.marks)]
             spacing = self.inputs["mark.spacing"] * self.inputs["mark.every"] / self.f
             expected = apart[0] if apart else (spacing or inf)
             one = min(present, expected)

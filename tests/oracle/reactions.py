@@ -20,7 +20,7 @@ Rows = Callable[[Mapping[str, Any], Sequence[float]], Sequence[Mapping[str, floa
 """An oracle's `reference`: the outputs for a script at some times."""
 
 STRETCH = 128
-"""Looks that the oracle is asked for at once."""
+"""Looks that the oracle is asked for at once; twice as many each time that nothing happens in them."""
 
 
 @dataclass(slots=True)
@@ -58,18 +58,16 @@ class _Line:
         return changed
 
     def master(self, scans: int) -> dict[str, Any]:
-        """The script of the first so many scans and the one after them, if what is asked for stays as it is."""
-        velocity, segments = mp.mpf(self.table.get("velocity", 0)), [{"duration": mp.mpf(self.scan)}]
+        """The script up to the first scan and from each of so many scans on, if what is asked for stays as it is."""
+        velocity, scan = mp.mpf(self.table.get("velocity", 0)), mp.mpf(self.scan)
+        rate = (1 - mp.exp(-scan / mp.mpf(self.table["time_constant"]))) / scan
+        limit = mp.mpf(self.table.get("max_acceleration", mp.inf))
+        segments: list[dict[str, Number]] = [{"duration": scan}]
         for i in range(scans if self.asked else 0):
-            acceleration = self.acceleration(velocity, self.asked[min(i, len(self.asked) - 1)])
-            segments.append({"duration": mp.mpf(self.scan), "acceleration": acceleration})
-            velocity += acceleration * mp.mpf(self.scan)
+            needed = (self.asked[min(i, len(self.asked) - 1)] - velocity) * rate
+            segments.append({"duration": scan, "acceleration": min(max(needed, -limit), limit)})
+            velocity += segments[-1]["acceleration"] * scan
         return {**{k: self.table[k] for k in ("position", "velocity") if k in self.table}, "segments": segments}
-
-    def acceleration(self, velocity: Number, asked: float) -> Number:
-        scan, limit = mp.mpf(self.scan), mp.mpf(self.table.get("max_acceleration", mp.inf))
-        needed = (asked - velocity) * (1 - mp.exp(-scan / mp.mpf(self.table["time_constant"]))) / scan
-        return min(max(needed, -limit), limit)
 
 
 @dataclass(slots=True)
@@ -108,17 +106,19 @@ def settled(script: Mapping[str, Any], rows: Rows) -> dict[str, Any]:
     ends = [*script.get("expect", ()), *({"at": look} for look in looks)]
     known = {k: v for k, v in script.items() if k != "on"} | {"expect": ends}
 
-    def now() -> dict[str, Any]:
-        master = {"master": line.master(len(scans))} if line else {}
+    def now(until: int) -> dict[str, Any]:
+        """The script, with the master's motion up to this scan."""
+        master = {"master": line.master(until)} if line else {}
         return known | {"set": found.tables(script["start"])} | master
 
-    (first,) = rows(now() | {"stop_time": scan}, [0.0])
+    (first,) = rows(now(0) | {"stop_time": scan}, [0.0])
     for reaction in reactions:
         reaction.held = reaction.holds(first)
-    i = 0
+    i, length = 0, STRETCH
     while i < len(looks):
-        stretch = looks[i : i + STRETCH]
-        seen = rows(now() | {"stop_time": scans[i + len(stretch) - 1]}, stretch)
+        stretch, length = looks[i : i + length], 2 * length
+        until = i + len(stretch)
+        seen = rows(now(until) | {"stop_time": scans[until - 1]}, stretch)
         if len(seen) != len(stretch):
             raise ArithmeticError(f"something happens exactly at a look between {stretch[0]} and {stretch[-1]}")
         for row in seen:
@@ -130,5 +130,6 @@ def settled(script: Mapping[str, Any], rows: Rows) -> dict[str, Any]:
                 found.sets.append((at, r.table.get("set", {}), r.table.get("add", {})))
             i += 1
             if (line is not None and line.takes(row)) or fired:
+                length = STRETCH
                 break
-    return now()
+    return now(len(scans))

@@ -109,7 +109,7 @@ def test_the_page_knows_both_axes_far_better_than_a_screen_shows(name: str) -> N
         assert found == pytest.approx(recorded[::13].tolist(), abs=data["within"])
 
 
-def test_the_flagship_is_below_300_kilobytes() -> None:
+def test_the_cyclic_cut_is_below_300_kilobytes() -> None:
     assert len(machine(*run("FlyingSaw/cyclic_cut")).encode()) < 300_000
 
 

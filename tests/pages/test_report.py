@@ -27,9 +27,9 @@ from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.support.fmus import Fmus
 
-FLAGSHIP = "FlyingSaw/cyclic_cut"
+CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 SHOWN = (
-    FLAGSHIP,
+    CYCLIC_CUT,
     "Synchronizer/polynomial",
     "RemoteSync/accelerating_axis",
     "Follower/cyclic_through",
@@ -48,8 +48,8 @@ def runs() -> dict[str, Run]:
 
 
 @pytest.fixture(scope="module")
-def flagship(runs: dict[str, Run]) -> Run:
-    return runs[FLAGSHIP]
+def cyclic_cut(runs: dict[str, Run]) -> Run:
+    return runs[CYCLIC_CUT]
 
 
 def page(run: Run, file: Path) -> str:
@@ -97,9 +97,9 @@ def sheets() -> list[dict[str, str]]:
 # --- the page ---
 
 
-def test_the_flagship_s_report_is_small(flagship: Run, tmp_path: Path) -> None:
+def test_the_report_of_the_cyclic_cut_is_small(cyclic_cut: Run, tmp_path: Path) -> None:
     """Below 2.5 MB: plotly.js' basic bundle is the greater part of it."""
-    text = page(flagship, tmp_path / "report.html")
+    text = page(cyclic_cut, tmp_path / "report.html")
     assert len(text.encode()) < 2_500_000
     assert len(text.encode()) > BUNDLE.stat().st_size
 
@@ -143,9 +143,9 @@ def test_a_dark_page_has_a_colour_of_its_own_for_each_of_a_light_one() -> None:
 # --- figures, and where they come from ---
 
 
-def test_the_figures_come_first(flagship: Run, tmp_path: Path) -> None:
+def test_the_figures_come_first(cyclic_cut: Run, tmp_path: Path) -> None:
     """The scenario asks for 20 cuts within 1e-9 mm; its axis has the limits that its file says."""
-    text = words(page(flagship, tmp_path / "report.html"))
+    text = words(page(cyclic_cut, tmp_path / "report.html"))
     begin = text[: text.index("Cuts A cut each time")]
     for part in (
         "cuts 20 a mark each 1500 mm",
@@ -158,8 +158,8 @@ def test_the_figures_come_first(flagship: Run, tmp_path: Path) -> None:
     assert re.search(r"verdict as expected (\d+) of \1 expectations kept", begin)
 
 
-def test_cuts_machine_motion_and_states_follow_one_another(flagship: Run, tmp_path: Path) -> None:
-    text = page(flagship, tmp_path / "report.html")
+def test_cuts_machine_motion_and_states_follow_one_another(cyclic_cut: Run, tmp_path: Path) -> None:
+    text = page(cyclic_cut, tmp_path / "report.html")
     headings = re.findall(r"<h2[^>]*>(.*?)</h2>", text)
     assert headings[:4] == ["Cuts", "The machine", "Motion", "States and commands"]
     assert headings[-1] == "Where this comes from"
@@ -167,8 +167,8 @@ def test_cuts_machine_motion_and_states_follow_one_another(flagship: Run, tmp_pa
     assert len(re.findall(r'class="plot" role="img" aria-label="[^"]+"', text)) == 3
 
 
-def test_nothing_is_said_of_a_reference_that_there_is_not(flagship: Run, tmp_path: Path) -> None:
-    s, recording = flagship
+def test_nothing_is_said_of_a_reference_that_there_is_not(cyclic_cut: Run, tmp_path: Path) -> None:
+    s, recording = cyclic_cut
     alone = replace(s, file=tmp_path / "scenario.toml", expectations=())
     alone.file.write_text("", "utf-8")
     write_report(tmp_path / "report.html", alone, recording, [], [], s.step_size)
@@ -231,10 +231,10 @@ def test_a_reaction_that_never_happened_is_told(reacting: Run, tmp_path: Path) -
     assert "slave.position &gt; 1e6 at once rest_value = 5 once" in text
 
 
-def test_what_reactions_set_is_told_with_its_time(flagship: Run, tmp_path: Path) -> None:
-    s, recording = flagship
+def test_what_reactions_set_is_told_with_its_time(cyclic_cut: Run, tmp_path: Path) -> None:
+    s, recording = cyclic_cut
     assert s.reactions
-    text = words(page(flagship, tmp_path / "report.html"))
+    text = words(page(cyclic_cut, tmp_path / "report.html"))
     lanes = run_charts(s, recording)["lanes"]
     (marks,) = named(lanes, "set")
     assert len(marks["x"]) == len(recording.settings) > len(s.settings)
@@ -276,9 +276,9 @@ def test_the_times_are_those_of_the_scenario_and_stand_above_one_another(runs: d
         assert len({(chart.layout["margin"]["l"], chart.layout["margin"]["r"]) for chart in charts}) == 1
 
 
-def test_the_limits_of_the_axis_are_dashed_lines(flagship: Run) -> None:
+def test_the_limits_of_the_axis_are_dashed_lines(cyclic_cut: Run) -> None:
     """Those of the file; an acceleration and a deceleration that are the same have one line on each side."""
-    s, recording = flagship
+    s, recording = cyclic_cut
     charts = run_charts(s, recording)
     expected = {
         ("y", -250.0),
@@ -295,8 +295,8 @@ def test_the_limits_of_the_axis_are_dashed_lines(flagship: Run) -> None:
         assert text in notes(charts["motion"])
 
 
-def test_a_limit_far_from_what_is_shown_is_not_drawn(flagship: Run) -> None:
-    s, recording = flagship
+def test_a_limit_far_from_what_is_shown_is_not_drawn(cyclic_cut: Run) -> None:
+    s, recording = cyclic_cut
     far = replace(s, start={**s.start, "axis.max_velocity": 1e5, "axis.max_position": 1e5})
     lines = named(run_charts(far, recording)["motion"], "limit of the axis")
     assert {t["yaxis"] for t in lines} == {"y", "y3", "y4"}
@@ -324,9 +324,9 @@ def test_the_reference_is_drawn_as_the_samples_that_it_is(runs: dict[str, Run]) 
         assert trace["y"] == pytest.approx(rows[name][::every], rel=1e-6, abs=1e-9)
 
 
-def test_a_saw_is_not_drawn_over_the_axis_of_an_endless_material(flagship: Run) -> None:
+def test_a_saw_is_not_drawn_over_the_axis_of_an_endless_material(cyclic_cut: Run) -> None:
     """The material goes 30 m, the saw 0.6 m: each has its own axis. The slave of a Synchronizer shares the master's."""
-    s, recording = flagship
+    s, recording = cyclic_cut
     chart = run_charts(s, recording)["motion"]
     (saw,) = named(chart, "slave", "y")
     (beside,) = [t for t in named(chart, "master") if t["yaxis"] not in ("y2", "y3", "y4")]
@@ -341,9 +341,9 @@ def test_axes_of_one_range_share_it(runs: dict[str, Run]) -> None:
     assert len(named(chart, "master", "y")) == len(named(chart, "slave", "y")) == 1
 
 
-def test_rounding_is_not_drawn_large(flagship: Run) -> None:
+def test_rounding_is_not_drawn_large(cyclic_cut: Run) -> None:
     """A jerk of 1e-9 mm/s3, beside positions of 30 m, is 0; one of 1 mm/s3 is not."""
-    s, recording = flagship
+    s, recording = cyclic_cut
     still = np.zeros_like(recording.master)
     still[:, 0] = recording.master[:, 0]
     for size, rounding in ((1e-9, True), (1.0, False)):
@@ -357,9 +357,9 @@ def test_rounding_is_not_drawn_large(flagship: Run) -> None:
         assert ("yaxis4" in chart.layout["meta"]["rescaled"]) != rounding
 
 
-def test_errors_of_cuts_are_shown_beside_the_tolerance(flagship: Run) -> None:
-    """The flagship's are rounding: the plot has the height of the tolerance. With 0.05 mm off it shows 0.05 mm."""
-    s, recording = flagship
+def test_errors_of_cuts_are_shown_beside_the_tolerance(cyclic_cut: Run) -> None:
+    """They are rounding here: the plot has the height of the tolerance. With 0.05 mm off it shows 0.05 mm."""
+    s, recording = cyclic_cut
     chart = run_charts(s, recording)["cuts"]
     assert chart.axis(2)["range"] == pytest.approx([-1.3e-9, 1.3e-9])
     assert [t["y"][0] for t in named(chart, "tolerance")] == [-1e-9, 1e-9]
@@ -397,8 +397,8 @@ def test_marks_pass_the_saw_where_they_are(ratio: float) -> None:
         assert p.position == pytest.approx(expected[p.number][1])
 
 
-def test_marks_that_nobody_cut_stand_out(flagship: Run) -> None:
-    s, recording = flagship
+def test_marks_that_nobody_cut_stand_out(cyclic_cut: Run) -> None:
+    s, recording = cyclic_cut
     names = {t["name"] for t in run_charts(s, recording)["cuts"].traces}
     assert "marks on the material" in names
     assert "marks that passed uncut" not in names
@@ -412,9 +412,9 @@ def test_marks_that_nobody_cut_stand_out(flagship: Run) -> None:
 # --- lanes ---
 
 
-def test_variables_that_are_always_the_same_share_a_lane(flagship: Run) -> None:
+def test_variables_that_are_always_the_same_share_a_lane(cyclic_cut: Run) -> None:
     """Each enumeration and Boolean that changes has exactly one lane, and no two lanes show the same."""
-    s, recording = flagship
+    s, recording = cyclic_cut
     by_name = s.recipe.variables
     same: dict[tuple[str, bytes], list[str]] = {}
     for name, values in recording.values.items():
@@ -429,8 +429,8 @@ def test_variables_that_are_always_the_same_share_a_lane(flagship: Run) -> None:
         assert len([t for t in titles if t.split(" = ")[0] == group[0] and t.count(" = ") == len(group) - 1]) == 1
 
 
-def test_a_bar_is_where_a_boolean_is_true(flagship: Run) -> None:
-    s, recording = flagship
+def test_a_bar_is_where_a_boolean_is_true(cyclic_cut: Run) -> None:
+    s, recording = cyclic_cut
     chart = run_charts(s, recording)["lanes"]
     (lane,) = [note["y"] for note in chart.layout["annotations"] if note["text"].startswith("gear_in_pos.busy")]
     (bars,) = [t for t in chart.traces if t["type"] == "bar" and t["y"][0] == round(lane - 0.25)]
@@ -443,9 +443,9 @@ def test_a_bar_is_where_a_boolean_is_true(flagship: Run) -> None:
     assert "gear_in_pos.busy = .active: <b>true</b>" in bars["hovertemplate"]
 
 
-def test_states_are_shaded_with_the_colours_of_their_key(flagship: Run, tmp_path: Path) -> None:
-    s, recording = flagship
-    text = page(flagship, tmp_path / "report.html")
+def test_states_are_shaded_with_the_colours_of_their_key(cyclic_cut: Run, tmp_path: Path) -> None:
+    s, recording = cyclic_cut
+    text = page(cyclic_cut, tmp_path / "report.html")
     charts = run_charts(s, recording)
     (lane,) = [t["y"][0] for t in charts["lanes"].traces if t["name"] == "SYNCHRON" and t["type"] == "bar"]
     bars = {t["name"]: t["marker"]["color"] for t in charts["lanes"].traces if t["type"] == "bar" and t["y"][0] == lane}
@@ -457,8 +457,8 @@ def test_states_are_shaded_with_the_colours_of_their_key(flagship: Run, tmp_path
         assert f'<i style="background: var({colour})"></i>{name}</span>' in text
 
 
-def test_lines_at_what_was_set_thin_out(flagship: Run) -> None:
-    s, recording = flagship
+def test_lines_at_what_was_set_thin_out(cyclic_cut: Run) -> None:
+    s, recording = cyclic_cut
     for number, lines in ((40, 40), (41, 0)):
         settings = [replace(recording.settings[0], at=0.1 * i) for i in range(number)]
         chart = run_charts(s, replace(recording, settings=settings))["motion"]
@@ -468,9 +468,9 @@ def test_lines_at_what_was_set_thin_out(flagship: Run) -> None:
 # --- points ---
 
 
-def test_a_long_run_stays_small(flagship: Run) -> None:
-    """Forty times the flagship: no curve has more points than a screen shows, and its greatest value is among them."""
-    s, recording = flagship
+def test_a_long_run_stays_small(cyclic_cut: Run) -> None:
+    """Forty times as long: no curve has more points than a screen shows, and its greatest value is among them."""
+    s, recording = cyclic_cut
     time = np.concatenate([recording.time + i * s.stop_time for i in range(40)]) + 1e-9 * np.arange(
         40 * len(recording.time)
     )

@@ -263,23 +263,23 @@ def test_what_never_happened_is_told_and_judged_if_it_is_required(often: str, ex
     assert (judged.expected, judged.found, judged.passed) == (expected, "never", False)
 
 
-# --- the flagship ---
+# --- the cyclic cut ---
 
-FLAGSHIP = ROOT / "scenarios" / "FlyingSaw" / "cyclic_cut" / "scenario.toml"
+CYCLIC_CUT = ROOT / "scenarios" / "FlyingSaw" / "cyclic_cut" / "scenario.toml"
 
 
 def of_the_oracle(scenario: Scenario) -> str:
     return (scenario.file.parent / f"{scenario.recipe.name}_in.csv").read_text()
 
 
-def flagship(velocity: float, length: float, folder: Path) -> Scenario:
-    """The flagship for another line and other battens, with the number of cuts that there have to be.
+def cyclic_cut(velocity: float, length: float, folder: Path) -> Scenario:
+    """The cyclic cut for another line and other battens, with the number of cuts that there have to be.
 
     Its segments take 2075 from the way of a line that keeps its velocity: 225 + 1350 + 200 - 600 + 900. Mark n is cut
     where the line has gone 1250 + n lengths.
     """
     cuts = math.floor((33.0 * velocity - 2075.0 - 1250.0) / length) + 1
-    text = FLAGSHIP.read_text()
+    text = CYCLIC_CUT.read_text()
     for old, new in (
         ("\nvelocity = 1000.0", f"\nvelocity = {velocity}"),
         ("\nlength = 1500.0", f"\nlength = {length}"),
@@ -306,9 +306,9 @@ def flagship(velocity: float, length: float, folder: Path) -> Scenario:
         (1200.0, 3000.0),
     ],
 )
-def test_the_flagship_cuts_other_lengths_from_other_lines(velocity: float, length: float, tmp_path: Path) -> None:
+def test_the_cyclic_cut_cuts_other_lengths_from_other_lines(velocity: float, length: float, tmp_path: Path) -> None:
     """All cuts are there and on their marks, nothing is refused, and the saw keeps the limits of its axis."""
-    scenario = flagship(velocity, length, tmp_path)
+    scenario = cyclic_cut(velocity, length, tmp_path)
     recording = run_in_process(scenario, scenario.step_size)
     found = check(scenario, recording)
     assert len(found) == 4
@@ -321,13 +321,13 @@ def test_the_flagship_cuts_other_lengths_from_other_lines(velocity: float, lengt
 
 def test_what_the_machine_cannot_do_is_refused_and_told(tmp_path: Path) -> None:
     """600 mm at 1200 mm/s: a cut each 0.5 s, of which it saws for 0.25 s."""
-    scenario = flagship(1200.0, 600.0, tmp_path)
+    scenario = cyclic_cut(1200.0, 600.0, tmp_path)
     broken = [c for c in check(scenario, run_in_process(scenario, scenario.step_size)) if not c.passed]
     assert "error from -inf to 0 ± 1e-9 between 0 s and 33 s" in [c.expected for c in broken]
     assert any(c.expected.startswith("number of cuts") for c in broken)
 
 
-def test_the_flagship_takes_the_next_mark_on_its_way_home() -> None:
+def test_the_cyclic_cut_takes_the_next_mark_on_its_way_home() -> None:
     """Numbers by hand, in u, u/s and s.
 
     The first ramp leads from rest over 500 of the line and 250 of the saw: 500 (x^3 - x^4/2), so 46.875 half way, at 1.
@@ -336,7 +336,7 @@ def test_the_flagship_takes_the_next_mark_on_its_way_home() -> None:
     waits for 500, until 2.25. The stop from -1000 takes 0.15 and 75, so it has begun at 2.195: after 0.05 the saw is
     45.8333 nearer and at -750, and 0.005 later, at -10000, another 3.625 nearer and at -700.
     """
-    recording = run_in_process(load(FLAGSHIP), 0.01)
+    recording = run_in_process(load(CYCLIC_CUT), 0.01)
 
     def at(time: float, name: str) -> float:
         return float(recording.values[name][np.argmin(np.abs(recording.time - time))])
@@ -353,7 +353,7 @@ def test_the_flagship_takes_the_next_mark_on_its_way_home() -> None:
 @pytest.mark.parametrize("step_size", [0.01, 0.001, 0.007])
 def test_reactions_happen_at_the_scans_of_the_oracle(step_size: float) -> None:
     """The oracle has found them from its own trajectory, and has made the input file of them."""
-    scenario = load(FLAGSHIP)
+    scenario = load(CYCLIC_CUT)
     assert scenario.reactions
     recording = run_in_process(scenario, step_size)
     assert inputs_csv(scenario.settled(recording.settings, scenario.master)) == of_the_oracle(scenario)
@@ -361,7 +361,7 @@ def test_reactions_happen_at_the_scans_of_the_oracle(step_size: float) -> None:
 
 @pytest.mark.parametrize("step_size", [0.01, 0.007])
 def test_they_happen_there_in_an_fmu_too(step_size: float, fmus: Fmus) -> None:
-    scenario = load(FLAGSHIP)
+    scenario = load(CYCLIC_CUT)
     recording = simulate(scenario, fmus.python("FlyingSaw"), step_size)
     assert inputs_csv(scenario.settled(recording.settings, scenario.master)) == of_the_oracle(scenario)
 
@@ -370,7 +370,7 @@ def test_they_happen_there_in_an_fmu_too(step_size: float, fmus: Fmus) -> None:
 @settings(deadline=None, max_examples=15)
 def test_a_scenario_that_reacts_means_the_same_at_every_step_size(step_size: float) -> None:
     """The first five cuts; both runs have the scans and their looks in common."""
-    scenario = load(FLAGSHIP)
+    scenario = load(CYCLIC_CUT)
     scenario = replace(scenario, stop_time=8.0, expectations=(), cuts=None)
     one, other = (run_in_process(scenario, h) for h in (scenario.step_size, step_size))
     assert told(one) == told(other)

@@ -56,27 +56,24 @@ def plan_line(
     run a millionth below each figure, where it has to make every cut, and a millionth above it, where it has to
     warn, and then to miss some. The exit status is 1 if it did not.
 
-    The file has the block's parameters by name (motionsync describe CutToLength lists them):
+    The file has the block's parameters by name (motionsync describe CutToLength
+    lists them); a scenario of CutToLength has its machine in the same table:
 
+    \b
         title = "Saw 3"
-
         lengths = [500, 1000, 1500]
-
         velocities = "100..1200"
-
         [start]
-
         "axis.max_velocity" = 1500.0
-
         "tool.cut_time" = 0.25
 
     Examples:
 
-        motionsync plan-line saw.toml --open
+        motionsync plan-line CutToLength/basic_cut --open
 
-        motionsync plan-line saw.toml --set axis.max_jerk=400000 --length 300..1500
+        motionsync plan-line saw.toml --set axis.max_jerk=400000
 
-        motionsync plan-line --set axis.max_position=650 --velocity 500,1000
+        motionsync plan-line --set axis.max_position=650 --length 300..1500
     """
     from ..plan.console import print_plan
     from ..plan.plan import make_plan

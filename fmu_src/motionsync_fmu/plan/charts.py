@@ -17,13 +17,14 @@ from .plan import Plan
 from .prediction import CYCLE, NEEDS, SHARE, STROKE, VELOCITY, Point, fastest, shortest
 from .simulation import cycle_motion
 
-FINE = 160  # points of a curve
+FINE = 120  # points of a curve
 CYCLE_STEPS = 1500  # of the run whose cycle is drawn
 MARGIN = 0.05  # beside the chosen points
 ROWS = (300, 190, 190)
 BANDS = {CYCLE: "--band-0", STROKE: "--band-3", VELOCITY: "--band-1"}  # what limits
 PARTS = ("--tone-0", "--band-1", "--cut", "--band-3", "--band-5", "--tone-1", "--band-0")  # of a cycle, in its order
-GAINS = ("--reference", "--slave", "--third", "--limit", "--muted", "--received", "--master", "--axis", "--ok", "--ink")
+MORE = ("--reference", "--slave", "--third", "--limit")  # of each limit, in their order
+LESS = ("--muted", "--received", "--ink", "--slave", "--third", "--reference")  # of each need, in their order
 PHASES = {  # of the cycle that is drawn: the block's states, with a name and a colour each
     State.APPROACHING: ("approach", PARTS[0]),
     State.SYNCHRONOUS: ("settling", PARTS[1]),
@@ -38,7 +39,7 @@ def over_length(plan: Plan) -> Chart:
     """The greatest line velocity, the parts of the cycle at it, and what more of each limit brings, over the length."""
     data = plan.data
     low, high = _span([point.length or 0.0 for point in plan.over_length])
-    points = _drawn([fastest(data, x) for x in np.linspace(low, high, FINE)])
+    points = [point for x in np.linspace(low, high, FINE) if (point := fastest(data, x)).cycle]
     what = "greatest line velocity"
     chart = _chart(plan, f"The {what} over the length", "length of the pieces", Unit.POSITION, (low, high))
     unit = unit_name(Unit.VELOCITY, data.unit)
@@ -52,14 +53,15 @@ def over_velocity(plan: Plan) -> Chart:
     """The shortest length, the parts of the cycle, and what more of each limit brings, over the line velocity."""
     data = plan.data
     asked = [point.velocity for point in plan.over_velocity]
-    low, high = _span([v for v in asked if v <= data.greatest_velocity] or asked)
-    points = _drawn([shortest(data, x) for x in np.linspace(low, min(high, data.greatest_velocity), FINE)])
+    top = data.greatest_velocity
+    low, high = _span([*asked, top] if max(asked) > top else asked)
+    points = [shortest(data, x) for x in np.linspace(low, min(high, top), FINE)]
     what = "shortest length"
     chart = _chart(plan, f"The {what} over the line velocity", "line velocity", Unit.VELOCITY, (low, high))
     _draw_result(chart, what, unit_name(Unit.POSITION, data.unit), points, plan.over_velocity, _velocity, _length)
     _draw_parts(chart, points, _velocity)
     _draw_gains(chart, points, _velocity)
-    chart.mark(data.greatest_velocity, "greatest line velocity")
+    chart.mark(top, "greatest line velocity")
     return chart
 
 
@@ -112,11 +114,6 @@ def _span(values: Sequence[float]) -> tuple[float, float]:
     return max(low - room, 0.1 * low), high + room
 
 
-def _drawn(points: list[Point]) -> list[Point]:
-    """Those with a result, which can be drawn."""
-    return [point for point in points if point.cycle]
-
-
 def _chart(plan: Plan, name: str, title: str, kind: Unit, span: tuple[float, float]) -> Chart:
     unit = unit_name(kind, plan.data.unit)
     return Chart(name, ROWS, f"{title}{_in(unit)}", span, timed=False)
@@ -167,8 +164,9 @@ def _draw_gains(chart: Chart, points: list[Point], x: Value) -> None:
     """Draw what more of each limit, or less of each need, brings."""
     chart.head(3, f"what {100.0 * SHARE:g} % brings, in %")
     along = _values(points, x)
-    for i, name in enumerate(points[0].gains if points else ()):
+    names = list(points[0].gains if points else ())
+    styles = [*(Style(colour, 1.8) for colour in MORE), *(Style(colour, 1.8, "dash") for colour in LESS)]
+    for name, style in zip(names, styles[: len(names)], strict=True):
         values = 100.0 * _values(points, lambda point, name=name: point.gains[name])  # type: ignore[misc]
         if values.any():
-            more = "less" if name in NEEDS else "more"
-            chart.curve(3, f"{more} {name}", along, values, Style(GAINS[i], 1.8), unit="%")
+            chart.curve(3, f"{'less' if name in NEEDS else 'more'} {name}", along, values, style, unit="%")

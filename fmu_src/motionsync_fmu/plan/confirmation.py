@@ -9,7 +9,7 @@ from motionsync.var import Unit
 from ..interface.units import unit_name
 from ..scenario.judge import Check
 from .machine_data import MachineData
-from .prediction import LENGTH, NEAR, Point
+from .prediction import LENGTH, NEAR, Point, cycle_at
 from .simulation import PIECES, Run, arrival, simulate
 
 ASIDE = 1e-6  # relative: how far beside a prediction the block is run
@@ -77,14 +77,13 @@ def _above(sides: _Sides, result: float, lost: float) -> Iterator[Check]:
 
 def _cycle(data: MachineData, point: Point) -> Check:
     """The carriage comes home as long after the start of its approach as is predicted."""
-    assert point.cycle
-    expected = point.cycle.time - point.cycle.rest
-    found = arrival(data, point.velocity * (1.0 - ASIDE if point.asked == LENGTH else 1.0))
-    near = ASIDE * expected if point.asked == LENGTH else 0.0
+    velocity = point.velocity * (1.0 - NEAR)  # an admissible one, rounded or not
+    cycle = cycle_at(data.machine, velocity)
+    expected, found = cycle.time - cycle.rest, arrival(data, velocity)
     return Check(
         f"the carriage is at home {expected:.9g} s after the start of its approach",
         f"{found:.9g} s",
-        abs(found - expected) <= near + SAME_TIME * expected,
+        abs(found - expected) <= SAME_TIME * expected,
     )
 
 

@@ -59,7 +59,10 @@ class Run:
 
 
 def start_values(data: MachineData, length: float) -> dict[str, Any]:
-    """The machine as it is run: it starts by itself from home, with the material's front end at home."""
+    """The machine as it is run: it starts by itself from home, with the material's front end at home.
+
+    Its way home is not eased: what is predicted is the direct one. An eased one stops first, which is quicker where the
+    deceleration is the greater limit."""
     home = data.value("home_position")
     timed = data.value("tool.mode") == ToolMode.FEEDBACK  # its cut lasts as long as is expected
     return {
@@ -71,6 +74,7 @@ def start_values(data: MachineData, length: float) -> dict[str, Any]:
         "source": Source.LENGTH,
         "start_mode": StartMode.FRONT,
         "late_mode": LateMode.SKIP,
+        "homing.ease": False,
         "tool.mode": ToolMode.TIME if timed else data.value("tool.mode"),
         "master.input_mode": MasterInput.START_OF_STEP,
         "master.period": 0.0,
@@ -106,7 +110,7 @@ def lone_cycle(data: MachineData, velocity: float, steps: int) -> Iterator[Stepp
     time = cycle_time(data.machine, velocity)
     pitch = max(2.0 * velocity * time, data.pitch(SHORT))
     stepper = Stepper(data.recipe.block())
-    stepper.initialize(start_values(data, data.length(pitch)) | {"homing.ease": False})
+    stepper.initialize(start_values(data, data.length(pitch)))
     kerf = data.pitch(data.value("kerf")) - data.pitch(0.0)
     begin = max((pitch - 0.5 * kerf) / velocity - time, 0.0)
     if begin > 0.0:

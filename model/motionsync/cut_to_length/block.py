@@ -520,11 +520,15 @@ class CutToLength(CutToLengthInterface):
         """Whether the line moves on, and the next cut's line is where the approach to it begins."""
         if velocity < 0.0 or (velocity == 0.0 and self.master.mean_acceleration() <= 0.0):
             return False
+        if not self.reaches_start(velocity, time):
+            return False
+        return not self.material.piece.waits_for_line() or is_admissible(self.predictions.machine, velocity)
+
+    def reaches_start(self, velocity: float, time: float) -> bool:
+        """Whether the next cut's line is where an approach to it begins, or beyond that."""
         machine = self.predictions.machine
         travel = machine.coupling * self.beyond(self.material.piece.end, time)
-        if travel < self.way_home.home - approach_distance(machine, velocity):
-            return False
-        return not self.material.piece.waits_for_line() or is_admissible(machine, velocity)
+        return travel >= self.way_home.home - approach_distance(machine, velocity)
 
     def is_far_from_start(self, until: float) -> bool:
         """Whether no start can be due up to a time since the step's beginning: it spares the search for one.
@@ -602,7 +606,7 @@ class CutToLength(CutToLengthInterface):
         if self.good.bad_machine != Tunable.NONE:
             self.refusal = Fault.TUNABLE
             return False
-        crossed = time > self.now and not self.material.piece.waits_for_line()
+        crossed = not self.reaches_start(self.master.velocity_at(self.now), self.now)
         self.now = time
         if self.cut_waits:
             self.begin_cut_now()
@@ -766,9 +770,9 @@ class CutToLength(CutToLengthInterface):
         least = lead(machine, velocity)
         mu = self.beyond(piece.end, self.now)
         distance = self.way_home.home - machine.coupling * mu
-        if crossed:
-            distance = approach_distance(machine, velocity)
         waits = piece.waits_for_line()
+        if crossed and not waits:
+            distance = approach_distance(machine, velocity)  # the same, without the rounding of places
         if not (waits or is_admissible(machine, velocity)):
             self.miss_cut(Fault.STROKE, mu, least)
         elif distance >= least * LATE:
@@ -907,6 +911,7 @@ class CutToLength(CutToLengthInterface):
         """The machine does not run any more."""
         self.stage = Stage.RESTING
         self.running = False
+        self.warning.change_pending = False
         self.material.piece.forget()
 
     def enter_waiting(self) -> None:
@@ -1100,6 +1105,9 @@ class CutToLength(CutToLengthInterface):
         """The piece in progress and its cut."""
         piece = self.material.piece
         k = self.predictions.machine.coupling
+        if self.is_on_curve():
+            k = self.carriage.coupling
+        self.local.coupling_factor = k
         self.piece.kind = PieceKind.NONE
         self.piece.ordered = 0.0
         self.piece.length = 0.0
@@ -1114,10 +1122,15 @@ class CutToLength(CutToLengthInterface):
             self.piece.kind = piece.kind
             self.piece.ordered = piece.ordered
             self.next_cut.position = wrap(piece.end, self.master.period)
-            self.show_approach(self.master.end - piece.end, k)
+            self.show_approach(self.master.end - piece.end)
 
-    def show_approach(self, mu: float, k: float) -> None:
+    def is_on_curve(self) -> bool:
+        """Whether the carriage follows its curve over the master."""
+        return self.stage not in (Stage.RESTING, Stage.HOMING, Stage.WAITING, Stage.RETURNING)
+
+    def show_approach(self, mu: float) -> None:
         """How far the approach to the next cut, whose line is at mu, lies ahead or is done."""
+        k = self.predictions.machine.coupling
         home = self.predictions.machine.home_position
         distance = self.local.approach_distance
         self.local.start_position = wrap(self.material.piece.end + (home - distance) / k, self.master.period)
@@ -1155,7 +1168,10 @@ class CutToLength(CutToLengthInterface):
         warning.stroke = machine.home_position + self.limits.stroke > machine.max_position
         warning.velocity = machine.coupling * velocity > machine.max_velocity
         warning.no_length = self.running and self.source == Source.LENGTH and not self.next_cut.known
-        self.exceeded.judge_setpoint(self.axis, self.slave)
+        if self.stage in (Stage.RESTING, Stage.WAITING):
+            self.exceeded.clear()
+        else:
+            self.exceeded.judge_setpoint(self.axis, self.slave)
         warning.limit_exceeded = self.exceeded.limit != Limit.NONE
         self.local.exceeded_limit = self.exceeded.limit
         self.local.exceeded_value = self.exceeded.value

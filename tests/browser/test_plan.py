@@ -1,0 +1,33 @@
+"""The page of a plan, in a real browser."""
+
+from pathlib import Path
+
+import pytest
+
+from motionsync_fmu.plan.plan import make_plan
+from motionsync_fmu.plan.report import write_plan
+from tests.browser.charts import ChartView
+from tests.browser.conftest import Open
+from tests.plan.machines import REFERENCE, machine
+
+
+@pytest.fixture(scope="module")
+def plan_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the reference machine with a reserve of the approach."""
+    plan = make_plan(machine(REFERENCE, approach_reserve="0.02"), [500.0, 1500.0, 2000.0], [500.0, 1000.0, 1480.0])
+    return write_plan(plan, tmp_path_factory.mktemp("plan"))
+
+
+def test_the_page_of_a_plan_tells_the_greatest_line_velocity(open_page: Open, plan_page: Path) -> None:
+    """1291.397 for 1500, of which is told what the nearest of the drawn points has."""
+    chart = ChartView(open_page(plan_page), "The greatest line velocity over the length")
+    assert {"greatest line velocity", "confirmed by runs", "cuts are lost from here on"} <= set(chart.legend)
+    length, values = chart.told(1500.0)
+    assert length == pytest.approx(1500.0, abs=10.0)
+    assert values["greatest line velocity"] == pytest.approx(1291.4, abs=6.0)
+
+
+def test_the_page_of_a_plan_fits_a_narrow_window(open_page: Open, plan_page: Path) -> None:
+    visit = open_page(plan_page, width=500, color_scheme="dark")
+    visit.page.locator(".plot .main-svg").last.wait_for()
+    assert visit.overflow() <= 0.0
