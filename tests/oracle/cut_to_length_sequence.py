@@ -10,6 +10,7 @@ Readings of the specification that it leaves open:
 - A `stop` during an eased way home makes it FAST.
 - An eased way home that has become FAST stays FAST.
 - A `cut_now` after `stop` or `abort` is refused, though the machine runs until it is at home.
+- With fault 17 the blade is down for `tool.retract_time` more, though the carriage goes home.
 - `start` forgets a `cut_now` that waits; so do `stop`'s arrival, `abort` and a fault.
 - Where the line turns back past the start, the cycle is measured from the former start on.
 - `tool.done` and marks are no commands: they leave a refusal as it is.
@@ -120,7 +121,7 @@ class Machine:
         self.on_time: float | None = None
         self.command, self.command_time = False, 0.0
         self.down = self.early = False
-        self.cut_begin, self.cut_place, self.clear_end = inf, 0.0, inf
+        self.cut_begin, self.cut_place, self.clear_end, self.up_at = inf, 0.0, inf, inf
         self.gap_made = False
         self.ease, self.ease_velocity, self.ease_line = 1.0, 0.0, 0.0
         self.edge_of_mark = False
@@ -218,8 +219,10 @@ class Machine:
         match self.state:
             case 1 | 8:
                 return [(self._law_end(), self._arrive)]
+            case -1 if self.clear_end < inf:
+                return [(self.clear_end, self._clear)]
             case -1:
-                return [(self.clear_end, self._clear)] if self.clear_end < inf else [(self._law_end(), self._arrive)]
+                return [(self._law_end(), self._arrive), (max(self.up_at, self.time), self._up)]
             case 2:
                 return self._waiting(until)
             case 3:
@@ -510,6 +513,10 @@ class Machine:
         if self.stopping:
             self._off()
 
+    def _up(self) -> None:
+        """The blade is clear, although the carriage has left the material's line."""
+        self.down, self.up_at = False, inf
+
     def _off(self) -> None:
         self.state = OFF
         self.stopping = self.cut_waits = False
@@ -524,6 +531,8 @@ class Machine:
         self.stopping = self.cut_waits = False
         self.state = FAULT
         self.books.end()
+        if fault == STROKE:
+            self.up_at = self.clear_end if clearing else self.time + self.cycle.retract
         self._leave(down and fault != STROKE, clearing)
 
     def _leave(self, down: bool, clearing: bool) -> None:
@@ -532,7 +541,8 @@ class Machine:
         if down:
             self.clear_end = self.clear_end if clearing else self.time + self.cycle.retract
             return
-        self.clear_end, self.down = inf, False
+        self.clear_end = inf
+        self.down = self.down and self.up_at < inf
         fast = isinstance(self.law, Own) and self.ease == 1.0
         if not (fast or isinstance(self.law, Rest)):
             self._go_home()

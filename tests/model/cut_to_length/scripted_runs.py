@@ -28,7 +28,14 @@ POSITIONS = (
     *("statistics.error_worst", "statistics.error_mean", "statistics.error_deviation"),
 )
 TIMES = (*("clock", "tool.command_time", "last.time", "limits.cycle_time", "local.start_time", "local.home_time"),)
-SHARES = ("last.reserve", "limits.reserve", "statistics.reserve_worst", "local.ease", "calibration.factor", "local.coupling_factor")
+SHARES = (
+    "last.reserve",
+    "limits.reserve",
+    "statistics.reserve_worst",
+    "local.ease",
+    "calibration.factor",
+    "local.coupling_factor",
+)
 AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve", "limits.stroke", "next_cut.distance")
 """What jumps where the line comes to a stand: rounding of the velocity decides."""
 STANDING = 1e-3
@@ -125,7 +132,7 @@ def differences(script: Script, played: Sequence[Row], relative: float) -> list[
 
 
 def machine(r: Random) -> dict[str, Any]:
-    """Parameters of a machine that can cut pieces of 300 to 3000 at some hundred u/s."""
+    """Parameters of a machine that can cut pieces of 300 to 2000 at some hundred u/s."""
 
     def some(chance: float, low: float, high: float) -> float:
         return r.uniform(low, high) if r.random() < chance else 0.0
@@ -182,16 +189,18 @@ def machine(r: Random) -> dict[str, Any]:
     return start
 
 
-def line(r: Random, duration: float) -> dict[str, Any]:
+def line(r: Random, duration: float, *, jumps: bool = True) -> dict[str, Any]:
     """A line that speeds up, brakes, stands, jumps and now and then reverses; a stop is exact, in binary fractions."""
-    speed = r.choice([0.0, float(r.randint(100, 1300))])
+    speed = r.choice([0.0, *[float(r.randint(300, 1300))] * 3])
     segments: list[dict[str, float]] = []
     now, total = speed, 0.0
     while total < duration:
         segment = {"duration": r.randint(12, 192) / 128.0}
-        match r.choice(["steady", "steady", "ramp", "ramp", "stop", "jump", *(["back"] if now > 0.0 else [])]):
+        kinds = ["steady", "steady", "ramp", "ramp", "ramp", "stop"] + ["jump"] * jumps + ["back"] * (now > 0.0)
+        match r.choice(kinds) if now > 0.0 else "ramp":
             case "ramp":
-                segment["acceleration"] = round(16.0 * r.uniform(-now, 1300.0 - now) / segment["duration"]) / 16.0
+                change = r.uniform(200.0, 1300.0) - now
+                segment["acceleration"] = round(16.0 * change / segment["duration"]) / 16.0
             case "stop":
                 segment = {"duration": r.choice([0.25, 0.5, 1.0])}
                 segment["acceleration"] = -now / segment["duration"]
@@ -204,12 +213,44 @@ def line(r: Random, duration: float) -> dict[str, Any]:
         if now < 0.0:  # it does not go back for long
             segments.append({"duration": 0.25, "acceleration": -now / 0.25})
             now = 0.0
+        if now == 0.0 and r.random() < 0.7:  # nor stands for long
+            segments.append({"duration": 0.25})
         total = sum(each["duration"] for each in segments)
     return {"position": r.uniform(-500.0, 5000.0), "velocity": speed, "segments": segments}
 
 
+def marks(r: Random, start: dict[str, Any], course: dict[str, Any], duration: float) -> list[dict[str, Any]]:
+    """Edges of a sensor that sees a mark on each `spacing` of the material, or nearly so; values for the machine."""
+    spacing = r.uniform(300.0, 1500.0)
+    start |= {
+        "source": 2,
+        "mark.latched": r.random() < 0.6,
+        "mark.delay": r.choice([0.0, 0.004]),
+        "mark.sensor_distance": r.uniform(600.0, 2500.0),
+        "mark.cut_offset": r.uniform(-50.0, 50.0),
+        "mark.spacing": r.choice([0.0, spacing, spacing]),
+        "mark.window": r.choice([0.0, 30.0]),
+        "mark.every": r.choice([1, 1, 2]),
+        "mark.max_missing": r.choice([0, 1, 3]),
+        "mark.substitute": r.random() < 0.6,
+    }
+    pieces = [Course.of(piece, 0.0) for piece in stretches(course, mp.mpf(duration))[1:]]
+    place = course["position"] + r.uniform(0.0, spacing)
+    sets: list[dict[str, Any]] = []
+    for piece in pieces:
+        while piece.direction > 0 and piece.at(piece.end).position > place:
+            found = piece.passes(place, 1, piece.begin, piece.end)
+            time = round((found or piece.begin) + 1.5e-3, 4)
+            if r.random() < 0.9:
+                period = start["master.period"]
+                sets.append({"at": time, "mark.detected": True, "mark.position": place % period if period else place})
+                sets.append({"at": round(time + 0.0063, 4), "mark.detected": False})
+            place += (spacing + r.choice([0.0, r.uniform(-5.0, 5.0), r.uniform(-60.0, 60.0)])) / start["material_factor"]
+    return sets
+
+
 COMMANDS = (
-    *("start", "stop", "abort", "reset", "cut_now", "cut_now", "take_sample", "order.add", "order.add", "order.add"),
+    *("start", "start", "stop", "abort", "reset", "cut_now", "take_sample", "order.add", "order.add", "order.add"),
     *("order.skip", "order.clear", "tool.done", "tool.done", "clear_statistics", "calibration.execute"),
 )
 
@@ -218,7 +259,7 @@ def commands(r: Random, start: dict[str, Any], duration: float) -> list[dict[str
     """Edges of commands, and levels and lengths that change."""
     begin = r.randint(50, 400) / 1000.0
     sets: list[dict[str, Any]] = [{"at": begin, "start": True}, {"at": begin + 0.0125, "start": False}]
-    rate = r.choice([0.3, 1.0, 3.0])
+    rate = r.choice([0.2, 0.5, 2.0])
     time = begin
     if start["tool.mode"] == 3:
         done = begin
@@ -247,10 +288,12 @@ def commands(r: Random, start: dict[str, Any], duration: float) -> list[dict[str
     return sorted((table for table in sets if table["at"] < duration), key=lambda table: table["at"])
 
 
-def scripted(r: Random, duration: float = 6.0) -> Script:
-    """A machine, its line, and what it is told."""
+def scripted(r: Random, step_size: float = 1e3, duration: float = 6.0, *, jumps: bool = True) -> Script:
+    """A machine, its line, and what it is told; `step_size` is for what is noticed at a step's beginning."""
     start = machine(r)
-    course = line(r, duration)
-    sets = commands(r, start, duration)
+    course = line(r, duration, jumps=jumps)
     stop = sum(segment["duration"] for segment in course["segments"])
-    return {"stop_time": stop, "step_size": stop, "start": start, "master": course, "set": sets}
+    sets = commands(r, start, duration)
+    if r.random() < 0.25:
+        sets = sorted([*sets, *marks(r, start, course, duration)], key=lambda table: table["at"])
+    return {"stop_time": stop, "step_size": step_size, "start": start, "master": course, "set": sets}
