@@ -466,7 +466,7 @@ def test_error_explains_a_code(motionsync: Command, asked: tuple[str, ...]) -> N
 
 def test_error_tells_all_blocks_that_have_a_code(motionsync: Command) -> None:
     told = motionsync("error", "2").out
-    assert re.findall(r"^(\w+), 2 ", told, re.MULTILINE) == ["FlyingSaw", "Gearing", "Follower"]
+    assert re.findall(r"^(\w+), 2 ", told, re.MULTILINE) == ["FlyingSaw", "Gearing", "Follower", *3 * ["CutToLength"]]
     assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
 
 

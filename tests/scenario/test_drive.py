@@ -243,6 +243,44 @@ def test_the_report_says_what_the_master_follows(tmp_path: Path) -> None:
     assert "time constant 0.3 s, at most 500 of acceleration. It takes the velocity each 0.01 s." in text
 
 
+# --- the flagship ---
+
+FLAGSHIP = ROOT / "scenarios" / "CutToLength" / "cyclic_orders" / "scenario.toml"
+
+
+def numbers(text: str) -> Reals:
+    """The rows of a file of inputs."""
+    return np.array([[float(x) for x in line.split(",")] for line in text.splitlines()[1:]])
+
+
+@pytest.mark.parametrize("step_size", [0.01, 0.007])
+def test_the_flagship_s_line_runs_as_the_oracle_s(step_size: float) -> None:
+    """The oracle has closed the loop by itself, and made the input file of it: time, the master and the commands."""
+    scenario = load(FLAGSHIP)
+    recording = run_in_process(scenario, step_size)
+    assert recording.script
+    found = numbers(inputs_csv(scenario.settled(recording.settings, recording.script)))
+    expected = numbers((FLAGSHIP.parent / "CutToLength_in.csv").read_text())
+    np.testing.assert_allclose(found, expected, atol=1e-7, rtol=0.0)
+
+
+@pytest.mark.parametrize(
+    ("limit", "lengths"),
+    [
+        (800.0, [1500.0] * 4 + [600.0] * 5 + [2400.0] * 3),
+        (400.0, [1500.0] * 4 + [1204.0] + [600.0] * 5 + [2400.0] * 3),
+    ],
+)
+def test_a_line_that_slows_down_too_late_costs_a_cut(limit: float, lengths: list[float], tmp_path: Path) -> None:
+    """From 1200 to the 693 that pieces of 600 need it takes 1.3 s with 400 mm/s2, but only 1504 mm of timber are left
+    for it, 1.25 s at full speed: the first short cut is missed. The piece of 600 + 4 + 600 is made again."""
+    text = FLAGSHIP.read_text().replace("max_acceleration = 800.0", f"max_acceleration = {limit}")
+    recording = ran(text, tmp_path)
+    cuts = np.flatnonzero(np.diff(recording.values["statistics.cuts"])) + 1
+    assert recording.values["last.length"][cuts][: len(lengths)] == pytest.approx(lengths, abs=1e-9)
+    assert recording.values["order.completed"][-1] == 4.0
+
+
 # --- files with a mistake ---
 
 MISTAKES = {

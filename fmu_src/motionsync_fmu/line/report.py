@@ -15,7 +15,7 @@ from ..pages.report.origin import here, now, origin
 from ..pages.report.page import bundle, keys_of, run_charts, settings
 from ..pages.style import TEMPLATES
 from ..scenario.amounts import engineering
-from .judge import Figures, Result
+from .judge import Result
 from .line import REMOTE, Line
 from .package import Package
 from .variants import Variant
@@ -32,6 +32,7 @@ def write_line_report(file: Path, line: Line, package: Package, result: Result, 
     blocks = {name: recipe.variables for name, recipe in line.recipes.items()}
     clocks, wired = line.remote.clocks, result.wired
     starts = {REMOTE: line.start, s.recipe.name: s.start}
+    figures = (*result.before, *result.after)
     charts = run_charts(s, wired.recording)
     values: dict[str, Any] = {
         "line": line,
@@ -43,8 +44,9 @@ def write_line_report(file: Path, line: Line, package: Package, result: Result, 
         "drift": 1e6 * (line.remote.data_cycle / clocks.rates[0].cycle - 1.0),
         "synced": result.after[0].away is not None,
         "unit": unit_name(Unit.POSITION, line.unit),
-        "lengths": decimals([x for f in (*result.before, *result.after) for x in _lengths(f)]),
-        "indices": decimals([f.index for f in (*result.before, *result.after)]),
+        "lengths": decimals([x for f in figures for x in (f.worst, f.mean, f.spread, f.told, f.switches)]),
+        "ways": decimals([x for f in figures for x in (f.away, f.jump)]),
+        "indices": decimals([f.index for f in figures]),
         "error_chart": error_chart(line, result).html(),
         "event_chart": event_chart(line, result).html() if _events(wired) else "",
         "judged": "length" if s.pieces else "cut",
@@ -62,10 +64,6 @@ def write_line_report(file: Path, line: Line, package: Package, result: Result, 
         "bundle": bundle(),
     }
     file.write_text(TEMPLATES.get_template("line.html.j2").render(values), "utf-8")
-
-
-def _lengths(f: Figures) -> list[float | None]:
-    return [f.worst, f.mean, f.spread, f.told, f.switches, f.away, f.jump]
 
 
 def decimals(values: list[float | None]) -> int:

@@ -1168,7 +1168,10 @@ class CutToLength(CutToLengthInterface):
         warning.stroke = machine.home_position + self.limits.stroke > machine.max_position
         warning.velocity = machine.coupling * velocity > machine.max_velocity
         warning.no_length = self.running and self.source == Source.LENGTH and not self.next_cut.known
-        self.exceeded.judge_setpoint(self.axis, self.slave)
+        if self.stage in (Stage.RESTING, Stage.WAITING):
+            self.exceeded.clear()
+        else:
+            self.exceeded.judge_setpoint(self.axis, self.slave)
         warning.limit_exceeded = self.exceeded.limit != Limit.NONE
         self.local.exceeded_limit = self.exceeded.limit
         self.local.exceeded_value = self.exceeded.value

@@ -43,10 +43,10 @@ class Material:
     # --- the piece ---
 
     def measure(self, block: CutToLengthInterface, settings: Settings) -> None:
-        """The piece is measured as the parameters say now; a length correction does not belong to marks."""
+        """The piece is measured as the parameters say now."""
         self.piece.factor = settings.factor
         self.piece.kerf = settings.kerf
-        self.piece.correction = block.length_correction if block.source == Source.LENGTH else 0.0
+        self.piece.correction = correction_of(block)
 
     def crop(self, block: CutToLengthInterface, settings: Settings) -> None:
         """The piece is what is cropped from the front end; its pitch is no limit for the line."""
@@ -281,3 +281,8 @@ class Material:
 def limiting(distance: float) -> float:
     """The pitch of two cuts that marks ask for, u; a cut that lies before the other one is no limit: it is late."""
     return distance if distance > 0.0 else UNLIMITED
+
+
+def correction_of(block: CutToLengthInterface) -> float:
+    """The length correction, u; it does not belong to marks."""
+    return block.length_correction if block.source == Source.LENGTH else 0.0

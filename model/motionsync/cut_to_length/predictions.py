@@ -11,7 +11,7 @@ from .limits import (
     max_line_velocity,
     stroke,
 )
-from .material import Material
+from .material import Material, correction_of
 from .piece import UNLIMITED
 from .settings import Settings
 
@@ -23,7 +23,8 @@ class Predictions:
     """The machine, and what its limits were solved for last.
 
     Attributes:
-        velocity: the line's, u/s.
+        velocity: the line's, u/s; 0 where it stands but for rounding.
+        correction: the length correction, u.
         pitch: the smaller one of the piece in progress and of the next one, u of the master.
         pitch_orders: the smallest of these and of all that wait.
         shortest_pitch: what is possible at `velocity`.
@@ -32,6 +33,7 @@ class Predictions:
     machine: Machine = var.part(Machine)
     solved: bool = False
     velocity: float = 0.0
+    correction: float = 0.0
     pitch: float = 0.0
     pitch_orders: float = 0.0
     shortest_pitch: float = 0.0
@@ -41,23 +43,34 @@ class Predictions:
         velocity = block.master.end_velocity
         if abs(velocity) * self.machine.coupling < STANDING * self.machine.max_velocity:
             velocity = 0.0
-        if not self.solved or velocity != self.velocity:
-            self.solve_cycle(block, velocity)
+        correction = correction_of(block)
+        if not self.solved or velocity != self.velocity or correction != self.correction:
+            self.velocity = velocity
+            self.correction = correction
+            self.solve_cycle(block, settings)
         pitch = material.limiting_pitch(block, settings)
         pitch_orders = min(pitch, material.shortest_pitch(block, settings))
         if not self.solved or pitch != self.pitch or pitch_orders != self.pitch_orders:
             self.solve_line_velocity(block, pitch, pitch_orders)
         self.solved = True
-        self.put_piece(block, settings, material)
+        block.limits.reserve = 1.0
+        if velocity > 0.0 and block.running and material.piece.pitch < UNLIMITED:
+            block.limits.reserve = 1.0 - self.shortest_pitch / material.piece.pitch
 
-    def solve_cycle(self, block: CutToLengthInterface, velocity: float) -> None:
-        """The cycle at a line velocity."""
-        self.velocity = velocity
+    def solve_cycle(self, block: CutToLengthInterface, settings: Settings) -> None:
+        """The cycle at the line velocity: what a piece and a sensor need."""
+        velocity = self.velocity
         time = cycle_time(self.machine, velocity)
+        distance = approach_distance(self.machine, velocity)
         self.shortest_pitch = velocity * time
         block.limits.cycle_time = time
         block.limits.stroke = stroke(self.machine, velocity) if velocity > 0.0 else self.machine.approach_distance
-        block.local.approach_distance = approach_distance(self.machine, velocity)
+        block.local.approach_distance = distance
+        length = settings.factor * self.shortest_pitch - settings.kerf - self.correction
+        block.limits.min_length = max(length, 0.0) if velocity > 0.0 else 0.0
+        sensor = (distance - self.machine.home_position) / self.machine.coupling
+        sensor += max(velocity, 0.0) * settings.mark.delay
+        block.limits.min_sensor_distance = max(settings.factor * sensor, 0.0)
 
     def solve_line_velocity(self, block: CutToLengthInterface, pitch: float, pitch_orders: float) -> None:
         """The highest admissible line velocities."""
@@ -67,15 +80,3 @@ class Predictions:
         block.limits.max_line_velocity_orders = block.limits.max_line_velocity
         if pitch_orders < pitch:
             block.limits.max_line_velocity_orders = max_line_velocity(self.machine, pitch_orders)
-
-    def put_piece(self, block: CutToLengthInterface, settings: Settings, material: Material) -> None:
-        """What a piece and a sensor need at the present line velocity."""
-        velocity = self.velocity
-        length = settings.factor * self.shortest_pitch - settings.kerf - block.length_correction
-        block.limits.min_length = max(length, 0.0) if velocity > 0.0 else 0.0
-        block.limits.reserve = 1.0
-        if velocity > 0.0 and block.running and material.piece.pitch < UNLIMITED:
-            block.limits.reserve = 1.0 - self.shortest_pitch / material.piece.pitch
-        sensor = (block.local.approach_distance - self.machine.home_position) / self.machine.coupling
-        sensor += max(velocity, 0.0) * settings.mark.delay
-        block.limits.min_sensor_distance = max(settings.factor * sensor, 0.0)

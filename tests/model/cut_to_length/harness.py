@@ -25,9 +25,10 @@ REFERENCE: dict[str, Any] = {
     "approach.reserve": 0.0,
 }
 # The same with an approach over 100, for pieces of 1500. On a line of 1000 u/s that is at m = 1000 t, all is round:
-#   start at C - 100, sync 0.2 s later at s = 100, the cut ends 0.25 s later at s = S = 350. The way home: R(x) = x / a +
-#   a / j = x / 10000 + 0.05, G(1500) = 250 R(2500) + 750 R(1500) = 75 + 150 = 225 < S, so T_r = R(2500) + R(1500) +
-#   (350 - 225) / 1500 = 0.5 + 0.083333 = 0.583333. T_c = 1.033333, p_min = 1033.333, stroke = 350 + 500 R(1000) = 425.
+#   start at C - 100, sync 0.2 s later at s = 100, the cut ends 0.25 s later at s = S = 350. The way home: R(x) =
+#   x / a + a / j = x / 10000 + 0.05, G(1500) = 250 R(2500) + 750 R(1500) = 75 + 150 = 225 < S, so T_r = R(2500) +
+#   R(1500) + (350 - 225) / 1500 = 0.5 + 0.083333 = 0.583333. T_c = 1.033333, p_min = 1033.333, stroke =
+#   350 + 500 R(1000) = 425.
 # With `start` at t = 0: start 1.4, sync 1.6, cut 1.85, home 2.433333, next start 2.9, ...
 ROUND: dict[str, Any] = {**REFERENCE, "approach.distance": 100.0, "length": 1500.0}
 HOME_AGAIN = 1.85 + 0.5 + 125.0 / 1500.0  # s, when the first cycle of the round machine is over
@@ -77,7 +78,7 @@ class CutToLengthHarness(BlockHarness):
         self.cuts = self["statistics.cuts"]
 
     def give(self, *commands: str) -> Self:
-        """Rising edges of these commands with the next step; the block first sees one fall that it has just seen true."""
+        """Rising edges of these commands with the next step; before it, one that has just been true is seen to fall."""
         if set(commands) & set(self.held):
             self.now()
         self.given += commands

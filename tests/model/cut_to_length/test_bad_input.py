@@ -140,8 +140,8 @@ def test_a_fault_goes_before_a_refusal() -> None:
 @pytest.mark.parametrize("bad", [-1.0, math.nan, math.inf, 2e12])
 @pytest.mark.parametrize("name", ["kerf", "material_factor", "sample_length"])
 def test_no_piece_is_fixed_with_a_bad_parameter(name: str, bad: float) -> None:
-    """It turns bad during the cut: that piece ends as it was fixed. With a good value again, the second is measured from
-    its place."""
+    """It turns bad during the cut: that piece ends as it was fixed. With a good value again, the second is measured
+    from its place."""
     saw = ready({"sample_length": 1200.0})
     good = saw[name]
     saw.give("start").at(0.5).give("take_sample").at(1.7).put({name: bad}).at(1.86)

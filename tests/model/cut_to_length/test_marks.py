@@ -84,7 +84,7 @@ def test_pieces_from_mark_to_mark() -> None:
 
 
 def test_the_spacing_is_what_is_ordered() -> None:
-    """spacing every - kerf = 3000 - 4; each second mark from the first on is cut. Error of the second piece: 3001 - 3000."""
+    """spacing every - kerf = 3000 - 4; each second mark from the first on is cut. The second piece is 3001 - 4 long."""
     values = {"mark.spacing": 1500.0, "mark.every": 2, "kerf": 4.0, "length_tolerance": 2.0}
     saw = marked(values)
     for position in (0.0, 1501.0, 3001.0):

@@ -1,4 +1,4 @@
-"""What the pieces are: where cuts lie, what a piece is measured from, which length counts, late cuts, orders, the books.
+"""What the pieces are: where cuts lie, what a piece is measured from, which length counts, late cuts, orders, books.
 
 Where nothing else is said the machine is ROUND on a line of 1000 u/s, which is at m = 1000 t (`harness.py`)."""
 
@@ -74,8 +74,8 @@ def test_the_correction_is_added_to_the_measured_length() -> None:
 
 
 def test_what_belongs_to_a_piece_is_read_when_it_is_fixed() -> None:
-    """Kerf 4 and wheel 1.1 from t = 0.5 on: the first piece keeps B = 0, C = 1500, length 1500; the second is 1504 / 1.1
-    of the master long."""
+    """Kerf 4 and wheel 1.1 from t = 0.5 on: the first piece keeps B = 0, C = 1500, length 1500; the second is 1504 /
+    1.1 of the master long."""
     saw = started().at(0.5).put({"kerf": 4.0, "material_factor": 1.1, "length_correction": 0.0}).at(1.9)
     assert saw["last.length"] == near(1500.0)
     assert saw["next_cut.position"] == near(1500.0 + 1504.0 / 1.1)
@@ -218,8 +218,8 @@ def test_a_cut_that_cannot_be_reached_is_skipped() -> None:
 
 
 def test_as_many_cuts_are_skipped_as_cannot_be_reached() -> None:
-    """L = 300: home at m = 200 + 1033.333; 600 + 300 n - 1233.333 >= lead from n = 3 on: C = 1500. Then home at 2433.333;
-    1800 + 300 n - 2433.333 >= lead from n = 3 on."""
+    """L = 300: home at m = 200 + 1033.333; 600 + 300 n - 1233.333 >= lead from n = 3 on: C = 1500. Then home at
+    2433.333; 1800 + 300 n - 2433.333 >= lead from n = 3 on."""
     saw = started({"length": 300.0}).watched(3.2)
     assert saw.lengths() == each(300.0, 1200.0, 1200.0)
     assert saw["statistics.skipped"] == 6

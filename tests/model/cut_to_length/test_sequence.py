@@ -182,7 +182,7 @@ def test_an_input_that_jumps_past_the_start(reserve: float, late: bool) -> None:
 
 
 def test_what_the_input_jumps_over_happens_before_the_commands() -> None:
-    """The start point 1400 is jumped over in the step in which stop is given: the carriage has started, and makes the cut."""
+    """The start point 1400 is jumped over in the step in which stop is given: the carriage has started, it cuts."""
     saw = started().at(1.39)
     saw.place = 1401.0
     saw.give("stop").run(0.01)
@@ -541,9 +541,9 @@ def test_after_stop_the_way_home_is_not_eased() -> None:
 
 
 def test_the_end_of_the_stroke() -> None:
-    """Nobody says that the cut is through. The stop from 1000 takes 500 R(1000) = 75: at s = 575, t = 2.075, the carriage
-    turns round. It would stop at 650; since it goes on backwards at once, it stops at 575 + 50 - 4.1667 + 750^2 / 20000
-    = 648.96."""
+    """Nobody says that the cut is through. The stop from 1000 takes 500 R(1000) = 75: at s = 575, t = 2.075, the
+    carriage turns round. It would stop at 650; since it goes on backwards at once, it turns at 575 + 50 - 4.1667 +
+    750^2 / 20000 = 648.96."""
     saw = started(FEEDBACK).at(2.075 - JUST)
     assert (saw.state, saw["error"]) == (State.CUTTING, False)
     saw.at(2.075 + JUST)

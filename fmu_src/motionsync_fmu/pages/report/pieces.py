@@ -23,11 +23,11 @@ from .motion import NEAR, bounds, draw_bound
 
 OUTFEED = 0.35  # of the saw's range, above it, in which the pieces are shown that have been cut off
 MOST_DRAWN = 400  # pieces on the time plot; more could not be told apart
-MOST_NUMBERED = 60
+APART = 0.018  # of the time axis, the least distance of two numbers of pieces
 FAR = 100.0  # the tolerance is drawn unless it is so many times the greatest error
 OFF = 1.5  # an error is drawn up to this multiple of tolerance and products' errors; of greater ones only the direction
 SMALL = 1e-3  # errors below it are written with powers of ten
-FASTEST = 1.6  # the limit of the line is drawn up to this multiple of its velocity
+FASTEST = 2.0  # the limit of the line is drawn up to this multiple of its velocity
 
 
 def kinds_of(scenario: Scenario, made: Production) -> list[tuple[str, str, str]]:
@@ -193,15 +193,14 @@ def _corners(inside: Indices, lower: Reals, upper: Reals, window: tuple[float, f
 
 
 def _draw_numbers(chart: Chart, time: Reals, travel: Reals, factor: float, made: Production, position: float) -> None:
-    """Write the pieces' numbers where their middles pass a position of the saw."""
-    if len(made.pieces) > MOST_NUMBERED:
-        return
+    """Write the pieces' numbers where their middles pass a position of the saw, but none over another one."""
     passing = np.maximum.accumulate(travel - position / factor)
+    after, room = chart.span[0], APART * (chart.span[1] - chart.span[0])
     for piece in made.pieces:
         middle = 0.5 * (piece.begin + piece.end)
-        if passing[0] < middle < passing[-1]:
-            at = float(np.interp(middle, passing, time))
+        if passing[0] < middle < passing[-1] and (at := float(np.interp(middle, passing, time))) >= after:
             chart.note(str(piece.number), xref="x", x=at, yref="y", y=position, bgcolor=CLEAR, font={"size": 11})
+            after = at + room
 
 
 def _draw_cutting(chart: Chart, time: Reals, saw: Reals, cutting: Any) -> None:
