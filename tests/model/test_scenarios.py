@@ -5,12 +5,23 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.scenario.judge import check, compare
+from motionsync_fmu.scenario.pieces import find_pieces
 from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 
 SCENARIOS = pytest.mark.parametrize("file", find(ROOT / "scenarios"), ids=lambda file: "/".join(file.parts[-3:-1]))
+
+
+def at_its_place(scenario: Scenario, recording: Recording) -> bool:
+    """Whether each piece is as long as the block tells it, by the positions of slave and master while the tool cuts,
+    and the tool stays at its place on the material. A block that tells no pieces has none that could be wrong."""
+    found = find_pieces(scenario, recording)
+    off = [piece.measured - piece.length for piece in found if piece.measured is not None]
+    return max([*map(abs, off), *(piece.wander for piece in found)], default=0.0) <= 1e-9
 
 
 @SCENARIOS
@@ -20,6 +31,7 @@ def test_the_block_does_what_its_scenario_expects(file: Path) -> None:
     found = [*check(scenario, recording), *compare(scenario, recording)]
     assert found
     assert [judged for judged in found if not judged.passed] == []
+    assert at_its_place(scenario, recording)
 
 
 @SCENARIOS
@@ -34,6 +46,7 @@ def test_a_scenario_means_the_same_at_other_step_sizes_or_says_why_not(file: Pat
     recording = run_in_process(scenario, step_size)
     found = [*check(scenario, recording), *compare(scenario, recording)]
     assert [judged for judged in found if not judged.passed] == []
+    assert at_its_place(scenario, recording)
 
 
 def test_few_scenarios_are_bound_to_their_step_size() -> None:

@@ -120,6 +120,7 @@ def test_what_the_block_does_not_confirm_is_told(motionsync: Command, monkeypatc
         (["--set", "kerf=1", "--set", "kerf=2"], ("--set kerf is given twice",)),
         (["--set", "axis.max_velocty=5"], ("'axis.max_velocty'", "axis.max_velocity")),
         (["--set", "master.velocity=5"], ("--set master.velocity", "line velocities of the plan")),
+        (["--set", "length=800"], ("--set length", "--length 800")),
         (["--set", "axis.max_position=-5"], ("home_position must lie between", "axis.max_position = -5")),
         (["--set", "axis.max_position=0"], ("axis.max_position = 0 is too near",)),
         (["--set", "kerf=1", "--set", "length_correction=-20", "--length", "5"], ("length 5 is not allowed", "> 19")),

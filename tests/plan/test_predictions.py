@@ -184,7 +184,7 @@ values = {
 }
 
 
-@settings(derandomize=True, deadline=None, max_examples=10, phases=[Phase.generate])
+@settings(derandomize=True, deadline=None, max_examples=6, phases=[Phase.generate])
 @given(st.fixed_dictionaries(values), st.sampled_from((400.0, 1000.0, 2500.0)), st.sampled_from((150.0, 700.0)))
 def test_runs_confirm_any_machine(given_values: dict[str, str], length: float, velocity: float) -> None:
     plan = make_plan(machine(REFERENCE | given_values), [length], [velocity])

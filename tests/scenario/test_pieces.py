@@ -16,6 +16,7 @@ from motionsync.flying_saw.block import FlyingSaw
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.roles import books
 from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.pages.summary import print_result, print_row
 from motionsync_fmu.scenario.figures import figures
 from motionsync_fmu.scenario.judge import check
 from motionsync_fmu.scenario.outcome import Outcome
@@ -234,6 +235,23 @@ def test_the_outcome_tells_the_pieces(tmp_path: Path) -> None:
     assert [p["length"] for p in told["pieces"]] == [1500.0, 1500.0, 1000.0, 2000.0]
     assert (told["cuts"], told["skipped"], told["late"]) == (4, 1, 0)
     assert "cuts that did not come on time: 1 skipped" in outcome.remarks
+
+
+def test_the_console_tells_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    s = scenario(tmp_path)
+    outcome = Outcome("f", "n", "t", "CutToLength", 0.01, figures(s, run(s)), [], [], [], [], "r", None, "p")
+    print_result(outcome, verbose=False)
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    begin = next(i for i, line in enumerate(lines) if line.startswith("made "))
+    assert lines[begin : begin + 5] == [
+        "made 4 pieces: 2 PRODUCT, 1 SAMPLE, 1 MERGED; 2 good",
+        "length error 0 mm 0.5 mm allowed",
+        "not on time 1 skipped",
+        "reserve at least 20 % (piece 4) of a cycle",
+        "line 1000 mm/s nearest to its limit at 0.21 s: 1000 of 1250 mm/s",
+    ]
+    print_row(outcome, 3)
+    assert "4 pieces, worst error 0 mm, 1 skipped; v " in capsys.readouterr().out
 
 
 # --- how it is judged ---

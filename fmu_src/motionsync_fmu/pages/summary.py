@@ -24,11 +24,7 @@ def print_row(outcome: Outcome, width: int) -> None:
     mark = "[green]ok [/]" if outcome.passed else "[red]NOT[/]"
     if outcome.passed and outcome.remarks:
         mark = "[yellow]ok![/]"
-    made = outcome.figures.production
-    told = [
-        made.short_text if made else outcome.figures.cuts_text,
-        ", ".join(_short(p) for p in _shown(outcome.figures.peaks)),
-    ]
+    told = [outcome.figures.work_text, ", ".join(_short(p) for p in _shown(outcome.figures.peaks))]
     if outcome.messages:
         told.append(f"{_counted(len(outcome.messages), 'message')} of the FMU")
     out.print(f"{mark} {escape(f'{outcome.name:<{width}}')}  {escape('; '.join(filter(None, told)))}")

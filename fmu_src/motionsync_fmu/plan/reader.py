@@ -80,6 +80,8 @@ def _setting(recipe: Recipe, name: str, text: str) -> Any:
     """The value of an option `--set`."""
     if name.startswith("master."):
         raise UserError(f"--set {name}: it comes from {LINE}")
+    if name == "length":
+        raise UserError(f"--set {name}: lengths are what is planned for: --length {text}")
     settable = {v.name: v for v in recipe.variables.values() if v.settable and not v.name.startswith("master.")}
     return parse(choose(settable, name, f"parameter or input of {BLOCK}"), text)
 

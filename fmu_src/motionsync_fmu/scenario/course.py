@@ -16,7 +16,7 @@ def course(scenario: Scenario, recording: Recording, name: str) -> Reals:
         return recording.values[name]
     start = scenario.recipe.variables[name].start
     values = np.full(len(recording.time), float(scenario.start.get(name, start)))
-    for setting in recording.settings:
+    for setting in recording.settings or scenario.settings:
         if name in setting.values:
             values[recording.time > setting.at + CLOSE] = float(setting.values[name])
     return values

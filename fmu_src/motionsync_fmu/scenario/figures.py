@@ -133,6 +133,11 @@ class Figures:
         return f"{count} ({number}mark {engineering(self.worst.mark, self.unit)})"
 
     @property
+    def work_text(self) -> str:
+        """What was made or cut, in a few words; empty if nothing tells."""
+        return self.production.short_text if self.production else self.cuts_text
+
+    @property
     def uncut_text(self) -> str:
         """The marks that passed uncut, in words: `5 marks passed uncut: 1300, 1800, … mm`; empty if there are none."""
         number = len(self.uncut)
