@@ -165,7 +165,7 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
 
 
 def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
-    """What happens until `stop_time`: (time, name) of start, sync, cut, home and faults, in order.
+    """What happens until `stop_time`: (time, name) of start, turned back, sync, cut, home, fault, in order.
 
     Raises ValueError for a set at or before 0 and for a set of something that is neither an input nor tunable.
     """
@@ -231,7 +231,7 @@ class _Rows:
         pitch = piece.pitch if piece else inf
         kerf, correction = holds.material
         way = saw.way(v)
-        sensor = saw.f * ((way - saw.home) / saw.k + v * holds.mark_delay)
+        sensor = saw.f * ((way - saw.home) / saw.k + max(v, 0.0) * holds.mark_delay)
         return {
             "limits.cycle_time": cycle,
             "limits.min_length": max(saw.f * v * cycle - kerf - correction, 0.0) if v > 0 else 0.0,

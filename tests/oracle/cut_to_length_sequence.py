@@ -12,7 +12,7 @@ Readings of the specification that it leaves open:
 - A `cut_now` after `stop` or `abort` is refused, though the machine runs until it is at home.
 - With fault 17 the blade is down for `tool.retract_time` more, though the carriage goes home.
 - `start` forgets a `cut_now` that waits; so do `stop`'s arrival, `abort` and a fault.
-- Where the line turns back past the start, the cycle is measured from the former start on.
+- Where the line turns back past the start, the cycle goes on, and so does the time spent at home.
 - `tool.done` and marks are no commands: they leave a refusal as it is.
 - Any other command that is not refused clears a refusal; `stop` and `abort` of a machine that does not run are none.
 - A blade that touches less than 1e-9 s before sync touches at sync.
@@ -116,6 +116,7 @@ class Machine:
         self.cycle = self.books.saw()
         self.ready_at, self.home_time, self.start_time = 0.0, 0.0, 0.0
         self.former_start: float | None = None
+        self.spent, self.turned_at = 0.0, 0.0
         self.reserve = 1.0
         self.line, self.sync_place, self.sync_time = 0.0, 0.0, 0.0
         self.on_time: float | None = None
@@ -309,11 +310,12 @@ class Machine:
         assert piece is not None
         self.log.append((self.time, "start"))
         self.state, self.cycle, self.line, self.sync_place = APPROACHING, saw, piece.line, saw.home + way
-        self.start_time, self.on_time, self.early = self.time, None, False
+        self.start_time, self.on_time = self.time, None
+        self.early = self.gap_made = False
         self.reserve = 1.0
         if self.former_start is not None:
-            spent, cycle = self.time - self.ready_at, self.time - self.former_start
-            self.reserve = 0.0 if piece.late else spent / cycle
+            self.spent += self.time - max(self.ready_at, self.turned_at)
+            self.reserve = 0.0 if piece.late else self.spent / (self.time - self.former_start)
         if way > 0:
             self.law = approach(saw.k, piece.line, saw.home, way)
         else:
@@ -363,6 +365,8 @@ class Machine:
             self.command, self.command_time = on, self.time
 
     def _turn_back(self) -> None:
+        self.log.append((self.time, "turned back"))
+        self.turned_at = self.time
         self.state, self.law, self.down = WAITING, Rest(self.cycle.home), False
         self._switch(False)
 
@@ -508,7 +512,7 @@ class Machine:
         self.law, self.ease, self.home_time = Rest(self.cycle.home), 1.0, self.time
         if self.state == FAULT:
             return
-        self.ready_at = self.time + self.inputs["homing.settle_time"]
+        self.ready_at, self.spent = self.time + self.inputs["homing.settle_time"], 0.0
         self.state = WAITING
         if self.stopping:
             self._off()

@@ -54,8 +54,8 @@ def ends(script: Script, cuts: Iterable[float]) -> list[float]:
     return [time for time in sorted(fixed | apart) if 0.0 <= time <= stop]
 
 
-def play(script: Script, cuts: Iterable[float], names: Sequence[str], mode: MasterInput) -> list[Row]:
-    """The block's outputs at the end of each step."""
+def play(script: Script, cuts: Iterable[float], names: Sequence[str], mode: MasterInput, stride: int = 1) -> list[Row]:
+    """The block's outputs at the end of each step, or of each `stride`-th one."""
     stepper = Stepper(CutToLength())
     line = [Course.of(piece, 0.0) for piece in stretches(script["master"], mp.mpf(script["stop_time"]) + 1)[1:]]
     period = float(script["start"].get("master.period", 0.0))
@@ -73,15 +73,16 @@ def play(script: Script, cuts: Iterable[float], names: Sequence[str], mode: Mast
     sets: dict[float, dict[str, Any]] = {}
     for table in script["set"]:
         sets.setdefault(table["at"], {}).update({name: value for name, value in table.items() if name != "at"})
-    for begin, end in pairwise(ends(script, cuts)):
+    for i, (begin, end) in enumerate(pairwise(ends(script, cuts))):
         while len(line) > 1 and line[1].begin <= begin:
             line.pop(0)
         stepper.set(sets.get(begin, {}))
         show(end if mode == MasterInput.END_OF_STEP else begin, line[0])
         stepper.step(end - begin)
-        if abs(line[0].at(end).velocity) < STANDING and abs(end - line[0].end) < 1e-9:
+        speed = abs(line[0].at(end).velocity)
+        if i % stride or (speed < STANDING and abs(end - line[0].end) < 1e-9):
             continue
-        chosen = [name for name in names if name not in AT_VELOCITY or abs(line[0].at(end).velocity) > STANDING]
+        chosen = [name for name in names if name not in AT_VELOCITY or speed > STANDING]
         found.append({"time": end, **{name: float(value) for name, value in stepper.get(chosen).items()}})
     return found
 
@@ -99,28 +100,28 @@ def tolerance(name: str, scale: Mapping[str, float], relative: float) -> float:
     return relative if name in TIMES or name in SHARES else 0.0
 
 
-def decided(script: Script) -> float:
-    """Until when rounding decides nothing: a carriage that has never left home comes home in a time of rounding."""
+def undecided(script: Script) -> tuple[float, set[str]]:
+    """From when on rounding decides: a carriage that has never left home comes home in a time of rounding; and what
+    the specification leaves open: what time a cycle has in reserve whose approach was begun twice."""
     found = events(script)
+    open_ = {"last.reserve", "statistics.reserve_worst"} if any(name == "turned back" for _, name in found) else set()
     for (begin, _), (end, name) in pairwise(found):
         if name == "home" and end - begin < SLACK:
-            return begin
-    return float(script["stop_time"])
+            return begin, open_
+    return float(script["stop_time"]), open_
 
 
-def differences(script: Script, played: Sequence[Row], relative: float) -> list[str]:
+def differences(script: Script, played: Sequence[Row], relative: float = 1e-9) -> list[str]:
     """Where the block's rows are neither at nor between the oracle's rows for that time."""
     expected: dict[float, list[Row]] = {}
     for row in reference(script, [row["time"] for row in played]):
         expected.setdefault(row["time"], []).append(row)
     start = script["start"]
-    fastest = max(1.0, start["axis.max_velocity"])
-    acceleration = max(1.0, start["axis.max_acceleration"])
-    scale = {"length": 1000.0, "velocity": fastest, "acceleration": acceleration}
+    scale = {"length": 1000.0, "velocity": start["axis.max_velocity"], "acceleration": start["axis.max_acceleration"]}
+    horizon, open_ = undecided(script)
     found = []
-    horizon = decided(script)
     for row in (row for row in played if row["time"] <= horizon):
-        for name in row.keys() - set(FREE):
+        for name in row.keys() - {*FREE, *open_}:
             allowed = [other[name] for other in expected[row["time"]]]
             margin = tolerance(name, scale, relative) * (max(1.0, row[name]) if name in TIMES else 1.0)
             if not min(allowed) - margin <= row[name] <= max(allowed) + margin:
@@ -210,16 +211,18 @@ def line(r: Random, duration: float, *, jumps: bool = True) -> dict[str, Any]:
                 segment["velocity"] = now = max(now + r.randint(-200, 200), 0.0)
         segments.append(segment)
         now += segment.get("acceleration", 0.0) * segment["duration"]
-        if now < 0.0:  # it does not go back for long
-            segments.append({"duration": 0.25, "acceleration": -now / 0.25})
-            now = 0.0
+        if now < 0.0:  # it does not go back for long, and does not stand then: rounding would say how
+            segments.append({"duration": 0.25, "acceleration": (256.0 - now) / 0.25})
+            now = 256.0
         if now == 0.0 and r.random() < 0.7:  # nor stands for long
             segments.append({"duration": 0.25})
         total = sum(each["duration"] for each in segments)
     return {"position": r.uniform(-500.0, 5000.0), "velocity": speed, "segments": segments}
 
 
-def marks(r: Random, start: dict[str, Any], course: dict[str, Any], duration: float) -> list[dict[str, Any]]:
+def marks(
+    r: Random, start: dict[str, Any], course: dict[str, Any], duration: float, *, windows: bool
+) -> list[dict[str, Any]]:
     """Edges of a sensor that sees a mark on each `spacing` of the material, or nearly so; values for the machine."""
     spacing = r.uniform(300.0, 1500.0)
     start |= {
@@ -229,7 +232,7 @@ def marks(r: Random, start: dict[str, Any], course: dict[str, Any], duration: fl
         "mark.sensor_distance": r.uniform(600.0, 2500.0),
         "mark.cut_offset": r.uniform(-50.0, 50.0),
         "mark.spacing": r.choice([0.0, spacing, spacing]),
-        "mark.window": r.choice([0.0, 30.0]),
+        "mark.window": r.choice([0.0, 30.0]) if windows else 0.0,
         "mark.every": r.choice([1, 1, 2]),
         "mark.max_missing": r.choice([0, 1, 3]),
         "mark.substitute": r.random() < 0.6,
@@ -245,7 +248,9 @@ def marks(r: Random, start: dict[str, Any], course: dict[str, Any], duration: fl
                 period = start["master.period"]
                 sets.append({"at": time, "mark.detected": True, "mark.position": place % period if period else place})
                 sets.append({"at": round(time + 0.0063, 4), "mark.detected": False})
-            place += (spacing + r.choice([0.0, r.uniform(-5.0, 5.0), r.uniform(-60.0, 60.0)])) / start["material_factor"]
+            place += (spacing + r.choice([0.0, r.uniform(-5.0, 5.0), r.uniform(-60.0, 60.0)])) / start[
+                "material_factor"
+            ]
     return sets
 
 
@@ -288,12 +293,17 @@ def commands(r: Random, start: dict[str, Any], duration: float) -> list[dict[str
     return sorted((table for table in sets if table["at"] < duration), key=lambda table: table["at"])
 
 
-def scripted(r: Random, step_size: float = 1e3, duration: float = 6.0, *, jumps: bool = True) -> Script:
-    """A machine, its line, and what it is told; `step_size` is for what is noticed at a step's beginning."""
+def scripted(r: Random, duration: float, step_size: float | None, *, jumps: bool = True) -> Script:
+    """A machine, its line, and what it is told.
+
+    `step_size`: of the run, for what is noticed at a step's beginning; None: any, and nothing is noticed there.
+    `jumps`: of the line's velocity.
+    """
     start = machine(r)
     course = line(r, duration, jumps=jumps)
     stop = sum(segment["duration"] for segment in course["segments"])
     sets = commands(r, start, duration)
     if r.random() < 0.25:
-        sets = sorted([*sets, *marks(r, start, course, duration)], key=lambda table: table["at"])
-    return {"stop_time": stop, "step_size": step_size, "start": start, "master": course, "set": sets}
+        seen = marks(r, start, course, duration, windows=step_size is not None)
+        sets = sorted([*sets, *seen], key=lambda table: table["at"])
+    return {"stop_time": stop, "step_size": step_size or stop, "start": start, "master": course, "set": sets}

@@ -7,10 +7,15 @@ prototype of the sequence; what is derived from them is derived in the docstring
 
 from itertools import pairwise
 from math import cos, inf, pi, sqrt
+from random import Random
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from motionsync.master import MasterInput
+from tests.model.cut_to_length.scripted_runs import FREE, differences, play, scripted
 from tests.oracle.cut_to_length import DEFAULTS, FIXED, events, reference
 from tests.oracle.cut_to_length_limits import Saw
 
@@ -363,3 +368,40 @@ def test_the_pitch_counts_travel_of_the_master() -> None:
     cuts = [row["next_cut.position"] for row in reference(script, [1.0, 3.0])]
     assert cuts[1] - cuts[0] == close(1474.509804)
     assert [row["last.length"] for row in pieces(script)] == [close(1500.0)] * len(pieces(script))
+
+
+# --- the block --------------------------------------------------------------------------------------------------------
+
+settings.register_profile("cut_to_length_oracle", derandomize=True, deadline=None)
+repeatable = settings.get_profile("cut_to_length_oracle")
+randoms = st.integers(0, 2**32 - 1).map(Random)
+SHOWN = [name for name in at(steady(100.0, 1.0), 0.5) if name not in FREE]
+DURATION = 5.0
+
+
+@settings(repeatable, max_examples=12)
+@given(randoms, st.sampled_from([0.007, 0.0471]))
+def test_the_block_is_its_oracle(random: Random, step_size: float) -> None:
+    """Random machines, lines and commands; all outputs to 1e-9 of the machine's size."""
+    script = scripted(random, DURATION, step_size)
+    cuts = [i * step_size for i in range(int(script["stop_time"] / step_size) + 1)]
+    played = play(script, cuts, SHOWN, MasterInput.START_OF_STEP, stride=3)
+    assert differences(script, played) == []
+
+
+@settings(repeatable, max_examples=3)
+@given(randoms)
+def test_the_block_is_its_oracle_at_short_steps(random: Random) -> None:
+    script = scripted(random, DURATION, 0.001)
+    cuts = [i * 0.001 for i in range(int(script["stop_time"] / 0.001) + 1)]
+    played = play(script, cuts, SHOWN, MasterInput.START_OF_STEP, stride=25)
+    assert differences(script, played) == []
+
+
+@settings(repeatable, max_examples=8)
+@given(randoms, st.sampled_from([MasterInput.START_OF_STEP, MasterInput.END_OF_STEP]))
+def test_the_block_is_its_oracle_at_random_steps(random: Random, mode: MasterInput) -> None:
+    script = scripted(random, DURATION, None, jumps=mode == MasterInput.START_OF_STEP)
+    cuts = [random.uniform(0.0, script["stop_time"]) for _ in range(random.choice([20, 100, 400]))]
+    played = play(script, cuts, SHOWN, mode, stride=3)
+    assert differences(script, played) == []
