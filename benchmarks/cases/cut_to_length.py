@@ -14,7 +14,6 @@ UNTIL_DONE = {"tool.mode": ToolMode.FEEDBACK, "late_mode": LateMode.LATE}
 WORKING = {
     "kerf": 4.0,
     "tool.settle_time": 0.05,
-    "tool.retract_time": 0.04,
     "homing.velocity": 1200.0,
     "homing.settle_time": 0.02,
     "approach.reserve": 0.1,
@@ -27,7 +26,9 @@ def of_one_cut(name: str, state: State, **start: Any) -> Steady:
     return Steady(name, start=WIDE | own, begin=FIRST_CUT, first=LEAD_IN, holds={"state_code": state})
 
 
-def piece_ends(name: str, start: Values, lengths: Bounds = (700.0, 1400.0), *between: str) -> Worst:
+def piece_ends(
+    name: str, start: Values, lengths: Bounds = (700.0, 1400.0), drawn: str = "length", *between: str
+) -> Worst:
     """`tool.done` ends the cut: the books are kept, the next piece is fixed, the limits are solved, the way home is
     planned. In the step between the carriage comes home, and into the next cut, wherever that is possible first."""
     return Worst(
@@ -36,9 +37,9 @@ def piece_ends(name: str, start: Values, lengths: Bounds = (700.0, 1400.0), *bet
         start=UNTIL_DONE | {"auto_start": True} | start,
         pause=4.0,
         between=between,
-        draws={"length": lengths},
+        draws={drawn: lengths},
         watch=("state_code",),
-        planned=((State.RETURNING,), (State.PULLING,), (State.CLEARING,)),
+        planned=((State.RETURNING,), (State.PULLING,)),
     )
 
 
@@ -82,7 +83,11 @@ CASES = Cases(
         piece_ends("with a gap", WORKING | {"gap.distance": 10.0, "gap.travel": 150.0}),
         piece_ends("eased way home", WORKING | {"homing.ease": True}, (1500.0, 1900.0)),
         piece_ends(
-            "64 orders wait", WORKING | {"order.length": 900.0, "order.repeat": True}, (700.0, 1400.0), "order.add"
+            "64 orders wait",
+            WORKING | {"order.repeat": True, "order.length": 900.0},
+            (700.0, 1400.0),
+            "order.length",
+            "order.add",
         ),
     ),
 )

@@ -54,10 +54,10 @@ TURNED = {  # something of each kind, where the block has it
         output=("beats", "cycle_index_difference"),
     ),
     "CutToLength": Interface(
-        input=("order.skip", "order.clear", "calibration.*", "clear_statistics", "kerf"),
+        input=("order.skip", "order.clear", "calibration.[emr]*", "clear_statistics", "kerf"),
         parameter=("length*", "order.length", "mark.position", "line.wanted_velocity"),
         local=("slave.jerk", "order.waiting", "statistics.skipped"),
-        output=("batch*", "piece.*", "tool.blade_down"),
+        output=("batch_[cd]*", "piece.*", "tool.blade_down"),
     ),
 }
 NATIVE = ("Gearing", "FlyingSaw")  # building one takes long; the C files are the same for all

@@ -22,6 +22,7 @@ from motionsync.cut_to_length.limits import (
 )
 from motionsync_fmu.build import Flavour
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.turns import Interface
 from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import readme
 from motionsync_fmu.pages.state_diagram import read
@@ -183,6 +184,20 @@ def test_links_lead_to_files_that_exist() -> None:
     for file in files:
         for link in re.findall(r"\]\((?!http|#)([^)#]+)[^)]*\)", file.read_text("utf-8")):
             assert (file.parent / link).exists(), f"{file}: {link}"
+
+
+def test_the_builds_that_the_pages_show_are_possible() -> None:
+    """Their patterns name variables that may be turned so; values to be baked in are tried elsewhere."""
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "model").rglob("README.md")]
+    seen = 0
+    for command in re.findall(r"`motionsync build ([^`]+)`", "\n".join(page.read_text("utf-8") for page in pages)):
+        name, *words = shlex.split(command)
+        turned: dict[str, list[str]] = {}
+        for option, value in zip(words[::2], words[1::2], strict=True):
+            turned.setdefault(option.removeprefix("--"), []).append(value)
+        if turned and turned.keys() <= {"input", "output", "parameter", "local"}:
+            seen += len(Recipe(name, interface=Interface(**turned)).turned)
+    assert seen > 10
 
 
 # --- of the CutToLength ---
