@@ -193,7 +193,8 @@ def test_the_books_of_orders_samples_and_waste_balance(rng: Random, mode: Master
 @settings(repeatable, max_examples=40)
 @given(rngs, modes)
 def test_the_highest_line_velocity_is_sharp(rng: Random, mode: MasterInput) -> None:
-    """At 0.999999 of it every cut is on time, at 1.000001 the warning stands from the beginning and a cut is missed."""
+    """At 0.999999 of it every cut is on time, at 1.000001 the warning stands from the beginning and a cut is missed,
+    unless the gap that is reckoned with is left out."""
     values = random_machine(rng, approach__reserve=0.0, approach__distance=0.0, gap__distance=0.0)
     if rng.random() < 0.3:  # a gap that the axis can pull at any velocity that it has: jerk 60 g / T^3
         duration = values["gap.travel"] / values["axis.max_velocity"]
@@ -207,7 +208,7 @@ def test_the_highest_line_velocity_is_sharp(rng: Random, mode: MasterInput) -> N
         assert saw["statistics.skipped"] == 0
         for _ in range(12):
             saw.run(0.5 * duration)
-        assert (saw["statistics.skipped"] > 0) == (share > 1.0)
+        assert (saw["statistics.skipped"] > 0) == (share > 1.0 and not saw["warning.gap_skipped"])
         assert saw["statistics.late"] == 0
         if share < 1.0:
             assert saw["statistics.cuts"] >= 4
