@@ -84,7 +84,8 @@ def test_every_block_has_random_runs() -> None:
 @pytest.mark.slow
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
     """What the runs above are worth: within a few of them everything happens. At least 60 are compared."""
-    missing: set[Any] = {*strategy(block).meets, "refused"}
+    own = strategy(block)
+    missing: set[Any] = {*own.meets, "refused"}
     for number, run in enumerate(drawn(block, 500, 400), 1):
         pair = Pair(block, run.start)
         for h, values in run.steps:
@@ -93,7 +94,7 @@ def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
                 missing.discard("refused")
             if answer:
                 pair = Pair(block, run.start)
-            missing -= strategy(block).watch(pair.block)
+            missing -= own.watch(pair.block)
         if not missing and number >= 60:
             break
     assert not missing
