@@ -445,12 +445,7 @@ class Machine:
 
         def beyond(time: float) -> float:
             """How far the stop would end beyond the nearer end of the stroke."""
-            s, v, a, _ = state = self._carriage(time)
-            longest = abs(v) + a**2 / jerk
-            bound = longest * (longest / deceleration + 2 * deceleration / jerk + abs(a) / jerk)
-            if s + bound < saw.high and s - bound > saw.low:
-                return max(s + bound - saw.high, saw.low - s + bound)
-            place = stopping_place(state, deceleration, jerk)
+            place = stopping_place(self._carriage(time), deceleration, jerk)
             return max(place - saw.high, saw.low - place)
 
         at = first(beyond, self.time, until)
