@@ -21,6 +21,7 @@ from math import ceil, inf, sqrt
 from typing import Any
 
 from tests.oracle.cut_to_length_limits import Saw
+from tests.oracle.cut_to_length_tunables import settled, sound
 
 LENGTH, MARK = 1, 2
 NONE, PRODUCT, SAMPLE, WASTE, TRIM, SHORT, MERGED = range(7)
@@ -84,12 +85,16 @@ class Tally:
 
 
 class Books:
-    """All that is known of the material; `inputs` is the machine's present settings, which others change."""
+    """All that is known of the material.
+
+    `given`: the machine's settings, which others change; `inputs`: the same, with the last good value of what is out
+    of its range.
+    """
 
     def __init__(self, inputs: Mapping[str, Any]) -> None:
-        self.inputs = inputs
+        self.given, self.inputs = inputs, dict(inputs)
         self.calibration = 1.0
-        self.running = False
+        self.running, self.spoilt = False, False
         self.origin = 0.0
         self.piece: Piece | None = None
         self.last_cut: float | None = None
@@ -131,6 +136,10 @@ class Books:
     def saw(self) -> Saw:
         return Saw.of(self.inputs, self.calibration)
 
+    def settle(self) -> None:
+        """Take what has been set, but for what is out of its range."""
+        self.inputs = settled(self.given, self.inputs)
+
     # --- pieces ---------------------------------------------------------------------------------------------------
 
     def begin(self, master: float, saw: Saw) -> None:
@@ -155,10 +164,14 @@ class Books:
         self.warnings["change_pending"] = False
 
     def fix(self) -> None:
-        """The piece that begins at the last cut, if its length is known."""
+        """The piece that begins at the last cut, if its length is known and nothing that it reads is spoilt."""
         self.piece = None
+        kind, length, order = self._wanted(self.orders)
+        read = {WASTE: "waste_length", SAMPLE: "sample_length"}.get(kind, "kerf")
+        self.spoilt = not sound(self.given, ("kerf", "material_factor", "mark.spacing" if self.by_marks else read))
+        if self.spoilt:
+            return
         if not self.by_marks:
-            kind, length, order = self._wanted(self.orders)
             pitch = (length + self.correction + self.kerf) / self.f
             if length > 0 and pitch * self.f > LEAST_PITCH:
                 self.piece = self._made(kind, length, order)
