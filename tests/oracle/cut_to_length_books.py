@@ -50,6 +50,7 @@ class Order:
 class Piece:
     """What is made at present, with f, b and Δ of when it was fixed; its cut is to lie at `line`.
 
+    `any_length`: it has no error, since nothing is known of the marks' distance.
     `pitch`: what the line must not be too fast for, of the master; infinite for TRIM, where no length is known, and
     for a mark whose cut lies before the last one.
     """
@@ -63,6 +64,7 @@ class Piece:
     line: float
     order: Order | None = None
     late: bool = False
+    any_length: bool = False
 
 
 @dataclass
@@ -182,7 +184,8 @@ class Books:
             kind = MERGED if self.merging else PRODUCT
             line = self.marks[0]
             pitch = line - self.origin if line > self.origin else inf
-            self.piece = Piece(kind, ordered, pitch, self.f, self.kerf, 0.0, line)
+            free = inputs["mark.spacing"] <= 0
+            self.piece = Piece(kind, ordered, pitch, self.f, self.kerf, 0.0, line, any_length=free)
 
     def _made(self, kind: int, length: float, order: Order | None) -> Piece:
         pitch = (length + self.correction + self.kerf) / self.f
@@ -216,7 +219,8 @@ class Books:
 
     def move_line(self, line: float, kind: int | None = None, *, late: bool = False) -> None:
         """The piece in progress, or one of unknown length, is to end at another line."""
-        piece = self.piece or replace(self._made(SHORT, 0.0, None), pitch=inf)
+        free = self.by_marks and self.inputs["mark.spacing"] <= 0
+        piece = self.piece or replace(self._made(SHORT, 0.0, None), pitch=inf, any_length=free)
         self.piece = replace(piece, line=line, kind=piece.kind if kind is None else kind, late=late)
 
     def skip(self, least: float) -> None:
@@ -240,8 +244,7 @@ class Books:
         piece = self.piece
         assert piece is not None
         length = piece.f * (line - self.origin) - piece.kerf - piece.correction
-        unknown = self.by_marks and self.inputs["mark.spacing"] <= 0 and piece.kind != TRIM
-        error = 0.0 if unknown else length - piece.ordered
+        error = 0.0 if piece.any_length else length - piece.ordered
         good = piece.kind == PRODUCT and abs(error) <= self.inputs["length_tolerance"]
         values = (length, error, float(piece.kind), float(good), time, reserve)
         self.last = dict(zip(self.last, values, strict=True))
