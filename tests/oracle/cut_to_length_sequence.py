@@ -217,22 +217,19 @@ class Machine:
         return min(found, key=lambda event: event[0]) if found else None
 
     def _events(self, until: float) -> list[Event]:
-        match self.state:
-            case 1 | 8:
-                return [(self._law_end(), self._arrive)]
-            case -1 if self.clear_end < inf:
-                return [(self.clear_end, self._clear)]
-            case -1:
-                return [(self._law_end(), self._arrive), (max(self.up_at, self.time), self._up)]
-            case 2:
-                return self._waiting(until)
-            case 3:
-                return self._approaching(until)
-            case 4 | 5 | 6 | 7:
-                found = [event for event in self._working(until) if event[0] <= until]
-                return [*found, *self._stroke_end(min([until, *(time for time, _ in found)]))]
-            case _:
-                return []
+        found: list[Event] = []
+        if self.state in (HOMING, RETURNING) or (self.state == FAULT and self.clear_end == inf):
+            found = [(self._law_end(), self._arrive), (max(self.up_at, self.time), self._up)]
+        elif self.state == FAULT:
+            found = [(self.clear_end, self._clear)]
+        elif self.state == WAITING:
+            found = self._waiting(until)
+        elif self.state == APPROACHING:
+            found = self._approaching(until)
+        elif self.state in IN_SYNC:
+            found = [event for event in self._working(until) if event[0] <= until]
+            found += self._stroke_end(min([until, *(time for time, _ in found)]))
+        return found
 
     def _law_end(self) -> float:
         return max(self.law.end, self.time) if isinstance(self.law, Own) else inf

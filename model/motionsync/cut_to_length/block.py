@@ -16,7 +16,7 @@ from ..motion import SAME_TIME, stopping_distance
 from ..slave import Edge
 from ..var import Enumeration
 from .books import Books, more
-from .carriage import Carriage, gap_keeps_limits
+from .carriage import Carriage, gap_extremes, gap_keeps_limits
 from .faults import Fault, Refusal
 from .interface import (
     ChangeMode,
@@ -118,6 +118,7 @@ class CutToLength(CutToLengthInterface):
     cut_mu: float = 0.0  # how far the master is beyond cut_place when the blade begins to cut
     early: bool = False  # the blade has touched before sync
     reserve: float = 1.0  # share of the cycle that the carriage has spent ready at home
+    waited: float = 0.0  # so long the carriage was ready at home before starts of this cycle
     first_cut: bool = True  # there has been no cut since start
     sync_time: float = 0.0  # the block's time
     clear_time: float = 0.0  # how long CLEARING lasts
@@ -325,6 +326,7 @@ class CutToLength(CutToLengthInterface):
         self.stopping = False
         self.cut_waits = False
         self.first_cut = True
+        self.waited = 0.0
         material = self.material
         material.piece.begin = material.last_place
         if self.start_mode != StartMode.CONTINUE:
@@ -403,11 +405,13 @@ class CutToLength(CutToLengthInterface):
     def watch_piece(self) -> None:
         """Look for a length where none was known, and for one that has changed."""
         piece = self.material.piece
-        if not self.running or self.source == Source.MARK:
+        if not self.running:
             self.warning.change_pending = False
+        elif not piece.known and self.good.can_fix():
+            self.material.look_for_length(self, self.good)
         elif not piece.known:
-            self.fix_piece()
-        elif self.good.change_mode != ChangeMode.THIS_PIECE:
+            self.refusal = Fault.TUNABLE
+        elif self.source == Source.MARK or self.good.change_mode != ChangeMode.THIS_PIECE:
             self.warning.change_pending = False
         elif piece.kind == PieceKind.PRODUCT:
             changed = self.material.has_changed(self, self.good)
@@ -544,19 +548,25 @@ class CutToLength(CutToLengthInterface):
     def is_far_from_ends(self, until: float) -> bool:
         """Whether the carriage, in sync, need not stop for an end of its stroke up to a time since the step begins: it
         spares the search for the instant. The bound of the way of a stop is a rough one."""
+        if not self.carriage.joined:
+            return False
         k = self.carriage.coupling
         machine = self.predictions.machine
         down = turning_acceleration(machine)
-        begin = self.master.begin_velocity
-        end = self.master.end_velocity
-        if self.carriage.pulls or not self.carriage.joined or k * abs(end - begin) > down * self.master.step:
+        speed = k * max(abs(self.master.begin_velocity), abs(self.master.end_velocity))
+        acceleration = k * abs(self.master.end_velocity - self.master.begin_velocity) / self.master.step
+        ahead = 0.0
+        if self.carriage.pulls:
+            ahead = self.carriage.gap
+            speed, acceleration = gap_extremes(speed, acceleration, ahead, self.cycle.gap_travel)
+        if acceleration > down:
             return False
-        fast = k * max(abs(begin), abs(end)) + 0.5 * down * down / machine.homing_jerk
+        fast = speed + 0.5 * down * down / machine.homing_jerk
         far = fast * (0.5 * fast / down + 3.0 * down / machine.homing_jerk)
         first = k * self.beyond(self.cut_place, self.now)
         last = k * self.beyond(self.cut_place, until)
         low = self.good.axis.min_position + far
-        return low < min(first, last) and max(first, last) < self.good.axis.max_position - far
+        return low < min(first, last) and max(first, last) + ahead < self.good.axis.max_position - far
 
     def has_to_stop(self, time: float) -> bool:
         """Whether the time-optimal stop from here ends at an end of the stroke, or beyond it."""
@@ -776,11 +786,11 @@ class CutToLength(CutToLengthInterface):
         if not (waits or is_admissible(machine, velocity)):
             self.miss_cut(Fault.STROKE, mu, least)
         elif distance >= least * LATE:
-            self.begin_approach(distance, False)
+            self.enter_approaching(distance, False)
         elif waits or self.good.late_mode == LateMode.LATE:
             self.statistics.late = more(self.statistics.late, 0.0 if waits else 1.0)
             self.move_cut(mu, least)
-            self.begin_approach(least, True)
+            self.enter_approaching(least, True)
         else:
             self.miss_cut(Fault.CUT_MISSED, mu, least)
 
@@ -788,12 +798,14 @@ class CutToLength(CutToLengthInterface):
         """Cut where the carriage can be in sync first."""
         piece = self.material.piece
         self.cut_waits = False
+        if not piece.known:
+            self.material.measure(self, self.good)
         piece.known = True
         piece.kind = PieceKind.SHORT
         piece.end = self.master.begin
         least = lead(self.predictions.machine, self.master.velocity_at(self.now))
         self.move_cut(self.beyond(piece.end, self.now), least)
-        self.begin_approach(least, False)
+        self.enter_approaching(least, False)
 
     def move_cut(self, mu: float, distance: float) -> None:
         """The cut, whose line is at mu, goes to where an approach of a distance begins now."""
@@ -831,12 +843,13 @@ class CutToLength(CutToLengthInterface):
         else:
             material.piece.pitch = UNLIMITED
 
-    def begin_approach(self, distance: float, late: bool) -> None:
+    def enter_approaching(self, distance: float, late: bool) -> None:
         """The carriage starts now and is in sync after its own travel `distance`."""
         var.copy(self.cycle, self.predictions.machine)
         self.timeout = self.good.tool.timeout
         self.carriage.lay_approach(self.cycle.coupling, self.way_home.home, distance)
         self.cut_place = self.material.piece.end
+        self.waited += self.ready_clock.time + self.now
         self.judge_reserve(late)
         self.early = False
         self.start_clock.start(self.now)
@@ -852,9 +865,8 @@ class CutToLength(CutToLengthInterface):
         elif late:
             self.reserve = 0.0
         else:
-            waited = self.ready_clock.time + self.now
             since_start = self.cycle_clock.time + self.now
-            self.reserve = max(0.0, min(waited / since_start, 1.0)) if since_start > 0.0 else 1.0
+            self.reserve = max(0.0, min(self.waited / since_start, 1.0)) if since_start > 0.0 else 1.0
 
     def end_cut(self) -> None:
         """The blade is through: the piece ends, and the next one begins."""
@@ -886,6 +898,7 @@ class CutToLength(CutToLengthInterface):
         self.last.time = self.sync_time
         self.last.reserve = self.reserve
         self.first_cut = False
+        self.waited = 0.0
         var.copy(self.cycle_clock, self.start_clock)
         self.books.enter(self.statistics, piece.kind, good, length, error, self.reserve)
         self.batch_done = False

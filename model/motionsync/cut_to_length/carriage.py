@@ -88,12 +88,20 @@ class Carriage:
         return k * mu + self.gap * law, k + g1 * law1, g2 * law2, g2 * rate * law3
 
 
+def gap_extremes(speed: float, acceleration: float, distance: float, travel: float) -> tuple[float, float]:
+    """Bounds of the carriage's speed and acceleration while the gap is opened, u/s and u/s2; the line's, in its travel,
+    are at most these."""
+    rate = distance / travel * speed
+    slope = 1.0 + GAP_VELOCITY * distance / travel
+    return slope * speed, slope * acceleration + GAP_ACCELERATION * rate * (speed / travel)
+
+
 def gap_keeps_limits(velocity: float, distance: float, travel: float, axis: AxisLimits) -> bool:
     """Whether the gap can be opened at a constant velocity of the carriage in sync, u/s, which is above 0."""
     time = travel / velocity
-    peak = distance / time
+    speed, acceleration = gap_extremes(velocity, 0.0, distance, travel)
     return (
-        velocity + GAP_VELOCITY * peak <= axis.max_velocity
-        and GAP_ACCELERATION * peak / time <= min(axis.max_acceleration, axis.deceleration())
-        and GAP_JERK * peak / time / time <= axis.max_jerk
+        speed <= axis.max_velocity
+        and acceleration <= min(axis.max_acceleration, axis.deceleration())
+        and GAP_JERK * distance / time / time / time <= axis.max_jerk
     )

@@ -68,6 +68,13 @@ class Material:
         else:
             self.fix_product(block)
 
+    def look_for_length(self, block: CutToLengthInterface, settings: Settings) -> None:
+        """The length of the piece was not known: fix it if it is now. A mark fixes its piece when it comes."""
+        if block.source == Source.MARK:
+            self.measure(block, settings)
+        else:
+            self.fix(block, settings)
+
     def fix_product(self, block: CutToLengthInterface) -> None:
         """The piece is of the active order, or of the input length."""
         length, order = self.product(block)
