@@ -190,8 +190,10 @@ def test_the_builds_that_the_pages_show_are_possible() -> None:
     """Their patterns name variables that may be turned so; values to be baked in are tried elsewhere."""
     pages = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "model").rglob("README.md")]
     seen = 0
-    for command in re.findall(r"`motionsync build ([^`]+)`", "\n".join(page.read_text("utf-8") for page in pages)):
-        name, *words = shlex.split(command)
+    text = "\n".join(page.read_text("utf-8") for page in pages)
+    inline, blocks = r"`motionsync build ([^`]+)`", r"^    motionsync build (.*(?:(?<=\\)\n.*)*)$"
+    for command in re.findall(inline, text) + re.findall(blocks, text, re.M):
+        name, *words = shlex.split(command.replace("\\\n", " "), comments=True)
         turned: dict[str, list[str]] = {}
         for option, value in zip(words[::2], words[1::2], strict=True):
             turned.setdefault(option.removeprefix("--"), []).append(value)
