@@ -151,6 +151,9 @@ class Machine:
 
     def _begin_step(self, values: Mapping[str, Any], *, first: bool = False) -> None:
         """What a step begins with: commands, then what is looked for at each step's beginning."""
+        lacking = self.books.running and self.books.piece is None
+        if not (values or first or lacking or self._watchful):
+            return
         self.inputs |= values
         self.books.settle()
         self.barred = self.barred and not sound(self.inputs, CYCLE)
