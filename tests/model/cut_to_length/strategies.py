@@ -118,7 +118,6 @@ def inputs(r: Random, length: float, duration: float) -> dict[str, Any]:
         "length_correction": length * r.choice((0.0, 0.0, 1e-3)),
         "order.length": length * 1.1,
         "line.wanted_velocity": length / duration * r.choice((0.5, 1e3)),
-        "auto_start": r.random() < 0.3,
         "waste": r.random() < 0.1,
         "hold": False,
     }
@@ -143,6 +142,7 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
         **tool(r, length, duration),
         **work(r, length, duration),
         **inputs(r, length, duration),
+        "auto_start": r.random() < 0.3,
     }
     if theme == "mark.detected":  # more marks than can wait
         start |= {"source": Source.MARK, "mark.sensor_distance": 1e3 * length, "mark.spacing": 0.0, "mark.every": 1}

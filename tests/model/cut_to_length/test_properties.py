@@ -65,12 +65,12 @@ def speed_for(values: dict[str, Any], share: float) -> float:
 
 
 def random_line(rng: Random, speed: float, phases: int, *, stops: bool = True) -> Iterator[Phase]:
-    """The line runs, gets faster and slower within 0.3 s or more; `stops`: it stops, and turns back now and then."""
+    """The line runs, gets faster and slower within 0.4 s or more; `stops`: it stops, and turns back now and then."""
     present = speed
     for _ in range(phases):
         shares = (1.0, 1.0, 0.9, 0.5, rng.uniform(0.3, 1.0))
         target = speed * rng.choice((*shares, 0.0, -0.1) if stops else shares)
-        duration = DURATION * rng.uniform(0.3, 0.6)
+        duration = DURATION * rng.uniform(0.4, 0.8)
         yield Phase(duration, (target - present) / duration)
         present = target
         yield Phase(DURATION * rng.uniform(0.1, 1.5) if target > 0.0 else 0.2 * DURATION)
@@ -193,7 +193,8 @@ def test_the_books_of_orders_samples_and_waste_balance(rng: Random, mode: Master
 @settings(repeatable, max_examples=40)
 @given(rngs, modes)
 def test_the_highest_line_velocity_is_sharp(rng: Random, mode: MasterInput) -> None:
-    """At 0.999999 of it every cut is on time, at 1.000001 the warning stands from the beginning and a cut is missed."""
+    """At 0.999999 of it every cut is on time, at 1.000001 the warning stands from the beginning and a cut is missed,
+    unless the gap that is reckoned with is left out."""
     values = random_machine(rng, approach__reserve=0.0, approach__distance=0.0, gap__distance=0.0)
     if rng.random() < 0.3:  # a gap that the axis can pull at any velocity that it has: jerk 60 g / T^3
         duration = values["gap.travel"] / values["axis.max_velocity"]
@@ -207,7 +208,7 @@ def test_the_highest_line_velocity_is_sharp(rng: Random, mode: MasterInput) -> N
         assert saw["statistics.skipped"] == 0
         for _ in range(12):
             saw.run(0.5 * duration)
-        assert (saw["statistics.skipped"] > 0) == (share > 1.0)
+        assert (saw["statistics.skipped"] > 0) == (share > 1.0 and not saw["warning.gap_skipped"])
         assert saw["statistics.late"] == 0
         if share < 1.0:
             assert saw["statistics.cuts"] >= 4
@@ -242,7 +243,7 @@ def test_the_ends_of_the_stroke_are_never_passed(rng: Random, mode: MasterInput)
     home = values["home_position"]
     values |= {"axis.min_position": home - 50.0, "axis.max_position": home + LENGTH}
     speed = speed_for(values, 0.7)
-    values["axis.max_position"] = home + 1.05 * CutToLengthHarness(values, speed=speed)["limits.stroke"]
+    values["axis.max_position"] = home + 1.3 * CutToLengthHarness(values, speed=speed)["limits.stroke"]
     saw = CutToLengthHarness(values, speed=speed, mode=mode).give("start")
     low, high = values["axis.min_position"], values["axis.max_position"]
     change = 0.0
@@ -292,7 +293,7 @@ def test_position_velocity_and_acceleration_have_no_step(rng: Random, mode: Mast
     the carriage's jumps only where the line's does. (A start at standstill has an approach of no length.)"""
     values = random_machine(rng, homing__ease=rng.random() < 0.5)
     saw = CutToLengthHarness(values, speed=speed_for(values, 0.7), mode=mode).give("start")
-    k, _ = factors(values)
+    slope = factors(values)[0] * (1.0 + 1.875 * values["gap.distance"] / values["gap.travel"])  # the steepest
     acceleration = values["axis.max_acceleration"]
     line_acceleration = 0.0
     for phase in random_line(rng, saw.speed, 4, stops=False):
@@ -302,7 +303,7 @@ def test_position_velocity_and_acceleration_have_no_step(rng: Random, mode: Mast
         jerk = 1.2 * max(values["axis.max_jerk"], *(abs(row["slave.jerk"]) for row in rows.values()))
         for number, ((before, x), (after, y)) in enumerate(pairwise(rows.items())):
             h = after - before
-            jump = k * abs(phase.acceleration - line_acceleration) if number == 0 else 0.0
+            jump = slope * abs(phase.acceleration - line_acceleration) if number == 0 else 0.0
             gap = abs(y["slave.acceleration"] - x["slave.acceleration"])
             assert gap <= h * jerk + jump + 1e-6 * acceleration
             trapezoid = 0.5 * h * (x["slave.acceleration"] + y["slave.acceleration"])
@@ -338,10 +339,12 @@ def assert_alike(one: CutToLengthHarness, other: CutToLengthHarness) -> None:
 
 
 def random_phases(rng: Random, speed: float, number: int) -> list[Phase]:
-    """A line, lengths, commands and settings."""
+    """A line, lengths, commands and settings. No approach begins while the line brakes hard to a stop."""
     found = []
     for phase in random_line(rng, speed, number):
-        values: dict[str, Any] = {"order.length": LENGTH * rng.uniform(0.7, 1.3), "hold": rng.random() < 0.05}
+        speed += phase.acceleration * phase.duration
+        stops = phase.acceleration < 0.0 and speed < 0.2 * LINE  # a start would be looked for where it comes and goes
+        values: dict[str, Any] = {"order.length": LENGTH * rng.uniform(0.7, 1.3), "hold": stops or rng.random() < 0.05}
         if rng.random() < 0.2:
             values["length"] = LENGTH * rng.uniform(0.7, 1.3)
         if rng.random() < 0.1:
