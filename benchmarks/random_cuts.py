@@ -148,7 +148,7 @@ def _axis(d: Dice, scale: Reals, duration: Reals, home: Reals) -> Values:
         "approach.distance": np.where(d.seldom(0.2), scale * duration * d.powers(-3.0, -0.5), 0.0),
         "homing.settle_time": np.where(d.seldom(0.3), duration * d.powers(-4.0, -1.0), 0.0),
         "homing.ease": d.seldom(0.3),
-        "homing.spare_time": duration * d.powers(-4.0, -1.0),  # with 0 rounding says whether an eased start is late
+        "homing.spare_time": np.where(d.seldom(0.5), duration * d.powers(-4.0, -1.0), 0.0),
         "homing.slowest": d.choice(0.05, 0.5, 1.0),
     }
 

@@ -7,7 +7,7 @@ from random_cuts import CUTS, OUTPUTS, Machines, broken, counts, drawn, shares, 
 
 from motionsync_fmu.native.batch import BatchResult
 
-NUMBER = 400
+NUMBER = 240
 
 
 @pytest.fixture(scope="module")

@@ -73,6 +73,10 @@ WINDOW = 1e-9
 """Time (s) around a requested one within which a jump makes two rows."""
 
 DEFAULTS: dict[str, Any] = {
+    "axis.max_velocity": 2000.0,
+    "axis.max_acceleration": 10000.0,
+    "axis.max_deceleration": 10000.0,
+    "axis.max_jerk": 100000.0,
     "home_position": 0.0,
     "material_factor": 1.0,
     "kerf": 0.0,
@@ -131,10 +135,6 @@ DEFAULTS: dict[str, Any] = {
 FIXED: dict[str, Any] = {
     "auto_start": False,
     "axis.initial_position": 0.0,
-    "axis.max_velocity": 2000.0,
-    "axis.max_acceleration": 10000.0,
-    "axis.max_deceleration": 10000.0,
-    "axis.max_jerk": 100000.0,
     "axis.min_position": -1e9,
     "axis.max_position": 1e9,
     "diagonal_angle": 0.0,

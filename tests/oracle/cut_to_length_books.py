@@ -21,6 +21,7 @@ from math import ceil, inf, sqrt
 from typing import Any
 
 from tests.oracle.cut_to_length_limits import Saw
+from tests.oracle.cut_to_length_tunables import settled, sound
 
 LENGTH, MARK = 1, 2
 NONE, PRODUCT, SAMPLE, WASTE, TRIM, SHORT, MERGED = range(7)
@@ -49,6 +50,7 @@ class Order:
 class Piece:
     """What is made at present, with f, b and Δ of when it was fixed; its cut is to lie at `line`.
 
+    `any_length`: it has no error, since nothing is known of the marks' distance.
     `pitch`: what the line must not be too fast for, of the master; infinite for TRIM, where no length is known, and
     for a mark whose cut lies before the last one.
     """
@@ -62,6 +64,7 @@ class Piece:
     line: float
     order: Order | None = None
     late: bool = False
+    any_length: bool = False
 
 
 @dataclass
@@ -84,12 +87,16 @@ class Tally:
 
 
 class Books:
-    """All that is known of the material; `inputs` is the machine's present settings, which others change."""
+    """All that is known of the material.
+
+    `given`: the machine's settings, which others change; `inputs`: the same, with the last good value of what is out
+    of its range.
+    """
 
     def __init__(self, inputs: Mapping[str, Any]) -> None:
-        self.inputs = inputs
+        self.given, self.inputs = inputs, dict(inputs)
         self.calibration = 1.0
-        self.running = False
+        self.running, self.spoilt = False, False
         self.origin = 0.0
         self.piece: Piece | None = None
         self.last_cut: float | None = None
@@ -131,6 +138,10 @@ class Books:
     def saw(self) -> Saw:
         return Saw.of(self.inputs, self.calibration)
 
+    def settle(self) -> None:
+        """Take what has been set, but for what is out of its range."""
+        self.inputs = settled(self.given, self.inputs)
+
     # --- pieces ---------------------------------------------------------------------------------------------------
 
     def begin(self, master: float, saw: Saw) -> None:
@@ -155,10 +166,14 @@ class Books:
         self.warnings["change_pending"] = False
 
     def fix(self) -> None:
-        """The piece that begins at the last cut, if its length is known."""
+        """The piece that begins at the last cut, if its length is known and nothing that it reads is spoilt."""
         self.piece = None
+        kind, length, order = self._wanted(self.orders)
+        read = {WASTE: "waste_length", SAMPLE: "sample_length"}.get(kind, "kerf")
+        self.spoilt = not sound(self.given, ("kerf", "material_factor", "mark.spacing" if self.by_marks else read))
+        if self.spoilt:
+            return
         if not self.by_marks:
-            kind, length, order = self._wanted(self.orders)
             pitch = (length + self.correction + self.kerf) / self.f
             if length > 0 and pitch * self.f > LEAST_PITCH:
                 self.piece = self._made(kind, length, order)
@@ -169,7 +184,8 @@ class Books:
             kind = MERGED if self.merging else PRODUCT
             line = self.marks[0]
             pitch = line - self.origin if line > self.origin else inf
-            self.piece = Piece(kind, ordered, pitch, self.f, self.kerf, 0.0, line)
+            free = inputs["mark.spacing"] <= 0
+            self.piece = Piece(kind, ordered, pitch, self.f, self.kerf, 0.0, line, any_length=free)
 
     def _made(self, kind: int, length: float, order: Order | None) -> Piece:
         pitch = (length + self.correction + self.kerf) / self.f
@@ -203,7 +219,8 @@ class Books:
 
     def move_line(self, line: float, kind: int | None = None, *, late: bool = False) -> None:
         """The piece in progress, or one of unknown length, is to end at another line."""
-        piece = self.piece or replace(self._made(SHORT, 0.0, None), pitch=inf)
+        free = self.by_marks and self.inputs["mark.spacing"] <= 0
+        piece = self.piece or replace(self._made(SHORT, 0.0, None), pitch=inf, any_length=free)
         self.piece = replace(piece, line=line, kind=piece.kind if kind is None else kind, late=late)
 
     def skip(self, least: float) -> None:
@@ -227,8 +244,7 @@ class Books:
         piece = self.piece
         assert piece is not None
         length = piece.f * (line - self.origin) - piece.kerf - piece.correction
-        unknown = self.by_marks and self.inputs["mark.spacing"] <= 0 and piece.kind != TRIM
-        error = 0.0 if unknown else length - piece.ordered
+        error = 0.0 if piece.any_length else length - piece.ordered
         good = piece.kind == PRODUCT and abs(error) <= self.inputs["length_tolerance"]
         values = (length, error, float(piece.kind), float(good), time, reserve)
         self.last = dict(zip(self.last, values, strict=True))

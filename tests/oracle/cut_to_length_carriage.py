@@ -6,6 +6,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import sqrt
 from typing import TypeAlias
 
 from tests.oracle.cut_to_length_limits import root
@@ -169,9 +170,26 @@ def eased(time: float, state: State, target: float, limits: Sequence[float], sha
 
 
 def stopping_place(state: State, deceleration: float, jerk: float) -> float:
-    """Where the time-optimal stop from the state ends."""
-    start = _exact(state, state[0])
-    return state[0] + float(run(start, stop(start, mp.mpf(deceleration), mp.mpf(jerk))).position)
+    """Where the time-optimal stop from the state ends.
+
+    It lets the deceleration rise to its peak, holds it, and lets it fall to 0; an acceleration that is too high, or one
+    that would stop the carriage too soon, has the other sign.
+    """
+    s, v, a, _ = state
+    left = v + a * abs(a) / (2 * jerk)
+    side = 1.0 if left > 0 else -1.0  # of the velocity that is left to be taken away
+    w, rate = side * v, -side * a
+    peak, change, held = deceleration, -jerk, (w - rate**2 / (2 * jerk)) / deceleration
+    if rate < deceleration:
+        peak, change = min(sqrt(max(jerk * w + rate**2 / 2, 0.0)), deceleration), jerk
+        held = (w - (2 * peak**2 - rate**2) / (2 * jerk)) / peak if peak > 0 else 0.0
+    phases = [((peak - rate) / change, change), (held, 0.0), (peak / jerk, -jerk)]
+    travel, speed, slowing = 0.0, w, rate
+    for time, growth in phases:
+        travel += time * (speed - time * (slowing / 2 + time * growth / 6))
+        speed -= time * (slowing + time * growth / 2)
+        slowing += time * growth
+    return s + side * travel
 
 
 def _exact(state: State, origin: float) -> Exact:

@@ -33,6 +33,7 @@ from tests.oracle.cut_to_length_books import (
     STROKE,
     TOOL_TIMEOUT,
     TRIM,
+    TUNABLE,
     Books,
     Piece,
 )
@@ -53,6 +54,7 @@ from tests.oracle.cut_to_length_carriage import (
     stopping_place,
 )
 from tests.oracle.cut_to_length_limits import DISTANCE, FEEDBACK, Saw, change_time, first
+from tests.oracle.cut_to_length_tunables import CYCLE, sound
 
 FAULT, OFF, HOMING, WAITING, APPROACHING, SYNCHRONOUS, CUTTING, PULLING, CLEARING, RETURNING = range(-1, 9)
 IN_SYNC = (SYNCHRONOUS, CUTTING, PULLING, CLEARING)
@@ -112,7 +114,7 @@ class Machine:
         self.law: Law = Rest(initial_position)
         self.course, self.time, self.given = courses[0], 0.0, False
         self.fault, self.refusal = 0, 0
-        self.stopping = self.cut_waits = False
+        self.stopping = self.cut_waits = self.barred = False
         self.cycle = self.books.saw()
         self.ready_at, self.home_time, self.start_time = 0.0, 0.0, 0.0
         self.former_start: float | None = None
@@ -149,7 +151,12 @@ class Machine:
 
     def _begin_step(self, values: Mapping[str, Any], *, first: bool = False) -> None:
         """What a step begins with: commands, then what is looked for at each step's beginning."""
+        lacking = self.books.running and self.books.piece is None
+        if not (values or first or lacking or self._watchful):
+            return
         self.inputs |= values
+        self.books.settle()
+        self.barred = self.barred and not sound(self.inputs, CYCLE)
         rising = [name for name in COMMANDS if self.inputs[name] and not self.seen[name]]
         self.seen = {name: bool(self.inputs[name]) for name in COMMANDS}
         if first and self.inputs["auto_start"] and "start" not in rising:
@@ -165,11 +172,13 @@ class Machine:
         books = self.books
         if books.running and books.piece is None:
             books.fix()
+        if books.running and books.spoilt:
+            self.refusal = TUNABLE
         if books.running:
             books.change(self._start_ahead)
         if books.expects_marks and not self.edge_of_mark:
             m = self._master()
-            fault = books.miss_marks(m.position - m.velocity * self.inputs["mark.delay"])
+            fault = books.miss_marks(m.position - m.velocity * self.books.inputs["mark.delay"])
             if fault:
                 self._fail(fault)
             elif books.piece is None:
@@ -249,7 +258,7 @@ class Machine:
         if self.stopping:
             return [(self.time, self._off)]
         begin = max(self.time, self.ready_at)
-        if begin > until or self.inputs["hold"] or self.course.direction < 0:
+        if begin > until or self.inputs["hold"] or self.barred or self.course.direction < 0:
             return []
         saw, piece, found = self.books.saw(), self.books.piece, []
 
@@ -274,8 +283,11 @@ class Machine:
 
     def _start_point(self, saw: Saw, crossed: bool) -> None:
         """The approach begins, unless the line is too fast or it is too late."""
-        m, piece, mode = self._master(), self.books.piece, self.inputs["late_mode"]
+        m, piece, mode = self._master(), self.books.piece, self.books.inputs["late_mode"]
         assert piece is not None
+        if not sound(self.inputs, CYCLE):
+            self.barred, self.refusal = True, TUNABLE
+            return
         speed = saw.k * m.velocity
         least = m.position - (saw.home - saw.lead(speed)) / saw.k
         way = saw.way(m.velocity) if crossed else saw.home - saw.k * (m.position - piece.line)
@@ -296,6 +308,9 @@ class Machine:
             self._fail(CUT_MISSED)
 
     def _cut_at_once(self) -> None:
+        if not sound(self.inputs, CYCLE):
+            self.barred, self.refusal = True, TUNABLE
+            return
         m, saw = self._master(), self.books.saw()
         lead = saw.lead(saw.k * m.velocity)
         self.cut_waits = False
@@ -416,6 +431,7 @@ class Machine:
         self.log.append((self.time, "cut"))
         saw, m = self.cycle, self._master()
         self.books.cut(self.line, self.sync_time, self.reserve)
+        self.refusal = TUNABLE if self.books.spoilt else self.refusal
         self.former_start, self.gap_made = self.start_time, False
         if saw.gap > 0 and m.velocity > 0 and saw.gap_fits(m.velocity):
             self.state, self.gap_made = PULLING, True
@@ -445,12 +461,7 @@ class Machine:
 
         def beyond(time: float) -> float:
             """How far the stop would end beyond the nearer end of the stroke."""
-            s, v, a, _ = state = self._carriage(time)
-            longest = abs(v) + a**2 / jerk
-            bound = longest * (longest / deceleration + 2 * deceleration / jerk + abs(a) / jerk)
-            if s + bound < saw.high and s - bound > saw.low:
-                return max(s + bound - saw.high, saw.low - s + bound)
-            place = stopping_place(state, deceleration, jerk)
+            place = stopping_place(self._carriage(time), deceleration, jerk)
             return max(place - saw.high, saw.low - place)
 
         at = first(beyond, self.time, until)
@@ -485,10 +496,10 @@ class Machine:
         distance = state[0] - self.cycle.home + speed * braking / 2
         shortest = saw.return_time(0.0, distance, acceleration)
         start = piece.line + (saw.home - saw.way(m.velocity)) / saw.k
-        ahead = (start - m.position) / m.velocity - saw.settle_home - self.inputs["homing.spare_time"]
+        ahead = (start - m.position) / m.velocity - saw.settle_home - self.books.inputs["homing.spare_time"]
         if ahead <= braking + shortest:
             return False
-        self.ease = max(self.inputs["homing.slowest"], shortest / (ahead - braking))
+        self.ease = max(self.books.inputs["homing.slowest"], shortest / (ahead - braking))
         self.ease_velocity, self.ease_line = m.velocity, piece.line
         self.law = eased(self.time, state, self.cycle.home, saw.homing, self.ease)
         return True
@@ -509,7 +520,7 @@ class Machine:
         self.law, self.ease, self.home_time = Rest(self.cycle.home), 1.0, self.time
         if self.state == FAULT:
             return
-        self.ready_at, self.spent = self.time + self.inputs["homing.settle_time"], 0.0
+        self.ready_at, self.spent = self.time + self.books.inputs["homing.settle_time"], 0.0
         self.state = WAITING
         if self.stopping:
             self._off()
@@ -579,9 +590,13 @@ class Machine:
             self._off()
 
     def _do_start(self) -> None:
-        books = self.books
-        if self.state != OFF or (self.inputs["start_mode"] == 3 and books.last_cut is None):
+        books, mode = self.books, self.inputs["start_mode"]
+        if self.state != OFF or (mode == 3 and books.last_cut is None):
             self._answer(START_REFUSED)
+            return
+        read = {2: ("trim_length", "front_position"), 3: ("home_position",)}
+        if not sound(self.inputs, ("start_mode", "home_position", "kerf", *read.get(mode, ("front_position",)))):
+            self._answer(TUNABLE)
             return
         self._answer()
         saw = books.saw()
@@ -622,7 +637,7 @@ class Machine:
 
     def _do_mark_detected(self) -> None:
         m = self._master()
-        place = m.position - m.velocity * self.inputs["mark.delay"]
+        place = m.position - m.velocity * self.books.inputs["mark.delay"]
         if self.inputs["mark.latched"]:
             place = float(self.inputs["mark.position"])
             if self.period > 0:
@@ -701,7 +716,7 @@ class Machine:
                 books.running,
                 self.sync_place,
                 (books.kerf, books.correction),
-                float(self.inputs["mark.delay"]),
+                float(self.books.inputs["mark.delay"]),
                 {name: float(value) for name, value in outputs.items()},
                 highest,
                 highest_orders,

@@ -190,8 +190,10 @@ def test_the_builds_that_the_pages_show_are_possible() -> None:
     """Their patterns name variables that may be turned so; values to be baked in are tried elsewhere."""
     pages = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "model").rglob("README.md")]
     seen = 0
-    for command in re.findall(r"`motionsync build ([^`]+)`", "\n".join(page.read_text("utf-8") for page in pages)):
-        name, *words = shlex.split(command)
+    text = "\n".join(page.read_text("utf-8") for page in pages)
+    inline, blocks = r"`motionsync build ([^`]+)`", r"^    motionsync build (.*(?:(?<=\\)\n.*)*)$"
+    for command in re.findall(inline, text) + re.findall(blocks, text, re.M):
+        name, *words = shlex.split(command.replace("\\\n", " "), comments=True)
         turned: dict[str, list[str]] = {}
         for option, value in zip(words[::2], words[1::2], strict=True):
             turned.setdefault(option.removeprefix("--"), []).append(value)
@@ -201,6 +203,18 @@ def test_the_builds_that_the_pages_show_are_possible() -> None:
 
 
 # --- of the CutToLength ---
+
+
+def test_what_is_wired_is_told() -> None:
+    """Its table has each input and each output of the default interface once, and says how many there are."""
+    text = readme(CutToLength)
+    _, _, part = text.partition("\n## What is wired\n")
+    rows = re.findall(r"^\|.*\|(.*)\|(.*)\|$", part.partition("\n- ")[0], re.M)[2:]
+    for told, causality in zip(zip(*rows, strict=True), ("input", "output"), strict=True):
+        names = re.findall(r"`(.+?)`", " ".join(told))
+        wired = [name for name, v in Recipe("CutToLength").variables.items() if v.causality == causality]
+        assert sorted(names) == sorted(wired)
+        assert f"{len(names)} {causality}s" in text
 
 
 def test_how_far_its_start_values_carry() -> None:

@@ -13,10 +13,10 @@ from ..grid import floor, rounding, wrap
 from ..laws import chain_rule
 from ..limits import usable
 from ..motion import SAME_TIME, stopping_distance
-from ..slave import Edge
 from ..var import Enumeration
 from .books import Books, more
 from .carriage import Carriage, gap_extremes, gap_keeps_limits
+from .edges import Edges
 from .faults import Fault, Refusal
 from .interface import (
     ChangeMode,
@@ -61,26 +61,6 @@ class Condition(Enumeration):
     THROUGH = 5, "the cut's distance is travelled"
     PULLED = 6, "the gap is open"
     STROKE_END = 7, "the carriage has to stop before an end of its stroke"
-
-
-@dataclass(slots=True)
-class Edges:
-    """The commands, each given by its rising edge."""
-
-    start: Edge = var.part(Edge)
-    stop: Edge = var.part(Edge)
-    abort: Edge = var.part(Edge)
-    reset: Edge = var.part(Edge)
-    cut_now: Edge = var.part(Edge)
-    take_sample: Edge = var.part(Edge)
-    order_add: Edge = var.part(Edge)
-    order_skip: Edge = var.part(Edge)
-    order_clear: Edge = var.part(Edge)
-    mark: Edge = var.part(Edge)
-    done: Edge = var.part(Edge)
-    calibrate: Edge = var.part(Edge)
-    calibration_reset: Edge = var.part(Edge)
-    clear_statistics: Edge = var.part(Edge)
 
 
 @dataclass(slots=True)
@@ -134,7 +114,9 @@ class CutToLength(CutToLengthInterface):
     tool_clock: Clock = var.part(Clock)  # since the tool's command has changed
 
     def initialize(self) -> Refusal:
-        """The carriage rests at its initial position; may be called again while parameters still change."""
+        """The carriage rests at its initial position; may be called again while parameters still change.
+
+        What the machine can do, and asks of the line, is put out from the first step on."""
         refusal = self.start_refusal()
         if refusal != Refusal.NONE:
             return refusal
@@ -143,10 +125,9 @@ class CutToLength(CutToLengthInterface):
         self.cosine = cosine(self.diagonal_angle)
         self.way_home.rest_at(self.axis.initial_position)
         self.phase.start(LONG_AGO)
-        self.hold_edges()
+        self.edges.hold(self)
         self.use_settings()
         self.set_slave()
-        self.show()
         return Refusal.NONE
 
     def start_refusal(self) -> Refusal:
@@ -204,24 +185,6 @@ class CutToLength(CutToLengthInterface):
         self.predictions.solved = False
 
     # --- the commands ---
-
-    def hold_edges(self) -> None:
-        """Take the present levels of the commands as they are: the first value seen is no edge."""
-        edges = self.edges
-        edges.start.hold(self.start)
-        edges.stop.hold(self.stop)
-        edges.abort.hold(self.abort)
-        edges.reset.hold(self.reset)
-        edges.cut_now.hold(self.cut_now)
-        edges.take_sample.hold(self.take_sample)
-        edges.order_add.hold(self.order.add)
-        edges.order_skip.hold(self.order.skip)
-        edges.order_clear.hold(self.order.clear)
-        edges.mark.hold(self.mark.detected)
-        edges.done.hold(self.tool.done)
-        edges.calibrate.hold(self.calibration.execute)
-        edges.calibration_reset.hold(self.calibration.reset)
-        edges.clear_statistics.hold(self.clear_statistics)
 
     def obey(self) -> None:
         """Carry out the commands of the step, and what is looked at at each step's beginning."""

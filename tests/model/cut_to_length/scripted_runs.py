@@ -101,13 +101,21 @@ def tolerance(name: str, scale: Mapping[str, float], relative: float) -> float:
 
 
 def undecided(script: Script) -> tuple[float, set[str]]:
-    """From when on rounding decides: a carriage that has never left home comes home in a time of rounding; and what
-    the specification leaves open: what time a cycle has in reserve whose approach was begun twice."""
+    """From when on rounding decides, and what is left open.
+
+    A carriage that has never left home comes home in a time of rounding. A start while the line turns round, or stands,
+    has an instant that is known to the root of rounding only. What a cycle whose approach was begun twice has in
+    reserve is not specified.
+    """
     found = events(script)
-    open_ = {"last.reserve", "statistics.reserve_worst"} if any(name == "turned back" for _, name in found) else set()
-    for (begin, _), (end, name) in pairwise(found):
+    open_: set[str] = set()
+    for (begin, before), (end, name) in pairwise(found):
         if name == "home" and end - begin < SLACK:
             return begin, open_
+        if (before, name) == ("start", "sync") and end - begin < SLACK:
+            open_ |= set(TIMES)
+        if name == "turned back":
+            open_ |= {"last.reserve", "statistics.reserve_worst"}
     return float(script["stop_time"]), open_
 
 

@@ -389,7 +389,7 @@ def test_the_block_is_its_oracle(random: Random, step_size: float) -> None:
     assert differences(script, played) == []
 
 
-@settings(repeatable, max_examples=3)
+@settings(repeatable, max_examples=2)
 @given(randoms)
 def test_the_block_is_its_oracle_at_short_steps(random: Random) -> None:
     script = scripted(random, DURATION, 0.001)

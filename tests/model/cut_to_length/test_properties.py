@@ -60,7 +60,7 @@ def random_machine(rng: Random, **values: Any) -> dict[str, Any]:
 
 def speed_for(values: dict[str, Any], share: float) -> float:
     """A line velocity that is this share of what the machine can follow with its length."""
-    saw = CutToLengthHarness(values, speed=1.0)
+    saw = CutToLengthHarness(values, speed=1.0).now()
     return share * float(saw["limits.max_line_velocity"])
 
 
@@ -243,7 +243,7 @@ def test_the_ends_of_the_stroke_are_never_passed(rng: Random, mode: MasterInput)
     home = values["home_position"]
     values |= {"axis.min_position": home - 50.0, "axis.max_position": home + LENGTH}
     speed = speed_for(values, 0.7)
-    values["axis.max_position"] = home + 1.3 * CutToLengthHarness(values, speed=speed)["limits.stroke"]
+    values["axis.max_position"] = home + 1.3 * CutToLengthHarness(values, speed=speed).now()["limits.stroke"]
     saw = CutToLengthHarness(values, speed=speed, mode=mode).give("start")
     low, high = values["axis.min_position"], values["axis.max_position"]
     change = 0.0
