@@ -134,7 +134,7 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
     r = Random(repr((draw(st.integers(0, 2**32 - 1)), length, duration, mode, theme, extreme)))
     start: dict[str, Any] = {
         "master.input_mode": mode,
-        "master.period": length * r.choice((0.0, 3.0) if mode == MasterInput.POSITION_ONLY else (0.0, 0.0, 0.7, 3.0)),
+        "master.period": length * r.choice((0.0, 30.0) if mode == MasterInput.POSITION_ONLY else (0.0, 0.0, 0.7, 3.0)),
         "master.position": length * r.uniform(-3.0, 3.0),
         "master.velocity": length / duration * r.choice((0.0, 0.5, 0.8)),
         "master.acceleration": length / duration**2 * r.choice((0.0, 0.0, 0.1)),
