@@ -54,7 +54,7 @@ class Condition(Enumeration):
     """What an event waits for, at an instant of the step"""
 
     START = 0, "an approach to the next cut has to begin"
-    CUT_NOW = 1, "an approach for cut_now may begin"
+    ADMISSIBLE = 1, "the line does not go back, and the carriage can follow it"
     SYNC = 2, "the approach is over"
     BACK = 3, "the line has gone back to before the approach"
     COMMAND = 4, "the tool has to be commanded before sync"
@@ -467,7 +467,7 @@ class CutToLength(CutToLengthInterface):
         match condition:
             case Condition.START:
                 holds = self.start_is_due(velocity, time)
-            case Condition.CUT_NOW:
+            case Condition.ADMISSIBLE:
                 holds = velocity >= 0.0 and is_admissible(self.predictions.machine, velocity)
             case Condition.SYNC:
                 holds = mu >= carriage.sync
@@ -569,7 +569,7 @@ class CutToLength(CutToLengthInterface):
         if self.hold:
             return False
         if self.cut_waits:
-            time = self.first(Condition.CUT_NOW, until)
+            time = self.first(Condition.ADMISSIBLE, until)
         elif self.material.piece.known and not self.is_far_from_start(until):
             time = self.first(Condition.START, until)
         else:
@@ -584,7 +584,7 @@ class CutToLength(CutToLengthInterface):
         if self.cut_waits:
             self.begin_cut_now()
         else:
-            self.begin_cut(crossed)
+            self.begin_cut(crossed, until)
         return True
 
     def try_settle(self, until: float) -> bool:
@@ -735,7 +735,7 @@ class CutToLength(CutToLengthInterface):
 
     # --- cuts begin and end ---
 
-    def begin_cut(self, crossed: bool) -> None:
+    def begin_cut(self, crossed: bool, until: float) -> None:
         """The next cut's line is where an approach to it begins, or beyond that: begin it, or say that it is late."""
         velocity = self.master.velocity_at(self.now)
         machine = self.predictions.machine
@@ -747,7 +747,7 @@ class CutToLength(CutToLengthInterface):
         if crossed and not waits:
             distance = approach_distance(machine, velocity)  # the same, without the rounding of places
         if not (waits or is_admissible(machine, velocity)):
-            self.miss_cut(Fault.STROKE, mu, least)
+            self.pass_cuts(until)
         elif distance >= least * LATE:
             self.enter_approaching(distance, False)
         elif waits or self.good.late_mode == LateMode.LATE:
@@ -755,7 +755,7 @@ class CutToLength(CutToLengthInterface):
             self.move_cut(mu, least)
             self.enter_approaching(least, True)
         else:
-            self.miss_cut(Fault.CUT_MISSED, mu, least)
+            self.miss_cut(mu, least)
 
     def begin_cut_now(self) -> None:
         """Cut where the carriage can be in sync first."""
@@ -774,25 +774,43 @@ class CutToLength(CutToLengthInterface):
         """The cut, whose line is at mu, goes to where an approach of a distance begins now."""
         self.material.piece.end += mu - (self.way_home.home - distance) / self.predictions.machine.coupling
 
-    def miss_cut(self, fault: Fault, mu: float, least: float) -> None:
-        """The cut, whose line is at mu, cannot be made: stop for that, or end the piece with one of the next cuts."""
-        piece = self.material.piece
+    def miss_cut(self, mu: float, least: float) -> None:
+        """The cut, whose line is at mu, cannot be reached: stop for that, or end the piece with a later cut."""
         if self.good.late_mode == LateMode.STOP_LINE:
-            self.fail(fault)
-            return
-        piece.kind = PieceKind.MERGED
-        if self.source == Source.MARK:
+            self.fail(Fault.CUT_MISSED)
+        elif self.source == Source.MARK:
             self.skip_marks(least)
         else:
-            k = self.predictions.machine.coupling
-            too_far = k * mu - (self.way_home.home - least)
-            number = max(1.0, -floor(WHOLE - too_far / (k * piece.pitch)))
-            piece.end += number * piece.pitch
-            self.statistics.skipped = more(self.statistics.skipped, number)
+            self.skip_pitches(mu, self.way_home.home - least)
+
+    def pass_cuts(self, until: float) -> None:
+        """The carriage cannot follow so fast a line: stop for that, or leave out all cuts that are due before the line
+        is slow enough, up to a time since the step's beginning."""
+        velocity = self.master.velocity_at(self.now)
+        machine = self.predictions.machine
+        if self.good.late_mode == LateMode.STOP_LINE:
+            self.fail(Fault.STROKE)
+        elif self.source == Source.MARK:
+            self.skip_marks(lead(machine, velocity))
+        else:
+            self.now = min(self.first(Condition.ADMISSIBLE, until), until)
+            velocity = self.master.velocity_at(self.now)
+            mu = self.beyond(self.material.piece.end, self.now)
+            self.skip_pitches(mu, self.way_home.home - approach_distance(machine, velocity))
+
+    def skip_pitches(self, mu: float, position: float) -> None:
+        """The cut, whose line is at mu, is left out, and all others whose lines are ahead of that carriage position."""
+        piece = self.material.piece
+        k = self.predictions.machine.coupling
+        number = max(1.0, -floor(WHOLE - (k * mu - position) / (k * piece.pitch)))
+        piece.kind = PieceKind.MERGED
+        piece.end += number * piece.pitch
+        self.statistics.skipped = more(self.statistics.skipped, number)
 
     def skip_marks(self, least: float) -> None:
         """Drop the marks whose cuts cannot be reached, the next one in any case."""
         material = self.material
+        material.piece.kind = PieceKind.MERGED
         for _ in range(material.marks.waiting):
             material.drop_mark()
             self.statistics.skipped = more(self.statistics.skipped, 1.0)
