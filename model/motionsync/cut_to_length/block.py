@@ -116,7 +116,7 @@ class CutToLength(CutToLengthInterface):
     def initialize(self) -> Refusal:
         """The carriage rests at its initial position; may be called again while parameters still change.
 
-        What the machine can do, and asks of the line, is put out from the first step on."""
+        What the machine can do is put out, too; warnings come with the first step."""
         refusal = self.start_refusal()
         if refusal != Refusal.NONE:
             return refusal
@@ -128,6 +128,9 @@ class CutToLength(CutToLengthInterface):
         self.edges.hold(self)
         self.use_settings()
         self.set_slave()
+        self.predictions.put(self, self.good, self.material)
+        self.show_piece()
+        self.show_line()
         return Refusal.NONE
 
     def start_refusal(self) -> Refusal:

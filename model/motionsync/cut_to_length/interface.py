@@ -17,6 +17,32 @@ from ..var import Enumeration, Role, Unit
 from .faults import Fault
 from .tunables import Tunable
 
+# What the predictions depend on, after the initialization as ever after.
+COUPLING = ("diagonal_angle", "material_factor")
+APPROACH = (
+    "approach.distance",
+    "approach.reserve",
+    "approach.acceleration",
+    "approach.jerk",
+    "axis.max_acceleration",
+    "axis.max_jerk",
+)
+CUT = (
+    "tool.mode",
+    "tool.settle_time",
+    "tool.on_delay",
+    "tool.cut_time",
+    "tool.cut_distance",
+    "tool.retract_time",
+    "gap.distance",
+    "gap.travel",
+)
+TURN = ("axis.max_deceleration", "homing.acceleration", "homing.deceleration", "homing.jerk")
+WAY_HOME = ("axis.max_velocity", "homing.velocity", "homing.settle_time")
+VELOCITY = ("master.velocity", "master.input_mode")
+PITCH = ("length", "length_correction", "kerf", "source", "waste", "waste_length", "mark.spacing", "mark.every")
+STROKE = ("axis.max_position", "home_position")
+
 
 class State(Enumeration):
     """What the machine does"""
@@ -423,7 +449,22 @@ class CutToLengthInterface:
     order: Order = var.part(Order)
     mark: Mark = var.part(Mark)
     tool: Tool = var.part(Tool)
-    line: LineRequest = var.part(LineRequest)
+    line: LineRequest = var.part(
+        LineRequest,
+        depends={
+            "velocity_request": (
+                *COUPLING,
+                *APPROACH,
+                *CUT,
+                *TURN,
+                *WAY_HOME,
+                *PITCH,
+                *STROKE,
+                "line.wanted_velocity",
+                "line.margin",
+            ),
+        },
+    )
     slave: Slave = var.part(Slave, depends={"position": ("axis.initial_position",)})
     state: State = var.output(State.OFF, "what the machine does")
     state_code: int = var.output(0, "the state as a plain integer")
@@ -439,7 +480,27 @@ class CutToLengthInterface:
     next_cut: NextCut = var.part(NextCut)
     piece: Piece = var.part(Piece)
     last: Last = var.part(Last)
-    limits: Limits = var.part(Limits)
+    limits: Limits = var.part(
+        Limits,
+        depends={
+            "max_line_velocity": (*COUPLING, *APPROACH, *CUT, *TURN, *WAY_HOME, *PITCH, *STROKE),
+            "max_line_velocity_orders": (*COUPLING, *APPROACH, *CUT, *TURN, *WAY_HOME, *PITCH, *STROKE),
+            "min_length": (
+                *COUPLING,
+                *APPROACH,
+                *CUT,
+                *TURN,
+                *WAY_HOME,
+                *VELOCITY,
+                "length_correction",
+                "kerf",
+                "source",
+            ),
+            "cycle_time": (*COUPLING, *APPROACH, *CUT, *TURN, *WAY_HOME, *VELOCITY),
+            "stroke": (*COUPLING, *APPROACH, *CUT, *TURN, *VELOCITY),
+            "min_sensor_distance": (*COUPLING, *APPROACH, *VELOCITY, "home_position", "mark.delay"),
+        },
+    )
     statistics: Statistics = var.part(Statistics)
     warning: Warning = var.part(Warning)
     axis: SawAxis = var.part(SawAxis)
@@ -507,4 +568,10 @@ class CutToLengthInterface:
     batches: int = var.local(0, "full batches")
     batch_done: bool = var.local(False, "a batch is full, until the next cut ends")
     clock: float = var.local(0.0, "the block's time: 0 at initialization", Unit.TIME)
-    local: Local = var.part(Local)
+    local: Local = var.part(
+        Local,
+        depends={
+            "approach_distance": (*COUPLING, *APPROACH, *VELOCITY),
+            "coupling_factor": COUPLING,
+        },
+    )
