@@ -222,6 +222,7 @@ class _Rows:
             **holds.outputs,
             **_material(holds, master, s),
             **self._limits(holds, master),
+            **self._warnings(holds, master, time > 0),
         }
 
     def _limits(self, holds: Snapshot, master: Motion) -> dict[str, float]:
@@ -239,10 +240,16 @@ class _Rows:
             "limits.stroke": saw.stroke(v),
             "limits.min_sensor_distance": max(sensor, 0.0),
             "local.approach_distance": way,
-            "warning.line_too_fast": float(v > holds.max_velocity),
-            "warning.orders_too_fast": float(v > holds.max_velocity_orders),
-            "warning.stroke": float(saw.home + saw.stroke(v) > saw.high),
-            "warning.velocity": float(saw.k * v > saw.axis[0]),
+        }
+
+    def _warnings(self, holds: Snapshot, master: Motion, begun: bool) -> dict[str, float]:
+        """What warns of the line's present velocity; before the first step nothing does."""
+        saw, v = holds.saw, master.velocity
+        return {
+            "warning.line_too_fast": float(begun and v > holds.max_velocity),
+            "warning.orders_too_fast": float(begun and v > holds.max_velocity_orders),
+            "warning.stroke": float(begun and saw.home + saw.stroke(v) > saw.high),
+            "warning.velocity": float(begun and saw.k * v > saw.axis[0]),
         }
 
 
