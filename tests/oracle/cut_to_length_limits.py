@@ -39,7 +39,8 @@ def root(function: Function, low: float, high: float) -> float:
 def first(function: Function, low: float, high: float) -> float | None:
     """The first place in [low, high] at which the continuous function is not negative; None without one.
 
-    Dense samples, fewer in less than 0.05 s, and between them the greatest value near each sample that is greater than its neighbours.
+    Dense samples, fewer in less than 0.05 s, and between them the greatest value near each sample that is greater than
+    its neighbours.
     """
     if function(low) >= 0:
         return low
