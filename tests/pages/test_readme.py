@@ -205,6 +205,18 @@ def test_the_builds_that_the_pages_show_are_possible() -> None:
 # --- of the CutToLength ---
 
 
+def test_what_is_wired_is_told() -> None:
+    """Its table has each input and each output of the default interface once, and says how many there are."""
+    text = readme(CutToLength)
+    _, _, part = text.partition("\n## What is wired\n")
+    rows = re.findall(r"^\|.*\|(.*)\|(.*)\|$", part.partition("\n- ")[0], re.M)[2:]
+    for told, causality in zip(zip(*rows, strict=True), ("input", "output"), strict=True):
+        names = re.findall(r"`(.+?)`", " ".join(told))
+        wired = [name for name, v in Recipe("CutToLength").variables.items() if v.causality == causality]
+        assert sorted(names) == sorted(wired)
+        assert f"{len(names)} {causality}s" in text
+
+
 def test_how_far_its_start_values_carry() -> None:
     text, machine = readme(CutToLength), Machine()
     lengths, highest, ways = (row(text, head) for head in ("pieces of", "highest line velocity", "way of the carriage"))

@@ -134,7 +134,9 @@ class CutToLength(CutToLengthInterface):
     tool_clock: Clock = var.part(Clock)  # since the tool's command has changed
 
     def initialize(self) -> Refusal:
-        """The carriage rests at its initial position; may be called again while parameters still change."""
+        """The carriage rests at its initial position; may be called again while parameters still change.
+
+        What the machine can do, and asks of the line, is put out from the first step on."""
         refusal = self.start_refusal()
         if refusal != Refusal.NONE:
             return refusal
@@ -146,7 +148,6 @@ class CutToLength(CutToLengthInterface):
         self.hold_edges()
         self.use_settings()
         self.set_slave()
-        self.show()
         return Refusal.NONE
 
     def start_refusal(self) -> Refusal:

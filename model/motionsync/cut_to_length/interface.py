@@ -424,7 +424,7 @@ class CutToLengthInterface:
     mark: Mark = var.part(Mark)
     tool: Tool = var.part(Tool)
     line: LineRequest = var.part(LineRequest)
-    slave: Slave = var.part(Slave)
+    slave: Slave = var.part(Slave, depends={"position": ("axis.initial_position",)})
     state: State = var.output(State.OFF, "what the machine does")
     state_code: int = var.output(0, "the state as a plain integer")
     error: bool = var.output(False, "a command was refused, or the machine has stopped for a fault")
