@@ -41,7 +41,7 @@ AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve", "limi
 STANDING = 1e-3
 ARRIVAL = 1e-5
 """Time (s): the end of a way home comes so softly that rounding of its state makes so much of its time."""
-FREE = ("time", "slave.jerk")
+FREE = ("time",)
 """What a row of the oracle holds and nobody compares."""
 
 
@@ -91,6 +91,8 @@ def tolerance(name: str, scale: Mapping[str, float], relative: float) -> float:
     """How far a value may be from the oracle's; `scale`: the sizes of the script."""
     if name == "local.home_time":
         return ARRIVAL
+    if name == "slave.jerk":
+        return relative * scale["jerk"]
     if name == "slave.acceleration":
         return relative * scale["acceleration"]
     if name in VELOCITIES:
@@ -125,7 +127,7 @@ def differences(script: Script, played: Sequence[Row], relative: float = 1e-9) -
     for row in reference(script, [row["time"] for row in played]):
         expected.setdefault(row["time"], []).append(row)
     start = script["start"]
-    scale = {"length": 1000.0, "velocity": start["axis.max_velocity"], "acceleration": start["axis.max_acceleration"]}
+    scale = {"length": 1000.0} | {n: start[f"axis.max_{n}"] for n in ("velocity", "acceleration", "jerk")}
     horizon, open_ = undecided(script)
     found = []
     for row in (row for row in played if row["time"] <= horizon):

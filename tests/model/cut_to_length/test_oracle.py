@@ -379,7 +379,7 @@ SHOWN = [name for name in at(steady(100.0, 1.0), 0.5) if name not in FREE]
 DURATION = 5.0
 
 
-@settings(repeatable, max_examples=12)
+@settings(repeatable, max_examples=20)
 @given(randoms, st.sampled_from([0.007, 0.0471]))
 def test_the_block_is_its_oracle(random: Random, step_size: float) -> None:
     """Random machines, lines and commands; all outputs to 1e-9 of the machine's size."""
