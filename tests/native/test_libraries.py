@@ -28,6 +28,7 @@ from motionsync_fmu.native.macho import universal
 from motionsync_fmu.native.platforms import PLATFORMS, ROWS, here
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
+from tests.support.fmus import Fmus
 
 RECIPE = Recipe("Synchronizer")
 LARGEST = 200_000  # bytes, of an FMU
@@ -193,12 +194,13 @@ def test_it_loads_from_any_path(native: Path, tmp_path: Path, name: str) -> None
     unit.freeInstance()
 
 
-def test_a_build_gives_the_same_bytes_every_time(block: str, block_native: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["Synchronizer", "CutToLength"])  # the smallest and the largest block
+def test_a_build_gives_the_same_bytes_every_time(name: str, fmus: Fmus, tmp_path: Path) -> None:
     """Also in a process of its own, with another seed for hashes and from another folder."""
-    script = f"from motionsync_fmu.build import *; build_native(Recipe({block!r}), Path('a.fmu'))"
+    script = f"from motionsync_fmu.build import *; build_native(Recipe({name!r}), Path('a.fmu'))"
     environment = os.environ | {"PYTHONHASHSEED": "42"}
     subprocess.run([sys.executable, "-c", script], check=True, cwd=tmp_path, env=environment)
-    assert (tmp_path / "a.fmu").read_bytes() == block_native.read_bytes()
+    assert (tmp_path / "a.fmu").read_bytes() == fmus.built(Flavour.NATIVE, name).read_bytes()
 
 
 def test_what_determines_the_code_changes_the_guid_of_both_flavours(

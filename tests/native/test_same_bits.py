@@ -67,7 +67,7 @@ class Pair:
         return int(answer)
 
 
-@settings(LONG, max_examples=200, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(LONG, max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(data=st.data())
 def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data: st.DataObject) -> None:
     run = data.draw(strategy(block).runs(500))
@@ -113,7 +113,7 @@ def tried(call: Any, *arguments: Any) -> str:
     return ""
 
 
-@settings(LONG, max_examples=25, suppress_health_check=list(HealthCheck))
+@settings(LONG, max_examples=12, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_both_fmus_give_the_same_bits_and_log_the_same(
     block: str, block_fmu: Path, block_native: Path, data: st.DataObject
