@@ -383,9 +383,7 @@ class CutToLength(CutToLengthInterface):
             changed = self.material.has_changed(self, self.good)
             self.warning.change_pending = changed and not self.can_change()
             if changed and not self.warning.change_pending:
-                piece.forget()
-                self.material.measure(self, self.good)
-                self.material.fix_product(self)
+                self.material.change_product(self, self.good)
 
     def can_change(self) -> bool:
         """Whether the cut of the product in progress can still be reached if it is fixed anew."""

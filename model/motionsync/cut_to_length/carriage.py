@@ -63,12 +63,10 @@ class Carriage:
 
     def at(self, mu: float) -> tuple[float, float, float, float]:
         """The carriage's position and its derivatives by the master's position."""
-        if self.joined:
-            return self.in_sync_at(mu)
-        if mu <= self.start:
+        if mu <= self.start and not self.joined:
             return self.home, 0.0, 0.0, 0.0
-        if mu >= self.sync:
-            return self.coupling * mu, self.coupling, 0.0, 0.0
+        if mu >= self.sync or self.joined:
+            return self.in_sync_at(mu)
         travel = self.sync - self.start
         q, q1, q2, q3 = half_ramp((mu - self.start) / travel)
         k = self.coupling

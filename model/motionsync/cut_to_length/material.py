@@ -80,6 +80,12 @@ class Material:
         length, order = self.product(block)
         self.fix_length(PieceKind.PRODUCT, length, order)
 
+    def change_product(self, block: CutToLengthInterface, settings: Settings) -> None:
+        """Fix the product in progress anew."""
+        self.piece.forget()
+        self.measure(block, settings)
+        self.fix_product(block)
+
     def fix_length(self, kind: PieceKind, length: float, order: int) -> None:
         """The piece has this length, if that is one."""
         if self.piece.can_measure(length):

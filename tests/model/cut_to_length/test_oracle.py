@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
+from tests.model.cut_to_length.harness import REFERENCE
 from tests.model.cut_to_length.scripted_runs import FREE, differences, play, scripted
 from tests.oracle.cut_to_length import DEFAULTS, FIXED, events, reference
 from tests.oracle.cut_to_length_limits import Saw
@@ -22,15 +23,6 @@ from tests.oracle.cut_to_length_limits import Saw
 FAULT, OFF, HOMING, WAITING, APPROACHING, SYNCHRONOUS, CUTTING, PULLING, CLEARING, RETURNING = range(-1, 9)
 PRODUCT, SAMPLE, WASTE, TRIM, SHORT, MERGED = range(1, 7)
 
-MACHINE: dict[str, Any] = {
-    "axis.max_velocity": 1500.0,
-    "axis.max_acceleration": 10000.0,
-    "axis.max_deceleration": 10000.0,
-    "axis.max_jerk": 200000.0,
-    "axis.min_position": -250.0,
-    "axis.max_position": 650.0,
-    "approach.reserve": 0.0,
-}
 SLOWER: dict[str, Any] = {
     "tool.settle_time": 0.05,
     "tool.retract_time": 0.04,
@@ -49,7 +41,7 @@ def close(value: float, rel: float = 1e-9) -> Any:
 
 def saw(**values: Any) -> Saw:
     """The reference machine with other values; a name has `__` for a dot."""
-    return Saw.of(DEFAULTS | FIXED | MACHINE | _dotted(values), 1.0)
+    return Saw.of(DEFAULTS | FIXED | REFERENCE | _dotted(values), 1.0)
 
 
 def _dotted(values: dict[str, Any]) -> dict[str, Any]:
@@ -63,7 +55,7 @@ def run(segments: list[dict[str, float]], *sets: dict[str, Any], **values: Any) 
     return {
         "stop_time": sum(segment["duration"] for segment in segments),
         "step_size": start.pop("step_size", 0.01),
-        "start": MACHINE | start,
+        "start": REFERENCE | start,
         "master": line | {"segments": segments},
         "set": [_dotted(table) for table in sets],
     }
