@@ -1,6 +1,6 @@
-"""The libraries of a native FMU: zig compiles a block's LLVM text and the C files for every platform.
+"""The libraries of a native FMU: zig compiles the C of a block and of the FMI functions for every platform.
 
-Python, Numba and zig are only needed to build the libraries, not to run them.
+Python and zig are only needed to build the libraries, not to run them.
 """
 
 import os
@@ -15,14 +15,14 @@ from typing import Any
 
 from ..archive import Files
 from ..errors import UserError
-from .llvm_text import llvm_text
 from .platforms import ROWS, Platform
 from .tables import model_header
+from .translator import c_source
 
 HERE = Path(__file__).parent
 FLAGS = (
     "-O2 -ffp-contract=off -fno-strict-aliasing -fno-slp-vectorize "
-    "-fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
+    "-mllvm -inline-threshold=100 -fPIC -shared -fvisibility=hidden -g0 -s"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
 FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
@@ -63,7 +63,8 @@ def libraries(
         work = Path(folder)
         for source in HERE.glob("*.[ch]"):
             (work / source.name).write_bytes(source.read_bytes())
-        (work / "model.ll").write_text(llvm_text(block), "utf-8", newline="\n")
+        for file, text in c_source(block).items():
+            (work / file).write_bytes(text)
         (work / "model.h").write_text(model_header(block, guid, turned), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
@@ -85,7 +86,7 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
     done = subprocess.run(
-        [*command, *sources, "model.ll", "-lm", *flags.split(), "-o", path],
+        [*command, *sources, "-lm", *flags.split(), "-o", path],
         cwd=work,
         capture_output=True,
         text=True,
@@ -102,7 +103,7 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
 
 
 def linked_licences() -> Files:
-    """The licences of what the libraries hold beside the block, Numba and zig: the start of a Windows library, and
+    """The licences of what the libraries hold beside the block: the start of a Windows library, and
     FMI's headers."""
     header = (HEADERS / "fmi2Functions.h").read_text("utf-8")
     return {
