@@ -20,9 +20,10 @@ from .tables import model_header
 from .translator import c_source
 
 HERE = Path(__file__).parent
+FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
-    "-O2 -ffp-contract=off -fno-strict-aliasing -fno-slp-vectorize "
-    "-mllvm -inline-threshold=100 -fPIC -shared -fvisibility=hidden -g0 -s"
+    "-O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
+    "-mllvm -inline-threshold=100 -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
 FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
@@ -61,7 +62,7 @@ def libraries(
     name = type(block).__name__
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        for source in HERE.glob("*.[ch]"):
+        for source in (*HERE.glob("*.[ch]"), *FREESTANDING.glob("*.[ch]")):
             (work / source.name).write_bytes(source.read_bytes())
         for file, text in c_source(block).items():
             (work / file).write_bytes(text)
@@ -86,7 +87,7 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
     done = subprocess.run(
-        [*command, *sources, "-lm", *flags.split(), "-o", path],
+        [*command, *sources, *flags.split(), "-o", path],
         cwd=work,
         capture_output=True,
         text=True,
@@ -103,10 +104,8 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
 
 
 def linked_licences() -> Files:
-    """The licences of what the libraries hold beside the block: the start of a Windows library, and
-    FMI's headers."""
+    """The licences of what the libraries hold beside the block: FMI's headers."""
     header = (HEADERS / "fmi2Functions.h").read_text("utf-8")
     return {
-        "mingw-w64.txt": (ZIG / "lib" / "libc" / "mingw" / "COPYING").read_bytes(),
         "fmi-headers.txt": header[header.index("Copyright") : header.index("*/")].rstrip().encode() + b"\n",
     }
