@@ -38,10 +38,12 @@ def dtype(block: Any) -> np.dtype[Any]:
 def _laid_out(cls: type, block: Any) -> np.dtype[Any]:
     """The fields of a class, and of those that it derives from, in one of its objects."""
     base = next((base for base in cls.__bases__ if is_dataclass(base)), None)
-    inherited = _laid_out(base, block) if base else None
-    columns: dict[str, tuple[Any, int]] = {n: inherited.fields[n][:2] for n in inherited.names} if inherited else {}
-    size, widest = (inherited.itemsize, inherited.alignment) if inherited else (0, 1)
-    hints = get_type_hints(cls)
+    columns: dict[str, tuple[Any, int]] = {}
+    size, widest, hints = 0, 1, get_type_hints(cls)
+    if base is not None:
+        inherited: Any = _laid_out(base, block)
+        columns = {name: inherited.fields[name][:2] for name in inherited.names}
+        size, widest = inherited.itemsize, inherited.alignment
     for f in fields(cls):
         if f.name not in columns:
             column = _column(getattr(block, f.name), hints[f.name])
