@@ -13,7 +13,7 @@ from xml.etree.ElementTree import ParseError, fromstring
 from .archive import Deflate, Files, build_time, digest, quick, runtime, sources, write
 from .errors import UserError
 from .extras import how_to_install
-from .interface.fmi2_xml import describe, finish
+from .interface.fmi2_xml import OWN_MEMORY, describe, finish
 from .interface.recipe import Recipe
 from .interface.variables import variables
 from .native.platforms import ROWS, Platform
@@ -77,7 +77,7 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     for library in (pythonfmu / "resources" / "binaries").glob("*/*"):
         files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
     files |= {f"documentation/licenses/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
-    return _write(target, recipe, Flavour.PYTHON, files, quick)
+    return _write(target, recipe, Flavour.PYTHON, files, quick, OWN_MEMORY)
 
 
 def build_native(
@@ -104,7 +104,7 @@ def build_native(
             "or take --flavour python"
         ) from None
     files = libraries.libraries(block, recipe.guid(), platforms, progress, recipe.turned)
-    texts = licences("motionsync", "numba", "ziglang") | libraries.linked_licences()
+    texts = licences("motionsync", "numba") | libraries.linked_licences()
     files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
     deflate = packing.smallest if all(row in platforms for row in ROWS) else quick
     return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block))
@@ -127,7 +127,7 @@ def _write(
     flavour: Flavour,
     files: Files,
     deflate: Deflate,
-    abilities: Mapping[str, str] | None = None,
+    abilities: Mapping[str, str],
 ) -> Path:
     """Write the FMU with these files and with what both flavours hold: documentation, picture, example,
     modelDescription."""

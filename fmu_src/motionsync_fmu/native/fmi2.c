@@ -1,5 +1,5 @@
 /* FMI 2.0 for co-simulation, over the unit's core: the standard's names and types, and what may be called when. */
-#include <stdlib.h>
+#include <math.h>
 #include <string.h>
 #include "fmi2Functions.h"
 #include "unit.h"
@@ -16,7 +16,7 @@ typedef struct { /* what this file keeps with each unit */
 static void log_to(const void *importer, Status status, const char *text) {
     const Importer *to = importer;
     const char *category = status == UNIT_WARNING ? "logStatusWarning" : "logStatusError";
-    if (to->logger) to->logger(to->environment, to->name, (fmi2Status)status, category, text);
+    to->logger(to->environment, to->name, (fmi2Status)status, category, text);
 }
 
 enum { SETTABLE = INSTANTIATED | INITIALIZING | STEPPING, READABLE = INITIALIZING | STEPPING | TERMINATED };
@@ -39,12 +39,14 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     if (!callbacks) return NULL;
     const char *called = name ? name : "";
-    Unit *c = unit_new(sizeof(Importer) + strlen(called) + 1, log_to);
+    Memory memory = {callbacks->allocateMemory, callbacks->freeMemory};
+    if (!memory.allocate || !memory.release) memory = system_memory();
+    Unit *c = unit_new(sizeof(Importer) + strlen(called) + 1, memory, callbacks->logger ? log_to : NULL);
     if (!c) return NULL;
     Importer *importer = unit_importer(c);
     importer->logger = callbacks->logger;
     importer->environment = callbacks->componentEnvironment;
-    strcpy(importer->name, called);
+    memcpy(importer->name, called, strlen(called) + 1);
     if (!*called) unit_fail(c, "%s: the instance needs a name", __func__);
     else if (type != fmi2CoSimulation) unit_fail(c, "%s: the unit is for co-simulation only", __func__);
     else if (!guid || strcmp(guid, unit_guid()))
@@ -53,11 +55,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         unit_reset(c);
         return c;
     }
-    free(c);
+    unit_free(c);
     return NULL;
 }
 
-void fmi2FreeInstance(fmi2Component c) { free(c); }
+void fmi2FreeInstance(fmi2Component c) { unit_free(c); }
 
 fmi2Status fmi2Reset(fmi2Component c) {
     ONLY_WHEN(ANY);
@@ -86,8 +88,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean stopDefined, fmi2Real stop) {
     ONLY_WHEN(INSTANTIATED);
-    unit_set_time(c, start);
-    return fmi2OK;
+    ANSWER(unit_set_times(c, start, stopDefined ? stop : INFINITY, __func__));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
@@ -130,7 +131,7 @@ ACCESS(Integer, integers)
 ACCESS(Boolean, booleans)
 
 static fmi2Status no_string(const Unit *c, const fmi2ValueReference r[], size_t n) {
-    if (n) unit_fail(c, "no String has the value reference %u", r ? *r : 0);
+    if (n) unit_fail(c, "no String has the value reference %d", (int64_t)(r ? *r : 0));
     return n ? fmi2Error : fmi2OK;
 }
 
