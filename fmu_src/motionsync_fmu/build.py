@@ -129,16 +129,19 @@ def _write(
     deflate: Deflate,
     abilities: Mapping[str, str],
 ) -> Path:
-    """Write the FMU with these files and with what both flavours hold: documentation, picture, modelDescription."""
+    """Write the FMU with these files and with what both flavours hold: documentation, picture, example,
+    modelDescription."""
     from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
     from .pages.pictures import icon  # noqa: PLC0415
+    from .pages.related_files import related_files  # noqa: PLC0415
     from .scenario.example import example_of  # noqa: PLC0415 (NumPy)
 
     build_time()  # refuses a bad SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
     block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
-    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned)
-    files = files | {f"documentation/{n}": text for n, text in texts.items()}
+    related = {} if recipe.starts or recipe.turned else related_files(example)  # of the block as it is declared
+    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, bool(related))
+    files = files | related | {f"documentation/{n}": text for n, text in texts.items()}
     files |= {
         "model.png": icon(example),
         "modelDescription.xml": finish(
