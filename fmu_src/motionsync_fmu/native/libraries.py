@@ -15,6 +15,7 @@ from typing import Any
 
 from ..archive import Files
 from ..errors import UserError
+from ..interface.recipe import Fmi
 from .llvm_text import llvm_text
 from .platforms import ROWS, Platform
 from .tables import model_header
@@ -50,6 +51,7 @@ def libraries(
     platforms: Sequence[Platform] = ROWS,
     progress: Callable[[str], None] = lambda text: None,
     turned: Mapping[str, str] | None = None,
+    fmi: Fmi = Fmi.TWO,
 ) -> Files:
     """The library of each platform, by its path in the FMU; `progress` gets lines of text if this takes long.
 
@@ -61,10 +63,10 @@ def libraries(
     name = type(block).__name__
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        for source in HERE.glob("*.[ch]"):
+        for source in c_files(fmi):
             (work / source.name).write_bytes(source.read_bytes())
         (work / "model.ll").write_text(llvm_text(block), "utf-8", newline="\n")
-        (work / "model.h").write_text(model_header(block, guid, turned), "utf-8", newline="\n")
+        (work / "model.h").write_text(model_header(block, guid, turned, fmi), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
                 target: pool.submit(_compile, target, flags, f"{target}/{name}.{platform.suffix}", work)
@@ -77,6 +79,12 @@ def libraries(
                 for job in as_completed(targets):
                     progress(f"compiled for {targets[job]}")
             return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
+
+
+def c_files(fmi: Fmi) -> list[Path]:
+    """The C files and headers of a library of that version."""
+    others = {f"fmi{version}.c" for version in Fmi if version != fmi}
+    return sorted(file for file in HERE.glob("*.[ch]") if file.name not in others)
 
 
 def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
