@@ -13,7 +13,7 @@ from xml.etree.ElementTree import ParseError, fromstring
 from .archive import Deflate, Files, build_time, digest, quick, runtime, sources, write
 from .errors import UserError
 from .extras import how_to_install
-from .interface.fmi2_xml import complete, content, describe
+from .interface.fmi2_xml import OWN_MEMORY, complete, content, describe
 from .interface.fmi3_xml import translated
 from .interface.recipe import Fmi, Recipe
 from .interface.terminals import FOLDER, terminals
@@ -92,7 +92,7 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     for library in (pythonfmu / "resources" / "binaries").glob("*/*"):
         files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
     files |= {f"{LICENCES}/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
-    return _write(target, recipe, Flavour.PYTHON, files, quick)
+    return _write(target, recipe, Flavour.PYTHON, files, quick, OWN_MEMORY)
 
 
 def build_native(
@@ -114,12 +114,12 @@ def build_native(
     try:
         from .native import libraries, packing, tables  # noqa: PLC0415 (Numba, zig, Zopfli: for this flavour only)
     except ModuleNotFoundError as e:
+        other = "; or take --flavour python" if recipe.fmi == Fmi.TWO else ""
         raise UserError(
-            f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}; "
-            "or take --flavour python"
+            f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
         ) from None
     files = libraries.libraries(block, recipe.guid(), platforms or every, progress, recipe.turned, recipe.fmi)
-    texts = licences("motionsync", "numba", "ziglang") | libraries.linked_licences()
+    texts = licences("motionsync", "numba") | libraries.linked_licences(recipe.fmi)
     files |= {f"{LICENCES}/{n}": text for n, text in texts.items()}
     deflate = packing.smallest if all(row in (platforms or every) for row in every) else quick
     return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block))
@@ -142,7 +142,7 @@ def _write(
     flavour: Flavour,
     files: Files,
     deflate: Deflate,
-    abilities: Mapping[str, str] | None = None,
+    abilities: Mapping[str, str],
 ) -> Path:
     """Write the FMU with these files and with what both flavours hold: documentation, picture, modelDescription."""
     from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: it takes long to load)

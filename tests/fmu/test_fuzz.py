@@ -75,8 +75,7 @@ def fuzzer(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     (folder / "model.h").write_text(model_header(recipe.block(), recipe.guid()))
     (folder / "expected.h").write_text(expected_header(recipe))
     sources = [
-        str(UNIT / "fmi2.c"),
-        str(UNIT / "unit.c"),
+        *(str(UNIT / name) for name in ("fmi2.c", "unit.c", "decimal.c", "memory.c")),
         str(FUZZ),
         "model.o",
         "-lm",

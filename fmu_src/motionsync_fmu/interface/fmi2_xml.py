@@ -21,8 +21,8 @@ ABILITIES = {  # of both flavours, as attributes of the CoSimulation element
     "canSerializeFMUstate": "true",
     "needsExecutionTool": "false",
     "canBeInstantiatedOnlyOncePerProcess": "false",
-    "canNotUseMemoryManagementFunctions": "true",
 }
+OWN_MEMORY = {"canNotUseMemoryManagementFunctions": "true"}  # of the python flavour
 CATEGORIES = {
     "logStatusWarning": "refused commands",
     "logStatusError": "refused values and failed calls",

@@ -1,5 +1,5 @@
-"""terminalsAndIcons.xml (FMI 3.0, section 2.4.9; FMI 2.0.4 allows the same file): which variables are wired together, and
-where the block's icon is drawn."""
+"""terminalsAndIcons.xml (FMI 3.0, section 2.4.9; FMI 2.0.4 allows the same file): what is wired together, and where the
+icon is drawn."""
 
 from collections.abc import Mapping
 from typing import Any

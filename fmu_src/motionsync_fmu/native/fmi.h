@@ -6,7 +6,6 @@
  *   CATEGORIES           the names of all log categories, for a message
  *
  * and afterwards log_to, which hands a message to the importer. */
-#include <stdlib.h>
 #include <string.h>
 #include "unit.h"
 
@@ -34,15 +33,15 @@ enum { SETTABLE = INSTANTIATED | INITIALIZING | STEPPING, READABLE = INITIALIZIN
 
 /* A unit with this name and GUID; NULL, and an error is logged, if something is wrong. `wrong`: what is, if not one of
  * these two; else NULL. `refused`: as for unit_new. */
-static Unit *instantiate(const char *name, const char *guid, Logger logger, Environment environment, Status refused,
-                         const char *wrong, const char *call) {
+static Unit *instantiate(const char *name, const char *guid, Memory memory, Logger logger, Environment environment,
+                         Status refused, const char *wrong, const char *call) {
     const char *called = name ? name : "";
-    Unit *c = unit_new(sizeof(Importer) + strlen(called) + 1, log_to, refused);
+    Unit *c = unit_new(sizeof(Importer) + strlen(called) + 1, memory, logger ? log_to : NULL, refused);
     if (!c) return NULL;
     Importer *importer = unit_importer(c);
     importer->logger = logger;
     importer->environment = environment;
-    strcpy(importer->name, called);
+    memcpy(importer->name, called, strlen(called) + 1);
     if (!*called) unit_fail(c, "%s: the instance needs a name", call);
     else if (wrong) unit_fail(c, "%s: %s", call, wrong);
     else if (!guid || strcmp(guid, unit_guid()))
@@ -51,7 +50,7 @@ static Unit *instantiate(const char *name, const char *guid, Logger logger, Envi
         unit_reset(c);
         return c;
     }
-    free(c);
+    unit_free(c);
     return NULL;
 }
 
@@ -72,7 +71,7 @@ static Status find_categories(const Unit *c, size_t n, const char *const names[]
 /* Of a type that no variable has: only an empty list of them can be asked for or set. */
 static Status none_of(const Unit *c, const char *type, int modes, const uint32_t r[], size_t n, const char *call) {
     if (!unit_may(c, modes, call)) return UNIT_ERROR;
-    return n ? unit_fail(c, "no %s has the value reference %u", type, r ? (unsigned)*r : 0) : UNIT_OK;
+    return n ? unit_fail(c, "no %s has the value reference %d", type, (int64_t)(r ? *r : 0)) : UNIT_OK;
 }
 
 static Status not_offered(const Unit *c, const char *call) {

@@ -1,4 +1,5 @@
 /* FMI 2.0 for co-simulation, over the unit's core: the standard's names and types, and what may be called when. */
+#include <math.h>
 #include "fmi2Functions.h"
 
 typedef fmi2Status Answer;
@@ -13,7 +14,7 @@ _Static_assert((int)UNIT_WARNING == fmi2Warning && (int)UNIT_DISCARD == fmi2Disc
 
 static void log_to(const void *importer, Status status, const char *text) {
     const Importer *to = importer;
-    if (to->logger) to->logger(to->environment, to->name, (fmi2Status)status, category(status - UNIT_WARNING), text);
+    to->logger(to->environment, to->name, (fmi2Status)status, category(status - UNIT_WARNING), text);
 }
 
 /* --- life --- */
@@ -27,10 +28,13 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     if (!callbacks) return NULL;
     const char *wrong = type == fmi2CoSimulation ? NULL : "the unit is for co-simulation only";
-    return instantiate(name, guid, callbacks->logger, callbacks->componentEnvironment, UNIT_ERROR, wrong, __func__);
+    Memory memory = {callbacks->allocateMemory, callbacks->freeMemory};
+    if (!memory.allocate || !memory.release) memory = system_memory();
+    return instantiate(name, guid, memory, callbacks->logger, callbacks->componentEnvironment, UNIT_ERROR, wrong,
+                       __func__);
 }
 
-void fmi2FreeInstance(fmi2Component c) { free(c); }
+void fmi2FreeInstance(fmi2Component c) { unit_free(c); }
 
 fmi2Status fmi2Reset(fmi2Component c) {
     ONLY_WHEN(ANY);
@@ -50,8 +54,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean stopDefined, fmi2Real stop) {
     ONLY_WHEN(INSTANTIATED);
-    unit_set_time(c, start);
-    return fmi2OK;
+    ANSWER(unit_set_times(c, start, stopDefined ? stop : INFINITY, __func__));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {

@@ -2,6 +2,7 @@
  *
  * There is no event mode, no intermediate update and no early return: a command is an edge at the beginning of a step, and
  * a step is computed to its end at once. A step that is refused has changed nothing, which this standard calls discarded. */
+#include <math.h>
 #include "fmi3Functions.h"
 
 typedef fmi3Status Answer;
@@ -28,7 +29,7 @@ static void log_these(Unit *c, bool on, int categories) { unit_log(c, on ? categ
 
 static Unit *made(fmi3String name, fmi3String token, bool logging, fmi3InstanceEnvironment environment,
                   fmi3LogMessageCallback logger, const char *wrong, const char *call) {
-    Unit *c = instantiate(name, token, logger, environment, UNIT_DISCARD, wrong, call);
+    Unit *c = instantiate(name, token, system_memory(), logger, environment, UNIT_DISCARD, wrong, call);
     if (c) log_these(c, logging, LOG_ALL);
     return c;
 }
@@ -56,7 +57,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
     return made(name, token, logging, environment, logger, "the unit is for co-simulation only", __func__);
 }
 
-void fmi3FreeInstance(fmi3Instance c) { free(c); }
+void fmi3FreeInstance(fmi3Instance c) { unit_free(c); }
 
 fmi3Status fmi3Reset(fmi3Instance c) {
     ONLY_WHEN(ANY);
@@ -75,7 +76,7 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const f
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 start, fmi3Boolean stopDefined, fmi3Float64 stop) {
     ONLY_WHEN(INSTANTIATED);
-    unit_set_time(c, start);
+    if (unit_set_times(c, start, stopDefined ? stop : INFINITY, __func__)) return fmi3Error;
     unit_enter_initialization(c);
     return fmi3OK;
 }

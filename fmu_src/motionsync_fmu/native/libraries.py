@@ -21,9 +21,10 @@ from .platforms import ROWS, Platform
 from .tables import model_header
 
 HERE = Path(__file__).parent
+FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
-    "-O2 -ffp-contract=off -fno-strict-aliasing -fno-slp-vectorize "
-    "-fPIC -shared -fvisibility=hidden -g0 -s -Wno-override-module"
+    "-O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
+    "-fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -Wno-override-module"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
 FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
@@ -55,7 +56,7 @@ def libraries(
 ) -> Files:
     """The library of each platform, by its path in the FMU; `progress` gets lines of text if this takes long.
 
-    `turned`: as for `variables`.
+    `turned`: as for `variables`; `fmi`: the version, to which the platforms belong.
 
     Raises:
         UserError: zig failed.
@@ -63,7 +64,7 @@ def libraries(
     name = type(block).__name__
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        for source in c_files(fmi):
+        for source in (*c_files(fmi), *FREESTANDING.glob("*.[ch]")):
             (work / source.name).write_bytes(source.read_bytes())
         (work / "model.ll").write_text(llvm_text(block), "utf-8", newline="\n")
         (work / "model.h").write_text(model_header(block, guid, turned, fmi), "utf-8", newline="\n")
@@ -93,7 +94,7 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
     done = subprocess.run(
-        [*command, *sources, "model.ll", "-lm", *flags.split(), "-o", path],
+        [*command, *sources, "model.ll", *flags.split(), "-o", path],
         cwd=work,
         capture_output=True,
         text=True,
@@ -109,11 +110,9 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     return (work / path).read_bytes()
 
 
-def linked_licences() -> Files:
-    """The licences of what the libraries hold beside the block, Numba and zig: the start of a Windows library, and
-    FMI's headers."""
-    header = (HEADERS / "fmi2Functions.h").read_text("utf-8")
+def linked_licences(fmi: Fmi) -> Files:
+    """The licences of what the libraries hold beside the block and Numba: FMI's headers."""
+    header = (HEADERS / f"fmi{fmi}Functions.h").read_text("utf-8")
     return {
-        "mingw-w64.txt": (ZIG / "lib" / "libc" / "mingw" / "COPYING").read_bytes(),
         "fmi-headers.txt": header[header.index("Copyright") : header.index("*/")].rstrip().encode() + b"\n",
     }

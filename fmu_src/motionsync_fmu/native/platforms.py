@@ -11,10 +11,12 @@ from ..interface.recipe import Fmi
 from .macho import universal
 
 # Flags for zig's compiler beside those that all platforms have. What can be left out of a library is left out: an FMU
-# holds one library for each platform.
+# holds one library for each platform. No library of zig's is linked, nor a C library: freestanding.c has what is then
+# missing. zig would have to compile these libraries first, which takes minutes.
 UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for C++ exceptions
-LINUX = f"-Wl,-z,defs -Wl,--hash-style=gnu {UNWINDING}"
-WINDOWS = "-rtlib=none -Wl,-e,library_main"  # windows.c has what is then missing
+LINUX = f"-nostdlib -Wl,--hash-style=gnu {UNWINDING}"
+WINDOWS = "-nostdlib -lkernel32 -Wl,-e,library_main"
+MACOS = f"-nostdlib {UNWINDING}"  # zig links libSystem nevertheless: every library of macOS has to name it
 ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, but it compresses worse
 
 PROCESSORS = {"x86_64": "x86-64", "aarch64": "64-bit ARM"}  # by zig's names
@@ -64,13 +66,13 @@ def parts(target: str) -> tuple[str, str]:
 
 
 ROWS = (
-    Platform("linux64", "so", {"x86_64-linux-gnu.2.17": LINUX}),
-    Platform("aarch64-linux", "so", {"aarch64-linux-gnu.2.17": f"{LINUX} {ARM}"}),
+    Platform("linux64", "so", {"x86_64-linux-none": LINUX}),
+    Platform("aarch64-linux", "so", {"aarch64-linux-none": f"{LINUX} {ARM}"}),
     Platform("win64", "dll", {"x86_64-windows-gnu": WINDOWS}),
     Platform(
         "darwin64",
         "dylib",
-        {"x86_64-macos.11.0": UNWINDING, "aarch64-macos.11.0": f"{UNWINDING} {ARM}"},
+        {"x86_64-macos.11.0": MACOS, "aarch64-macos.11.0": f"{MACOS} {ARM}"},
         universal,
     ),
 )

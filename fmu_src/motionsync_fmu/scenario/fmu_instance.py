@@ -138,7 +138,7 @@ class FmuInstance:
         self.time += h
 
     def get(self, names: Iterable[str] | None = None) -> dict[str, Any]:
-        """The values of these variables, of all if none are named. Enumerations are integers, as Booleans are in FMI 2.0."""
+        """The values of these variables, of all if none are named; Booleans and enumerations as numbers."""
         wanted: dict[str, list[str]] = {kind: [] for kind in TYPES[self.fmi].values()}
         for name in self.kinds if names is None else names:
             wanted[self.kinds[name][1]].append(name)
