@@ -15,6 +15,7 @@ from typing import Any
 
 from ..archive import Files
 from ..errors import UserError
+from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
 from .tables import model_header
 from .translator import c_source
@@ -51,10 +52,11 @@ def libraries(
     platforms: Sequence[Platform] = ROWS,
     progress: Callable[[str], None] = lambda text: None,
     turned: Mapping[str, str] | None = None,
+    fmi: Fmi = Fmi.TWO,
 ) -> Files:
     """The library of each platform, by its path in the FMU; `progress` gets lines of text if this takes long.
 
-    `turned`: as for `variables`.
+    `turned`: as for `variables`; `fmi`: the version, to which the platforms belong.
 
     Raises:
         UserError: zig failed.
@@ -62,11 +64,11 @@ def libraries(
     name = type(block).__name__
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        for source in (*HERE.glob("*.[ch]"), *FREESTANDING.glob("*.[ch]")):
+        for source in (*c_files(fmi), *FREESTANDING.glob("*.[ch]")):
             (work / source.name).write_bytes(source.read_bytes())
         for file, text in c_source(block).items():
             (work / file).write_bytes(text)
-        (work / "model.h").write_text(model_header(block, guid, turned), "utf-8", newline="\n")
+        (work / "model.h").write_text(model_header(block, guid, turned, fmi), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
                 target: pool.submit(_compile, target, flags, f"{target}/{name}.{platform.suffix}", work)
@@ -79,6 +81,12 @@ def libraries(
                 for job in as_completed(targets):
                     progress(f"compiled for {targets[job]}")
             return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
+
+
+def c_files(fmi: Fmi) -> list[Path]:
+    """The C files and headers of a library of that version."""
+    others = {f"fmi{version}.c" for version in Fmi if version != fmi}
+    return sorted(file for file in HERE.glob("*.[ch]") if file.name not in others)
 
 
 def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
@@ -103,9 +111,9 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     return (work / path).read_bytes()
 
 
-def linked_licences() -> Files:
+def linked_licences(fmi: Fmi) -> Files:
     """The licences of what the libraries hold beside the block: FMI's headers."""
-    header = (HEADERS / "fmi2Functions.h").read_text("utf-8")
+    header = (HEADERS / f"fmi{fmi}Functions.h").read_text("utf-8")
     return {
         "fmi-headers.txt": header[header.index("Copyright") : header.index("*/")].rstrip().encode() + b"\n",
     }
