@@ -21,17 +21,19 @@ from .interface.variables import variables
 from .native.platforms import OF_VERSION, Platform
 from .native.subset.modules import check
 
-SCRIPT = """from {package}_{tag}.{module} import {name}
-from motionsync_fmu_{tag}.python.slave import BlockSlave, keep
+SCRIPT = """from motionsync_fmu_{tag}.python import slave
 
-keep(globals())
+slave.keep(globals())
+if "{name}Slave" in globals():  # PythonFMU runs this script at each instantiation, and keeps each class that it finds
+    {name}Slave = globals()["{name}Slave"]
+else:
+    from {package}_{tag}.{module} import {name}
 
-
-class {name}Slave(BlockSlave):
-    block_type = {name}
-    build = "{tag}"
-    starts = {starts!r}
-    turned = {turned!r}
+    class {name}Slave(slave.BlockSlave):
+        block_type = {name}
+        build = "{tag}"
+        starts = {starts!r}
+        turned = {turned!r}
 """
 
 LICENCES = "documentation/licenses"
