@@ -66,7 +66,7 @@ def compilers() -> Files:
     template of the tables."""
     native = HERE / "native"
     modules = {name for name in sources(f"{__package__}.native.libraries") if name.startswith("native/")}
-    others = (file.relative_to(HERE).as_posix() for file in native.iterdir() if file.suffix in (".c", ".h", ".j2"))
+    others = (file.relative_to(HERE).as_posix() for file in native.rglob("*") if file.suffix in (".c", ".h", ".j2"))
     return _own(*modules, *others)
 
 

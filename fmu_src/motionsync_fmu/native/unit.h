@@ -17,25 +17,39 @@ typedef enum { UNIT_OK, UNIT_WARNING, UNIT_DISCARD, UNIT_ERROR } Status; /* with
 /* One phase of a unit's life, or a set of them. */
 typedef enum { INSTANTIATED = 1, INITIALIZING = 2, STEPPING = 4, TERMINATED = 8, ANY = 15 } Mode;
 
-/* The kinds of messages; a unit logs a set of them. A message with UNIT_DISCARD is of the kind LOG_ERROR. */
-typedef enum { LOG_NOTHING = 0, LOG_WARNING = 1, LOG_ERROR = 2, LOG_ALL = 3 } Category;
+/* The kinds of messages, by status; a unit logs a set of them. */
+typedef enum { LOG_NOTHING = 0, LOG_WARNING = 1, LOG_DISCARD = 2, LOG_ERROR = 4, LOG_ALL = 7 } Category;
+
+/* One kind of variables, or a set of them. */
+typedef enum { REAL = 1, INTEGER = 2, BOOLEAN = 4, ENUMERATION = 8 } Kind;
 
 /* A function that hands a text to the importer; `importer`: what the FMI functions keep with the unit. */
 typedef void Write(const void *importer, Status status, const char *text);
+
+/* Where a unit gets memory: room for n things of a size, aligned for all of C's types, or NULL; and what gives such room
+ * back. A unit gets memory when it is made and for each new FMU state, and at no other time. */
+typedef struct {
+    void *(*allocate)(size_t n, size_t size);
+    void (*release)(void *room);
+} Memory;
+
+Memory system_memory(void); /* the system's, in memory.c */
 
 /* --- life --- */
 
 const char *unit_guid(void);
 
-/* A unit that logs all; `size` bytes, all 0, are for what the FMI functions keep with it. NULL if memory is lacking. It
- * must be reset before anything but unit_importer, unit_fail and free is called with it. */
-Unit *unit_new(size_t size, Write *write);
+/* A unit that logs all, if there is a `write`; `size` bytes, all 0, are for what the FMI functions keep with it; `refused`:
+ * what a step answers that is refused, UNIT_DISCARD or UNIT_ERROR. NULL if memory is lacking. It must be reset before
+ * anything but unit_importer, unit_fail and unit_free is called with it. */
+Unit *unit_new(size_t size, Memory memory, Write *write, Status refused);
+void unit_free(Unit *u);
 void *unit_importer(Unit *u);
 void unit_reset(Unit *u);
 
 Mode unit_mode(const Unit *u);
 double unit_time(const Unit *u); /* the start time, or the end of the last step */
-void unit_set_time(Unit *u, double time);
+Status unit_set_times(Unit *u, double start, double stop, const char *call); /* stop: INFINITY if there is none */
 void unit_enter_initialization(Unit *u);
 Status unit_exit_initialization(Unit *u);
 Status unit_step(Unit *u, double time, double h, const char *call); /* in step mode only */
@@ -45,20 +59,30 @@ void unit_terminate(Unit *u);
 
 void unit_log(Unit *u, int categories);
 void unit_say(const Unit *u, Status status, const char *text);
-Status unit_fail(const Unit *u, const char *format, ...); /* logs an error, and answers UNIT_ERROR */
+
+/* Logs an error, and answers UNIT_ERROR. In the format %s stands for a text, %d for an int64_t, %r for a double. */
+Status unit_fail(const Unit *u, const char *format, ...);
 bool unit_may(const Unit *u, int modes, const char *call); /* false, and an error is logged, in any other mode */
 bool unit_given(const Unit *u, const void *pointer, const char *call); /* false, and an error is logged, for NULL */
 
 /* --- values, by the places `r` of their variables in the description --- */
 
-/* `modes`: when the call is allowed. These functions are called most, and check the mode themselves. */
+/* `modes`: when the call is allowed; `kinds`: the variables that it may name, if its name does not say so. These
+ * functions are called most, and check the mode themselves. */
 
 Status unit_get_reals(Unit *u, int modes, const uint32_t r[], size_t n, double values[], const char *call);
-Status unit_get_integers(Unit *u, int modes, const uint32_t r[], size_t n, int32_t values[], const char *call);
+Status unit_get_integers(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, int32_t values[],
+                         const char *call);
+Status unit_get_enumerations(Unit *u, int modes, const uint32_t r[], size_t n, int64_t values[], const char *call);
 Status unit_get_booleans(Unit *u, int modes, const uint32_t r[], size_t n, int32_t values[], const char *call);
+Status unit_get_flags(Unit *u, int modes, const uint32_t r[], size_t n, bool values[], const char *call);
 Status unit_set_reals(Unit *u, int modes, const uint32_t r[], size_t n, const double values[], const char *call);
-Status unit_set_integers(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t values[], const char *call);
+Status unit_set_integers(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const int32_t values[],
+                         const char *call);
+Status unit_set_enumerations(Unit *u, int modes, const uint32_t r[], size_t n, const int64_t values[],
+                             const char *call);
 Status unit_set_booleans(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t values[], const char *call);
+Status unit_set_flags(Unit *u, int modes, const uint32_t r[], size_t n, const bool values[], const char *call);
 
 /* Derivatives of inputs act in the next step only; those of the slave's position are always there. */
 Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],

@@ -1,0 +1,17 @@
+/* The system's memory, for importers that give none. */
+#include "unit.h"
+
+#ifdef _WIN32
+/* Of kernel32, which every process has: there are several C libraries, and each has memory of its own. */
+__declspec(dllimport) void *__stdcall GetProcessHeap(void);
+__declspec(dllimport) void *__stdcall HeapAlloc(void *heap, unsigned long flags, size_t size);
+__declspec(dllimport) int __stdcall HeapFree(void *heap, unsigned long flags, void *room);
+
+static void *allocate(size_t n, size_t size) { return HeapAlloc(GetProcessHeap(), 0, n * size); }
+static void release(void *room) { HeapFree(GetProcessHeap(), 0, room); }
+Memory system_memory(void) { return (Memory){allocate, release}; }
+#else
+#include <stdlib.h>
+
+Memory system_memory(void) { return (Memory){calloc, free}; }
+#endif
