@@ -5,7 +5,6 @@ import json
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from markupsafe import Markup
 
@@ -33,7 +32,10 @@ def write_page(name: str, scenarios: Sequence[Scenario], fmu: Path, target: Path
     code = webassembly(recipe.block(), recipe.guid())
     text = TEMPLATES.from_string((HERE / "explore.html.j2").read_text("utf-8")).render(
         data=data,
-        packed={"data": _packed(json.dumps(data, separators=(",", ":"), allow_nan=False).encode()), "code": _packed(code)},
+        packed={
+            "data": _packed(json.dumps(data, separators=(",", ":"), allow_nan=False).encode()),
+            "code": _packed(code),
+        },
         machine=live_machine(),
         style=Markup(_text(HERE / "explore.css") + _text(VENDOR / "uPlot.min.css")),
         bundle=Markup(_text(VENDOR / "uPlot.iife.min.js")),
