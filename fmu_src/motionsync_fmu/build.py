@@ -152,7 +152,7 @@ def _write(
     build_time()  # refuses a bad SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
     block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
-    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned)
+    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, recipe.fmi)
     files = files | {f"documentation/{n}": text for n, text in texts.items()}
     picture = icon(example)
     files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(block, recipe.turned)}
