@@ -21,17 +21,19 @@ from .interface.variables import variables
 from .native.platforms import OF_VERSION, Platform
 from .native.subset.modules import check
 
-SCRIPT = """from {package}_{tag}.{module} import {name}
-from motionsync_fmu_{tag}.python.slave import BlockSlave, keep
+SCRIPT = """from motionsync_fmu_{tag}.python import slave
 
-keep(globals())
+slave.keep(globals())
+if "{name}Slave" in globals():  # PythonFMU runs this script at each instantiation, and keeps each class that it finds
+    {name}Slave = globals()["{name}Slave"]
+else:
+    from {package}_{tag}.{module} import {name}
 
-
-class {name}Slave(BlockSlave):
-    block_type = {name}
-    build = "{tag}"
-    starts = {starts!r}
-    turned = {turned!r}
+    class {name}Slave(slave.BlockSlave):
+        block_type = {name}
+        build = "{tag}"
+        starts = {starts!r}
+        turned = {turned!r}
 """
 
 LICENCES = "documentation/licenses"
@@ -144,23 +146,27 @@ def _write(
     deflate: Deflate,
     abilities: Mapping[str, str],
 ) -> Path:
-    """Write the FMU with these files and with what both flavours hold: documentation, picture, modelDescription."""
+    """Write the FMU with these files and with what both flavours hold: documentation, picture, example,
+    modelDescription."""
     from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
     from .pages.pictures import icon  # noqa: PLC0415
+    from .pages.related_files import related_files  # noqa: PLC0415
     from .scenario.example import example_of  # noqa: PLC0415 (NumPy)
 
     build_time()  # refuses a bad SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
     block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
-    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, recipe.fmi)
-    files = files | {f"documentation/{n}": text for n, text in texts.items()}
+    related = {} if recipe.starts or recipe.turned else related_files(example)  # of the block as it is declared
+    told = bool(related), recipe.fmi
+    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, *told)
+    files = files | related | {f"documentation/{n}": text for n, text in texts.items()}
     picture = icon(example)
     files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(block, recipe.turned)}
     root = describe(block, recipe.unit, recipe.slave_unit, recipe.turned)
     complete(root, recipe.guid(), abilities)
     if recipe.fmi == Fmi.THREE:
         root = translated(root)
-        files[f"{LICENCES}/license.txt"] = files[f"{LICENCES}/motionsync.txt"]  # FMI 3.0 demands this name
+        files[f"{LICENCES}/license.txt"] = files.pop(f"{LICENCES}/motionsync.txt")  # FMI 3.0 demands this name
     else:
         files["model.png"] = picture
     files["modelDescription.xml"] = content(root)

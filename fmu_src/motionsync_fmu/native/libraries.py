@@ -1,6 +1,6 @@
-"""The libraries of a native FMU: zig compiles a block's LLVM text and the C files for every platform.
+"""The libraries of a native FMU: zig compiles the C of a block and of the FMI functions for every platform.
 
-Python, Numba and zig are only needed to build the libraries, not to run them.
+Python and zig are only needed to build the libraries, not to run them.
 """
 
 import os
@@ -16,15 +16,15 @@ from typing import Any
 from ..archive import Files
 from ..errors import UserError
 from ..interface.recipe import Fmi
-from .llvm_text import llvm_text
 from .platforms import ROWS, Platform
 from .tables import model_header
+from .translator import c_source
 
 HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
     "-O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
-    "-fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -Wno-override-module"
+    "-mllvm -inline-threshold=100 -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
 FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
@@ -66,7 +66,8 @@ def libraries(
         work = Path(folder)
         for source in (*c_files(fmi), *FREESTANDING.glob("*.[ch]")):
             (work / source.name).write_bytes(source.read_bytes())
-        (work / "model.ll").write_text(llvm_text(block), "utf-8", newline="\n")
+        for file, text in c_source(block).items():
+            (work / file).write_bytes(text)
         (work / "model.h").write_text(model_header(block, guid, turned, fmi), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
@@ -94,7 +95,7 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
     done = subprocess.run(
-        [*command, *sources, "model.ll", *flags.split(), "-o", path],
+        [*command, *sources, *flags.split(), "-o", path],
         cwd=work,
         capture_output=True,
         text=True,
@@ -111,7 +112,7 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
 
 
 def linked_licences(fmi: Fmi) -> Files:
-    """The licences of what the libraries hold beside the block and Numba: FMI's headers."""
+    """The licences of what the libraries hold beside the block: FMI's headers."""
     header = (HEADERS / f"fmi{fmi}Functions.h").read_text("utf-8")
     return {
         "fmi-headers.txt": header[header.index("Copyright") : header.index("*/")].rstrip().encode() + b"\n",

@@ -1,4 +1,4 @@
-"""What the C files know of a block: model.h, with its memory's start image and the tables of its variables."""
+"""What the C files know of a block: model.h, with the size of its memory and the tables of its variables."""
 
 from collections.abc import Iterable, Mapping
 from math import isinf
@@ -12,7 +12,7 @@ from motionsync.master import MasterInput
 from ..interface.fmi3_xml import TIME
 from ..interface.recipe import Fmi
 from ..interface.variables import LONGEST_STEP, Variable, refusals, spoken_of, variables
-from .memory_layout import dtype, image, offset
+from .memory_layout import dtype, offset
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
 # derivatives.
@@ -48,7 +48,7 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
         master=_indices(index, MASTER, INPUT_MODE),
         slave=_indices(index, SLAVE),
         input_mode=index.get(INPUT_MODE, MISSING),
-        start=image(block).tobytes(),
+        size=layout.itemsize,
         texts=pool.texts,
         numbers=[n for numbers in pool.lists for n in numbers],
         variables=rows,

@@ -1,6 +1,6 @@
-/* The core of a native unit over one flat block of memory, a table of its variables and two compiled functions.
+/* The core of a native unit over one flat block of memory, a table of its variables and two functions of block.c.
  *
- * This file is the same for all blocks: model.h, which is generated, holds the memory's start image and the tables. */
+ * This file is the same for all blocks: model.h, which is generated, holds the tables. */
 #include "unit.h"
 #include "decimal.h"
 #include <float.h>
@@ -43,10 +43,12 @@ static const char *words(int place) { return TEXTS + place; }
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
 
-/* Numba's calling convention: a function writes its answer and an exception to the first two addresses, and returns 0
- * unless there was an exception. */
-int32_t model_initialize(int64_t *refusal, void **exception, void *model);
-int32_t model_step(int64_t *refusal, void **exception, void *model, double h);
+/* What block.c has. Here a block is so many bytes: the names in its header are those of its Python source, and some are
+ * used here for other things. Both functions return the refusal, and set `failed` where Python would raise. */
+typedef struct Block Block;
+extern const Block START;
+int64_t block_initialize(Block *self, bool *failed);
+int64_t block_step(Block *self, double h, bool *failed);
 
 typedef union {
     double aligned;
@@ -292,7 +294,7 @@ void unit_reset(Unit *u) {
     u->now.size = sizeof(State);
     u->now.mode = INSTANTIATED;
     u->now.stop = INFINITY;
-    memcpy(u->now.model.bytes, START, MODEL_SIZE);
+    memcpy(u->now.model.bytes, &START, MODEL_SIZE);
     count_unfit(u);
 }
 
@@ -315,9 +317,8 @@ static Status initialize(Unit *u) {
     for (const Variable *v = VARIABLES; v < VARIABLES + COUNT; v++)
         if (v->access != OUTPUT && !judge(u, v, UNIT_ERROR)) return UNIT_ERROR;
     Model before = u->now.model;
-    int64_t refusal = 0;
-    void *exception = NULL;
-    int32_t failed = model_initialize(&refusal, &exception, &u->now.model);
+    bool failed = false;
+    int64_t refusal = block_initialize((Block *)&u->now.model, &failed);
     if (!failed && !refusal) return UNIT_OK;
     if (failed) unit_fail(u, "an arithmetic error: these values lead to no result");
     else explain(u, UNIT_ERROR, "", REFUSALS, refusal);
@@ -365,9 +366,9 @@ static void put_back(Unit *u, const Replaced *inputs) {
 /* A refused step has changed nothing: the block guarantees that, so no copy is made. After an arithmetic error, which
  * no block should have, the state is undefined: the unit must be reset. */
 static Status run(Unit *u, double h) {
-    int64_t refusal = 0;
-    void *exception = NULL;
-    if (model_step(&refusal, &exception, &u->now.model, h)) {
+    bool failed = false;
+    int64_t refusal = block_step((Block *)&u->now.model, h, &failed);
+    if (failed) {
         u->now.mode = TERMINATED;
         return unit_fail(u, "an arithmetic error: these values lead to no result, and the unit must be reset");
     }

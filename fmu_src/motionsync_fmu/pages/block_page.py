@@ -28,13 +28,14 @@ def pages(
     platforms: list[str],
     slave_unit: str = "",
     turned: Mapping[str, str] | None = None,
+    related: bool = False,
     fmi: Fmi = Fmi.TWO,
 ) -> Files:
     """index.html and its picture, and for the python flavour externalDependencies.html.
 
     `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: the unit of
     positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`); `turned`: as for
-    `variables`; `fmi`: the version of the FMU.
+    `variables`; `related`: whether the FMU has the example's `related_files`; `fmi`: the version of the FMU.
 
     Raises:
         UserError: the block has no README.md, or refuses its example.
@@ -56,6 +57,7 @@ def pages(
         "describe": summary,
         "flavour": flavour,
         "fmi": fmi,
+        "related": related,
         "platforms": {p: TITLES[p] for p in platforms},
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])

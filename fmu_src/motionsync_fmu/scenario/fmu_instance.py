@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
+from urllib.parse import quote
 
 import fmpy
 from fmpy import fmi2, fmi3
@@ -64,8 +65,19 @@ class FmuError(Exception):
     """An FMI call failed. The text is what the FMU logged, or the call's own name and status."""
 
 
+def unfit_characters(folder: Path) -> str:
+    """The characters in a folder's path that keep an FMU of the python flavour from running there.
+
+    An importer writes them as %XX in the URI that it hands to the FMU; PythonFMU 0.7 decodes none but the space."""
+    characters = sorted(set(folder.relative_to(folder.anchor).as_posix()))
+    return "".join(c for c in characters if c != " " and quote(c) != c)
+
+
 class FmuInstance:
     """An instance of an FMU. As a context manager it frees the instance at the end and removes the extracted files.
+
+    Raises:
+        UserError: an FMU of the python flavour was extracted to a path with a character that PythonFMU does not read.
 
     Attributes:
         description: FMPy's model description.
@@ -82,6 +94,7 @@ class FmuInstance:
         self.messages: list[str] = []
         self.time = 0.0
         self.folder = fmpy.extract(str(fmu))
+        self._check_path(Path(self.folder))
         slave = fmi3.FMU3Slave if self.fmi == Fmi.THREE else fmi2.FMU2Slave
         self.unit = slave(
             guid=self.description.guid,
@@ -97,6 +110,16 @@ class FmuInstance:
         self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
         self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
         self.unit.instantiate(loggingOn=True, callbacks=self.callbacks)
+
+    def _check_path(self, folder: Path) -> None:
+        """Refuse a path in which PythonFMU would find no files: it ends the process then, without a message."""
+        unfit = unfit_characters(folder)
+        if unfit and (folder / "resources" / "slavemodule.txt").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            raise UserError(
+                f"the python flavour does not run in {folder}: PythonFMU does not read {' '.join(unfit)} in a path; "
+                "set TMPDIR (Windows: TEMP) to a folder without, or take the native flavour"
+            )
 
     def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self.messages.append(message.decode())
