@@ -1,4 +1,4 @@
-"""What the C files know of a block: model.h, with its memory's start image and the tables of its variables."""
+"""What the C files know of a block: model.h, with the size of its memory and the tables of its variables."""
 
 from collections.abc import Iterable, Mapping
 from math import isinf
@@ -9,8 +9,10 @@ import jinja2
 
 from motionsync.master import MasterInput
 
+from ..interface.fmi3_xml import TIME
+from ..interface.recipe import Fmi
 from ..interface.variables import LONGEST_STEP, Variable, refusals, spoken_of, variables
-from .memory_layout import dtype, image, offset
+from .memory_layout import dtype, offset
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
 # derivatives.
@@ -24,13 +26,15 @@ LAST_MESSAGE: Row = (0, 0, 0)
 LAST_CODED: Row = (-1, 0)
 
 
-def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None) -> str:
+def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> str:
     """The text of model.h: the block's memory, its variables, what it refuses, and what its codes mean.
 
-    `turned`: as for `variables`."""
+    `turned`: as for `variables`; `fmi`: the version, of which the third has the time as one more variable."""
     layout, vs, pool = dtype(block), variables(block, turned), Pool()
     index = {v.name: i for i, v in enumerate(vs)}
     rows = [_variable(v, layout, pool) for v in vs]
+    if fmi == Fmi.THREE:
+        rows.append(_time(pool))
     messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
     for v in vs:
         if v.declaration.codes:
@@ -44,7 +48,7 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None)
         master=_indices(index, MASTER, INPUT_MODE),
         slave=_indices(index, SLAVE),
         input_mode=index.get(INPUT_MODE, MISSING),
-        start=image(block).tobytes(),
+        size=layout.itemsize,
         texts=pool.texts,
         numbers=[n for numbers in pool.lists for n in numbers],
         variables=rows,
@@ -100,6 +104,13 @@ def _variable(v: Variable, layout: Any, pool: Pool) -> Row:
         pool.numbers(len(v.choices), *(int(m) for m in v.choices)),
         pool.text(v.allowed_range),
     )
+
+
+def _time(pool: Pool) -> Row:
+    """The row of the time, which lies in the unit and not in the block; since it is never set, nothing limits it."""
+    texts = pool.text(TIME), pool.text("continuous independent")
+    no_limits = *(number(0.0) for _ in range(5)), "true", "false", pool.numbers(0), pool.text("")
+    return *texts, "REAL", "OUTPUT", "TIME_OFFSET", *no_limits
 
 
 def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool, coded: str = "") -> list[Row]:
