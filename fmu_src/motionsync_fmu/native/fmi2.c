@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 #include "fmi2Functions.h"
+#include "cold.h"
 #include "unit.h"
 
 _Static_assert((int)UNIT_WARNING == fmi2Warning && (int)UNIT_DISCARD == fmi2Discard && (int)UNIT_ERROR == fmi2Error,
@@ -13,7 +14,7 @@ typedef struct { /* what this file keeps with each unit */
     char name[];
 } Importer;
 
-static void log_to(const void *importer, Status status, const char *text) {
+COLD static void log_to(const void *importer, Status status, const char *text) {
     const Importer *to = importer;
     const char *category = status == UNIT_WARNING ? "logStatusWarning" : "logStatusError";
     to->logger(to->environment, to->name, (fmi2Status)status, category, text);
@@ -32,10 +33,10 @@ enum { SETTABLE = INSTANTIATED | INITIALIZING | STEPPING, READABLE = INITIALIZIN
 
 /* Whether logging is on makes no difference: there are only warnings and errors, and nobody should miss these. */
 
-const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
-const char *fmi2GetVersion(void) { return fmi2Version; }
+COLD const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+COLD const char *fmi2GetVersion(void) { return fmi2Version; }
 
-fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+COLD fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     if (!callbacks) return NULL;
     const char *called = name ? name : "";
@@ -59,16 +60,16 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     return NULL;
 }
 
-void fmi2FreeInstance(fmi2Component c) { unit_free(c); }
+COLD void fmi2FreeInstance(fmi2Component c) { unit_free(c); }
 
-fmi2Status fmi2Reset(fmi2Component c) {
+COLD fmi2Status fmi2Reset(fmi2Component c) {
     ONLY_WHEN(ANY);
     unit_reset(c);
     return fmi2OK;
 }
 
 /* With a list of categories only these are logged; with an empty list, or with logging off, all. */
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
+COLD fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
     static const struct { const char *name; Category category; } KNOWN[] = {
         {"logStatusWarning", LOG_WARNING}, {"logStatusError", LOG_ERROR}, {"logAll", LOG_ALL}};
     int chosen = n ? LOG_NOTHING : LOG_ALL;
@@ -85,19 +86,19 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
     return fmi2OK;
 }
 
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real start,
+COLD fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean stopDefined, fmi2Real stop) {
     ONLY_WHEN(INSTANTIATED);
     ANSWER(unit_set_times(c, start, stopDefined ? stop : INFINITY, __func__));
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+COLD fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     ONLY_WHEN(INSTANTIATED);
     unit_enter_initialization(c);
     return fmi2OK;
 }
 
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+COLD fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     ONLY_WHEN(INITIALIZING);
     ANSWER(unit_exit_initialization(c));
 }
@@ -106,12 +107,12 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     ANSWER(unit_step(c, time, h, __func__));
 }
 
-fmi2Status fmi2CancelStep(fmi2Component c) {
+COLD fmi2Status fmi2CancelStep(fmi2Component c) {
     if (!c) return fmi2Error;
     ANSWER(unit_fail(c, "%s is not allowed now: no step is under way", __func__));
 }
 
-fmi2Status fmi2Terminate(fmi2Component c) {
+COLD fmi2Status fmi2Terminate(fmi2Component c) {
     ONLY_WHEN(STEPPING);
     unit_terminate(c);
     return fmi2OK;
@@ -130,28 +131,28 @@ ACCESS(Real, reals)
 ACCESS(Integer, integers)
 ACCESS(Boolean, booleans)
 
-static fmi2Status no_string(const Unit *c, const fmi2ValueReference r[], size_t n) {
+COLD static fmi2Status no_string(const Unit *c, const fmi2ValueReference r[], size_t n) {
     if (n) unit_fail(c, "no String has the value reference %d", (int64_t)(r ? *r : 0));
     return n ? fmi2Error : fmi2OK;
 }
 
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String values[]) {
+COLD fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String values[]) {
     ONLY_WHEN(READABLE);
     return no_string(c, r, n);
 }
 
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String values[]) {
+COLD fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String values[]) {
     ONLY_WHEN(SETTABLE);
     return no_string(c, r, n);
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+COLD fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
                                        const fmi2Integer orders[], const fmi2Real values[]) {
     ONLY_WHEN(SETTABLE);
     ANSWER(unit_set_input_derivatives(c, r, n, orders, values, __func__));
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
+COLD fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
                                         const fmi2Integer orders[], fmi2Real values[]) {
     ONLY_WHEN(STEPPING | TERMINATED);
     ANSWER(unit_get_output_derivatives(c, r, n, orders, values, __func__));
@@ -159,60 +160,60 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 
 /* --- FMU states --- */
 
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *s) {
+COLD fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *s) {
     ONLY_WHEN(ANY);
     ANSWER(unit_save(c, s, __func__));
 }
 
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate s) {
+COLD fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate s) {
     ONLY_WHEN(ANY);
     ANSWER(unit_restore(c, s, __func__));
 }
 
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s) {
+COLD fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s) {
     ONLY_WHEN(ANY);
     ANSWER(unit_free_state(c, s, __func__));
 }
 
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n) {
+COLD fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n) {
     ONLY_WHEN(ANY);
     ANSWER(unit_serialized_size(c, s, n, __func__));
 }
 
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte bytes[], size_t n) {
+COLD fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte bytes[], size_t n) {
     ONLY_WHEN(ANY);
     ANSWER(unit_serialize(c, s, (uint8_t *)bytes, n, __func__));
 }
 
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t n, fmi2FMUstate *s) {
+COLD fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t n, fmi2FMUstate *s) {
     ONLY_WHEN(ANY);
     ANSWER(unit_deserialize(c, (const uint8_t *)bytes, n, s, __func__));
 }
 
 /* --- status: every step ends within its call --- */
 
-static fmi2Status unknown(const Unit *c, const void *value, const char *call) {
+COLD static fmi2Status unknown(const Unit *c, const void *value, const char *call) {
     if (!unit_given(c, value, call)) return fmi2Error;
     unit_say(c, UNIT_DISCARD, "this status is not known: no step is pending");
     return fmi2Discard;
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
+COLD fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
     ONLY_WHEN(STEPPING | TERMINATED);
     return unknown(c, value, __func__);
 }
 
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
+COLD fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
     ONLY_WHEN(STEPPING | TERMINATED);
     return unknown(c, value, __func__);
 }
 
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
+COLD fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
     ONLY_WHEN(STEPPING | TERMINATED);
     return unknown(c, value, __func__);
 }
 
-fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
+COLD fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
     ONLY_WHEN(STEPPING | TERMINATED);
     if (kind != fmi2LastSuccessfulTime) return unknown(c, value, __func__);
     if (!unit_given(c, value, __func__)) return fmi2Error;
@@ -220,7 +221,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Rea
     return fmi2OK;
 }
 
-fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+COLD fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
     ONLY_WHEN(STEPPING | TERMINATED);
     if (kind != fmi2Terminated) return unknown(c, value, __func__);
     if (!unit_given(c, value, __func__)) return fmi2Error;
@@ -231,7 +232,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
 /* --- not offered; functions of model exchange exist since some importers look for all functions of the standard --- */
 
 #define NOT_OFFERED(function, ...)                                                         \
-    fmi2Status function(__VA_ARGS__) {                                                     \
+    COLD fmi2Status function(__VA_ARGS__) {                                                \
         if (c) unit_fail(c, #function " is not offered by this co-simulation unit");       \
         return fmi2Error;                                                                  \
     }
