@@ -8,7 +8,6 @@ from math import inf, isinf
 from pathlib import Path
 from typing import Any
 
-import llvmlite.binding as llvm
 import pytest
 
 from motionsync.blocks import BLOCKS
@@ -18,8 +17,8 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import LONGEST_STEP, Variable, refusals, variables
 from motionsync_fmu.native import libraries
 from motionsync_fmu.native.libraries import HEADERS
-from motionsync_fmu.native.llvm_text import llvm_text
 from motionsync_fmu.native.tables import model_header
+from motionsync_fmu.native.translator import c_source
 
 FUZZ = Path(__file__).with_name("fuzz.c")
 UNIT = Path(libraries.__file__).parent
@@ -68,30 +67,23 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc with its
 
 @pytest.fixture(scope="module", params=BLOCKS)
 def fuzzer(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The unit's C files and the fuzzing host, instrumented, with the compiled block, as one program."""
+    """The unit's C files, the block and the fuzzing host, instrumented, as one program."""
     folder = tmp_path_factory.mktemp("fuzz")
     recipe = Recipe(request.param)
-    (folder / "model.o").write_bytes(object_code(llvm_text(recipe.block())))
+    for name, text in c_source(recipe.block()).items():
+        (folder / name).write_bytes(text)
     (folder / "model.h").write_text(model_header(recipe.block(), recipe.guid()))
     (folder / "expected.h").write_text(expected_header(recipe))
     sources = [
         *(str(UNIT / name) for name in ("fmi2.c", "unit.c", "decimal.c", "memory.c")),
         str(FUZZ),
-        "model.o",
+        "block.c",
         "-lm",
         "-Wl,--wrap=malloc,--wrap=calloc",
     ]
     command = ["gcc", *FLAGS, *SANITIZERS, "-I.", "-isystem", str(HEADERS), *sources, "-o", "fuzz"]
     subprocess.run(command, cwd=folder, check=True)
     return folder / "fuzz"
-
-
-def object_code(text: str) -> bytes:
-    """The compiled block for this machine."""
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    machine = llvm.Target.from_default_triple().create_target_machine(opt=2, reloc="pic")
-    return bytes(machine.emit_object(llvm.parse_assembly(text)))
 
 
 def expected_header(recipe: Recipe) -> str:

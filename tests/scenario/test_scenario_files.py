@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
@@ -82,6 +83,14 @@ def test_the_cross_check_files_are_those_of_script_and_oracle(folder: Path) -> N
     assert {file.name for file in files} == {f.name for f in folder.iterdir()} - {"scenario.toml"}
     for file, text in files.items():
         assert file.read_text("utf-8") == text, f"{file.name} is not what `make references` writes"
+
+
+@pytest.mark.parametrize("file", regenerate.examples(), ids=list(BLOCKS))
+def test_the_reference_of_an_example_is_that_of_the_oracle(file: Path) -> None:
+    files = regenerate.files(file)
+    assert sorted(f.suffix for f in files) == [".csv", ".opt"]
+    for reference, text in files.items():
+        assert reference.read_text("utf-8") == text, f"{reference.name} is not what `make references` writes"
 
 
 @pytest.mark.parametrize(

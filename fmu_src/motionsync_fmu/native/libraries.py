@@ -1,6 +1,6 @@
-"""The libraries of a native FMU: zig compiles a block's LLVM text and the C files for every platform.
+"""The libraries of a native FMU: zig compiles the C of a block and of the FMI functions for every platform.
 
-Python, Numba and zig are only needed to build the libraries, not to run them.
+Python and zig are only needed to build the libraries, not to run them.
 """
 
 import os
@@ -15,15 +15,16 @@ from typing import Any
 
 from ..archive import Files
 from ..errors import UserError
-from .llvm_text import llvm_text
+from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
 from .tables import model_header
+from .translator import c_source
 
 HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
     "-O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
-    "-fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -Wno-override-module"
+    "-mllvm -inline-threshold=100 -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
 FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
@@ -51,10 +52,11 @@ def libraries(
     platforms: Sequence[Platform] = ROWS,
     progress: Callable[[str], None] = lambda text: None,
     turned: Mapping[str, str] | None = None,
+    fmi: Fmi = Fmi.TWO,
 ) -> Files:
     """The library of each platform, by its path in the FMU; `progress` gets lines of text if this takes long.
 
-    `turned`: as for `variables`.
+    `turned`: as for `variables`; `fmi`: the version, to which the platforms belong.
 
     Raises:
         UserError: zig failed.
@@ -62,10 +64,11 @@ def libraries(
     name = type(block).__name__
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        for source in (*HERE.glob("*.[ch]"), *FREESTANDING.glob("*.[ch]")):
+        for source in (*c_files(fmi), *FREESTANDING.glob("*.[ch]")):
             (work / source.name).write_bytes(source.read_bytes())
-        (work / "model.ll").write_text(llvm_text(block), "utf-8", newline="\n")
-        (work / "model.h").write_text(model_header(block, guid, turned), "utf-8", newline="\n")
+        for file, text in c_source(block).items():
+            (work / file).write_bytes(text)
+        (work / "model.h").write_text(model_header(block, guid, turned, fmi), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
                 target: pool.submit(_compile, target, flags, f"{target}/{name}.{platform.suffix}", work)
@@ -80,13 +83,19 @@ def libraries(
             return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
 
 
+def c_files(fmi: Fmi) -> list[Path]:
+    """The C files and headers of a library of that version."""
+    others = {f"fmi{version}.c" for version in Fmi if version != fmi}
+    return sorted(file for file in HERE.glob("*.[ch]") if file.name not in others)
+
+
 def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     """Compile one library; file names stay relative, so that the library does not depend on where this happens."""
     (work / path).parent.mkdir()
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
     done = subprocess.run(
-        [*command, *sources, "model.ll", *flags.split(), "-o", path],
+        [*command, *sources, *flags.split(), "-o", path],
         cwd=work,
         capture_output=True,
         text=True,
@@ -102,9 +111,9 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     return (work / path).read_bytes()
 
 
-def linked_licences() -> Files:
-    """The licences of what the libraries hold beside the block and Numba: FMI's headers."""
-    header = (HEADERS / "fmi2Functions.h").read_text("utf-8")
+def linked_licences(fmi: Fmi) -> Files:
+    """The licences of what the libraries hold beside the block: FMI's headers."""
+    header = (HEADERS / f"fmi{fmi}Functions.h").read_text("utf-8")
     return {
         "fmi-headers.txt": header[header.index("Copyright") : header.index("*/")].rstrip().encode() + b"\n",
     }

@@ -31,18 +31,36 @@ SCALARS = {float: np.float64, bool: np.bool_}  # int and every enumeration: np.i
 
 
 def dtype(block: Any) -> np.dtype[Any]:
-    """The memory of one object, nested parts included, laid out as C would."""
-    hints = get_type_hints(type(block))
-    columns: list[Any] = []
-    for f in fields(block):
-        value = getattr(block, f.name)
-        if is_dataclass(value):
-            columns.append((f.name, dtype(value)))
-        elif isinstance(value, list):
-            columns.append((f.name, np.float64, (len(value),)))
-        else:
-            columns.append((f.name, SCALARS.get(hints[f.name], np.int64)))
-    return np.dtype(columns, align=True)
+    """The memory of one object, nested parts included, laid out as in C: a derived class begins with its whole base."""
+    return _laid_out(type(block), block)
+
+
+def _laid_out(cls: type, block: Any) -> np.dtype[Any]:
+    """The fields of a class, and of those that it derives from, in one of its objects."""
+    base = next((base for base in cls.__bases__ if is_dataclass(base)), None)
+    inherited = _laid_out(base, block) if base else None
+    columns: dict[str, tuple[Any, int]] = {n: inherited.fields[n][:2] for n in inherited.names} if inherited else {}
+    size, widest = (inherited.itemsize, inherited.alignment) if inherited else (0, 1)
+    hints = get_type_hints(cls)
+    for f in fields(cls):
+        if f.name not in columns:
+            column = _column(getattr(block, f.name), hints[f.name])
+            place = -(-size // column.alignment) * column.alignment
+            columns[f.name] = column, place
+            size, widest = place + column.itemsize, max(widest, column.alignment)
+    formats, offsets = zip(*columns.values(), strict=True) if columns else ((), ())
+    size = -(-size // widest) * widest
+    return np.dtype(
+        {"names": list(columns), "formats": list(formats), "offsets": list(offsets), "itemsize": size}, align=True
+    )
+
+
+def _column(value: Any, hint: Any) -> np.dtype[Any]:
+    if is_dataclass(value):
+        return dtype(value)
+    if isinstance(value, list):
+        return np.dtype((np.float64, (len(value),)))
+    return np.dtype(SCALARS.get(hint, np.int64))
 
 
 def offset(layout: Any, name: str) -> int:

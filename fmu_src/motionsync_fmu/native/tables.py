@@ -1,4 +1,4 @@
-"""What the C files know of a block: model.h, with its memory's start image and the tables of its variables."""
+"""What the C files know of a block: model.h, with the size of its memory and the tables of its variables."""
 
 from collections.abc import Iterable, Mapping
 from math import inf, isinf, nextafter
@@ -9,8 +9,10 @@ import jinja2
 
 from motionsync.master import MasterInput
 
+from ..interface.fmi3_xml import TIME
+from ..interface.recipe import Fmi
 from ..interface.variables import LONGEST_STEP, Variable, refusals, spoken_of, variables
-from .memory_layout import dtype, image, offset
+from .memory_layout import dtype, offset
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
 # derivatives.
@@ -24,14 +26,16 @@ LAST_MESSAGE: Row = (0, 0, 0)
 LAST_CODED: Row = (-1, 0)
 
 
-def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None) -> str:
+def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> str:
     """The text of model.h: the block's memory, its variables, what it refuses, and what its codes mean.
 
-    `turned`: as for `variables`."""
+    `turned`: as for `variables`; `fmi`: the version, of which the third has the time as one more variable."""
     layout, vs, pool = dtype(block), variables(block, turned), Pool()
     index = {v.name: i for i, v in enumerate(vs)}
     ranges: dict[Row, int] = {}
     rows = [_variable(v, layout, pool, ranges.setdefault(_range(v, pool), len(ranges))) for v in vs]
+    if fmi == Fmi.THREE:
+        rows.append(_time(pool))
     messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
     for v in vs:
         if v.declaration.codes:
@@ -45,7 +49,7 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None)
         master=_indices(index, MASTER, INPUT_MODE),
         slave=_indices(index, SLAVE),
         input_mode=index.get(INPUT_MODE, MISSING),
-        start=image(block).tobytes(),
+        size=layout.itemsize,
         texts=pool.texts,
         numbers=[n for numbers in pool.lists for n in numbers],
         ranges=list(ranges),
@@ -89,15 +93,8 @@ class Pool:
 
 def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
     access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
-    return (
-        pool.text(v.name),
-        pool.text(f"{v.variability} {v.causality}"),
-        offset(layout, v.name),
-        allowed,
-        v.kind.upper(),
-        access,
-        str(v.judged).lower(),
-    )
+    texts = pool.text(v.name), pool.text(f"{v.variability} {v.causality}")
+    return *texts, offset(layout, v.name), allowed, v.kind.upper(), access, str(v.judged).lower()
 
 
 def _range(v: Variable, pool: Pool) -> Row:
@@ -107,6 +104,11 @@ def _range(v: Variable, pool: Pool) -> Row:
     smallest = d.smallest if d.zero else max(d.smallest, nextafter(0.0, inf))
     choices = pool.numbers(len(v.choices), *(int(m) for m in v.choices))
     return number(low), number(high), number(smallest), str(d.zero).lower(), choices, pool.text(v.allowed_range)
+
+
+def _time(pool: Pool) -> Row:
+    """The row of the time, which lies in the unit and not in the block; since it is never set, no range is its own."""
+    return pool.text(TIME), pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "OUTPUT", "false"
 
 
 def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool, coded: str = "") -> list[Row]:

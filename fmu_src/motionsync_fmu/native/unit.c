@@ -1,6 +1,6 @@
-/* The core of a native unit over one flat block of memory, a table of its variables and two compiled functions.
+/* The core of a native unit over one flat block of memory, a table of its variables and two functions of block.c.
  *
- * This file is the same for all blocks: model.h, which is generated, holds the memory's start image and the tables. */
+ * This file is the same for all blocks: model.h, which is generated, holds the tables. */
 #include "unit.h"
 #include "cold.h"
 #include "decimal.h"
@@ -9,7 +9,6 @@
 #include <stdarg.h>
 #include <string.h>
 
-typedef enum { REAL, INTEGER, BOOLEAN, ENUMERATION } Kind;
 typedef enum { OUTPUT, INPUT, TUNABLE, FIXED } Access; /* OUTPUT is never set, FIXED only before stepping */
 
 /* Texts and lists of numbers are given by their places in TEXTS and NUMBERS. Pointers would need a relocation whenever
@@ -23,7 +22,7 @@ typedef struct { /* the allowed values of some variables */
 
 typedef struct {
     uint16_t name, role; /* `role`: such as "fixed parameter" */
-    uint16_t offset; /* in the model's memory */
+    int16_t offset; /* in the model's memory; or TIME_OFFSET */
     uint16_t range; /* in RANGES */
     uint8_t kind, access; /* a Kind and an Access */
     bool judged; /* a Real whose range each step checks */
@@ -40,17 +39,19 @@ typedef struct {
     uint16_t messages; /* where in MESSAGES the list of what its values mean begins */
 } Coded;
 
+#define TIME_OFFSET (-(int)sizeof(double)) /* of the time, where that is a variable: it lies before the model's memory */
 #include "model.h"
 
 static const char *words(int place) { return TEXTS + place; }
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
-enum { REALS = 1 << REAL, INTEGERS = 1 << INTEGER | 1 << ENUMERATION, BOOLEANS = 1 << BOOLEAN }; /* sets of kinds */
 
-/* Numba's calling convention: a function writes its answer and an exception to the first two addresses, and returns 0
- * unless there was an exception. */
-int32_t model_initialize(int64_t *refusal, void **exception, void *model);
-int32_t model_step(int64_t *refusal, void **exception, void *model, double h);
+/* What block.c has. Here a block is so many bytes: the names in its header are those of its Python source, and some are
+ * used here for other things. Both functions return the refusal, and set `failed` where Python would raise. */
+typedef struct Block Block;
+extern const Block START;
+int64_t block_initialize(Block *self, bool *failed);
+int64_t block_step(Block *self, double h, bool *failed);
 
 typedef union {
     double aligned;
@@ -63,16 +64,18 @@ typedef struct { /* no member leaves a gap, so that all bytes of a state are det
     int64_t mode;
     int64_t given; /* bit n: the next step has a derivative of order n of the master's position */
     double derivatives[3]; /* by order; the first is unused */
-    double time, stop; /* stop: INFINITY if there is none */
+    double stop, time; /* stop: INFINITY if there is none; the time comes last: TIME_OFFSET */
     Model model;
 } State;
 
+_Static_assert(offsetof(State, model) + TIME_OFFSET == offsetof(State, time), "the time lies elsewhere");
 _Static_assert(sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model), "State has gaps");
 
 struct Unit {
     State now;
     int unfit; /* the number of judged Reals outside their ranges; a step needs 0 */
     int logged; /* a set of Category */
+    Status refused; /* what a refused step answers */
     Memory memory;
     Write *write;
     void *importer[]; /* of the size given to unit_new, aligned for pointers */
@@ -121,7 +124,8 @@ COLD static void append_all(Text *text, const char *format, va_list arguments) {
 
 /* Whether anybody reads messages of this status: if not, no text is made. */
 static bool heard(const Unit *u, Status status) {
-    return u->write && u->logged & (status == UNIT_WARNING ? LOG_WARNING : LOG_ERROR);
+    static const Category CATEGORIES[] = {LOG_NOTHING, LOG_WARNING, LOG_DISCARD, LOG_ERROR};
+    return u->write && u->logged & CATEGORIES[status];
 }
 
 COLD void unit_log(Unit *u, int categories) { u->logged = categories; }
@@ -130,16 +134,28 @@ COLD void unit_say(const Unit *u, Status status, const char *text) {
     if (heard(u, status)) u->write(u->importer, status, text);
 }
 
-COLD Status unit_fail(const Unit *u, const char *format, ...) {
-    if (!heard(u, UNIT_ERROR)) return UNIT_ERROR;
+COLD static void say_all(const Unit *u, Status status, const char *format, va_list arguments) {
+    if (!heard(u, status)) return;
     Text text;
     text.length = 0;
+    append_all(&text, format, arguments);
+    unit_say(u, status, text.bytes);
+}
+
+COLD Status unit_fail(const Unit *u, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    append_all(&text, format, arguments);
+    say_all(u, UNIT_ERROR, format, arguments);
     va_end(arguments);
-    unit_say(u, UNIT_ERROR, text.bytes);
     return UNIT_ERROR;
+}
+
+/* Says why a step is refused. */
+COLD static void refuse(const Unit *u, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say_all(u, u->refused, format, arguments);
+    va_end(arguments);
 }
 
 COLD static const char *name_of(int64_t mode) {
@@ -169,17 +185,17 @@ COLD bool unit_given(const Unit *u, const void *pointer, const char *call) {
 
 /* --- one value --- */
 
-static void *at(Model *model, const Variable *v) { return model->bytes + v->offset; }
-static double *real(Unit *u, int variable) { return at(&u->now.model, VARIABLES + variable); }
-static int64_t *integer(Unit *u, int variable) { return at(&u->now.model, VARIABLES + variable); }
+static void *at(State *s, const Variable *v) { return (uint8_t *)s + (offsetof(State, model) + v->offset); }
+static double *real(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
+static int64_t *integer(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
 
 COLD static void append_value(Text *text, Unit *u, const Variable *v) {
     append_text(text, words(v->name));
     append_text(text, " = ");
     switch (v->kind) {
-    case REAL: append_real(text, *(double *)at(&u->now.model, v)); break;
-    case BOOLEAN: append_text(text, *(uint8_t *)at(&u->now.model, v) ? "True" : "False"); break;
-    default: append_integer(text, *(int64_t *)at(&u->now.model, v));
+    case REAL: append_real(text, *(double *)at(&u->now, v)); break;
+    case BOOLEAN: append_text(text, *(uint8_t *)at(&u->now, v) ? "True" : "False"); break;
+    default: append_integer(text, *(int64_t *)at(&u->now, v));
     }
 }
 
@@ -194,30 +210,30 @@ static bool fits(const Variable *v, double x) {
 }
 
 static bool allows(Unit *u, const Variable *v) {
-    if (v->kind == REAL) return fits(v, *(double *)at(&u->now.model, v));
-    if (v->kind == INTEGER) return fits(v, (double)*(int64_t *)at(&u->now.model, v));
+    if (v->kind == REAL) return fits(v, *(double *)at(&u->now, v));
+    if (v->kind == INTEGER) return fits(v, (double)*(int64_t *)at(&u->now, v));
     if (v->kind == BOOLEAN) return true;
     const int32_t *choices = NUMBERS + range_of(v)->choices;
     for (int32_t i = 1; i <= choices[0]; i++)
-        if (choices[i] == *(int64_t *)at(&u->now.model, v)) return true;
+        if (choices[i] == *(int64_t *)at(&u->now, v)) return true;
     return false;
 }
 
 COLD static bool is_zero(Unit *u, const Variable *v) {
-    return v->kind == REAL ? *(double *)at(&u->now.model, v) == 0.0 : *(int64_t *)at(&u->now.model, v) == 0;
+    return v->kind == REAL ? *(double *)at(&u->now, v) == 0.0 : *(int64_t *)at(&u->now, v) == 0;
 }
 
-/* Whether a variable has an allowed value; if not, an error is logged. */
-COLD static bool judge(Unit *u, const Variable *v) {
+/* Whether a variable has an allowed value; if not, that is logged with this status. */
+COLD static bool judge(Unit *u, const Variable *v, Status status) {
     if (allows(u, v)) return true;
-    if (!heard(u, UNIT_ERROR)) return false;
+    if (!heard(u, status)) return false;
     Text text;
     text.length = 0;
     append_value(&text, u, v);
     append_text(&text, " is not allowed: it must be ");
     append_text(&text, words(range_of(v)->text));
     if (v->access == INPUT && is_zero(u, v)) append_text(&text, "; an unwired input gives 0");
-    unit_say(u, UNIT_ERROR, text.bytes);
+    unit_say(u, status, text.bytes);
     return false;
 }
 
@@ -259,12 +275,13 @@ COLD static void explain(Unit *u, Status status, const char *of, int messages, i
 
 const char *unit_guid(void) { return MODEL_GUID; }
 
-COLD Unit *unit_new(size_t size, Memory memory, Write *write) {
+COLD Unit *unit_new(size_t size, Memory memory, Write *write, Status refused) {
     Unit *u = memory.allocate(1, sizeof *u + size);
     if (!u) return NULL;
     memset(u, 0, sizeof *u + size);
     u->memory = memory;
     u->write = write;
+    u->refused = refused;
     u->logged = LOG_ALL;
     return u;
 }
@@ -282,7 +299,7 @@ COLD void unit_reset(Unit *u) {
     u->now.size = sizeof(State);
     u->now.mode = INSTANTIATED;
     u->now.stop = INFINITY;
-    memcpy(u->now.model.bytes, START, MODEL_SIZE);
+    memcpy(u->now.model.bytes, &START, MODEL_SIZE);
     count_unfit(u);
 }
 
@@ -303,11 +320,10 @@ void unit_terminate(Unit *u) { u->now.mode = TERMINATED; }
 
 COLD static Status initialize(Unit *u) {
     for (const Variable *v = VARIABLES; v < VARIABLES + COUNT; v++)
-        if (v->access != OUTPUT && !judge(u, v)) return UNIT_ERROR;
+        if (v->access != OUTPUT && !judge(u, v, UNIT_ERROR)) return UNIT_ERROR;
     Model before = u->now.model;
-    int64_t refusal = 0;
-    void *exception = NULL;
-    int32_t failed = model_initialize(&refusal, &exception, &u->now.model);
+    bool failed = false;
+    int64_t refusal = block_initialize((Block *)&u->now.model, &failed);
     if (!failed && !refusal) return UNIT_OK;
     if (failed) unit_fail(u, "an arithmetic error: these values lead to no result");
     else explain(u, UNIT_ERROR, "", REFUSALS, refusal);
@@ -354,14 +370,14 @@ COLD static void put_back(Unit *u, const Replaced *inputs) {
 /* A refused step has changed nothing: the block guarantees that, so no copy is made. After an arithmetic error, which
  * no block should have, the state is undefined: the unit must be reset. */
 static Status run(Unit *u, double h) {
-    int64_t refusal = 0;
-    void *exception = NULL;
-    if (model_step(&refusal, &exception, &u->now.model, h)) {
+    bool failed = false;
+    int64_t refusal = block_step((Block *)&u->now.model, h, &failed);
+    if (failed) {
         u->now.mode = TERMINATED;
         return unit_fail(u, "an arithmetic error: these values lead to no result, and the unit must be reset");
     }
-    if (refusal) explain(u, UNIT_ERROR, "", REFUSALS, refusal);
-    return refusal ? UNIT_ERROR : UNIT_OK;
+    if (refusal) explain(u, u->refused, "", REFUSALS, refusal);
+    return refusal ? u->refused : UNIT_OK;
 }
 
 /* By how much of itself a step may end past the stop time: importers add up times, and these sums are inexact. */
@@ -373,16 +389,16 @@ static bool in_time(const Unit *u, double time, double h) {
 
 COLD static void tell_time(const Unit *u, double time, double h) {
     if (!(h > 0.0 && h <= LONGEST_STEP))
-        unit_fail(u, "step size = %r is not allowed: it must be > 0 and <= %r", h, LONGEST_STEP);
-    else if (!is_finite(time)) unit_fail(u, "a step at the time %r is not allowed: it must be finite", time);
+        refuse(u, "step size = %r is not allowed: it must be > 0 and <= %r", h, LONGEST_STEP);
+    else if (!is_finite(time)) refuse(u, "a step at the time %r is not allowed: it must be finite", time);
     else
-        unit_fail(u, "a step of %r at the time %r is not allowed: it would end past the stop time %r", h, time,
-                  u->now.stop);
+        refuse(u, "a step of %r at the time %r is not allowed: it would end past the stop time %r", h, time,
+               u->now.stop);
 }
 
 COLD static bool judge_all(Unit *u) {
     for (int i = 0; i < COUNT; i++)
-        if (VARIABLES[i].judged && !judge(u, VARIABLES + i)) return false;
+        if (VARIABLES[i].judged && !judge(u, VARIABLES + i, u->refused)) return false;
     return true;
 }
 
@@ -397,18 +413,20 @@ static bool ready(Unit *u, double time, double h) {
 /* A step with the derivatives of the master's position that were given for it. */
 COLD static Status run_with_derivatives(Unit *u, double h) {
     Replaced inputs = replace(u);
-    bool fit = judge(u, VARIABLES + MASTER[1]) && judge(u, VARIABLES + MASTER[2]);
-    Status status = fit ? run(u, h) : UNIT_ERROR;
+    bool fit = judge(u, VARIABLES + MASTER[1], u->refused) && judge(u, VARIABLES + MASTER[2], u->refused);
+    Status status = fit ? run(u, h) : u->refused;
     put_back(u, &inputs);
     return status;
 }
 
 Status unit_step(Unit *u, double time, double h, const char *call) {
-    if (!may(u, STEPPING, call) || !ready(u, time, h)) return UNIT_ERROR;
+    if (!may(u, STEPPING, call)) return UNIT_ERROR;
+    if (!ready(u, time, h)) return u->refused;
     int64_t codes[sizeof CODED / sizeof *CODED];
     for (int i = 0; CODED[i].variable >= 0; i++) codes[i] = *integer(u, CODED[i].variable);
     bool derived = u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
-    if (derived ? run_with_derivatives(u, h) : run(u, h)) return UNIT_ERROR;
+    Status status = derived ? run_with_derivatives(u, h) : run(u, h);
+    if (status) return status;
     u->now.given = 0;
     u->now.time = time + h;
     for (int i = 0; CODED[i].variable >= 0; i++) {
@@ -421,23 +439,31 @@ Status unit_step(Unit *u, double time, double h, const char *call) {
 
 /* --- getters and setters --- */
 
-COLD static bool none_has(const Unit *u, uint32_t r, int kinds) {
-    const char *what = kinds == REALS ? "Real" : kinds == INTEGERS ? "Integer or Enumeration" : "Boolean";
-    unit_fail(u, "no %s has the value reference %d", what, (int64_t)r);
-    return false;
+COLD static const char *kind_names(int kinds) {
+    switch (kinds) {
+    case REAL: return "Real";
+    case INTEGER: return "Integer";
+    case ENUMERATION: return "Enumeration";
+    case BOOLEAN: return "Boolean";
+    default: return "Integer or Enumeration";
+    }
 }
 
-static bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds >> VARIABLES[r].kind & 1; }
+static bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds & VARIABLES[r].kind; }
 
-COLD static bool cannot_be_set(const Unit *u, uint32_t r) {
-    const Variable *v = VARIABLES + r;
-    unit_fail(u, "%s (%s) cannot be set now", words(v->name), words(v->role));
+COLD static bool none_has(const Unit *u, uint32_t r, int kinds) {
+    unit_fail(u, "no %s has the value reference %d", kind_names(kinds), (int64_t)r);
     return false;
 }
 
 static bool can_be_set(const Unit *u, uint32_t r) {
     Access access = (Access)VARIABLES[r].access;
     return access != OUTPUT && !(access == FIXED && u->now.mode == STEPPING);
+}
+
+COLD static bool cannot_be_set(const Unit *u, uint32_t r) {
+    unit_fail(u, "%s (%s) cannot be set now", words(VARIABLES[r].name), words(VARIABLES[r].role));
+    return false;
 }
 
 static bool may_get(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
@@ -457,29 +483,35 @@ static bool may_set(const Unit *u, int kinds, const uint32_t r[], size_t n, cons
 }
 
 static void put_real(Unit *u, const Variable *v, double x) {
-    double *place = at(&u->now.model, v);
+    double *place = at(&u->now, v);
     u->unfit += unfit(v, x) - (u->unfit && unfit(v, *place));
     *place = x;
 }
-static void put_integer(Unit *u, const Variable *v, int32_t x) { *(int64_t *)at(&u->now.model, v) = x; }
-static void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(&u->now.model, v) = x != 0; }
+static void put_integer(Unit *u, const Variable *v, int64_t x) { *(int64_t *)at(&u->now, v) = x; }
+static void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(&u->now, v) = x != 0; }
 
-#define ACCESS(name, KINDS, Given, Held)                                                                             \
-    Status unit_get_##name##s(Unit *u, int modes, const uint32_t r[], size_t n, Given values[], const char *call) {  \
-        if (!may(u, modes, call) || !may_get(u, KINDS, r, n, values, call)) return UNIT_ERROR;                       \
+/* A getter and a setter. FURTHER: a further parameter, `kinds`, or nothing; Given and Held: the type of the values for the
+ * importer, and in the model's memory. */
+#define ACCESS(names, name, FURTHER, kinds, Given, Held)                                                             \
+    Status unit_get_##names(Unit *u, int modes, FURTHER const uint32_t r[], size_t n, Given values[],                \
+                            const char *call) {                                                                      \
+        if (!may(u, modes, call) || !may_get(u, kinds, r, n, values, call)) return UNIT_ERROR;                       \
         if (u->now.mode == INITIALIZING) follow(u);                                                                  \
-        for (size_t i = 0; i < n; i++) values[i] = (Given)*(Held *)at(&u->now.model, VARIABLES + r[i]);              \
+        for (size_t i = 0; i < n; i++) values[i] = (Given)*(Held *)at(&u->now, VARIABLES + r[i]);                    \
         return UNIT_OK;                                                                                              \
     }                                                                                                                \
-    Status unit_set_##name##s(Unit *u, int modes, const uint32_t r[], size_t n, const Given values[],                \
-                              const char *call) {                                                                    \
-        if (!may(u, modes, call) || !may_set(u, KINDS, r, n, values, call)) return UNIT_ERROR;                       \
+    Status unit_set_##names(Unit *u, int modes, FURTHER const uint32_t r[], size_t n, const Given values[],          \
+                            const char *call) {                                                                      \
+        if (!may(u, modes, call) || !may_set(u, kinds, r, n, values, call)) return UNIT_ERROR;                       \
         for (size_t i = 0; i < n; i++) put_##name(u, VARIABLES + r[i], values[i]);                                   \
         return UNIT_OK;                                                                                              \
     }
-ACCESS(real, REALS, double, double)
-ACCESS(integer, INTEGERS, int32_t, int64_t)
-ACCESS(boolean, BOOLEANS, int32_t, uint8_t)
+#define KINDS int kinds,
+ACCESS(reals, real, , REAL, double, double)
+ACCESS(integers, integer, KINDS, kinds, int32_t, int64_t)
+ACCESS(enumerations, integer, , ENUMERATION, int64_t, int64_t)
+ACCESS(booleans, boolean, , BOOLEAN, int32_t, uint8_t)
+ACCESS(flags, boolean, , BOOLEAN, bool, uint8_t)
 
 /* --- derivatives --- */
 
@@ -487,8 +519,8 @@ COLD static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n
                                 const double values[], const char *call) {
     if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return false;
     for (size_t i = 0; i < n; i++) {
+        if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL);
         const Variable *v = VARIABLES + r[i];
-        if (!is_one(r[i], REALS)) return none_has(u, r[i], REALS);
         if (v->access != INPUT) {
             unit_fail(u, "%s: %s (%s) is no input", call, words(v->name), words(v->role));
             return false;
@@ -527,7 +559,7 @@ COLD Status unit_get_output_derivatives(Unit *u, const uint32_t r[], size_t n, c
                                    const char *call) {
     if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return UNIT_ERROR;
     for (size_t i = 0; i < n; i++) {
-        if (!is_one(r[i], REALS)) return none_has(u, r[i], REALS), UNIT_ERROR;
+        if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL), UNIT_ERROR;
         if ((int)r[i] != SLAVE[0] || orders[i] < 1 || orders[i] > 2)
             return unit_fail(u, "%s: only orders 1 and 2 of the slave's position are known", call);
     }

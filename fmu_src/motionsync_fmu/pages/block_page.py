@@ -27,12 +27,13 @@ def pages(
     platforms: list[str],
     slave_unit: str = "",
     turned: Mapping[str, str] | None = None,
+    related: bool = False,
 ) -> Files:
     """index.html and its picture, and for the python flavour externalDependencies.html.
 
     `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: the unit of
     positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`); `turned`: as for
-    `variables`.
+    `variables`; `related`: whether the FMU has the example's `related_files`.
 
     Raises:
         UserError: the block has no README.md, or refuses its example.
@@ -53,6 +54,7 @@ def pages(
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,
         "flavour": flavour,
+        "related": related,
         "platforms": {p: PLATFORMS[p].title for p in platforms},
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])

@@ -515,22 +515,25 @@ class CutToLength(CutToLengthInterface):
         if not self.carriage.joined:
             return False
         k = self.carriage.coupling
-        machine = self.predictions.machine
-        down = turning_acceleration(machine)
+        down = turning_acceleration(self.predictions.machine)
+        jerk = self.predictions.machine.homing_jerk
         speed = k * max(abs(self.master.begin_velocity), abs(self.master.end_velocity))
-        acceleration = k * abs(self.master.end_velocity - self.master.begin_velocity) / self.master.step
+        change = k * abs(self.master.end_velocity - self.master.begin_velocity)
         ahead = 0.0
         if self.carriage.pulls:
             ahead = self.carriage.gap
-            speed, acceleration = gap_extremes(speed, acceleration, ahead, self.cycle.gap_travel)
-        if acceleration > down:
+            step = self.master.step
+            speed, acceleration = gap_extremes(speed, change / step, ahead, self.cycle.gap_travel)
+            change = acceleration * step
+        if change > down * self.master.step:
             return False
-        fast = speed + 0.5 * down * down / machine.homing_jerk
-        far = fast * (0.5 * fast / down + 3.0 * down / machine.homing_jerk)
         first = k * self.beyond(self.cut_place, self.now)
         last = k * self.beyond(self.cut_place, until)
-        low = self.good.axis.min_position + far
-        return low < min(first, last) and max(first, last) + ahead < self.good.axis.max_position - far
+        axis = self.good.axis
+        room = min(min(first, last) - axis.min_position, axis.max_position - ahead - max(first, last))
+        # With F = jerk speed + down^2 / 2 the way is below F (F / 2 + 3 down^2) / (down jerk^2).
+        fast = jerk * speed + 0.5 * down * down
+        return room * down * jerk * jerk > fast * (0.5 * fast + 3.0 * down * down)
 
     def has_to_stop(self, time: float) -> bool:
         """Whether the time-optimal stop from here ends at an end of the stroke, or beyond it."""
