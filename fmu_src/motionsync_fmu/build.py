@@ -157,7 +157,8 @@ def _write(
     block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
     related = {} if recipe.starts or recipe.turned else related_files(example)  # of the block as it is declared
-    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, bool(related))
+    told = bool(related), recipe.fmi
+    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, *told)
     files = files | related | {f"documentation/{n}": text for n, text in texts.items()}
     picture = icon(example)
     files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(block, recipe.turned)}
@@ -165,7 +166,7 @@ def _write(
     complete(root, recipe.guid(), abilities)
     if recipe.fmi == Fmi.THREE:
         root = translated(root)
-        files[f"{LICENCES}/license.txt"] = files[f"{LICENCES}/motionsync.txt"]  # FMI 3.0 demands this name
+        files[f"{LICENCES}/license.txt"] = files.pop(f"{LICENCES}/motionsync.txt")  # FMI 3.0 demands this name
     else:
         files["model.png"] = picture
     files["modelDescription.xml"] = content(root)
