@@ -208,7 +208,18 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     target = build_python(RECIPE, tmp_path / "Synchronizer.fmu")
     assert outdated(target, RECIPE) == ""
     modules = ("libraries", "macho", "memory_layout", "numba_target", "platforms", "tables")
-    own = {"decimal.c", "decimal.h", "fmi.h", "fmi2.c", "fmi3.c", "memory.c", "model.h.j2", "unit.c", "unit.h"}
+    own = {
+        "cold.h",
+        "decimal.c",
+        "decimal.h",
+        "fmi.h",
+        "fmi2.c",
+        "fmi3.c",
+        "memory.c",
+        "model.h.j2",
+        "unit.c",
+        "unit.h",
+    }
     others = own | {f"freestanding/{name}" for name in ("freestanding.c", "math.h", "stdlib.h", "string.h")}
     names = {f"native/{name}" for name in (*others, *(f"{module}.py" for module in modules))}
     folders = (HERE / folder for folder in ("subset", "translator"))
