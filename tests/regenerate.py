@@ -1,4 +1,4 @@
-"""Writes the cross-check files of every scenario: inputs from its script, the reference from the oracle.
+"""Writes the cross-check files of every scenario and example: inputs from its script, the reference from the oracle.
 
 python -m tests.regenerate
 """
@@ -10,7 +10,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
+from motionsync_fmu.archive import beside
+from motionsync_fmu.scenario import example
 from motionsync_fmu.scenario.crosscheck import csv_text, inputs_csv, options_text
 from motionsync_fmu.scenario.reactions import scans
 from motionsync_fmu.scenario.reader import load
@@ -45,7 +48,8 @@ def oracle(name: str) -> Any:
 
 
 def files(scenario_file: Path) -> dict[Path, str]:
-    """The cross-check files that belong beside a scenario, with their text."""
+    """The cross-check files that belong beside a scenario, with their text; the inputs of an example are made from it
+    where they are wanted."""
     scenario = load(scenario_file)
     script = independent_script(scenario)
     scenario = scenario.settled(settings(script), master(scenario, script)) if scenario.reacts else scenario
@@ -60,12 +64,19 @@ def files(scenario_file: Path) -> dict[Path, str]:
         rows = independent.reference(script, times)
     estimated = scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY  # an estimate lags at jumps
     columns = ("time", *(("slave.position",) if estimated else independent.COLUMNS))
-    beside = scenario_file.parent
-    return {
-        beside / f"{name}_in.csv": inputs_csv(scenario),
-        beside / f"{name}_ref.csv": csv_text(columns, [[row[c] for c in columns] for row in rows]),
-        beside / f"{name}_ref.opt": options_text(scenario),
+    texts = {
+        f"{name}_in.csv": inputs_csv(scenario),
+        f"{name}_ref.csv": csv_text(columns, [[row[c] for c in columns] for row in rows]),
+        f"{name}_ref.opt": options_text(scenario),
     }
+    if scenario_file.name == example.FILE:
+        del texts[f"{name}_in.csv"]
+    return {scenario_file.with_name(file): text for file, text in texts.items()}
+
+
+def examples() -> list[Path]:
+    """The example of each block."""
+    return [beside(block, example.FILE) for block in BLOCKS.values()]
 
 
 def independent_script(scenario: Scenario) -> dict[str, Any]:
@@ -128,7 +139,7 @@ def stepped(made: Callable[..., Any], scenario: Scenario, times: Sequence[float]
 
 
 if __name__ == "__main__":
-    for scenario_file in find(SCENARIOS):
+    for scenario_file in [*find(SCENARIOS), *examples()]:
         for file, text in files(scenario_file).items():
             file.write_text(text)
         print(scenario_file.parent)

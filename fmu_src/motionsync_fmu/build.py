@@ -13,24 +13,31 @@ from xml.etree.ElementTree import ParseError, fromstring
 from .archive import Deflate, Files, build_time, digest, quick, runtime, sources, write
 from .errors import UserError
 from .extras import how_to_install
-from .interface.fmi2_xml import OWN_MEMORY, describe, finish
-from .interface.recipe import Recipe
+from .interface.fmi2_xml import OWN_MEMORY, complete, content, describe
+from .interface.fmi3_xml import translated
+from .interface.recipe import Fmi, Recipe
+from .interface.terminals import FOLDER, terminals
 from .interface.variables import variables
-from .native.platforms import ROWS, Platform
+from .native.platforms import OF_VERSION, Platform
 from .native.subset.modules import check
 
-SCRIPT = """from {package}_{tag}.{module} import {name}
-from motionsync_fmu_{tag}.python.slave import BlockSlave, keep
+SCRIPT = """from motionsync_fmu_{tag}.python import slave
 
-keep(globals())
+slave.keep(globals())
+if "{name}Slave" in globals():  # PythonFMU runs this script at each instantiation, and keeps each class that it finds
+    {name}Slave = globals()["{name}Slave"]
+else:
+    from {package}_{tag}.{module} import {name}
 
-
-class {name}Slave(BlockSlave):
-    block_type = {name}
-    build = "{tag}"
-    starts = {starts!r}
-    turned = {turned!r}
+    class {name}Slave(slave.BlockSlave):
+        block_type = {name}
+        build = "{tag}"
+        starts = {starts!r}
+        turned = {turned!r}
 """
+
+LICENCES = "documentation/licenses"
+NO_PYTHON = "the python flavour is of FMI 2.0 only: for --fmi 3 take --flavour native"
 
 
 class Flavour(StrEnum):
@@ -45,9 +52,13 @@ def build(
     recipe: Recipe,
     target: Path,
     progress: Callable[[str], None] = lambda text: None,
-    platforms: Sequence[Platform] = ROWS,
+    platforms: Sequence[Platform] = (),
 ) -> Path:
-    """Build the FMU of a recipe; `progress` and `platforms`: as for `build_native`."""
+    """Build the FMU of a recipe; `progress` and `platforms`: as for `build_native`.
+
+    Raises:
+        UserError: as `build_native`; or the python flavour cannot be of the recipe's version.
+    """
     if flavour == Flavour.NATIVE:
         return build_native(recipe, target, progress, platforms)
     return build_python(recipe, target)
@@ -57,7 +68,13 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     """Build the FMU with PythonFMU's library, PythonFMU itself and motionsync's sources.
 
     All FMUs of a process share one interpreter, and therefore one `sys.modules`. For this reason the names of
-    motionsync's modules in the FMU contain the hash of their sources."""
+    motionsync's modules in the FMU contain the hash of their sources.
+
+    Raises:
+        UserError: the FMU is to be of another version than PythonFMU knows.
+    """
+    if recipe.fmi != Fmi.TWO:
+        raise UserError(NO_PYTHON)
     block, guid, name = recipe.block(), recipe.guid(), recipe.name
     tag = guid[1:9] + guid[10:14]
     package, _, module = type(block).__module__.partition(".")
@@ -76,7 +93,7 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     files |= {f"resources/pythonfmu/{p.name}": p.read_bytes() for p in pythonfmu.glob("*.py")}
     for library in (pythonfmu / "resources" / "binaries").glob("*/*"):
         files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
-    files |= {f"documentation/licenses/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
+    files |= {f"{LICENCES}/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
     return _write(target, recipe, Flavour.PYTHON, files, quick, OWN_MEMORY)
 
 
@@ -84,9 +101,9 @@ def build_native(
     recipe: Recipe,
     target: Path,
     progress: Callable[[str], None] = lambda text: None,
-    platforms: Sequence[Platform] = ROWS,
+    platforms: Sequence[Platform] = (),
 ) -> Path:
-    """Build the FMU with a library for each of these platforms, without Python.
+    """Build the FMU with a library for each of these platforms (none: for all), without Python.
 
     An FMU for all platforms is packed as small as can be, which takes seconds. `progress` is called with lines of text
     if compiling takes long.
@@ -94,19 +111,19 @@ def build_native(
     Raises:
         UserError: what builds it is not installed or failed, or the block is outside the kernel subset.
     """
-    block = recipe.block()
+    block, every = recipe.block(), OF_VERSION[recipe.fmi]
     check_kernel(type(block).__module__)
     try:
-        from .native import libraries, packing, tables  # noqa: PLC0415 (Numba, zig, Zopfli: for this flavour only)
+        from .native import libraries, packing, tables  # noqa: PLC0415 (zig, Zopfli: for this flavour only)
     except ModuleNotFoundError as e:
+        other = "; or take --flavour python" if recipe.fmi == Fmi.TWO else ""
         raise UserError(
-            f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}; "
-            "or take --flavour python"
+            f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
         ) from None
-    files = libraries.libraries(block, recipe.guid(), platforms, progress, recipe.turned)
-    texts = licences("motionsync", "numba") | libraries.linked_licences()
-    files |= {f"documentation/licenses/{n}": text for n, text in texts.items()}
-    deflate = packing.smallest if all(row in platforms for row in ROWS) else quick
+    files = libraries.libraries(block, recipe.guid(), platforms or every, progress, recipe.turned, recipe.fmi)
+    texts = licences("motionsync") | libraries.linked_licences(recipe.fmi)
+    files |= {f"{LICENCES}/{n}": text for n, text in texts.items()}
+    deflate = packing.smallest if all(row in (platforms or every) for row in every) else quick
     return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block))
 
 
@@ -129,22 +146,30 @@ def _write(
     deflate: Deflate,
     abilities: Mapping[str, str],
 ) -> Path:
-    """Write the FMU with these files and with what both flavours hold: documentation, picture, modelDescription."""
+    """Write the FMU with these files and with what both flavours hold: documentation, picture, example,
+    modelDescription."""
     from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
     from .pages.pictures import icon  # noqa: PLC0415
+    from .pages.related_files import related_files  # noqa: PLC0415
     from .scenario.example import example_of  # noqa: PLC0415 (NumPy)
 
     build_time()  # refuses a bad SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
     block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
-    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned)
-    files = files | {f"documentation/{n}": text for n, text in texts.items()}
-    files |= {
-        "model.png": icon(example),
-        "modelDescription.xml": finish(
-            describe(block, recipe.unit, recipe.slave_unit, recipe.turned), recipe.guid(), abilities
-        ),
-    }
+    related = {} if recipe.starts or recipe.turned else related_files(example)  # of the block as it is declared
+    told = bool(related), recipe.fmi
+    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, *told)
+    files = files | related | {f"documentation/{n}": text for n, text in texts.items()}
+    picture = icon(example)
+    files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(block, recipe.turned)}
+    root = describe(block, recipe.unit, recipe.slave_unit, recipe.turned)
+    complete(root, recipe.guid(), abilities)
+    if recipe.fmi == Fmi.THREE:
+        root = translated(root)
+        files[f"{LICENCES}/license.txt"] = files.pop(f"{LICENCES}/motionsync.txt")  # FMI 3.0 demands this name
+    else:
+        files["model.png"] = picture
+    files["modelDescription.xml"] = content(root)
     write(target, files, deflate)
     return target
 
@@ -166,9 +191,11 @@ def licences(*distributions: str) -> Files:
 
 
 def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:
-    """<folder>/<flavour>/<FMU>.fmu; an FMU with turned variables has its own name, <FMU>-<hash of these>.fmu."""
+    """<folder>/<flavour>/<FMU>.fmu, of FMI 3.0 <folder>/fmi3/<FMU>.fmu; an FMU with turned variables has its own name,
+    <FMU>-<hash of these>.fmu."""
+    kind = "fmi3" if recipe.fmi == Fmi.THREE else flavour.value
     turned = digest({name: causality.encode() for name, causality in recipe.turned.items()})[:8]
-    return folder / flavour.value / f"{recipe.name}{f'-{turned}' if recipe.turned else ''}.fmu"
+    return folder / kind / f"{recipe.name}{f'-{turned}' if recipe.turned else ''}.fmu"
 
 
 def outdated(fmu: Path, recipe: Recipe) -> str:
@@ -177,9 +204,10 @@ def outdated(fmu: Path, recipe: Recipe) -> str:
     An FMU is stale if its sources have changed. A damaged file, or one that is no FMU of this block, is stale too."""
     if not fmu.exists():
         return "missing"
+    token = "instantiationToken" if recipe.fmi == Fmi.THREE else "guid"
     try:
         with zipfile.ZipFile(fmu) as z:
-            built = None if z.testzip() else fromstring(z.read("modelDescription.xml")).get("guid")
+            built = None if z.testzip() else fromstring(z.read("modelDescription.xml")).get(token)
     except (zipfile.BadZipFile, zlib.error, EOFError, KeyError, ParseError):
         built = None
     return "" if built == recipe.guid() else "stale"

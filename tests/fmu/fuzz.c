@@ -68,7 +68,7 @@ typedef union {
 
 typedef struct { /* all that an FMU state restores */
     Mode mode;
-    double time;
+    double time, stop; /* stop: INFINITY if there is none */
     Value values[COUNT]; /* of what can be set */
     bool given[3]; /* whether the next step has the master position's derivative of this order */
     double derivatives[3];
@@ -247,8 +247,6 @@ static bool interpolates(void) {
     return POSITION >= 0 && VELOCITY >= 0 && ACCELERATION >= 0 && INPUT_MODE >= 0;
 }
 
-static bool same_time(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
-
 /* --- getters and setters --- */
 
 static bool good_references(const Slot *s, const fmi2ValueReference *r, size_t n, Kind kind, bool to_set) {
@@ -396,9 +394,12 @@ static void set_debug_logging(Slot *s) {
 }
 
 static void setup_experiment(Slot *s) {
-    double start = random_real();
-    fmi2Status status = fmi2SetupExperiment(called(s), one_in(2), random_real(), start, one_in(2), random_real());
-    if (!concluded(s, SetupExperiment, status, expected(in(s, INSTANTIATED)), true)) s->known.time = start;
+    double start = random_real(), stop = one_in(2) ? random_real() : start + 1e4 * share();
+    bool ends = one_in(4), good = in(s, INSTANTIATED) && isfinite(start) && (!ends || stop >= start);
+    fmi2Status status = fmi2SetupExperiment(called(s), one_in(2), random_real(), start, ends, stop);
+    if (concluded(s, SetupExperiment, status, expected(good), true)) return;
+    s->known.time = start;
+    s->known.stop = ends ? stop : INFINITY;
 }
 
 static void enter_initialization_mode(Slot *s) {
@@ -443,14 +444,15 @@ static bool far_away(const Knowledge *k, double h, double *travelled, double *sp
     return *travelled > 1e14;
 }
 
-static int stepping(const Slot *s, double h, bool lent) {
-    bool good = in(s, STEPPING) && h > 0.0 && h <= LONGEST_STEP;
+static int stepping(const Slot *s, double t, double h, bool lent) {
+    double past = t + h - s->known.stop; /* a hundredth of the step is allowed */
+    bool good = in(s, STEPPING) && h > 0.0 && h <= LONGEST_STEP && isfinite(t) && !(past > 0.011 * h);
     for (int i = 0; i < COUNT; i++)
         if (VARIABLES[i].access == INPUT && !allowed(VARIABLES + i, s->known.values[i])) good = false;
     if (TASK_CYCLE >= 0 && h > MOST_CYCLES * known_value(&s->known, TASK_CYCLE).real) good = false;
     for (int order = 1; lent && order <= 2; order++)
         if (s->known.given[order] && !(fabs(s->known.derivatives[order]) <= 1e12)) good = false;
-    return expected(good);
+    return good && past > 0.009 * h ? EITHER : expected(good);
 }
 
 static double random_step(void) {
@@ -475,7 +477,7 @@ static void do_step(Slot *s) {
     double t = one_in(10) ? random_real() : s->known.time, h = random_step(), travelled, speed;
     Knowledge *k = &s->known;
     bool lent = (k->given[1] || k->given[2]) && known_value(k, INPUT_MODE).integer != END_OF_STEP;
-    int wanted = stepping(s, h, lent);
+    int wanted = stepping(s, t, h, lent);
     if ((far_away(k, h, &travelled, &speed) || REFUSES_STEPS) && !wanted) wanted = EITHER;
     fmi2FMUstate before = NULL;
     bool twice = wanted != fmi2Error && one_in(8);
@@ -692,7 +694,7 @@ static void get_real_status(Slot *s) {
     fmi2Real time, *where = forgotten() ? NULL : &time;
     int wanted = asking(s, where, kind == fmi2LastSuccessfulTime);
     if (!concluded(s, GetRealStatus, fmi2GetRealStatus(called(s), kind, where), wanted, false) &&
-        !same_time(time, s->known.time))
+        time != s->known.time)
         surprise("the last successful time is %g, not %g", time, s->known.time);
 }
 static void get_boolean_status(Slot *s) {
@@ -781,6 +783,7 @@ static void (*next_act(const Slot *s))(Slot *) {
 
 static void prepare(void) {
     fresh.mode = INSTANTIATED;
+    fresh.stop = INFINITY;
     for (int i = 0; i < COUNT; i++) {
         const Variable *v = VARIABLES + i;
         of_kind[v->kind][of_kind_count[v->kind]++] = i;

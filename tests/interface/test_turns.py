@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.build import Flavour, fmu_path
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.interface.fmi2_xml import describe, finish
+from motionsync_fmu.interface.fmi2_xml import complete, content, describe
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.turns import Interface, TurnError
 
@@ -51,7 +51,8 @@ def turnable(block: str) -> dict[str, str]:
 def described(recipe: Recipe, folder: str) -> Any:
     """The modelDescription as FMPy reads it, without any fault."""
     root = describe(recipe.block(), recipe.unit, recipe.slave_unit, recipe.turned)
-    Path(folder, "modelDescription.xml").write_bytes(finish(root, "{0}"))
+    complete(root, "{0}")
+    Path(folder, "modelDescription.xml").write_bytes(content(root))
     assert validate_fmu(folder) == []
     return read_model_description(folder)
 

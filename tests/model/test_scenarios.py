@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu.scenario.judge import check, compare
 from motionsync_fmu.scenario.pieces import find_pieces
 from motionsync_fmu.scenario.reader import load
@@ -12,8 +13,15 @@ from motionsync_fmu.scenario.run import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
+from tests.regenerate import examples
 
-SCENARIOS = pytest.mark.parametrize("file", find(ROOT / "scenarios"), ids=lambda file: "/".join(file.parts[-3:-1]))
+SCENARIOS = pytest.mark.parametrize(
+    "file",
+    [
+        *(pytest.param(file, id="/".join(file.parts[-3:-1])) for file in find(ROOT / "scenarios")),
+        *(pytest.param(file, id=f"{name}/example") for name, file in zip(BLOCKS, examples(), strict=True)),
+    ],
+)
 
 
 def at_its_place(scenario: Scenario, recording: Recording) -> bool:

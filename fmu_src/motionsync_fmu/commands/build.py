@@ -12,14 +12,14 @@ from .. import places
 from ..archive import build_time
 from ..build import Flavour, fmu_path, outdated
 from ..build import build as build_fmu
-from ..builds import at_hand
+from ..builds import chosen
 from ..errors import UserError, spelled
-from ..interface.recipe import Recipe
+from ..interface.recipe import Fmi, Recipe
 from ..interface.turns import Interface, TurnError
 from ..interface.units import BASES
 from ..pages.console import err, out
 from ..pages.progress import doing
-from .options import UNITS, assignments
+from .options import UNITS, Version, assignments
 
 Turned = Annotated[
     list[str] | None,
@@ -36,6 +36,7 @@ def build(
             help="native: compiled; python: in an embedded Python. May be repeated; else all possible ones.",
         ),
     ] = None,
+    fmi: Version = Fmi.TWO,
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
     slave_unit: Annotated[
         str,
@@ -50,7 +51,8 @@ def build(
     parameter: Turned = None,
     local: Turned = None,
     folder: Annotated[
-        Path | None, typer.Option(help="Where to put the FMUs: FOLDER/<flavour>/<FMU>.fmu; else into build.")
+        Path | None,
+        typer.Option(help="Where to put the FMUs: FOLDER/<flavour>/<FMU>.fmu, FOLDER/fmi3/<FMU>.fmu; else into build."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Build FMUs that are up to date, too.")] = False,
 ) -> None:
@@ -67,6 +69,8 @@ def build(
 
         motionsync build Synchronizer --start curve=PARABOLA --start output_phasing=45
 
+        motionsync build FlyingSaw --fmi 3
+
         motionsync build Follower --unit mm --slave-unit deg
 
         motionsync build Gearing --input "gearing.*" --parameter activate
@@ -79,20 +83,20 @@ def build(
     if (option := "--start" if starts else turned) and len(names) != 1:
         one = f"motionsync build Synchronizer {option} ..."
         raise UserError(f"{option}: name the one block that it is for, as in: {one}")
-    recipes = [Recipe(name, unit, starts, slave_unit, interface) for name in names]
+    recipes = [Recipe(name, unit, starts, slave_unit, interface, fmi) for name in names]
     for recipe in recipes:
         _check(recipe)
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
-    folder, flavours = folder or places.output(err.print), flavour or at_hand(err.print)
+    flavours, folder = chosen(fmi, flavour or [], err.print), folder or places.output(err.print)
     for recipe in recipes:
-        for chosen in flavours:
-            target = fmu_path(recipe, folder, chosen)
+        for one in flavours:
+            target = fmu_path(recipe, folder, one)
             if not (force or outdated(target, recipe)):
                 out.print(f"{escape(str(target))}  is up to date")
                 continue
             target.parent.mkdir(parents=True, exist_ok=True)
             with doing(f"building {target}") as tell:
-                build_fmu(chosen, recipe, target, tell)
+                build_fmu(one, recipe, target, tell)
             of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
             out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")
 

@@ -1,11 +1,16 @@
 """Options that several commands have."""
 
 from collections.abc import Iterable
+from typing import Annotated
+
+import typer
 
 from ..errors import UserError
+from ..interface.recipe import Fmi
 from ..interface.units import BASES
 
 UNITS = "|".join(BASES)
+Version = Annotated[Fmi, typer.Option(help="The version of FMI; FMUs of FMI 3.0 are always compiled.")]
 
 
 def assignments(option: str, texts: Iterable[str], example: str) -> dict[str, str]:

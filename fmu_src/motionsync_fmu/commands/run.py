@@ -12,10 +12,12 @@ from rich.markup import escape
 
 from .. import places
 from ..build import Flavour
-from ..builds import at_hand, ready
+from ..builds import chosen, ready
 from ..errors import Interrupted, UserError
+from ..interface.recipe import Fmi
 from ..pages.console import err, out
 from ..pages.progress import doing
+from .options import Version
 
 if TYPE_CHECKING:
     from ..scenario.outcome import Outcome
@@ -34,6 +36,7 @@ def run(
     flavour: Annotated[
         Flavour | None, typer.Option(case_sensitive=False, help="Which FMU to run; native if it can be compiled.")
     ] = None,
+    fmi: Version = Fmi.TWO,
     step_size: Annotated[
         float | None, typer.Option(parser=_seconds, metavar="SECONDS", help="Instead of the scenario's own.")
     ] = None,
@@ -50,8 +53,8 @@ def run(
     A scenario has one line: ok or NOT, its name, its cuts or pieces, and the slave's greatest velocity v, acceleration
     a (or deceleration d) and jerk j beside the limits of its axis. A ! marks what is not judged, but has to be known.
 
-    Without an up-to-date FMU in build/<flavour>/, one for this machine is built in the user's cache. The exit status is
-    1 if anything was not as expected.
+    Without an up-to-date FMU in build/<flavour>/ or build/fmi3/, one for this machine is built in the user's cache. The
+    exit status is 1 if anything was not as expected.
 
     Examples:
 
@@ -61,8 +64,9 @@ def run(
     """
     if show and no_report:
         raise UserError("--open shows the report, which --no-report leaves out")
+    flavour = chosen(fmi, [flavour] if flavour else [], err.print)[0]
     batch = _loaded(path, step_size)
-    fmus = ready([s.recipe for s in batch.scenarios], flavour or at_hand(err.print)[0])
+    fmus = ready([replace(s.recipe, fmi=fmi) for s in batch.scenarios], flavour)
     fmu_of = dict(zip((s.label for s in batch.scenarios), fmus, strict=True))
     folder = output or places.output(err.print) / "reports"
 

@@ -1,4 +1,4 @@
-"""modelDescription.xml of FMI 2.0, the same for both flavours."""
+"""modelDescription.xml of FMI 2.0, the same for both flavours; `fmi3_xml` makes that of FMI 3.0 from it."""
 
 import math
 import time
@@ -31,7 +31,7 @@ CATEGORIES = {
 
 
 def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, str] | None = None) -> Element:
-    """The part of the description that both flavours and all builds of this source share; `finish` adds GUID and date.
+    """The part of the description that all builds of this source share; `complete` adds what belongs to one build.
 
     `unit`: the unit of positions, a key of `units.BASES`; `slave_unit`: the unit of the slave's positions (empty: the
     same as `unit`); `turned`: as for `variables`.
@@ -67,8 +67,8 @@ def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, s
     return root
 
 
-def finish(root: Element, guid: str, abilities: Mapping[str, str] | None = None) -> bytes:
-    """The content of the file, with a date if the build has one.
+def complete(root: Element, guid: str, abilities: Mapping[str, str] | None = None) -> None:
+    """Add what belongs to one build: the GUID, and a date if the build has one.
 
     `abilities`: attributes of the CoSimulation element that only one flavour has."""
     root.set("guid", guid)
@@ -76,6 +76,10 @@ def finish(root: Element, guid: str, abilities: Mapping[str, str] | None = None)
         unit.attrib.update(abilities or {})
     if (built := build_time()) is not None:
         root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(built)))
+
+
+def content(root: Element) -> bytes:
+    """The content of the file, of either version."""
     indent(root)
     return bytes(tostring(root, "UTF-8", xml_declaration=True)) + b"\n"
 

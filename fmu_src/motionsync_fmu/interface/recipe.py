@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from enum import StrEnum
 from functools import cache, cached_property
 from types import MappingProxyType
 from typing import Any
@@ -13,9 +14,18 @@ from motionsync.blocks import BLOCKS
 from ..archive import compilers, digest, runtime, sources
 from ..errors import UserError, choose
 from .fmi2_xml import describe
+from .fmi3_xml import translated
+from .terminals import terminals
 from .turns import Interface
 from .units import BASES
 from .variables import Variable, variables
+
+
+class Fmi(StrEnum):
+    """The version of the standard."""
+
+    TWO = "2"
+    THREE = "3"
 
 
 @dataclass(frozen=True)
@@ -29,6 +39,7 @@ class Recipe:
         slave_unit: the unit of the slave's positions, for a block whose axes may have different units; empty: the same
             as `unit`.
         interface: the variables with another causality than the block declares.
+        fmi: the version of the FMU.
     """
 
     name: str
@@ -36,6 +47,7 @@ class Recipe:
     starts: Mapping[str, str] = field(default_factory=dict)
     slave_unit: str = ""
     interface: Interface = field(default_factory=Interface)
+    fmi: Fmi = Fmi.TWO
 
     def block(self) -> Any:
         """A new block with the baked start values.
@@ -75,11 +87,18 @@ class Recipe:
         return MappingProxyType(self.interface.causalities(choose(BLOCKS, self.name, "block")()))
 
     def guid(self) -> str:
-        """A hash of the variables and of the source: the same for both flavours, and for every build of them."""
+        """A hash of the variables and of the source: the same for both flavours and versions, and for every build of
+        them."""
         block = self.block()
         files = sources(type(block).__module__)
         files |= {f"fmu/{name}": text for name, text in (runtime() | compilers()).items()}
-        h = digest(files | {"modelDescription.xml": tostring(describe(block, self.unit, self.slave_unit, self.turned))})
+        described = describe(block, self.unit, self.slave_unit, self.turned)
+        files |= {
+            "fmi2/modelDescription.xml": tostring(described),
+            "fmi3/modelDescription.xml": tostring(translated(described)),
+            "terminalsAndIcons.xml": terminals(block, self.turned),
+        }
+        h = digest(files)
         return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
 
 

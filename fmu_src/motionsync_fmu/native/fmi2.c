@@ -1,32 +1,21 @@
 /* FMI 2.0 for co-simulation, over the unit's core: the standard's names and types, and what may be called when. */
 #include <math.h>
-#include <string.h>
 #include "fmi2Functions.h"
-#include "unit.h"
 
-_Static_assert((int)UNIT_WARNING == fmi2Warning && (int)UNIT_DISCARD == fmi2Discard && (int)UNIT_ERROR == fmi2Error,
-               "the core's statuses are FMI's");
+typedef fmi2Status Answer;
+typedef fmi2CallbackLogger Logger;
+typedef fmi2ComponentEnvironment Environment;
+#define DISCARDED "logStatusError"
+#define CATEGORIES "logStatusWarning, logStatusError, logAll"
+#include "fmi.h"
 
-typedef struct { /* what this file keeps with each unit */
-    fmi2CallbackLogger logger;
-    fmi2ComponentEnvironment environment;
-    char name[];
-} Importer;
+MUST_HOLD(the_statuses_of_the_core_are_those_of_fmi,
+          (int)UNIT_WARNING == fmi2Warning && (int)UNIT_DISCARD == fmi2Discard && (int)UNIT_ERROR == fmi2Error);
 
 static void log_to(const void *importer, Status status, const char *text) {
     const Importer *to = importer;
-    const char *category = status == UNIT_WARNING ? "logStatusWarning" : "logStatusError";
-    to->logger(to->environment, to->name, (fmi2Status)status, category, text);
+    to->logger(to->environment, to->name, (fmi2Status)status, category(status - UNIT_WARNING), text);
 }
-
-enum { SETTABLE = INSTANTIATED | INITIALIZING | STEPPING, READABLE = INITIALIZING | STEPPING | TERMINATED };
-
-/* The function ends with an error unless the unit is in one of these modes. */
-#define ONLY_WHEN(modes) \
-    if (!unit_may(c, modes, __func__)) return fmi2Error
-
-/* The function ends with the status of this call of the core. */
-#define ANSWER(status) return (fmi2Status)(status)
 
 /* --- life --- */
 
@@ -38,25 +27,11 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     if (!callbacks) return NULL;
-    const char *called = name ? name : "";
+    const char *wrong = type == fmi2CoSimulation ? NULL : "the unit is for co-simulation only";
     Memory memory = {callbacks->allocateMemory, callbacks->freeMemory};
     if (!memory.allocate || !memory.release) memory = system_memory();
-    Unit *c = unit_new(sizeof(Importer) + strlen(called) + 1, memory, callbacks->logger ? log_to : NULL);
-    if (!c) return NULL;
-    Importer *importer = unit_importer(c);
-    importer->logger = callbacks->logger;
-    importer->environment = callbacks->componentEnvironment;
-    memcpy(importer->name, called, strlen(called) + 1);
-    if (!*called) unit_fail(c, "%s: the instance needs a name", __func__);
-    else if (type != fmi2CoSimulation) unit_fail(c, "%s: the unit is for co-simulation only", __func__);
-    else if (!guid || strcmp(guid, unit_guid()))
-        unit_fail(c, "%s: the GUID is not that of this unit, %s", __func__, unit_guid());
-    else {
-        unit_reset(c);
-        return c;
-    }
-    unit_free(c);
-    return NULL;
+    return instantiate(name, guid, memory, callbacks->logger, callbacks->componentEnvironment, UNIT_ERROR, wrong,
+                       __func__);
 }
 
 void fmi2FreeInstance(fmi2Component c) { unit_free(c); }
@@ -69,19 +44,10 @@ fmi2Status fmi2Reset(fmi2Component c) {
 
 /* With a list of categories only these are logged; with an empty list, or with logging off, all. */
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[]) {
-    static const struct { const char *name; Category category; } KNOWN[] = {
-        {"logStatusWarning", LOG_WARNING}, {"logStatusError", LOG_ERROR}, {"logAll", LOG_ALL}};
-    int chosen = n ? LOG_NOTHING : LOG_ALL;
+    int found;
     ONLY_WHEN(ANY);
-    if (n && !unit_given(c, categories, __func__)) return fmi2Error;
-    for (size_t i = 0; i < n; i++) {
-        int found = LOG_NOTHING;
-        for (int k = 0; k < 3; k++)
-            if (categories[i] && !strcmp(categories[i], KNOWN[k].name)) found = KNOWN[k].category;
-        if (!found) ANSWER(unit_fail(c, "%s: the categories are logStatusWarning, logStatusError, logAll", __func__));
-        chosen |= found;
-    }
-    unit_log(c, on ? chosen : LOG_ALL);
+    if (find_categories(c, n, categories, &found, __func__)) return fmi2Error;
+    unit_log(c, on ? found : LOG_ALL);
     return fmi2OK;
 }
 
@@ -119,30 +85,23 @@ fmi2Status fmi2Terminate(fmi2Component c) {
 
 /* --- values --- */
 
-#define ACCESS(Type, name)                                                                                         \
+#define ACCESS(Type, name, ...)                                                                                    \
     fmi2Status fmi2Get##Type(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##Type values[]) {       \
-        ANSWER(unit_get_##name(c, READABLE, r, n, values, __func__));                                              \
+        ANSWER(unit_get_##name(c, READABLE, __VA_ARGS__ r, n, values, __func__));                                  \
     }                                                                                                              \
     fmi2Status fmi2Set##Type(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2##Type values[]) { \
-        ANSWER(unit_set_##name(c, SETTABLE, r, n, values, __func__));                                              \
+        ANSWER(unit_set_##name(c, SETTABLE, __VA_ARGS__ r, n, values, __func__));                                  \
     }
-ACCESS(Real, reals)
-ACCESS(Integer, integers)
-ACCESS(Boolean, booleans)
-
-static fmi2Status no_string(const Unit *c, const fmi2ValueReference r[], size_t n) {
-    if (n) unit_fail(c, "no String has the value reference %d", (int64_t)(r ? *r : 0));
-    return n ? fmi2Error : fmi2OK;
-}
+ACCESS(Real, reals, )
+ACCESS(Integer, integers, INTEGER | ENUMERATION, )
+ACCESS(Boolean, booleans, )
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String values[]) {
-    ONLY_WHEN(READABLE);
-    return no_string(c, r, n);
+    ANSWER(none_of(c, "String", READABLE, r, n, __func__));
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String values[]) {
-    ONLY_WHEN(SETTABLE);
-    return no_string(c, r, n);
+    ANSWER(none_of(c, "String", SETTABLE, r, n, __func__));
 }
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
@@ -230,11 +189,8 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
 
 /* --- not offered; functions of model exchange exist since some importers look for all functions of the standard --- */
 
-#define NOT_OFFERED(function, ...)                                                         \
-    fmi2Status function(__VA_ARGS__) {                                                     \
-        if (c) unit_fail(c, #function " is not offered by this co-simulation unit");       \
-        return fmi2Error;                                                                  \
-    }
+#define NOT_OFFERED(function, ...) \
+    fmi2Status function(__VA_ARGS__) { ANSWER(not_offered(c, __func__)); }
 NOT_OFFERED(fmi2GetDirectionalDerivative, fmi2Component c, const fmi2ValueReference unknown[], size_t nUnknown,
             const fmi2ValueReference known[], size_t nKnown, const fmi2Real dKnown[], fmi2Real dUnknown[])
 NOT_OFFERED(fmi2EnterEventMode, fmi2Component c)

@@ -2,10 +2,12 @@
 what zig compiles and how, the folders in the FMU, the documentation, and what the tests compare."""
 
 import platform as machine
+import re
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from ..interface.recipe import Fmi
 from .macho import universal
 
 # Flags for zig's compiler beside those that all platforms have. What can be left out of a library is left out: an FMU
@@ -16,6 +18,10 @@ LINUX = f"-nostdlib -Wl,--hash-style=gnu {UNWINDING}"
 WINDOWS = "-nostdlib -lkernel32 -Wl,-e,library_main"
 MACOS = f"-nostdlib {UNWINDING}"  # zig links libSystem nevertheless: every library of macOS has to name it
 ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, but it compresses worse
+
+PROCESSORS = {"x86_64": "x86-64", "aarch64": "64-bit ARM"}  # by zig's names
+SYSTEMS = {"linux": "Linux", "windows": "Windows", "macos": "macOS"}
+DARWIN = {"macos": "darwin"}  # FMI 3.0 has other names of systems
 
 
 def alone(library: bytes) -> bytes:
@@ -29,41 +35,61 @@ class Platform:
 
     Attributes:
         folder: its name in FMI, under binaries/.
-        title: its name in the documentation.
         suffix: the suffix of a library's file name.
         targets: zig's name of each processor and system, with its own flags.
         join: the function that makes one library of the libraries of all targets, in their order.
     """
 
     folder: str
-    title: str
     suffix: str
     targets: Mapping[str, str]
     join: Callable[..., bytes] = alone
+
+    @property
+    def title(self) -> str:
+        """Its name in the documentation."""
+        processors, systems = zip(*map(parts, self.targets), strict=True)
+        return f"{SYSTEMS[systems[0]]} on {' and on '.join(PROCESSORS[processor] for processor in processors)}"
 
     def library(self, block: str) -> str:
         """The path of a block's library in the FMU."""
         return f"binaries/{self.folder}/{block}.{self.suffix}"
 
 
+def parts(target: str) -> tuple[str, str]:
+    """Processor and system of one of zig's targets."""
+    processor, system = re.split(r"[-.]", target)[:2]
+    return processor, system
+
+
 ROWS = (
-    Platform("linux64", "Linux on x86-64", "so", {"x86_64-linux-none": LINUX}),
-    Platform("aarch64-linux", "Linux on 64-bit ARM", "so", {"aarch64-linux-none": f"{LINUX} {ARM}"}),
-    Platform("win64", "Windows on x86-64", "dll", {"x86_64-windows-gnu": WINDOWS}),
+    Platform("linux64", "so", {"x86_64-linux-none": LINUX}),
+    Platform("aarch64-linux", "so", {"aarch64-linux-none": f"{LINUX} {ARM}"}),
+    Platform("win64", "dll", {"x86_64-windows-gnu": WINDOWS}),
     Platform(
         "darwin64",
-        "macOS on x86-64 and on 64-bit ARM",
         "dylib",
         {"x86_64-macos.11.0": MACOS, "aarch64-macos.11.0": f"{MACOS} {ARM}"},
         universal,
     ),
 )
-PLATFORMS = {platform.folder: platform for platform in ROWS}
+PLATFORMS = {platform.folder: platform for platform in ROWS}  # of FMI 2.0
+# FMI 3.0 has a folder for each processor.
+OF_VERSION = {
+    Fmi.TWO: ROWS,
+    Fmi.THREE: tuple(
+        Platform(f"{processor}-{DARWIN.get(system, system)}", row.suffix, {target: flags})
+        for row in ROWS
+        for target, flags in row.targets.items()
+        for processor, system in [parts(target)]
+    ),
+}
+TITLES = {platform.folder: platform.title for rows in OF_VERSION.values() for platform in rows}
 
 
-def here() -> Platform | None:
+def here(fmi: Fmi = Fmi.TWO) -> Platform | None:
     """The platform of this machine; None if it is none of these."""
     processor = {"AMD64": "x86_64", "arm64": "aarch64"}.get(machine.machine(), machine.machine())
     system = {"win32": "windows", "darwin": "macos"}.get(sys.platform, sys.platform)
-    rows = (row for row in ROWS for target in row.targets if target.startswith(f"{processor}-{system}"))
+    rows = (row for row in OF_VERSION[fmi] for target in row.targets if parts(target) == (processor, system))
     return next(rows, None)

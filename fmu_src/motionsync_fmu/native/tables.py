@@ -1,7 +1,7 @@
 """What the C files know of a block: model.h, with the size of its memory and the tables of its variables."""
 
 from collections.abc import Iterable, Mapping
-from math import isinf
+from math import inf, isinf, nextafter
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,8 @@ import jinja2
 
 from motionsync.master import MasterInput
 
+from ..interface.fmi3_xml import TIME
+from ..interface.recipe import Fmi
 from ..interface.variables import LONGEST_STEP, Variable, refusals, spoken_of, variables
 from .memory_layout import dtype, offset
 
@@ -24,13 +26,16 @@ LAST_MESSAGE: Row = (0, 0, 0)
 LAST_CODED: Row = (-1, 0)
 
 
-def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None) -> str:
+def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> str:
     """The text of model.h: the block's memory, its variables, what it refuses, and what its codes mean.
 
-    `turned`: as for `variables`."""
+    `turned`: as for `variables`; `fmi`: the version, of which the third has the time as one more variable."""
     layout, vs, pool = dtype(block), variables(block, turned), Pool()
     index = {v.name: i for i, v in enumerate(vs)}
-    rows = [_variable(v, layout, pool) for v in vs]
+    ranges: dict[Row, int] = {}
+    rows = [_variable(v, layout, pool, ranges.setdefault(_range(v, pool), len(ranges))) for v in vs]
+    if fmi == Fmi.THREE:
+        rows.append(_time(pool))
     messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
     for v in vs:
         if v.declaration.codes:
@@ -47,6 +52,7 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None)
         size=layout.itemsize,
         texts=pool.texts,
         numbers=[n for numbers in pool.lists for n in numbers],
+        ranges=list(ranges),
         variables=rows,
         messages=messages,
         coded=[*coded, LAST_CODED],
@@ -85,21 +91,24 @@ class Pool:
         return self.lists.setdefault(numbers, sum(map(len, self.lists)))
 
 
-def _variable(v: Variable, layout: Any, pool: Pool) -> Row:
+def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
     access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
+    texts = pool.text(v.name), pool.text(f"{v.variability} {v.causality}")
+    return *texts, offset(layout, v.name), allowed, v.kind.upper(), access, str(v.judged).lower()
+
+
+def _range(v: Variable, pool: Pool) -> Row:
+    """The allowed values; a limit that is not allowed itself is replaced by the number next to it."""
     d = v.declaration
-    return (
-        pool.text(v.name),
-        pool.text(f"{v.variability} {v.causality}"),
-        v.kind.upper(),
-        access,
-        offset(layout, v.name),
-        *(number(x) for x in (d.min, d.max, d.above, d.below, d.smallest)),
-        str(d.zero).lower(),
-        str(v.judged).lower(),
-        pool.numbers(len(v.choices), *(int(m) for m in v.choices)),
-        pool.text(v.allowed_range),
-    )
+    low, high = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
+    smallest = d.smallest if d.zero else max(d.smallest, nextafter(0.0, inf))
+    choices = pool.numbers(len(v.choices), *(int(m) for m in v.choices))
+    return number(low), number(high), number(smallest), str(d.zero).lower(), choices, pool.text(v.allowed_range)
+
+
+def _time(pool: Pool) -> Row:
+    """The row of the time, which lies in the unit and not in the block; since it is never set, no range is its own."""
+    return pool.text(TIME), pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "OUTPUT", "false"
 
 
 def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool, coded: str = "") -> list[Row]:

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "portable.h"
 
 typedef struct Unit Unit; /* one instance: all that changes lies in it, there are no globals */
 
@@ -17,8 +18,11 @@ typedef enum { UNIT_OK, UNIT_WARNING, UNIT_DISCARD, UNIT_ERROR } Status; /* with
 /* One phase of a unit's life, or a set of them. */
 typedef enum { INSTANTIATED = 1, INITIALIZING = 2, STEPPING = 4, TERMINATED = 8, ANY = 15 } Mode;
 
-/* The kinds of messages; a unit logs a set of them. A message with UNIT_DISCARD is of the kind LOG_ERROR. */
-typedef enum { LOG_NOTHING = 0, LOG_WARNING = 1, LOG_ERROR = 2, LOG_ALL = 3 } Category;
+/* The kinds of messages, by status; a unit logs a set of them. */
+typedef enum { LOG_NOTHING = 0, LOG_WARNING = 1, LOG_DISCARD = 2, LOG_ERROR = 4, LOG_ALL = 7 } Category;
+
+/* One kind of variables, or a set of them. */
+typedef enum { REAL = 1, INTEGER = 2, BOOLEAN = 4, ENUMERATION = 8 } Kind;
 
 /* A function that hands a text to the importer; `importer`: what the FMI functions keep with the unit. */
 typedef void Write(const void *importer, Status status, const char *text);
@@ -36,9 +40,10 @@ Memory system_memory(void); /* the system's, in memory.c */
 
 const char *unit_guid(void);
 
-/* A unit that logs all, if there is a `write`; `size` bytes, all 0, are for what the FMI functions keep with it. NULL if
- * memory is lacking. It must be reset before anything but unit_importer, unit_fail and unit_free is called with it. */
-Unit *unit_new(size_t size, Memory memory, Write *write);
+/* A unit that logs all, if there is a `write`; `size` bytes, all 0, are for what the FMI functions keep with it; `refused`:
+ * what a step answers that is refused, UNIT_DISCARD or UNIT_ERROR. NULL if memory is lacking. It must be reset before
+ * anything but unit_importer, unit_fail and unit_free is called with it. */
+Unit *unit_new(size_t size, Memory memory, Write *write, Status refused);
 void unit_free(Unit *u);
 void *unit_importer(Unit *u);
 void unit_reset(Unit *u);
@@ -63,14 +68,22 @@ bool unit_given(const Unit *u, const void *pointer, const char *call); /* false,
 
 /* --- values, by the places `r` of their variables in the description --- */
 
-/* `modes`: when the call is allowed. These functions are called most, and check the mode themselves. */
+/* `modes`: when the call is allowed; `kinds`: the variables that it may name, if its name does not say so. These
+ * functions are called most, and check the mode themselves. */
 
 Status unit_get_reals(Unit *u, int modes, const uint32_t r[], size_t n, double values[], const char *call);
-Status unit_get_integers(Unit *u, int modes, const uint32_t r[], size_t n, int32_t values[], const char *call);
+Status unit_get_integers(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, int32_t values[],
+                         const char *call);
+Status unit_get_enumerations(Unit *u, int modes, const uint32_t r[], size_t n, int64_t values[], const char *call);
 Status unit_get_booleans(Unit *u, int modes, const uint32_t r[], size_t n, int32_t values[], const char *call);
+Status unit_get_flags(Unit *u, int modes, const uint32_t r[], size_t n, bool values[], const char *call);
 Status unit_set_reals(Unit *u, int modes, const uint32_t r[], size_t n, const double values[], const char *call);
-Status unit_set_integers(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t values[], const char *call);
+Status unit_set_integers(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const int32_t values[],
+                         const char *call);
+Status unit_set_enumerations(Unit *u, int modes, const uint32_t r[], size_t n, const int64_t values[],
+                             const char *call);
 Status unit_set_booleans(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t values[], const char *call);
+Status unit_set_flags(Unit *u, int modes, const uint32_t r[], size_t n, const bool values[], const char *call);
 
 /* Derivatives of inputs act in the next step only; those of the slave's position are always there. */
 Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],

@@ -7,9 +7,10 @@ from motionsync.master import MasterInput
 
 from .. import HOME, __version__
 from ..archive import Files
+from ..interface.recipe import Fmi
 from ..interface.table import groups
 from ..interface.variables import members, summary, variables
-from ..native.platforms import PLATFORMS
+from ..native.platforms import TITLES
 from ..scenario.scenario import Scenario
 from .pictures import svg
 from .readme import readme, rendered
@@ -27,12 +28,14 @@ def pages(
     platforms: list[str],
     slave_unit: str = "",
     turned: Mapping[str, str] | None = None,
+    related: bool = False,
+    fmi: Fmi = Fmi.TWO,
 ) -> Files:
     """index.html and its picture, and for the python flavour externalDependencies.html.
 
     `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: the unit of
     positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`); `turned`: as for
-    `variables`.
+    `variables`; `related`: whether the FMU has the example's `related_files`; `fmi`: the version of the FMU.
 
     Raises:
         UserError: the block has no README.md, or refuses its example.
@@ -53,7 +56,9 @@ def pages(
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,
         "flavour": flavour,
-        "platforms": {p: PLATFORMS[p].title for p in platforms},
+        "fmi": fmi,
+        "related": related,
+        "platforms": {p: TITLES[p] for p in platforms},
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
     files = {page: TEMPLATES.get_template(f"{page}.j2").render(values).encode() for page in names}

@@ -3,9 +3,13 @@
 This module is part of the Python FMU. It must not import motionsync, which the FMU has under another name."""
 
 import ctypes
+import hashlib
 import json
+import os
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from enum import StrEnum
 from functools import partialmethod
 from operator import attrgetter
 from typing import Any, ClassVar, NoReturn
@@ -16,7 +20,17 @@ from pythonfmu.enums import Fmi2Status
 from ..interface.variables import Cell, Variable, cells, explained, members, spoken_of, step_size_refusal, variables
 
 State = dict[str, Any]
-FAILURES: tuple[type[Exception], ...] = (ValueError, ArithmeticError, LookupError)
+SEAL = 2 * hashlib.sha256().digest_size  # characters before the text of a serialized state
+FINISHED: set[int] = set()  # the base addresses of the libraries that finish in time
+
+
+class Mode(StrEnum):
+    """Where a unit is in its life (FMI 2.0, section 4.2.4), as a message says it."""
+
+    INSTANTIATED = "is instantiated"
+    INITIALIZING = "is in initialization mode"
+    STEPPING = "is in step mode"
+    TERMINATED = "has been terminated"
 
 
 def keep(*things: Any) -> None:
@@ -26,6 +40,35 @@ def keep(*things: Any) -> None:
     exception it releases the class, the instance and the instance's log. All these objects are still in use."""
     for thing in things:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(thing))
+
+
+class Place(ctypes.Structure):
+    """What the C library tells of an address: `Dl_info` of dlfcn.h."""
+
+    _fields_ = (
+        ("file", ctypes.c_char_p),
+        ("base", ctypes.c_void_p),
+        ("symbol", ctypes.c_char_p),
+        ("address", ctypes.c_void_p),
+    )
+
+
+def finish_in_time(logger: int) -> None:
+    """Let PythonFMU's library be done with Python before anything else happens at the exit of the process.
+
+    For Linux, PythonFMU 0.7 is done with it in a destructor of its library, and there reads what the library's static
+    objects have freed just before: the host may abort after a good simulation. What is registered for the exit last is
+    called first. So the library's own function is registered now; when its turn comes again, nothing is left to do.
+    `logger` is the address of an object of the library, in which the table of its functions comes first."""
+    if sys.platform != "linux":
+        return
+    process, place = ctypes.CDLL(None), Place()
+    table = ctypes.c_void_p.from_address(logger)
+    with suppress(OSError, AttributeError):  # an unknown C library: it is as it would be without this function
+        if process.dladdr(table, ctypes.byref(place)) and place.base not in FINISHED:
+            library = ctypes.CDLL(os.fsdecode(place.file), os.RTLD_NOLOAD)  # stays loaded from now on
+            process.__cxa_atexit(library.finalizePythonInterpreter, None, None)
+            FINISHED.add(place.base)
 
 
 class BlockSlave(Fmi2Slave):  # type: ignore[misc]
@@ -46,7 +89,11 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.logger: int | None = kwargs.get("logger")
+        if self.logger is not None:
+            finish_in_time(self.logger)
         self.switch_logging_on()
+        while sys.path.count(self.resources) > 1:  # PythonFMU has added it for each instance
+            sys.path.remove(self.resources)
         self.block = self.block_type()
         self.variables = variables(self.block, self.turned)
         self.by_name = {v.name: v for v in self.variables}
@@ -58,68 +105,84 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         self.limits = [(v.declaration.min, v.declaration.max) for v in self.inputs]
         self.read_inputs = reader(v.name for v in self.inputs)
         self.codes = [v for v in self.variables if v.declaration.codes]
+        self.read_codes = reader(v.name for v in self.codes)
         self.cells = list(cells(self.block))
         self.read_cells = reader(c.name for c in self.cells)
         self.lists = [i for i, c in enumerate(self.cells) if c.type is list]
         self.readers: dict[tuple[object, ...], Callable[[Any], tuple[Any, ...]]] = {}  # by value references
         self.writers: dict[tuple[object, ...], list[Cell]] = {}
-        self.initializing = False
-        self.stepping = False
+        self.mode = Mode.INSTANTIATED
 
     def enter_initialization_mode(self) -> None:
-        self.initializing = True
+        self.mode = Mode.INITIALIZING
 
     def exit_initialization_mode(self) -> None:
-        try:
-            self.initialize()
-        except FAILURES as e:
-            self.refuse(str(e))
-        self.initializing = False
-        self.stepping = True
+        if refusal := self.try_initialize():
+            self.refuse(refusal)
+        self.mode = Mode.STEPPING
 
-    def initialize(self) -> None:
-        """Check every parameter and input, then let the block derive its initial state from them."""
-        self.judge(self.settable)
-        self.attempt(self.block.initialize)
+    def terminate(self) -> None:
+        self.mode = Mode.TERMINATED
+
+    def try_initialize(self) -> str:
+        """Check every parameter and input, then let the block derive its initial state from them.
+
+        The answer is empty, or says why not; then the block is as it was before."""
+        if refusal := self.refusal(self.settable):
+            return refusal
+        before = self.values()
+        try:
+            refusal = self.block.initialize()
+            text = self.explained(refusal) if refusal else ""
+        except Exception as e:  # whatever it is: PythonFMU must not see it
+            text = f"an arithmetic error ({e}): these values lead to no result"
+        if text:
+            self.restore(before)
+        return text
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Step from the current time by `step_size`, and log each fault code that has changed.
 
-        The answer is False (fmi2Discard) if the step fails: an exception would make PythonFMU give up the instance."""
-        codes = [v.cell.get() for v in self.codes]
-        try:
-            if refusal := step_size_refusal(step_size):
-                raise ValueError(refusal)
-            for value, (low, high) in zip(self.read_inputs(self.block), self.limits, strict=True):
-                if not low <= value <= high:  # NaN fails every comparison
-                    self.judge(self.inputs)
-            self.judge(self.restricted)
-            self.attempt(self.block.step, step_size)
-        except FAILURES as e:
-            self.say(str(e), Fmi2Status.error)
+        The answer is False (fmi2Discard) if the step is refused, which changes nothing: the block guarantees that, so
+        no copy is made. After an arithmetic error, which no block should have, the unit is over."""
+        if self.mode is not Mode.STEPPING:
+            self.refuse(f"fmi2DoStep is not allowed now: the unit {self.mode}")
+        before = self.read_codes(self.block)
+        if refusal := self.step_refusal(step_size) or self.try_step(step_size):
+            self.say(refusal, Fmi2Status.error)
             return False
-        for v, before in zip(self.codes, codes, strict=True):
-            if (code := v.cell.get()) != before:
-                for fault in members(v.declaration.codes):
-                    if fault == code != 0:
-                        self.say(self.explained(fault, v.name), Fmi2Status.warning)
+        if (now := self.read_codes(self.block)) != before:
+            self.tell_codes(before, now)
         return True
 
-    def judge(self, settable: list[Variable]) -> None:
-        """Raise ValueError for the first variable whose value is not allowed."""
-        for v in settable:
-            if refusal := v.refusal(v.cell.get()):
-                raise ValueError(refusal)
-
-    def attempt(self, action: Callable[..., Any], *arguments: Any) -> None:
-        """Call the block; if it refuses or fails, restore its former state and raise."""
-        before = self.values()
+    def try_step(self, step_size: float) -> str:
+        """Let the block step. The answer is empty, or says why the block refuses."""
         try:
-            if refusal := action(*arguments):
-                raise ValueError(self.explained(refusal))
-        except FAILURES:
-            self.restore(before)
-            raise
+            refusal = self.block.step(step_size)
+        except Exception as e:  # whatever it is: PythonFMU must not see it
+            self.mode = Mode.TERMINATED
+            self.refuse(f"an arithmetic error ({e}): these values lead to no result, and the unit must be reset")
+        return self.explained(refusal) if refusal else ""
+
+    def step_refusal(self, step_size: float) -> str:
+        """Why a step of this size cannot be made with the present inputs; empty if it can."""
+        if refusal := step_size_refusal(step_size):
+            return refusal
+        for value, (low, high) in zip(self.read_inputs(self.block), self.limits, strict=True):
+            if not low <= value <= high:  # NaN fails every comparison
+                return self.refusal(self.inputs)
+        return self.refusal(self.restricted)
+
+    def refusal(self, judged: list[Variable]) -> str:
+        """Why the first of these variables whose value is not allowed has a bad one; empty if there is none."""
+        return next((refusal for v in judged if (refusal := v.refusal(v.cell.get()))), "")
+
+    def tell_codes(self, before: tuple[Any, ...], now: tuple[Any, ...]) -> None:
+        """Log each fault code that has changed, but not to 0."""
+        for v, former, code in zip(self.codes, before, now, strict=True):
+            for fault in members(v.declaration.codes):
+                if fault == code != former and code != 0:
+                    self.say(self.explained(fault, v.name), Fmi2Status.warning)
 
     def explained(self, choice: Any, coded: str = "") -> str:
         """A refusal in words, or a fault whose code is in the variable `coded`."""
@@ -148,20 +211,21 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             ctypes.c_bool.from_address(self.logger + ctypes.sizeof(ctypes.c_void_p)).value = True
 
     def _get(self, kinds: tuple[str, ...], references: list[int]) -> list[Any]:
-        if self.initializing:  # outputs follow parameters and inputs; the end of this mode reports mistakes
-            with suppress(*FAILURES):
-                self.initialize()
+        if self.mode is Mode.INITIALIZING:  # outputs follow parameters and inputs
+            self.try_initialize()  # the end of this mode reports mistakes
         key = (kinds, *references)
         if key not in self.readers:
             self.readers[key] = reader(self.variable(r, kinds).name for r in references)
         return list(self.readers[key](self.block))
 
     def _set(self, kinds: tuple[str, ...], references: list[int], values: list[Any]) -> None:
-        key = (kinds, self.stepping, *references)
+        if self.mode is Mode.TERMINATED:
+            self.refuse(f"fmi2Set{kinds[0]} is not allowed now: the unit {self.mode}")
+        key = (kinds, self.mode, *references)
         if key not in self.writers:
             chosen = [self.variable(r, kinds) for r in references]
             for v in chosen:
-                if not v.settable or (self.stepping and v.variability == "fixed"):
+                if not v.settable or (self.mode is Mode.STEPPING and v.variability == "fixed"):
                     self.refuse(f"{v.name} ({v.variability} {v.causality}) cannot be set now")
             self.writers[key] = [v.cell for v in chosen]
         for cell, value in zip(self.writers[key], values, strict=True):
@@ -169,9 +233,9 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     def variable(self, reference: int, kinds: tuple[str, ...]) -> Variable:
         """The variable with this value reference; the call fails if there is none, or if it is of another type."""
-        v = self.variables[reference] if reference < len(self.variables) else None
-        if v is None or v.kind not in kinds:
-            self.refuse(f"no {' or '.join(kinds)} has the value reference {reference}")
+        v = self.variables[reference] if 0 <= reference < len(self.variables) else None
+        if v is None or v.kind not in kinds:  # PythonFMU gives references of 32 bits, as if they had a sign
+            self.refuse(f"no {' or '.join(kinds)} has the value reference {reference % 2**32}")
         return v
 
     get_real = partialmethod(_get, ("Real",))
@@ -197,28 +261,56 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _get_fmu_state(self) -> State:
         """The state of the whole block, not only of its declared variables."""
-        return {
-            "build": self.build,
-            "initializing": self.initializing,
-            "stepping": self.stepping,
-            "cells": self.values(),
-        }
+        return {"build": self.build, "mode": self.mode, "cells": self.values()}
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: State) -> bytes:
+        """The state as JSON, behind its SHA-256."""
+        text = json.dumps(state).encode()
+        return seal(text) + text
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> State:
         """The state in these bytes. If they hold none, it is empty, and `_set_fmu_state` refuses it with a log line."""
+        if seal(state[SEAL:]) != state[:SEAL]:
+            return {}
         try:
-            read = json.loads(state)
-        except ValueError:
+            read = json.loads(state[SEAL:])
+        except (ValueError, RecursionError):
             read = None
         return read if isinstance(read, dict) else {}
 
     def _set_fmu_state(self, state: State) -> None:
-        if state.get("build") != self.build:
+        if "build" not in state:
+            self.refuse("these bytes are no FMU state, or a damaged one")
+        if state["build"] != self.build:
             self.refuse("this FMU state belongs to another FMU")
-        self.initializing = state["initializing"]
-        self.stepping = state["stepping"]
+        if not self.fits(state):
+            self.refuse("this FMU state does not fit this FMU")
+        self.mode = Mode(state["mode"])
         self.restore(state["cells"])
+
+    def fits(self, state: State) -> bool:
+        """Whether a state has a mode, and for each cell a value that the cell may have held."""
+        values = state.get("cells")
+        if state.get("mode") not in list(Mode) or not isinstance(values, list) or len(values) != len(self.cells):
+            return False
+        return all(map(held, self.cells, values))
+
+
+def seal(text: bytes) -> bytes:
+    """A hash by which damage to the text of a state is found."""
+    return hashlib.sha256(text).hexdigest().encode()
+
+
+def held(cell: Cell, value: Any) -> bool:
+    """Whether a value is one that this cell may have held."""
+    if cell.type is list:
+        return isinstance(value, list) and len(value) == len(cell.get()) and all(type(x) is float for x in value)
+    if cell.type in (float, bool):
+        return type(value) is cell.type
+    bits = 32 if cell.declaration else 64  # a variable is FMI's Integer; inside, a block counts as in compiled code
+    return isinstance(value, int) and not isinstance(value, bool) and -(2 ** (bits - 1)) <= value < 2 ** (bits - 1)
 
 
 def reader(names: Iterable[str]) -> Callable[[Any], tuple[Any, ...]]:

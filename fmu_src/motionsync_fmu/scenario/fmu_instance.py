@@ -5,19 +5,23 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
+from urllib.parse import quote
 
 import fmpy
-from fmpy import fmi2
+from fmpy import fmi2, fmi3
 from fmpy.fmi1 import FMICallException
 
 from motionsync.blocks import BLOCKS
 
 from ..errors import UserError
-from ..interface.recipe import Recipe
+from ..interface.recipe import Fmi, Recipe
 from ..interface.turns import NAMES, Interface
 from ..interface.variables import Variable
 
-TYPES = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
+TYPES = {  # those of FMI's get and set functions, by those of the variables
+    Fmi.TWO: {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"},
+    Fmi.THREE: {"Float64": "Float64", "Int32": "Int32", "Enumeration": "Int64", "Boolean": "Boolean"},
+}
 
 
 def recipe_of(fmu: Path) -> Recipe:
@@ -34,9 +38,13 @@ def recipe_of(fmu: Path) -> Recipe:
     name = description.modelName
     declared = Recipe(name).variables if name in BLOCKS else {}
     starts = {v.name: _start(declared.get(v.name), v.start) for v in description.modelVariables if v.start is not None}
-    return Recipe(
-        name, units.get("Position") or "1", starts, units.get("SlavePosition") or "", _interface(declared, description)
-    )
+    interface, fmi = _interface(declared, description), version(description)
+    return Recipe(name, units.get("Position") or "1", starts, units.get("SlavePosition") or "", interface, fmi)
+
+
+def version(description: Any) -> Fmi:
+    """The version of an FMU, from FMPy's description of it."""
+    return Fmi.THREE if description.fmiVersion.startswith("3.") else Fmi.TWO
 
 
 def _start(v: Variable | None, text: str) -> str:
@@ -57,8 +65,19 @@ class FmuError(Exception):
     """An FMI call failed. The text is what the FMU logged, or the call's own name and status."""
 
 
+def unfit_characters(folder: Path) -> str:
+    """The characters in a folder's path that keep an FMU of the python flavour from running there.
+
+    An importer writes them as %XX in the URI that it hands to the FMU; PythonFMU 0.7 decodes none but the space."""
+    characters = sorted(set(folder.relative_to(folder.anchor).as_posix()))
+    return "".join(c for c in characters if c != " " and quote(c) != c)
+
+
 class FmuInstance:
     """An instance of an FMU. As a context manager it frees the instance at the end and removes the extracted files.
+
+    Raises:
+        UserError: an FMU of the python flavour was extracted to a path with a character that PythonFMU does not read.
 
     Attributes:
         description: FMPy's model description.
@@ -69,21 +88,38 @@ class FmuInstance:
 
     def __init__(self, fmu: Path) -> None:
         self.description = fmpy.read_model_description(str(fmu))
-        self.kinds = {v.name: (v.valueReference, TYPES[v.type]) for v in self.description.modelVariables}
+        self.fmi = version(self.description)
+        types = TYPES[self.fmi]
+        self.kinds = {v.name: (v.valueReference, types[v.type]) for v in self.description.modelVariables}
         self.messages: list[str] = []
         self.time = 0.0
         self.folder = fmpy.extract(str(fmu))
-        self.unit = fmi2.FMU2Slave(
+        self._check_path(Path(self.folder))
+        slave = fmi3.FMU3Slave if self.fmi == Fmi.THREE else fmi2.FMU2Slave
+        self.unit = slave(
             guid=self.description.guid,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=self.description.modelName,
             unzipDirectory=self.folder,
         )
+        if self.fmi == Fmi.THREE:
+            self.unit.instantiate(loggingOn=True, logMessage=lambda e, *message: self._log(e, b"", *message))
+            return
         self.callbacks = fmi2.fmi2CallbackFunctions()  # kept here: the unit holds a pointer to it
         self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
         self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmi2.calloc)
         self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmi2.free)
         self.unit.instantiate(loggingOn=True, callbacks=self.callbacks)
+
+    def _check_path(self, folder: Path) -> None:
+        """Refuse a path in which PythonFMU would find no files: it ends the process then, without a message."""
+        unfit = unfit_characters(folder)
+        if unfit and (folder / "resources" / "slavemodule.txt").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            raise UserError(
+                f"the python flavour does not run in {folder}: PythonFMU does not read {' '.join(unfit)} in a path; "
+                "set TMPDIR (Windows: TEMP) to a folder without, or take the native flavour"
+            )
 
     def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self.messages.append(message.decode())
@@ -102,7 +138,8 @@ class FmuInstance:
 
     def initialize(self, values: Mapping[str, Any] | None = None) -> Self:
         """Lead the FMU from instantiation to step mode at time 0, with these start values and inputs."""
-        self.call(self.unit.setupExperiment, startTime=0.0)
+        if self.fmi == Fmi.TWO:
+            self.call(self.unit.setupExperiment, startTime=0.0)
         self.call(self.unit.enterInitializationMode)
         self.set(values or {})
         self.call(self.unit.exitInitializationMode)
@@ -124,8 +161,8 @@ class FmuInstance:
         self.time += h
 
     def get(self, names: Iterable[str] | None = None) -> dict[str, Any]:
-        """The values of these variables, of all if none are named; Booleans and enumerations as integers."""
-        wanted: dict[str, list[str]] = {"Real": [], "Integer": [], "Boolean": []}
+        """The values of these variables, of all if none are named; Booleans and enumerations as numbers."""
+        wanted: dict[str, list[str]] = {kind: [] for kind in TYPES[self.fmi].values()}
         for name in self.kinds if names is None else names:
             wanted[self.kinds[name][1]].append(name)
         found: dict[str, Any] = {}

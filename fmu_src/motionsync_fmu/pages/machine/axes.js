@@ -1,6 +1,6 @@
 // The scene of two axes that may be coupled: axes.py tells what the data are. A rotary axis is a disc, whose 0 is at the
 // top and which turns clockwise; a linear axis is a rail.
-const scene = (() => {
+scenes.axes = () => {
 const FREE = 0, COUPLED = 2;
 const BIGGEST = 84, EDGE = 34, TOP = 26; // px
 const discs = data.axes.some(({period}) => period > 0); // side by side; rails lie one above the other
@@ -143,4 +143,4 @@ function show(t) {
 }
 
 return {resize, show};
-})();
+};

@@ -1,6 +1,6 @@
 // The scene of a carriage over moving material: belt.py tells what the data are. What lies on the material at m passes
 // the carriage's position ratio (master - m).
-const scene = (() => {
+scenes.belt = () => {
 const SAW = data.tool === "saw";
 const HEIGHT = 240, EDGE = 32; // px, as all that follows
 const RAIL = 52, TOP = 128, BOTTOM = 160, ROLLERS = 172, LINE = 192, RULER = 212;
@@ -272,4 +272,4 @@ function showDistance(saw, mark, text) {
 }
 
 return {resize, show};
-})();
+};

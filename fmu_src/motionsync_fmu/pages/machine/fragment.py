@@ -19,7 +19,8 @@ from .remote_axis import remote_axis
 from .run import Run
 
 HERE = Path(__file__).parent
-SCENE = "/* the scene */\n"  # where machine.js takes up the code of the scene
+SCENES = "/* the scenes */\n"  # where machine.js takes up the code of the scenes
+NAMES = ("axes", "belt", "window")
 
 
 def machine(scenario: Scenario, recording: Recording) -> Markup:
@@ -28,7 +29,16 @@ def machine(scenario: Scenario, recording: Recording) -> Markup:
     data = _scene(run)
     if data is None:
         return Markup("")
-    code = _text("machine.js").replace(SCENE, _text(f"{data['scene']}.js"))
+    return _rendered(data, data["scene"])
+
+
+def live_machine() -> Markup:
+    """The picture of a run that the page itself makes, and hands over as `motionsyncMachine.load(data)`."""
+    return _rendered(None, *NAMES)
+
+
+def _rendered(data: dict[str, Any] | None, *scenes: str) -> Markup:
+    code = _text("machine.js").replace(SCENES, "\n".join(_text(f"{name}.js") for name in scenes))
     page = TEMPLATES.get_template("machine.html.j2")
     return Markup(page.render(data=data, style=Markup(_text("machine.css")), code=Markup(code)))
 

@@ -1,13 +1,16 @@
 "use strict";
-// The animated picture of a run's machine. The data beside this script are those of signals.py; the scene below draws
-// them at a time. `window.motionsyncMachine.show(t)` shows the machine at t, in s.
+// The animated picture of a run's machine. The data beside this script, or those given to `load`, are those of signals.py;
+// a scene below draws them at a time. `window.motionsyncMachine.show(t)` shows the machine at t, in s.
 (() => {
 const root = document.currentScript.closest(".motionsync-machine");
-const data = JSON.parse(root.querySelector("script[type='application/json']").textContent);
+const given = root.querySelector("script[type='application/json']");
 const svg = root.querySelector("svg");
 const [button, slider, clock, speed] =
   ["button", "input", "output", "select"].map((name) => root.querySelector(`.controls ${name}`));
 const calm = matchMedia("(prefers-reduced-motion: reduce)"); // whoever wants less motion sees a few pictures a second
+
+let data, scene; // what is drawn, and what draws it
+const scenes = {}; // by name: each makes a scene of the present data
 
 // --- signals ---
 
@@ -126,11 +129,23 @@ function tellState(t) {
   tell("state", `${name} \u2013 ${meaning}`, meaning);
 }
 
-/* the scene */
+/* the scenes */
 
 // --- time ---
 
 let now = 0, playing = false, before = 0, waited = 0;
+
+/** Draw another run from now on, at the time that is shown. */
+function load(run) {
+  data = run;
+  svg.replaceChildren();
+  readouts.clear();
+  root.querySelector(".readouts").replaceChildren();
+  slider.max = data.stop;
+  scene = scenes[data.scene]();
+  scene.resize(svg.clientWidth);
+  show(now, "beginning");
+}
 
 /** Show the machine at t, and tell the rest of the page, unless it is the page that told it. */
 function show(t, source = "machine") {
@@ -197,10 +212,10 @@ document.addEventListener("motionsync:time", ({detail}) => {
   show(detail.time, detail.source);
 });
 new ResizeObserver(() => {
+  if (!scene) return;
   scene.resize(svg.clientWidth);
   scene.show(now);
 }).observe(svg);
-window.motionsyncMachine = {show, play};
-scene.resize(svg.clientWidth);
-show(0, "beginning");
+window.motionsyncMachine = {load, show, play};
+if (given) load(JSON.parse(given.textContent));
 })();

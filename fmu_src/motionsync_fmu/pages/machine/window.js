@@ -1,6 +1,6 @@
 // The scene of an axis on another controller: remote_axis.py tells what the data are. A magnified window moves with the
 // true axis; in it stand where the telegram has the axis, and where the block has it. Below is what has just been.
-const scene = (() => {
+scenes.window = () => {
 const HEIGHT = 252, EDGE = 34, RULER = 92, PAST_TOP = 150, PAST_BOTTOM = 238; // px
 const PAST = 1; // s, as much as is drawn of the past
 const MOST = 400; // points of the past
@@ -71,4 +71,4 @@ function show(t) {
 }
 
 return {resize, show};
-})();
+};

@@ -15,20 +15,23 @@ class Origin:
     Attributes:
         fmu: the file name of the FMU.
         flavour: "native" or "python".
-        guid: the FMU's GUID, a hash of its variables and its source.
+        fmi: the version of FMI: "2.0" or "3.0".
+        guid: the FMU's GUID, a hash of its variables and its source; in FMI 3.0 it is the instantiation token.
     """
 
     fmu: str
     flavour: str
+    fmi: str
     guid: str
 
 
 def origin(fmu: Path) -> Origin:
     """What an FMU says of itself."""
     with zipfile.ZipFile(fmu) as z:
-        guid = fromstring(z.read("modelDescription.xml")).get("guid", "")
+        root = fromstring(z.read("modelDescription.xml"))
         flavour = "python" if "resources/slavemodule.txt" in z.namelist() else "native"
-    return Origin(fmu.name, flavour, guid)
+    guid = root.get("guid", root.get("instantiationToken", ""))
+    return Origin(fmu.name, flavour, root.get("fmiVersion", ""), guid)
 
 
 def now() -> str:

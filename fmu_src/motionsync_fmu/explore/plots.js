@@ -1,0 +1,165 @@
+"use strict";
+// The plots of a run: the slave, what it goes by, and, dashed, the slave before anything was changed.
+
+const HEIGHTS = [190, 130, 130, 110]; // px
+const AXIS = 26; // px, of the times below the last plot
+const NONE = "none";
+
+const colour = (name) => () => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/** A list of plots, each with a label, a unit and the columns of a run: `slave`, and perhaps `other`. */
+function plotsOf(block, another) {
+  const declared = new Map(block.variables.map((v) => [v.name, v]));
+  const of = (name, other) => ({label: name.replace("slave.", ""), unit: declared.get(name)?.unit, stepped: false, columns: (course) => (
+    {slave: course.column(name), other: other?.(course)})});
+  const found = block.roles.CYCLE_INDEX ? remotePlots(of) : [
+    of("slave.position", (course) => positions(course, block)),
+    of("slave.velocity", (course) => course.axis(1)),
+    of("slave.acceleration", (course) => course.axis(2)),
+    ...(declared.has("slave.jerk") ? [of("slave.jerk")] : []),
+  ];
+  if (declared.has(another)) found.push({...of(another), label: another, stepped: declared.get(another).kind !== "Real"});
+  return found;
+}
+
+/** Of a remote axis: how far it is off, since its position and the slave's cannot be told apart. */
+function remotePlots(of) {
+  const errors = (course) => (course.errors ??= errorsOf(course));
+  const late = (values) => [null, ...values];
+  return [
+    {label: "off by", unit: "POSITION", columns: (course) => ({slave: late(errors(course).corrected_position), other: late(errors(course).position)})},
+    {label: "index off by", unit: "NONE", columns: (course) => ({slave: late(errors(course).corrected_index), other: late(errors(course).index)})},
+    of("slave.velocity", (course) => course.axis(1)),
+    of("slave.acceleration", (course) => course.axis(2)),
+  ];
+}
+
+/** What the slave's position is compared with: the next mark or cut on the material where there is one, else the master. */
+function positions(course, block) {
+  const master = course.axis(0), {cuts, start} = course.scenario, slave = course.column("slave.position");
+  const room = 0.25 * span(slave), low = least(slave) - room, high = greatest(slave) + room;
+  const near = (x) => (low <= x && x <= high ? x : null);
+  if (cuts.while) {
+    const {length, offset = 0, ratio = 1} = cuts, first = Math.ceil(low / ratio / length);
+    return Array.from(master, (m) => near(ratio * (modulo(m - offset - first * length, length) + first * length)));
+  }
+  if (block.roles.PIECES) {
+    const known = course.column("next_cut.known"), place = course.column("next_cut.position");
+    const factor = course.column(block.books.coupling_factor);
+    return Array.from(master, (m, k) => (known[k] ? near((factor[k] || 1) * (m - place[k])) : null));
+  }
+  const period = start["master.period"] ?? 0;
+  return period ? broken(master.map((m) => modulo(m, period)), period) : master;
+}
+
+/** A line that does not cross the picture where a period ends. */
+function broken(values, period) {
+  return Array.from(values, (x, k) => (k && Math.abs(x - values[k - 1]) > period / 2 ? null : x));
+}
+
+/** All plots on the page, over one stretch of time. */
+class Plots {
+  /** `chosen(t)` is called when the user points at a time. */
+  constructor(box, block, chosen) {
+    Object.assign(this, {box, block, chosen, drawn: [], zoom: null, course: null, before: null, another: NONE});
+    new ResizeObserver(() => this.#resize()).observe(box);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.drawn.forEach(({plot}) => plot.redraw(false)));
+  }
+
+  /** Show a run, and the one before anything was changed. */
+  show(course, before) {
+    const units = this.block.units[course.scenario.units];
+    if (!this.drawn.length) this.#make(units);
+    Object.assign(this, {course, before});
+    for (const {plot, of} of this.drawn) plot.setData(this.#rows(of), false);
+    this.#scale();
+  }
+
+  /** Draw another set of plots at the next run. */
+  renew(another = this.another) {
+    this.drawn.forEach(({plot}) => plot.destroy());
+    this.box.replaceChildren();
+    Object.assign(this, {drawn: [], another});
+  }
+
+  /** Show a stretch of time; null: the whole run. */
+  stretch(zoom) {
+    this.zoom = zoom;
+    this.#scale();
+  }
+
+  mark(t) {
+    this.now = t;
+    for (const {plot, line} of this.drawn) {
+      const x = plot.valToPos(t, "x");
+      line.style.transform = `translateX(${x.toFixed(1)}px)`;
+      line.hidden = !(x >= 0 && x <= plot.over.clientWidth);
+    }
+  }
+
+  #rows(of) {
+    const {slave, other} = of.columns(this.course), empty = () => new Array(this.course.count).fill(null);
+    return [this.course.time, slave, other ?? empty(), this.before === this.course ? empty() : this.#beforehand(of)];
+  }
+
+  /** The same of the run before, at the points of this one. */
+  #beforehand(of) {
+    const {slave} = of.columns(this.before), {time} = this.before;
+    return this.course.time.map((t) => (t <= time.at(-1) + CLOSE ? slave[Math.max(bisect(time, t + CLOSE, true) - 1, 0)] : null));
+  }
+
+  #make(units) {
+    plotsOf(this.block, this.another).forEach((of, i, all) => {
+      const frame = made("div", {className: "plot"}), line = made("div", {className: "now"});
+      this.box.append(frame);
+      const plot = new uPlot(this.#options(of, units[of.unit] ?? "", HEIGHTS[Math.min(i, 3)], i === all.length - 1), [[0], [0], [0], [0]], frame);
+      plot.over.append(line);
+      plot.over.addEventListener("click", (event) => this.chosen(plot.posToVal(event.offsetX, "x")));
+      plot.over.addEventListener("dblclick", () => this.stretch(null));
+      this.drawn.push({plot, of, line});
+    });
+  }
+
+  #options(of, unit, height, final) {
+    const axis = {stroke: colour("--muted"), grid: {stroke: colour("--grid"), width: 1}, ticks: {stroke: colour("--grid"), width: 1}, font: "11px system-ui"};
+    const label = `${of.label}${unit ? ` ${unit}` : ""}`, line = (name, more) => ({stroke: colour(name), points: {show: false}, ...more});
+    const paths = of.stepped ? {paths: uPlot.paths.stepped({align: -1})} : {};
+    return {
+      width: Math.max(this.box.clientWidth, 200), height: height + (final ? AXIS : 0), legend: {show: false}, padding: [8, 12, final ? 0 : 8, 0],
+      cursor: {drag: {x: true, y: false}, points: {show: false}, sync: {key: "run"}},
+      scales: {x: {time: false}},
+      axes: [{...axis, size: final ? AXIS : 0, values: final ? undefined : (_, ticks) => ticks.map(() => "")}, {...axis, size: 62, label, labelSize: 18, labelFont: "12px system-ui"}],
+      series: [{}, line("--slave", {width: 2, ...paths}), line("--master", {width: 1.3}), line("--reference", {width: 1.2, dash: [4, 3], ...paths})],
+      hooks: {drawClear: [(plot) => this.#shade(plot)], setSelect: [(plot) => this.#selected(plot)]},
+    };
+  }
+
+  #selected(plot) {
+    const {left, width} = plot.select;
+    if (width > 4) this.stretch([plot.posToVal(left, "x"), plot.posToVal(left + width, "x")]);
+    plot.setSelect({left: 0, top: 0, width: 0, height: 0}, false);
+  }
+
+  #shade(plot) {
+    if (!this.course || !this.block.shaded) return;
+    const {ctx, bbox} = plot, x = (t) => Math.min(Math.max(plot.valToPos(t, "x", true), bbox.left), bbox.left + bbox.width);
+    ctx.save();
+    ctx.fillStyle = colour("--cut")();
+    for (const [first, after] of intervals(this.course.column(this.block.shaded))) {
+      const begin = x(this.course.time[first]), end = x(this.course.time[after - 1]);
+      if (end > begin) ctx.fillRect(begin, bbox.top, end - begin, bbox.height);
+    }
+    ctx.restore();
+  }
+
+  #scale() {
+    const [min, max] = this.zoom ?? [0, this.course.scenario.stop_time];
+    for (const {plot} of this.drawn) plot.setScale("x", {min, max});
+    this.mark(this.now ?? 0);
+  }
+
+  #resize() {
+    for (const {plot} of this.drawn) plot.setSize({width: Math.max(this.box.clientWidth, 200), height: plot.height});
+    if (this.course) this.mark(this.now ?? 0);
+  }
+}

@@ -1,0 +1,60 @@
+"""What an FMU brings along for whoever imports it: its block's example as a run to repeat, by FMI-LS-REF 1.0.0-alpha.1.
+
+The layered standard fixes the folder and the manifest; its appendix describes the experiment. The parameters are an SSV
+file of SSP 1.0, inputs and reference are CSV files as the FMI cross-check has them.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from ..archive import Files
+from ..interface.roles import MOTION
+from ..scenario.crosscheck import csv_text, inputs_csv
+from ..scenario.judge import read_reference
+from ..scenario.scenario import Scenario
+from .style import TEMPLATES
+
+FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
+POINTS = 100  # of the reference, about: every FMU carries it
+COLUMNS = (
+    *(f"slave.{name}" for name in MOTION),
+    "state_code",
+)  # of it: the setpoint, and what the block does
+TEXTS = {
+    f"{FOLDER}/fmi-ls-manifest.xml": "fmi-ls-manifest.xml",
+    f"{FOLDER}/example.exp": "example.exp",
+    f"{FOLDER}/example.ssv": "parameters.ssv",
+    "documentation/fmi-ls-ref.txt": "fmi-ls-ref.txt",
+}
+
+
+def related_files(example: Scenario) -> Files:
+    """The files by their paths in the FMU; none if the example has no reference.
+
+    Raises:
+        UserError: the reference cannot be read.
+    """
+    reference = read_reference(example)
+    if reference is None:
+        return {}
+    names, table, tolerance = reference
+    kept = [name for name in COLUMNS if name in names]
+    columns = [0, *(1 + names.index(name) for name in kept)]
+    times = np.unique(table[:, 0])
+    shown = np.isin(table[:, 0], [*times[:: max(len(times) // POINTS, 1)], times[-1]])
+    values: dict[str, Any] = {
+        "example": example,
+        "tolerance": tolerance,
+        "name": "example",
+        "values": [
+            {"name": name, "kind": v.kind, "value": v.text(given) if v.choices else v.literal(given)}
+            for name, given in example.start.items()
+            if (v := example.recipe.variables[name])
+        ],
+    }
+    files = {path: TEMPLATES.get_template(f"{name}.j2").render(values).encode() for path, name in TEXTS.items()}
+    return files | {
+        f"{FOLDER}/example_in.csv": inputs_csv(example).encode(),
+        f"{FOLDER}/example_ref.csv": csv_text(["time", *kept], table[shown][:, columns].tolist()).encode(),
+    }

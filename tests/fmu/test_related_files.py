@@ -1,0 +1,148 @@
+"""The run that an FMU brings along by FMI-LS-REF 1.0.0-alpha.1: it is complete, and an importer that knows nothing of
+motionsync repeats it."""
+
+import re
+import zipfile
+from pathlib import Path
+from urllib.parse import urljoin
+from xml.etree.ElementTree import Element, fromstring
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.ssp.ssd import read_ssv
+from fmpy.util import read_csv
+from lxml import etree
+
+from motionsync_fmu.build import Flavour, build_python
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.turns import Interface
+from tests.support.fmus import Fmus
+from tests.support.references import assert_met
+
+FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
+MANIFEST = f"{FOLDER}fmi-ls-manifest.xml"
+# The rules of the layered standard, from its tables 1 to 4. FMPy has the schema of the attributes that all manifests
+# have.
+SCHEMA = f"""\
+<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" xmlns:ls="http://fmi-standard.org/fmi-ls-manifest">
+  <xs:import namespace="http://fmi-standard.org/fmi-ls-manifest"
+      schemaLocation="{Path(fmpy.__file__).parent.as_posix()}/schema/fmi3/fmi3LayeredStandardManifest.xsd"/>
+  <xs:element name="fmiReferences">
+    <xs:complexType>
+      <xs:sequence>
+        <xs:element name="Related" minOccurs="0" maxOccurs="unbounded">
+          <xs:complexType>
+            <xs:attribute name="type" type="xs:string"/>
+            <xs:attribute name="source" type="xs:anyURI" use="required"/>
+            <xs:attribute name="role" use="required">
+              <xs:simpleType><xs:restriction base="xs:string"><xs:pattern
+                  value="document|requirement|specification|model|
+|parameter|system|testcase|experiment(/(smoke-test|validation|uncertainty-analysis))?|result|method|rationale|report|
+|request|delivery|configuration|signature|serialized-state(/.*)?|other"/></xs:restriction></xs:simpleType>
+            </xs:attribute>
+            <xs:attribute name="description" type="xs:string"/>
+          </xs:complexType>
+        </xs:element>
+      </xs:sequence>
+      <xs:attribute ref="ls:fmi-ls-name" use="required" fixed="org.fmi-standard.fmi-ls-ref"/>
+      <xs:attribute ref="ls:fmi-ls-version" use="required" fixed="1.0.0-alpha.1"/>
+      <xs:attribute ref="ls:fmi-ls-description" use="required"
+          fixed="Layered Standard providing information on related files included in an FMU."/>
+    </xs:complexType>
+  </xs:element>
+</xs:schema>
+""".replace("|\n|", "|")
+
+
+def related(fmu: Path) -> dict[str, str]:
+    """The related files by their roles, as paths in the FMU."""
+    with zipfile.ZipFile(fmu) as z:
+        listed = list(fromstring(z.read(MANIFEST)))
+        names = z.namelist()
+    found = {r.attrib["role"]: urljoin(MANIFEST, r.attrib["source"]) for r in listed}
+    assert len(found) == len(listed)
+    assert {name for name in names if name.startswith(FOLDER)} <= {MANIFEST, *found.values()} <= set(names)
+    return found
+
+
+def experiment(fmu: Path, path: str) -> Element:
+    with zipfile.ZipFile(fmu) as z:
+        root = fromstring(z.read(path))
+    assert (root.tag, root.attrib["name"]) == ("Experiments", read_model_description(str(fmu)).modelName)
+    (only,) = root.iter("Experiment")
+    return only
+
+
+def test_the_manifest_keeps_to_the_standard_and_lists_all_files(block_fmu: Path) -> None:
+    with zipfile.ZipFile(block_fmu) as z:
+        manifest = etree.fromstring(z.read(MANIFEST))
+    etree.XMLSchema(etree.fromstring(SCHEMA)).assertValid(manifest)
+    assert set(related(block_fmu)) == {"experiment/smoke-test", "parameter", "other", "result", "document"}
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+def test_an_importer_repeats_the_run_from_what_lies_in_the_fmu(
+    flavour: Flavour, block: str, fmus: Fmus, tmp_path: Path
+) -> None:
+    """FMPy reads all of it; the tolerance is the one that the text tells."""
+    fmu = fmus.built(flavour, block)
+    files = related(fmu)
+    run = experiment(fmu, files["experiment/smoke-test"])
+    parts = {part.tag: urljoin(files["experiment/smoke-test"], part.attrib["source"]) for part in run}
+    assert parts == {"Parameters": files["parameter"], "Stimuli": files["other"], "References": files["result"]}
+    with zipfile.ZipFile(fmu) as z:
+        z.extractall(tmp_path)
+    text = (tmp_path / files["document"]).read_text("ascii")
+    (told,) = re.findall(r"within (\S+) times", " ".join(text.split()))
+    reference = read_csv(tmp_path / parts["References"])
+    names = list(reference.dtype.names[1:])
+    assert names[:3] == ["slave.position", "slave.velocity", "slave.acceleration"]
+    result = simulate_fmu(
+        str(fmu),
+        stop_time=float(run.attrib["stopTime"]),
+        output_interval=float(run.attrib["stepSize"]),
+        start_values=parameters(fmu, parts["Parameters"]),
+        input=read_csv(tmp_path / parts["Stimuli"]),
+        output=names,
+    )
+    assert run.attrib["startTime"] == "0.0"
+    assert 100 <= len(np.unique(reference["time"])) <= 150
+    assert reference["time"][-1] == float(run.attrib["stopTime"])
+    assert_met(reference, result, float(told))
+
+
+def parameters(fmu: Path, path: str) -> dict[str, str]:
+    """The values of an SSV file. It has the names of an enumeration's members, as SSP 1.0 says; FMPy wants numbers."""
+    members = {
+        (v.name, item.name): item.value
+        for v in read_model_description(str(fmu)).modelVariables
+        if v.type == "Enumeration"
+        for item in v.declaredType.items
+    }
+    given = read_ssv(str(fmu), path, validate=True).parameters
+    return {p.name: members[p.name, p.value] if p.type == "Enumeration" else p.value for p in given}
+
+
+def test_the_reference_moves(block_fmu: Path) -> None:
+    """Else there were nothing to compare."""
+    with zipfile.ZipFile(block_fmu) as z:
+        lines = z.read(related(block_fmu)["result"]).decode().splitlines()
+    positions = [float(line.split(",")[1]) for line in lines[1:]]
+    assert max(positions) - min(positions) > 50.0
+
+
+@pytest.mark.parametrize(
+    "recipe",
+    [
+        Recipe("Synchronizer", starts={"output_phasing": "45"}),
+        Recipe("Synchronizer", interface=Interface(local=("status",))),
+    ],
+    ids=["baked start value", "turned variable"],
+)
+def test_an_fmu_that_the_example_is_not_of_has_no_such_run(recipe: Recipe, tmp_path: Path) -> None:
+    fmu = build_python(recipe, tmp_path / "Synchronizer.fmu")
+    with zipfile.ZipFile(fmu) as z:
+        assert not [name for name in z.namelist() if "fmi-ls-ref" in name]
+        assert "fmi-ls-ref" not in z.read("documentation/index.html").decode()
