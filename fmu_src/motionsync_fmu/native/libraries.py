@@ -17,10 +17,8 @@ from ..archive import Files
 from ..errors import UserError
 from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
-from .tables import model_header
-from .translator import c_source
+from .sources import HERE, c_sources
 
-HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
     "-O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
@@ -64,11 +62,9 @@ def libraries(
     name = type(block).__name__
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        for source in (*c_files(fmi), *FREESTANDING.glob("*.[ch]")):
-            (work / source.name).write_bytes(source.read_bytes())
-        for file, text in c_source(block).items():
+        files = {source.name: source.read_bytes() for source in FREESTANDING.glob("*.[ch]")}
+        for file, text in (files | c_sources(block, guid, turned, fmi)).items():
             (work / file).write_bytes(text)
-        (work / "model.h").write_text(model_header(block, guid, turned, fmi), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
                 target: pool.submit(compiled, target, flags, f"{target}/{name}.{platform.suffix}", work)
@@ -81,12 +77,6 @@ def libraries(
                 for job in as_completed(targets):
                     progress(f"compiled for {targets[job]}")
             return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
-
-
-def c_files(fmi: Fmi) -> list[Path]:
-    """The C files and headers of a library of that version."""
-    others = {f"fmi{version}.c" for version in Fmi if version != fmi}
-    return sorted(file for file in HERE.glob("*.[ch]") if file.name not in others)
 
 
 def compiled(target: str, flags: str, path: str, work: Path) -> bytes:
