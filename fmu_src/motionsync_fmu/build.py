@@ -114,14 +114,14 @@ def build_native(
     block, every = recipe.block(), OF_VERSION[recipe.fmi]
     check_kernel(type(block).__module__)
     try:
-        from .native import libraries, packing, tables  # noqa: PLC0415 (Numba, zig, Zopfli: for this flavour only)
+        from .native import libraries, packing, tables  # noqa: PLC0415 (zig, Zopfli: for this flavour only)
     except ModuleNotFoundError as e:
         other = "; or take --flavour python" if recipe.fmi == Fmi.TWO else ""
         raise UserError(
             f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
         ) from None
     files = libraries.libraries(block, recipe.guid(), platforms or every, progress, recipe.turned, recipe.fmi)
-    texts = licences("motionsync", "numba") | libraries.linked_licences(recipe.fmi)
+    texts = licences("motionsync") | libraries.linked_licences(recipe.fmi)
     files |= {f"{LICENCES}/{n}": text for n, text in texts.items()}
     deflate = packing.smallest if all(row in (platforms or every) for row in every) else quick
     return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block))

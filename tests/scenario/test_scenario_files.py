@@ -51,7 +51,7 @@ def judged(scenario: Scenario, recording: Recording) -> list[str]:
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_a_scenario_is_kept(folder: Path, fmus: Fmus) -> None:
+def test_a_scenario_is_kept_by_the_python_flavour(folder: Path, fmus: Fmus) -> None:
     scenario = load(folder / "scenario.toml")
     assert scenario.expectations
     recording = simulate(scenario, fmus.python(scenario.recipe.name), scenario.step_size)
@@ -69,10 +69,10 @@ def late(scenario: Scenario, step_size: float) -> Scenario:
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_a_scenario_is_kept_at_another_step_size(folder: Path, fmus: Fmus) -> None:
+def test_a_scenario_is_kept_at_another_step_size_by_the_native_flavour(folder: Path, fmus: Fmus) -> None:
     scenario = load(folder / "scenario.toml")
     step_size = WITHIN if scenario.remote else UNEVEN
-    recording = simulate(scenario, fmus.python(scenario.recipe.name), step_size)
+    recording = simulate(scenario, fmus.native(scenario.recipe.name), step_size)
     assert judged(late(scenario, step_size), recording) == []
     assert min(d.points for d in compare(scenario, recording)) >= 5
 
@@ -253,6 +253,22 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
     "start value refused": ("active = true", "output_phasing = 0.0", "output_phasing", ("0", "1e-09 to 1e+12")),
     "start value NaN": ("360.0", "nan", "master.period", ("nan", "0, or >= 1e-09")),
     "start value of 400 digits": ("360.0", "1" + "0" * 400, "master.period", ()),
+    "start value of 4300 digits": ("360.0", "1" + "0" * 4299, "master.period", ()),
+    "integer of 400 digits": ('"slave.position" = 1.0', f"state_code = 1{'0' * 400}", "state_code", ("no Integer",)),
+    "integer of 33 bits": ('"slave.position" = 1.0', "state_code = 2147483648", "state_code", ("no Integer",)),
+    "integer of 400 digits in a condition": (
+        'when = "syn_ramp_on"',
+        f'when = "state_code == 1{"0" * 400}"',
+        "when",
+        (),
+    ),
+    "integer of 5000 digits in a condition": (
+        'when = "syn_ramp_on"',
+        f'when = "state_code == 1{"0" * 5000}"',
+        "when",
+        ("is no Integer",),
+    ),
+    "start integer of 400 digits": ('"PARABOLA"', "1" + "0" * 400, "curve", ()),
     "stop_time of 400 digits": ("stop_time = 4.0", f"stop_time = 1{'0' * 400}", "stop_time", ()),
     "member's name": ('"PARABOLA"', '"PARABEL"', "curve", ("'PARABEL'", "1 PARABOLA, 2 POLYNOMIAL_3_4_5")),
     "member's number": ('"PARABOLA"', "3", "curve", ("3", "1 PARABOLA, 2 POLYNOMIAL_3_4_5")),
@@ -515,6 +531,11 @@ def test_line_ends_and_a_byte_order_mark_of_windows_editors_do_no_harm(tmp_path:
         (GOOD.replace("active = true", 'curve = "PARABOLA"'), 12),
         (GOOD + 'x = """', 43),
         (f"x = {'[' * 5000}", 1),
+        (GOOD.replace("stop_time = 4.0", f"stop_time = 1{'0' * 4300}"), 5),
+        (GOOD.replace('"PARABOLA"', f"-9{'_9' * 4300}"), 11),
+        (GOOD.replace('"PARABOLA"', f"0x{'f' * 3600}"), 11),
+        (GOOD.replace("duration = 1.5", f"duration = 0b{'1' * 20_000}"), 19),
+        (GOOD + f"x = [[1, {'7' * 100_000}]]", 43),
     ],
 )
 def test_what_is_no_toml_is_told_with_file_and_line(text: str, line: int, tmp_path: Path) -> None:

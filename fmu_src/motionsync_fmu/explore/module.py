@@ -8,7 +8,7 @@ from typing import Any
 
 from ..errors import UserError
 from ..native.libraries import FREESTANDING
-from ..native.libraries import HERE as NATIVE
+from ..native.sources import HERE as NATIVE
 from ..native.tables import model_header
 from ..native.translator import c_source
 

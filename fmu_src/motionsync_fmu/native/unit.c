@@ -68,8 +68,8 @@ typedef struct { /* no member leaves a gap, so that all bytes of a state are det
     Model model;
 } State;
 
-_Static_assert(offsetof(State, model) + TIME_OFFSET == offsetof(State, time), "the time lies elsewhere");
-_Static_assert(sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model), "State has gaps");
+MUST_HOLD(the_time_lies_before_the_model, offsetof(State, model) + TIME_OFFSET == offsetof(State, time));
+MUST_HOLD(a_state_has_no_gaps, sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model));
 
 struct Unit {
     State now;
@@ -354,6 +354,8 @@ typedef struct {
     int64_t mode;
 } Replaced;
 
+static bool has_derivatives(void) { return MASTER[0] >= 0; }
+
 COLD static Replaced replace(Unit *u) {
     Replaced inputs = {{*real(u, MASTER[1]), *real(u, MASTER[2])}, *integer(u, INPUT_MODE)};
     for (int order = 1; order <= 2; order++)
@@ -424,7 +426,7 @@ Status unit_step(Unit *u, double time, double h, const char *call) {
     if (!ready(u, time, h)) return u->refused;
     int64_t codes[sizeof CODED / sizeof *CODED];
     for (int i = 0; CODED[i].variable >= 0; i++) codes[i] = *integer(u, CODED[i].variable);
-    bool derived = u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
+    bool derived = has_derivatives() && u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
     Status status = derived ? run_with_derivatives(u, h) : run(u, h);
     if (status) return status;
     u->now.given = 0;
@@ -538,7 +540,7 @@ COLD Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, co
     if (!may_set_derivatives(u, r, n, orders, values, call)) return UNIT_ERROR;
     bool ignored = false;
     for (size_t i = 0; i < n; i++) {
-        if ((int)r[i] == MASTER[0] && orders[i] <= 2 && *integer(u, INPUT_MODE) != END_OF_STEP) {
+        if (has_derivatives() && (int)r[i] == MASTER[0] && orders[i] <= 2 && *integer(u, INPUT_MODE) != END_OF_STEP) {
             u->now.derivatives[orders[i]] = values[i];
             u->now.given |= 1 << orders[i];
         } else {
@@ -633,7 +635,7 @@ COLD Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], si
 
 /* Whether a state can be one that this unit has made. Its checksum does not tell that: a forged state may have one. */
 COLD static bool possible(const State *s) {
-    int64_t derivatives = MASTER[0] >= 0 ? 1 << 1 | 1 << 2 : 0;
+    int64_t derivatives = has_derivatives() ? 1 << 1 | 1 << 2 : 0;
     bool known = s->mode == INSTANTIATED || s->mode == INITIALIZING || s->mode == STEPPING || s->mode == TERMINATED;
     return known && !(s->given & ~derivatives) && is_finite(s->time) && s->stop == s->stop;
 }
