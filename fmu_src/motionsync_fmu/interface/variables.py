@@ -5,7 +5,7 @@ This module is part of the Python FMU. It must not import motionsync, which the 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import IntEnum
-from math import inf, isfinite
+from math import inf
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ class Variable:
         if self.kind == "Boolean":
             return True
         d = self.declaration
-        fits = isfinite(value) and d.min <= value <= d.max and d.above < value < d.below
+        fits = -inf < value < inf and d.min <= value <= d.max and d.above < value < d.below
         return fits and (abs(value) >= d.smallest if value != 0.0 else d.zero)
 
     def text(self, value: float) -> str:

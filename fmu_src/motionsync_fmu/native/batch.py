@@ -26,7 +26,6 @@ from numpy.typing import ArrayLike, NDArray
 from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, choose
-from ..extras import how_to_install
 from ..interface.turns import Interface
 from ..interface.variables import (
     LONGEST_STEP,
@@ -38,15 +37,9 @@ from ..interface.variables import (
     step_size_refusal,
     variables,
 )
-
-try:
-    from .batch_loop import CAUSE, Cause, Code, Groups, Plan, code, run
-    from .memory_layout import image, offset
-except ModuleNotFoundError as e:
-    raise ModuleNotFoundError(
-        f"batches are compiled with {e.name}, which is not installed: {how_to_install('native')}",
-        name=e.name,
-    ) from None
+from .loop.library import library
+from .loop.plan import CAUSE, Cause, Groups, Plan, run
+from .memory_layout import image, offset
 
 Array = NDArray[Any]
 Reals = NDArray[np.float64]
@@ -201,7 +194,7 @@ class _Batch:
         self.varying = self.grouped(c for c in running if c.values.shape[1] > 1 or c.name in start)
         self.judged = self.to_judge({c.name for c in self.starts})
         self.refusals = {member.value: member for member in refusals(self.type)}
-        self.code: Code = code(self.type)
+        self.library = library(self.type)
 
     def numbered(self, name: Any, values: ArrayLike) -> ArrayLike:
         """The values; for an enumeration whose members are given by name, their numbers."""
@@ -276,7 +269,7 @@ class _Batch:
     def run_some(self, first: int, last: int, out: Reals) -> list[Failure]:
         """Run some instances from start to end."""
         task = _Task(self, first, last, out[first:last])
-        run(self.code, task.plan())
+        run(self.library, task.plan())
         return task.failures()
 
     def memory(self, first: int, last: int) -> Array:

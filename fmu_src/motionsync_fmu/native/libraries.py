@@ -17,8 +17,9 @@ from ..archive import Files
 from ..errors import UserError
 from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
-from .sources import HERE, c_sources
+from .unit_sources import c_sources
 
+HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
     "-O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
@@ -67,7 +68,7 @@ def libraries(
             (work / file).write_bytes(text)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
-                target: pool.submit(_compile, target, flags, f"{target}/{name}.{platform.suffix}", work)
+                target: pool.submit(compiled, target, flags, f"{target}/{name}.{platform.suffix}", work)
                 for platform in platforms
                 for target, flags in platform.targets.items()
             }
@@ -79,8 +80,14 @@ def libraries(
             return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
 
 
-def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
-    """Compile one library; file names stay relative, so that the library does not depend on where this happens."""
+def compiled(target: str, flags: str, path: str, work: Path) -> bytes:
+    """The library of the C files in a folder, compiled there into `path`, for one of zig's targets with its own flags.
+
+    File names stay relative, so that the library does not depend on where this happens.
+
+    Raises:
+        UserError: zig failed.
+    """
     (work / path).parent.mkdir()
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
@@ -95,7 +102,7 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     if done.returncode:
         raise UserError(
             f"zig could not compile for {target}: it needs a folder that can be written (ZIG_GLOBAL_CACHE_DIR; else "
-            f"one in the user's cache) with 1 GB to spare; without zig take --flavour python. zig said:\n"
+            f"one in the user's cache) with 1 GB to spare; an FMU of --flavour python is built without zig. zig said:\n"
             f"{done.stderr.strip()[-2000:]}"
         )
     return (work / path).read_bytes()

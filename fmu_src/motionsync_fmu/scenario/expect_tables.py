@@ -5,7 +5,7 @@ import re
 
 from .scenario import AtTime, Expectation, When, Within
 from .settings import Condition
-from .toml_tables import Table, literal
+from .toml_tables import Table, literal, real
 from .variable_tables import OutputTable, Subject
 
 CONDITION = re.compile(r"\s*([\w.]+)\s*(?:(==|<|>)\s*(\S+)\s*)?")
@@ -65,7 +65,7 @@ def read_condition(outputs: OutputTable) -> Condition:
     v = outputs.variable(name, "when")
     if value is None and v.kind != "Boolean":
         table.fail("when", f"{name} is a {v.kind}: compare it, as in {name!r} == VALUE")
-    wanted = 1.0 if value is None else float(outputs.value(name, literal(value), "when"))
+    wanted = 1.0 if value is None else real(outputs.value(name, literal(value), "when"))
     return Condition(match.string, name, comparison, wanted)
 
 

@@ -17,6 +17,10 @@ from ..errors import UserError
 Place = tuple[str, int, str]
 """A table's name with dots, which of the tables of this name it is (from 0), and a key; "": the table itself."""
 
+MOST_DIGITS = 4300  # of an integer; Python reads and writes no longer ones (sys.int_info.default_max_str_digits)
+LONGEST = 10**MOST_DIGITS
+LONG = re.compile(r"\b\d\w{2999,}")  # 4300 digits are 3571 in hexadecimal
+
 
 def read_toml(file: Path, lists: Iterable[str] = ()) -> "Table":
     """The top level of a file; `lists`: keys whose values are lists of tables in braces, on one line or on several.
@@ -27,12 +31,15 @@ def read_toml(file: Path, lists: Iterable[str] = ()) -> "Table":
     text = ""
     try:
         text = file.read_text("utf-8-sig")
-        values = tomllib.loads(text)
+        values = _parsed(text)
     except (OSError, UnicodeDecodeError) as e:
         raise UserError(f"{file}: cannot be read: {e}") from None
     except tomllib.TOMLDecodeError as e:
         line = re.search(r"line (\d+)", str(e))
         at = int(line[1]) if line else text.count("\n") + 1
+        raise UserError(f"{file}:{at}: not TOML: {e}") from None
+    except ValueError as e:
+        at = next((n for n, line in enumerate(text.split("\n"), 1) if LONG.search(line)), 1)
         raise UserError(f"{file}:{at}: not TOML: {e}") from None
     except RecursionError:
         raise UserError(f"{file}:1: not TOML: nested too deeply") from None
@@ -42,9 +49,34 @@ def read_toml(file: Path, lists: Iterable[str] = ()) -> "Table":
 def literal(text: str) -> Any:
     """A value as TOML writes it (true, false, a number); any other text as it is."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        return _parsed(f"value = {text}")["value"]
+    except ValueError:
         return text
+
+
+def _parsed(text: str) -> dict[str, Any]:
+    """The values of a TOML text.
+
+    Raises:
+        tomllib.TOMLDecodeError: it is none.
+        ValueError: one of its integers is too long to be read, or to be written in a message.
+        RecursionError: it is nested too deeply.
+    """
+    too_long = f"an integer has more than {MOST_DIGITS} digits"
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except ValueError:  # that of int()
+        raise ValueError(too_long) from None
+    within: list[Any] = [values]
+    while within:
+        value = within.pop()
+        if isinstance(value, dict | list):
+            within += value.values() if isinstance(value, dict) else value
+        elif isinstance(value, int) and abs(value) >= LONGEST:  # hexadecimal, octal or binary
+            raise ValueError(too_long)
+    return values
 
 
 def real(value: float) -> float:

@@ -9,6 +9,8 @@ from typing import Any, NoReturn
 from ..interface.variables import Variable
 from .toml_tables import Table, real
 
+INTEGERS = range(-(2**31), 2**31)
+
 
 @dataclass(frozen=True)
 class Subject:
@@ -118,7 +120,7 @@ class OutputTable(VariableTable):
     def refusal(self, v: Variable, value: Any) -> str:
         if v.choices:
             return v.refusal(value)
-        return "" if math.isfinite(value) else f"{value} is not allowed: it must be finite"
+        return "" if math.isfinite(real(value)) else f"{value} is not allowed: it must be finite"
 
 
 class FlagTable(VariableTable):
@@ -134,7 +136,9 @@ class FlagTable(VariableTable):
 
 
 def is_of_kind(v: Variable, value: Any) -> bool:
-    """Whether a TOML value is of the variable's type; a whole number is a Real, too, and a Boolean is not a number."""
+    """Whether a TOML value is of the variable's type; a whole number is a Real, too, and a Boolean is not a number.
+
+    An Integer has 32 bits, as FMI's has."""
     if v.kind == "Boolean" or isinstance(value, bool):
         return v.kind == "Boolean" and isinstance(value, bool)
-    return isinstance(value, int | float) if v.kind == "Real" else isinstance(value, int)
+    return isinstance(value, int | float) if v.kind == "Real" else isinstance(value, int) and value in INTEGERS
