@@ -14,6 +14,7 @@ from . import __version__
 from .commands.build import build
 from .commands.describe import describe
 from .commands.error import error
+from .commands.explore import explore
 from .commands.export_crosscheck import export_crosscheck
 from .commands.line import line
 from .commands.list import list_all
@@ -43,6 +44,7 @@ COMMANDS: dict[
     "describe": (describe, "Show variables, enumerations, fault codes."),
     "new": (new, "Write a scenario to begin your own with."),
     "run": (run, "Run scenarios, judge them, write reports."),
+    "explore": (explore, "Write a page to move a block by hand."),
     "line": (line, "Run a production line of several FMUs."),
     "plan-line": (plan_line, "Tell how fast a cutting line may run, and why."),
     "error": (error, "Explain a fault code."),
