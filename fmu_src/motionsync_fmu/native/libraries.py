@@ -17,8 +17,9 @@ from ..archive import Files
 from ..errors import UserError
 from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
-from .sources import HERE, c_sources
+from .unit_sources import c_sources
 
+HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
     "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
