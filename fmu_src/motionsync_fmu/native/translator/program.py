@@ -890,8 +890,7 @@ class Translator(Body):
             case ast.If():
                 self.choice(s, here, "if", head)
             case ast.While(test=test, body=body):
-                risky = any(self.may_raise(n) or ((c := self.callee(n)) and c.fails) for n in ast.walk(s))
-                guard = "!*failed && " if risky and self.program.checked else ""  # it might go on for ever
+                guard = self.guard(s)
                 self.put(f"while ({guard}{self.condition_code(test, AND if guard else 0)}) {{", *head)
                 self.inner(body, (*here, "body"))
                 self.put("}")
@@ -901,6 +900,11 @@ class Translator(Body):
                 self.match(s, here)
             case _:
                 raise self.stop(s, "not translated")
+
+    def guard(self, loop: ast.stmt) -> str:
+        """What ends a loop where Python would raise: it might go on for ever."""
+        risky = any(self.may_raise(n) or ((c := self.callee(n)) and c.fails) for n in ast.walk(loop))
+        return "!*failed && " if risky and self.program.checked else ""
 
     def begin(self, name: str, value: ast.expr, lines: tuple[int, int]) -> None:
         """A local with its first value."""
@@ -954,7 +958,7 @@ class Translator(Body):
         begin, limit = f"int64_t {name} = {self.code(first)}", self.code(end, RELATION + 1)
         if not self.stable(end, s.body):
             begin, limit = f"{begin}, {name}_end = {self.code(end)}", f"{name}_end"
-        self.put(f"for ({begin}; {name} {sign} {limit}; {name}{on}) {{", *head)
+        self.put(f"for ({begin}; {self.guard(s)}{name} {sign} {limit}; {name}{on}) {{", *head)
         self.inner(s.body, (*here, "body"))
         self.put("}")
 
