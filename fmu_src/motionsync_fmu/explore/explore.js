@@ -197,9 +197,9 @@ function update() {
   });
 }
 
-/** The scenario with the numbers behind the names. */
-function resolved() {
-  const wanted = copy(scenario);
+/** A scenario with the numbers behind the names. */
+function resolved(named) {
+  const wanted = copy(named);
   for (const r of wanted.reactions) {
     for (const name of Object.keys(r.add)) if (r.add[name] === "cuts.length") r.add[name] = wanted.cuts.length;
   }
@@ -221,7 +221,7 @@ function compiled(wanted) {
 
 function compute() {
   $("problem").textContent = "";
-  const wanted = resolved(), room = course && course !== before ? course.rows : null;
+  const wanted = resolved(scenario), room = course && course !== before ? course.rows : null;
   try {
     course = run(unit, wanted, {cycle: compiled(wanted), normals: block.normals, room});
   } catch (error) {
@@ -271,8 +271,7 @@ const time = (t) => `${t.toFixed(3)} s`;
 const place = (t) => Math.max(bisect(course.time, t + CLOSE, true) - 1, 0);
 
 function show() {
-  const scene = sceneOf(course, block);
-  if (scene) window.motionsyncMachine.load(scene);
+  window.motionsyncMachine.load(sceneOf(course, block));
   plots.show(course, before);
   $("log").replaceChildren(...(course.lines.length ? course.lines.slice(0, LINES).map(logLine) : [made("p", {className: "soft"}, "The block has nothing to say.")]));
   present(Math.min(now, course.time.at(-1)));
@@ -380,15 +379,13 @@ async function begin() {
   const wanted = new URLSearchParams(location.hash.slice(1)).get("run");
   if ([...$("scenario").options].some((option) => option.value === wanted)) $("scenario").value = wanted;
   choose($("scenario").value);
-  window.motionsyncExplore = {block, unit, run, resolvedRun, fingerprint, outputs, rounded, sceneOf};
+  window.motionsyncExplore = {run: untouchedRun, fingerprint: (one) => fingerprint(one, outputs()), scene: (one) => sceneOf(one, block)};
   document.documentElement.dataset.ready = "true";
 }
 
-/** The run of a scenario of the page, as it was: for tests. */
-function resolvedRun(name) {
-  const s = copy(block.scenarios.find((one) => one.name === name));
-  for (const r of s.reactions) for (const key_ of Object.keys(r.add)) if (r.add[key_] === "cuts.length") r.add[key_] = s.cuts.length;
-  return run(unit, s, {normals: block.normals});
+/** The run of a scenario as it was, by its name: for whoever wants to compute with it in the browser's console. */
+function untouchedRun(name) {
+  return run(unit, resolved(block.scenarios.find((s) => s.name === name)), {normals: block.normals});
 }
 
 begin().catch((error) => {

@@ -6,6 +6,7 @@ from .. import var
 from .piece import UNLIMITED
 
 CAPACITY = 64
+MOST_MISSING = 2147483647  # the largest that an Integer holds
 
 
 @dataclass(slots=True)
@@ -26,7 +27,7 @@ class Marks:
     places: list[float] = var.ring(64)
     known: bool = False
     last: float = 0.0
-    missing: int = var.count(2**31 - 1)
+    missing: int = var.count(MOST_MISSING)
     until_cut: int = 0
 
     def forget(self) -> None:
