@@ -224,6 +224,7 @@ STATEMENTS = [
     ),
     ("self.count = m = self.index()  # !", "several places are assigned together only if"),
     ("m = self.values[m] = 1.0  # !", "several places are assigned together only if"),
+    ("self.ratio = self.ratio = x  # !", "several places are assigned together only if"),
     ("x = total(self.values) + total(self.more)  # !", "lists of the same length"),
     ("for i in range(3, 0, n):  # !\n    x = 1.0", "the step of a range is a whole number, not 0"),
     ("for i in range(3, 0, 0):  # !\n    x = 1.0", "the step of a range is a whole number, not 0"),

@@ -52,7 +52,7 @@ class Effects:
         for reading in package.readings.values():
             self.of[reading] = Effect()
             self.calls[reading] = []
-            for node in ast.walk(reading.node):
+            for node in reading.walk(reading.node):
                 if callee := reading.callee(node):
                     self.calls[reading].append(self.call(reading, node, callee))
             self.begin(reading)
@@ -71,10 +71,10 @@ class Effects:
         """What a function does itself."""
         effect = self.of[reading]
         effect.reads, effect.writes, _ = self.found(reading, reading.node)
-        for place in stored(reading.node):
+        for place in stored(reading, reading.node):
             effect.writes |= ANY_LIST if isinstance(place, ast.Subscript) else self.found(reading, place)[0]
             effect.changed |= self.roots(reading, place)
-        for node in ast.walk(reading.node):
+        for node in reading.walk(reading.node):
             if isinstance(node, ast.Call) and reading.meaning(node.func) == COPY:
                 effect.changed |= self.roots(reading, node.args[0])
 
@@ -107,7 +107,7 @@ class Effects:
     def found(self, reading: Reading, node: ast.AST) -> tuple[Places, Places, list[Reading]]:
         own: set[tuple[ast.ClassDef | None, str]] = set()
         copied, callees = NOTHING, []
-        for n in ast.walk(node):
+        for n in reading.walk(node):
             if isinstance(n, ast.Subscript) and n in reading.kinds:
                 own |= ANY_LIST
             elif isinstance(n, ast.Attribute) and n.value in reading.kinds:
@@ -123,7 +123,8 @@ class Effects:
     def written(self, reading: Reading, node: ast.AST) -> Places:
         """The fields that a statement assigns to, itself or by its calls."""
         own = (
-            ANY_LIST if isinstance(place, ast.Subscript) else self.touched(reading, place)[0] for place in stored(node)
+            ANY_LIST if isinstance(place, ast.Subscript) else self.touched(reading, place)[0]
+            for place in stored(reading, node)
         )
         return self.touched(reading, node)[1].union(*own)
 
@@ -165,14 +166,14 @@ def standing_for(reading: Reading, name: str) -> ast.expr | None:
     if name in reading.parameters:
         return None
     found = (
-        n.value for n in ast.walk(reading.node) if isinstance(n, ast.Assign | ast.AnnAssign) and name_of(n) == name
+        n.value for n in reading.walk(reading.node) if isinstance(n, ast.Assign | ast.AnnAssign) and name_of(n) == name
     )
     return next(found, None)
 
 
-def stored(node: ast.AST) -> Iterator[ast.expr]:
+def stored(reading: Reading, node: ast.AST) -> Iterator[ast.expr]:
     """The fields and elements that statements assign to."""
-    for n in ast.walk(node):
+    for n in reading.walk(node):
         targets = n.targets if isinstance(n, ast.Assign) else [n.target] if isinstance(n, ast.AugAssign) else []
         yield from (t for t in targets if isinstance(t, ast.Attribute | ast.Subscript))
 

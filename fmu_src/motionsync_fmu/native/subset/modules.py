@@ -1,7 +1,8 @@
 """The rules for what stands at module level and in classes, and the check of all rules."""
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import count
 
 from . import order
 from .effects import Effects
@@ -147,3 +148,28 @@ def check(package_sources: Mapping[str, str]) -> list[Violation]:
 def read(package: Package) -> list[Violation]:
     """The violations in each module for itself. All functions have been read then: `package.readings` has them."""
     return [found for file in package.trees if not package.exempt(file) for found in violations(package, file)]
+
+
+def read_block(package: Package, block: ast.ClassDef) -> list[Violation]:
+    """The violations in a block and in all that it needs. Its module may hold other things beside.
+
+    All functions that it needs have been read then, and no others."""
+    found: list[Violation] = []
+    wanted: dict[ast.stmt, None] = {block: None}
+    for statement in wanted_by(package, wanted):
+        module = Module(package, package.homes[statement], found)
+        module.visit(statement)
+    return sorted(dict.fromkeys(found), key=lambda violation: (violation.file, violation.line))
+
+
+def wanted_by(package: Package, wanted: dict[ast.stmt, None]) -> Iterator[ast.stmt]:
+    """These statements at module level, and those that declare what they name."""
+    for at in count():
+        if at == len(wanted):
+            return
+        statement = list(wanted)[at]
+        yield statement
+        for node in ast.walk(statement):
+            meaning = package.meaning(package.homes[statement], node) if isinstance(node, ast.Name) else None
+            if isinstance(meaning, ast.stmt) and not package.exempt(package.homes[meaning]):
+                wanted.setdefault(meaning)

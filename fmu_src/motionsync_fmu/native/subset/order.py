@@ -17,7 +17,9 @@ GUARD = "a guard changes nothing"
 MATCHED = "where a case has a guard, or ends a loop around the match, no call is matched: compute it before"
 LENGTHS = "all calls give a function lists of the same length"
 RECURSION = "a function does not call itself, nor by others: write a loop"
-TARGETS = "several places are assigned together only if they are locals and fields, and the value changes nothing"
+TARGETS = (
+    "several places are assigned together only if they are different locals and fields, and the value changes none"
+)
 
 
 class Order:
@@ -27,7 +29,7 @@ class Order:
         self.effects, self.reading, self.violations = effects, reading, violations
 
     def check(self) -> None:
-        for node in ast.walk(self.reading.node):
+        for node in self.reading.walk(self.reading.node):
             if isinstance(node, ast.expr | ast.stmt):
                 self.node(node)
 
@@ -43,7 +45,8 @@ class Order:
             case ast.Assign(targets=[ast.Subscript(slice=index)], value=value):
                 self.apart(node, [index, value])
             case ast.Assign(targets=[_, _, *_] as targets, value=value):
-                if any(isinstance(t, ast.Subscript) for t in targets) or self.writes(value):
+                again = len({ast.dump(target) for target in targets}) < len(targets)
+                if again or any(isinstance(t, ast.Subscript) for t in targets) or self.writes(value):
                     self.flag(node, TARGETS)
             case ast.Compare():
                 self.compare(node)
@@ -51,11 +54,14 @@ class Order:
                 self.match(subject, cases)
 
     def writes(self, node: ast.AST) -> bool:
-        return has_call(node) and bool(self.effects.touched(self.reading, node)[1])
+        return self.has_call(node) and bool(self.effects.touched(self.reading, node)[1])
+
+    def has_call(self, node: ast.AST) -> bool:
+        return any(isinstance(n, ast.Call) for n in self.reading.walk(node))
 
     def apart(self, node: ast.AST, parts: Sequence[ast.expr]) -> None:
         """C leaves open which of these comes first."""
-        if not any(map(has_call, parts)):
+        if not any(map(self.has_call, parts)):
             return  # nothing else writes
         found = [self.effects.touched(self.reading, part) for part in parts]
         for i, (_, writes) in enumerate(found):
@@ -72,19 +78,15 @@ class Order:
         for left, op, right in zip(operands, node.ops, operands[1:], strict=False):
             if isinstance(op, ast.In | ast.NotIn):
                 computed = (ast.Call, ast.BinOp, ast.Subscript)
-                if self.writes(left) or any(isinstance(n, computed) for n in ast.walk(right)):
+                if self.writes(left) or any(isinstance(n, computed) for n in self.reading.walk(right)):
                     self.flag(node, SEARCH)
 
     def match(self, subject: ast.expr, cases: list[ast.match_case]) -> None:
         for case in cases:
             if case.guard is not None and self.writes(case.guard):
                 self.flag(case.guard, GUARD)
-        if is_chain(cases) and has_call(subject):
+        if is_chain(cases) and self.has_call(subject):
             self.flag(subject, MATCHED)
-
-
-def has_call(node: ast.AST) -> bool:
-    return any(isinstance(n, ast.Call) for n in ast.walk(node))
 
 
 def is_chain(cases: list[ast.match_case]) -> bool:

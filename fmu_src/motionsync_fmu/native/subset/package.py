@@ -44,6 +44,13 @@ class Reading:
     owner: ast.ClassDef | None
     locals: "dict[str, Kind]" = field(default_factory=dict)
     kinds: "dict[ast.expr, Kind]" = field(default_factory=dict)
+    inside: dict[ast.AST, list[ast.AST]] = field(default_factory=dict)
+
+    def walk(self, node: ast.AST) -> list[ast.AST]:
+        """A node and all nodes in it, found once."""
+        if node not in self.inside:
+            self.inside[node] = list(ast.walk(node))
+        return self.inside[node]
 
     @property
     def parameters(self) -> list[str]:

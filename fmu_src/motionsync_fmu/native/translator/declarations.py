@@ -24,11 +24,11 @@ def blocks(statement: ast.stmt) -> Iterator[tuple[int | str, list[ast.stmt]]]:
 
 def declarations(reading: Reading) -> dict[Path, list[str]]:
     """The locals to declare before or in each statement, by its path; a loop declares its variable itself."""
-    loops = {id(n.target) for n in ast.walk(reading.node) if isinstance(n, ast.For)}
-    names = (n for n in ast.walk(reading.node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
+    loops = {id(n.target) for n in reading.walk(reading.node) if isinstance(n, ast.For)}
+    names = (n for n in reading.walk(reading.node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
     own = {name.id for name in names if id(name) not in loops} - {*reading.parameters} - {"_"}
     uses: dict[str, list[Path]] = {}
-    _look(without_docstring(reading.node.body), (), own, uses)
+    _look(reading, without_docstring(reading.node.body), (), own, uses)
     found: dict[Path, list[str]] = {}
     for name, paths in uses.items():
         block = _common(paths)
@@ -37,16 +37,16 @@ def declarations(reading: Reading) -> dict[Path, list[str]]:
     return found
 
 
-def _look(block: list[ast.stmt], path: Path, own: set[str], uses: dict[str, list[Path]]) -> None:
+def _look(reading: Reading, block: list[ast.stmt], path: Path, own: set[str], uses: dict[str, list[Path]]) -> None:
     """Collect the statements that use each local themselves, and not in a block inside."""
     for i, statement in enumerate(block):
         here, inner = (*path, i), list(blocks(statement))
-        nested = {id(n) for _, body in inner for s in body for n in ast.walk(s)}
-        for n in ast.walk(statement):
+        nested = {id(n) for _, body in inner for s in body for n in reading.walk(s)}
+        for n in reading.walk(statement):
             if isinstance(n, ast.Name) and n.id in own and id(n) not in nested:
                 uses.setdefault(n.id, []).append(here)
         for name, body in inner:
-            _look(body, (*here, name), own, uses)
+            _look(reading, body, (*here, name), own, uses)
 
 
 def _common(paths: list[Path]) -> Path:

@@ -32,7 +32,7 @@ class Function(Statements):
         self.lines += docstring(node)
         self.put(f"{self.signature()} {{", (node.lineno, node.body[0].lineno - 1))
         self.indent += 1
-        used = {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
+        used = {n.id for n in self.reading.walk(node) if isinstance(n, ast.Name)}
         for name in (name for name in self.reading.parameters if name not in used):
             self.put(f"(void){self.names.local(name)};")
         self.block(without_docstring(node.body), ())

@@ -11,7 +11,7 @@ from ...errors import UserError
 from ..memory_layout import dtype
 from ..subset import order
 from ..subset.effects import Effects
-from ..subset.modules import read
+from ..subset.modules import read_block
 from ..subset.package import Kind, Package, Reading, name_of
 from .expressions import TYPES
 from .functions import Function
@@ -100,7 +100,8 @@ class Program:
         self.root = module.partition(".")[0]
         found = texts_of(module)
         self.package = Package(found)
-        if violations := read(self.package):
+        self.main = self.class_of(type(block))
+        if violations := read_block(self.package, self.main):
             raise UserError("\n".join(map(str, violations)))
         self.effects = Effects(self.package)
         if violations := order.violations(self.effects):
@@ -109,7 +110,6 @@ class Program:
         self.names = Names(self.package)
         self.texts = {file: text.splitlines() for file, text in found.items()}
         self.comments = {file: dict(comments(text)) for file, text in found.items()}
-        self.main = self.class_of(type(block))
         self.helpers: set[str] = set()
         self.constants: dict[ast.stmt, str] = {}
         self.tuples: dict[str, tuple[Kind, ...]] = {}

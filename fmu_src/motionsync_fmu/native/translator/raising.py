@@ -15,7 +15,9 @@ class Raising:
     def __init__(self, effects: Effects) -> None:
         self.effects = effects
         self.inside = {node for reading in effects.of for node in certain(effects, reading)}
-        self.failing = {reading for reading in effects.of if any(self.may(reading, n) for n in ast.walk(reading.node))}
+        self.failing = {
+            reading for reading in effects.of if any(self.may(reading, n) for n in reading.walk(reading.node))
+        }
         before = -1
         while before != len(self.failing):
             before = len(self.failing)
@@ -38,7 +40,7 @@ class Raising:
 
     def anywhere(self, reading: Reading, node: ast.AST) -> bool:
         """Whether something might raise in an expression or statement."""
-        return any(self.may(reading, n) or reading.callee(n) in self.failing for n in ast.walk(node))
+        return any(self.may(reading, n) or reading.callee(n) in self.failing for n in reading.walk(node))
 
 
 def name_in_python(reading: Reading, func: ast.expr) -> str:
@@ -55,14 +57,14 @@ def never_negative(reading: Reading, node: ast.expr) -> bool:
             name = name_in_python(reading, func)
             return name == "abs" or (name == "max" and any(number >= 0 for number in numbers))
         case ast.BinOp(left=left, op=ast.Mult(), right=right):
-            return ast.dump(left) == ast.dump(right) and not any(isinstance(n, ast.Call) for n in ast.walk(left))
+            return ast.dump(left) == ast.dump(right) and not any(isinstance(n, ast.Call) for n in reading.walk(left))
     number = reading.number(node)
     return number is not None and number >= 0
 
 
 def certain(effects: Effects, reading: Reading) -> Iterator[ast.Subscript]:
     """The elements whose index is inside the list: a constant, or the variable of a loop around it."""
-    for node in ast.walk(reading.node):
+    for node in reading.walk(reading.node):
         match node:
             case ast.Subscript(value=values, slice=index) if node in reading.kinds:
                 at = reading.number(index)
@@ -70,7 +72,7 @@ def certain(effects: Effects, reading: Reading) -> Iterator[ast.Subscript]:
                     yield node
             case ast.For(target=ast.Name(id=name), iter=ast.Call(args=limits), body=body):
                 first, last = reach(effects, reading, limits)
-                for part in (n for s in body for n in ast.walk(s) if isinstance(n, ast.Subscript)):
+                for part in (n for s in body for n in reading.walk(s) if isinstance(n, ast.Subscript)):
                     named = isinstance(part.slice, ast.Name) and part.slice.id == name
                     if named and first >= 0 and last < effects.length(reading, part.value):
                         yield part

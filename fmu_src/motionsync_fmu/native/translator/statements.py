@@ -21,7 +21,9 @@ class Statements(Expressions):
         self.used = {*self.reading.locals}
         self.declared = declarations(self.reading)
         self.said = self.program.comments[self.reading.file]
-        names = (n for n in ast.walk(self.reading.node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
+        names = (
+            n for n in self.reading.walk(self.reading.node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+        )
         self.stored = [name.id for name in names]
 
     # --- lines ---
@@ -76,7 +78,7 @@ class Statements(Expressions):
                 self.unpack(call, parts, new, source)
                 return
             case ast.Assign(value=value) | ast.AnnAssign(value=ast.expr() as value) if new == [name_of(s)]:
-                if not mentions(value, new[0]):
+                if not self.mentions(value, new[0]):
                     self.first_value(new[0], value, source)
                     return
         self.declare(new)
@@ -135,6 +137,9 @@ class Statements(Expressions):
 
     def constant_if(self, stays: bool) -> str:
         return "const " if stays else ""
+
+    def mentions(self, node: ast.AST, name: str) -> bool:
+        return any(isinstance(n, ast.Name) and n.id == name for n in self.reading.walk(node))
 
     def first_value(self, name: str, value: ast.expr, source: Lines) -> None:
         """A local with its first value; one that stands for an object is a pointer."""
@@ -216,13 +221,15 @@ class Statements(Expressions):
 
     def stable(self, limit: ast.expr, body: list[ast.stmt]) -> bool:
         """Whether the body leaves a loop's limit as it is: range takes it once."""
-        if any(isinstance(n, ast.Call) or self.program.raising.may(self.reading, n) for n in ast.walk(limit)):
+        if any(isinstance(n, ast.Call) or self.program.raising.may(self.reading, n) for n in self.reading.walk(limit)):
             return isinstance(limit, ast.Call) and ast.unparse(limit.func) == "len"
-        names = {n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        names = {
+            n.id for s in body for n in self.reading.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+        }
         effects = self.program.effects
         reads, _ = effects.touched(self.reading, limit)
         writes = frozenset().union(*(effects.written(self.reading, s) for s in body))
-        return not (writes & reads or any(mentions(limit, name) for name in names))
+        return not (writes & reads or any(self.mentions(limit, name) for name in names))
 
     # --- match ---
 
@@ -268,10 +275,6 @@ class Statements(Expressions):
 def unpacks(body: list[ast.stmt]) -> bool:
     """Whether a temporary is declared directly in this block."""
     return any(isinstance(s, ast.Assign) and isinstance(s.targets[0], ast.Tuple) for s in body)
-
-
-def mentions(node: ast.AST, name: str) -> bool:
-    return any(isinstance(n, ast.Name) and n.id == name for n in ast.walk(node))
 
 
 def values_of(pattern: ast.pattern) -> Iterator[ast.expr]:
