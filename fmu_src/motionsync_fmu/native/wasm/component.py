@@ -13,7 +13,7 @@ from typing import Any
 from ...archive import Files
 from ...interface.recipe import Fmi
 from ..libraries import FREESTANDING, zig_cc
-from ..sources import c_sources
+from ..unit_sources import c_sources
 
 HERE = Path(__file__).parent
 TARGET = "wasm32-wasi"  # "freestanding" would turn fabs and sqrt from instructions into unknown functions
