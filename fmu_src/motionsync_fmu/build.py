@@ -130,7 +130,8 @@ def build_native(
     if with_sources:
         files |= unit_sources.source_files(block, recipe.guid(), recipe.turned, recipe.fmi)
     deflate = packing.smallest if all(row in (platforms or every) for row in every) else quick
-    return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block))
+    memory = {} if with_sources else OWN_MEMORY
+    return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block) | memory)
 
 
 def check_kernel(module: str) -> None:

@@ -6,14 +6,14 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import fmpy
 import fmu_manipulation_toolbox
 import pytest
-from fmpy import read_model_description
+from fmpy import fmi2, read_model_description
 from fmpy.build import build_platform_binary
+from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
@@ -25,6 +25,7 @@ from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.libraries import FREESTANDING
 from motionsync_fmu.native.platforms import OF_VERSION, here
 from motionsync_fmu.native.unit_sources import c_names, c_sources, source_files
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.command_line import Command
 from tests.support.fmus import Fmus, Shared
@@ -33,10 +34,15 @@ from tests.support.replays import answer, header, runs
 HOST = ROOT / "tests" / "fmu"
 # FMI's headers with the prefix of its functions; FMPy's do not have it any more.
 HEADERS = Path(fmu_manipulation_toolbox.__file__).parent / "resources" / "fmi"
-STRICT = "-std=c99 -pedantic -Wall -Wextra -Werror".split()
+STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]
 NEEDED = {"sqrt", "fmod", "floor", "rint", "fabs", "memcpy", "memset", "memcmp", "strlen", "strcmp", "calloc", "free"}
 ZIG = [sys.executable, "-m", "ziglang", "cc", "-target"]
-BARE = "-DBARE -O1 -fno-math-errno -fno-builtin-bcmp".split()  # zig knows no C library but musl, and that one has bcmp
+BARE = [
+    "-DBARE",
+    "-O1",
+    "-fno-math-errno",
+    "-fno-builtin-bcmp",
+]  # zig knows no C library but musl, and that one has bcmp
 # Two targets that no binary is for, and the emulator of each. A processor of 32 bits needs the compiler's own library.
 TARGETS = {
     "arm-linux-musleabihf": ("qemu-arm", ["-rtlib=compiler-rt"]),
@@ -75,9 +81,9 @@ def linked(names: list[str], folder: Path, compiler: list[str], *others: str) ->
 
 
 @pytest.fixture(scope="module")
-def expected(fmus: Fmus, shared: Shared) -> Iterator[dict[str, str]]:
+def expected(fmus: Fmus, shared: Shared) -> dict[str, str]:
     """What the host prints for each block, by the FMU's binary for this machine."""
-    yield {name: answer(fmus.native(name), runs(name)) for name in BLOCKS}
+    return {name: answer(fmus.native(name), runs(name)) for name in BLOCKS}
 
 
 # --- compilers ---
@@ -220,7 +226,7 @@ def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_import
         }
         assert included - held == {"fmi3Functions.h" if three else "fmi2Functions.h"}
         assert "README.md" in held
-        assert "sources/README.md".split("/")[0] in z.read("documentation/index.html").decode()
+        assert ["sources", "README.md"][0] in z.read("documentation/index.html").decode()
     assert ("buildDescription.xml" in held) == three
 
 
@@ -239,6 +245,55 @@ def test_fmpy_compiles_the_sources_by_itself(
     two = read_model_description(str(fmu)).fmiVersion == "2.0"
     right = expected["Gearing"] if two else answer(fmus.fmi3("Gearing"), runs("Gearing"))
     assert answer(tmp_path / "Gearing.fmu", runs("Gearing")) == right
+
+
+@needs_gcc
+@pytest.mark.skipif(here() is None, reason="no native FMU runs on this machine")
+def test_the_importers_memory_is_used_for_the_instance_and_its_states_and_for_nothing_else(
+    fmus: Fmus, tmp_path: Path
+) -> None:
+    for file, text in files_of("Gearing").items():
+        (tmp_path / file).write_bytes(text)
+    headers = Path(fmpy.__file__).parent / "c-code"
+    command = ["gcc", "-shared", "-fPIC", "-I", str(headers), *c_names(files_of("Gearing")), "-lm", "-o", "unit.so"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    rooms: dict[int, int] = {}
+
+    def allocate(n: int, size: int) -> int | None:
+        if len(rooms) == 2:
+            return None
+        address = int(fmi2.calloc(n, size))
+        rooms[address] = n * size
+        return address
+
+    def release(address: int) -> None:
+        del rooms[address]
+        fmi2.free(address)
+
+    with FmuInstance(fmus.native("Gearing")) as host:
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = host.callbacks.logger
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(allocate)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(release)
+        unit = fmi2.FMU2Slave(
+            guid=host.description.guid, modelIdentifier="Gearing", unzipDirectory=host.folder,
+            libraryPath=str(tmp_path / "unit.so"), instanceName="unit",
+        )  # fmt: skip
+        unit.instantiate(callbacks=callbacks)
+        assert len(rooms) == 1
+        unit.setupExperiment()
+        unit.enterInitializationMode()
+        unit.exitInitializationMode()
+        for step in range(100):
+            unit.doStep(step * 0.01, 0.01)
+        assert len(rooms) == 1
+        state = unit.getFMUState()
+        assert len(rooms) == 2
+        with pytest.raises(FMICallException):
+            unit.getFMUState()
+        unit.freeFMUState(state)
+        unit.freeInstance()
+        assert rooms == {}
 
 
 def test_without_being_asked_for_there_are_no_sources(native: Path) -> None:
