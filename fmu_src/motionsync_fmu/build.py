@@ -114,8 +114,8 @@ def build_native(
     """Build the FMU with a library for each of these platforms (none: for all), without Python.
 
     An FMU for all platforms is packed as small as can be, which takes seconds. `progress` is called with lines of text
-    if compiling takes long. `with_sources`: the C that the libraries are compiled from is in the FMU, too; `with_component`: so
-    is the unit of FMI 3.0 as a WebAssembly component.
+    if compiling takes long. `with_sources`: the C that the libraries are compiled from is in the FMU, too;
+    `with_component`: so is the unit of FMI 3.0 as a WebAssembly component.
 
     Raises:
         UserError: what builds it is not installed or failed, or the block is outside the kernel subset.
