@@ -1,18 +1,23 @@
 """An FMU of FMI 3.0 gives the bits and the messages of that of FMI 2.0: in FMPy, in other importers, in a host in C."""
 
 import importlib
+import struct
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import fmpy
 import pytest
 
 from motionsync_fmu.build import build_native
 from motionsync_fmu.interface.recipe import Fmi, Recipe
-from motionsync_fmu.native.platforms import here
+from motionsync_fmu.native.platforms import OF_VERSION, here
 from motionsync_fmu.scenario.example import example_of
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.run import simulate
+from tests.support.fmus import Fmus
 from tests.support.random_runs import calm, drawn
+from tests.support.replay import double, orders, replayed, tried
 from tests.support.runs import Run
 
 H = 2.0**-7  # s; exact, however an importer adds up its steps
@@ -42,15 +47,6 @@ def restore(host: FmuInstance, packed: bytes) -> None:
         host.unit.freeFMUState(state)
 
 
-def refused(call: Any, *arguments: Any) -> str:
-    """What a call that fails says; empty if it succeeds."""
-    try:
-        call(*arguments)
-    except FmuError as e:
-        return str(e)
-    return ""
-
-
 def bits(values: dict[str, Any]) -> dict[str, Any]:
     return {name: v.hex() if isinstance(v, float) else int(v) for name, v in values.items() if name != "time"}
 
@@ -63,11 +59,11 @@ def test_random_runs_give_the_same_states_and_messages(block: str, block_native:
             for host in (two, three):
                 host.unit.reset()
                 host.time = 0.0
-            why = refused(two.initialize, run.start)
-            assert refused(three.initialize, run.start) == why
+            why = tried(two.initialize, run.start)
+            assert tried(three.initialize, run.start) == why
             for h, values in [] if why else run.steps:
-                why = refused(two.step, h, values)
-                assert refused(three.step, h, values) == why
+                why = tried(two.step, h, values)
+                assert tried(three.step, h, values) == why
                 assert saved(two) == saved(three)
                 steps, failed = steps + 1, failed + bool(why)
             if not why:
@@ -173,3 +169,48 @@ def test_ecos_gets_the_bits_of_fmi_2(native: Path, tmp_path: Path) -> None:
                 assert found == {name: rows[i + 1][name] for name in found}
             simulation.terminate()
     assert {row["state_code"] for row in rows} == {0, 1}
+
+
+# --- a host in C, without any Python ---
+
+RUN = [platform.folder for platform in OF_VERSION[Fmi.THREE] if "darwin" not in platform.folder]  # no emulator of macOS
+
+
+@pytest.fixture(scope="module")
+def told(native: Path) -> list[tuple[str, str]]:
+    """A few runs of the Synchronizer as orders, and what FMI 3.0 has to answer: what FMI 2.0 does, in its words."""
+    with FmuInstance(native) as host:
+        kinds = {str(v.valueReference): v.type for v in host.description.modelVariables}
+    found: list[tuple[str, str]] = []
+    for run in drawn("Synchronizer", 200, 6):
+        with FmuInstance(native) as host:
+            found.extend(in_words_of_fmi_3(orders(host, run), kinds))
+    return found
+
+
+def in_words_of_fmi_3(orders: Iterator[tuple[str, str]], kinds: dict[str, str]) -> Iterator[tuple[str, str]]:
+    """Enumerations have functions of their own, a refused step is discarded, and the time is one more variable."""
+    time = 0.0
+    for order, answer in orders:
+        what, *arguments = order.split()
+        if what == "n":
+            time = 0.0
+        if what == "s" and answer == "0":
+            t, h = (struct.unpack(">d", bytes.fromhex(bits))[0] for bits in arguments)
+            time = t + h
+        chosen = what == "I" and kinds[arguments[0]] == "Enumeration"
+        status = {"3": "2"}.get(answer, answer) if what == "s" else answer
+        yield ("E" + order[1:] if chosen else order), f"{answer} {double(time)}" if what == "g" else status
+
+
+@pytest.mark.parametrize("folder", RUN)
+def test_a_host_in_c_gets_the_bits_of_fmi_2(
+    folder: str, fmus: Fmus, told: list[tuple[str, str]], tmp_path: Path
+) -> None:
+    extracted = Path(fmpy.extract(str(fmus.fmi3_everywhere("Synchronizer")), unzipdir=str(tmp_path / "fmu")))
+    (platform,) = (p for p in OF_VERSION[Fmi.THREE] if p.folder == folder)
+    answers = replayed(platform, extracted, [order for order, _ in told], tmp_path)
+    for (order, answer), found in zip(told, answers, strict=True):
+        assert found == answer, order
+    assert {answer for order, answer in told if order.startswith("s")} == {"0", "2"}
+    assert any(order.startswith("E") for order, _ in told)

@@ -140,7 +140,7 @@ def a_line_runs(installation: Installation) -> None:
 
 
 def a_batch_is_compiled(installation: Installation) -> None:
-    """By zig; where zig is missing, by the machine's C compiler. The slave is where the master is after 1 s at 3 u/s."""
+    """By zig, or where zig is missing by the machine's C compiler. The slave is at 3 u/s * 1 s, with its master."""
     script = "from motionsync_fmu.native.batch import simulate_many as many\n"
     script += "print(many('Synchronizer', 1.0, {'master.velocity': 3.0}, 'slave.position').values)"
     done = installation.call(installation.bin / "python", "-c", script)

@@ -1,4 +1,4 @@
-"""What the compiler route must get right whatever the block."""
+"""What compiled code must get right whatever the block, and how a block lies in memory."""
 
 from dataclasses import dataclass
 from math import inf
@@ -72,7 +72,10 @@ class Sample:
         return Refusal.NONE
 
     def step(self, h: float) -> Refusal:
-        self.sum = self.adder.put(h) + self.doubler.put(h) + 10.0 * self.second.put(h + 1.0) + self.shown.put(3.0 * h)
+        self.sum = self.adder.put(h)
+        self.sum += self.doubler.put(h)
+        self.sum += 10.0 * self.second.put(h + 1.0)
+        self.sum += self.shown.put(3.0 * h)
         self.way = self.turned(self.way)
         self.code = self.way
         self.on = not self.on and h > 0.0

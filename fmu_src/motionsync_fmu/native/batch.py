@@ -113,7 +113,8 @@ def simulate_many(
     array of any type; an enumeration is given by its values, or by the names of its members.
 
     The function works in threads of its own, without the interpreter's lock; any number of threads may call it at the
-    same time. The first call for a block compiles it, which takes some seconds a process.
+    same time. The first call for a block compiles it, which takes a second or a few; its code is kept in the user's
+    cache.
 
     Args:
         block: the name of a registered block, or a block's class.
@@ -136,7 +137,8 @@ def simulate_many(
 
     Raises:
         UserError: before anything runs: an unknown block or variable, a variable that cannot be set or turned so, a
-            shape that does not fit, or a value of the wrong kind (text that names no member; 0.5 for a Boolean).
+            shape that does not fit, or a value of the wrong kind (text that names no member; 0.5 for a Boolean); or
+            there is no C compiler.
     """
     outputs = [outputs] if isinstance(outputs, str) else outputs
     batch = _Batch(block, step_size, inputs, start or {}, outputs, interface or Interface(), steps, instances)

@@ -15,25 +15,31 @@ def dtype(block: Any) -> np.dtype[Any]:
 
 def _laid_out(cls: type, block: Any) -> np.dtype[Any]:
     """The fields of a class, and of those that it derives from, in one of its objects."""
-    base = next((base for base in cls.__bases__ if is_dataclass(base)), None)
-    inherited = _laid_out(base, block) if base else None
-    columns: dict[str, tuple[Any, int]] = {n: inherited.fields[n][:2] for n in inherited.names} if inherited else {}
-    size, widest = (inherited.itemsize, inherited.alignment) if inherited else (0, 1)
+    columns: dict[str, tuple[np.dtype[Any], int]] = {}  # type and offset
+    end, alignment = 0, 1
+    for base in filter(is_dataclass, cls.__bases__):
+        whole: Any = _laid_out(base, block)
+        columns = {name: whole.fields[name][:2] for name in whole.names}
+        end, alignment = whole.itemsize, whole.alignment
     hints = get_type_hints(cls)
     for f in fields(cls):
         if f.name not in columns:
             column = _column(getattr(block, f.name), hints[f.name])
-            place = -(-size // column.alignment) * column.alignment
-            columns[f.name] = column, place
-            size, widest = place + column.itemsize, max(widest, column.alignment)
-    formats, offsets = zip(*columns.values(), strict=True) if columns else ((), ())
-    size = -(-size // widest) * widest
-    return np.dtype(
-        {"names": list(columns), "formats": list(formats), "offsets": list(offsets), "itemsize": size}, align=True
-    )
+            begin = _aligned(end, column.alignment)
+            columns[f.name] = column, begin
+            end, alignment = begin + column.itemsize, max(alignment, column.alignment)
+    formats, offsets = [column for column, _ in columns.values()], [begin for _, begin in columns.values()]
+    size = _aligned(end, alignment)
+    return np.dtype({"names": [*columns], "formats": formats, "offsets": offsets, "itemsize": size}, align=True)
+
+
+def _aligned(place: int, alignment: int) -> int:
+    """The first place from this one on that has this alignment."""
+    return -(-place // alignment) * alignment
 
 
 def _column(value: Any, hint: Any) -> np.dtype[Any]:
+    """The type of one field, by its present value and its type hint."""
     if is_dataclass(value):
         return dtype(value)
     if isinstance(value, list):
