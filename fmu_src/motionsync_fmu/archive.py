@@ -66,7 +66,8 @@ def compilers() -> Files:
     template of the tables."""
     native = HERE / "native"
     modules = {name for name in sources(f"{__package__}.native.libraries") if name.startswith("native/")}
-    others = (file.relative_to(HERE).as_posix() for file in native.rglob("*") if file.suffix in (".c", ".h", ".j2"))
+    files = (file for folder in (native, native / "freestanding") for file in folder.iterdir())
+    others = (file.relative_to(HERE).as_posix() for file in files if file.suffix in (".c", ".h", ".j2"))
     return _own(*modules, *others)
 
 

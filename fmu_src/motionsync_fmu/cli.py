@@ -14,6 +14,8 @@ from . import __version__
 from .commands.build import build
 from .commands.describe import describe
 from .commands.error import error
+from .commands.explore import explore
+from .commands.export_crosscheck import export_crosscheck
 from .commands.line import line
 from .commands.list import list_all
 from .commands.new import new
@@ -24,7 +26,7 @@ from .pages.console import err
 
 app = typer.Typer(
     name="motionsync",
-    help="FMI 2.0 co-simulation units of master/slave motion synchronisation.",
+    help="FMI co-simulation units of master/slave motion synchronisation.",
     epilog="""Begin with:\n
     motionsync list\n
     motionsync build Synchronizer\n
@@ -42,9 +44,11 @@ COMMANDS: dict[
     "describe": (describe, "Show variables, enumerations, fault codes."),
     "new": (new, "Write a scenario to begin your own with."),
     "run": (run, "Run scenarios, judge them, write reports."),
+    "explore": (explore, "Write a page to move a block by hand."),
     "line": (line, "Run a production line of several FMUs."),
     "plan-line": (plan_line, "Tell how fast a cutting line may run, and why."),
     "error": (error, "Explain a fault code."),
+    "export-crosscheck": (export_crosscheck, "Write models for the FMI cross-check."),
 }
 for name, (command, help_line) in COMMANDS.items():
     app.command(name, short_help=help_line)(command)

@@ -7,7 +7,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 HERE = Path(__file__).parent
-NATIVE = ("numba", "llvmlite", "ziglang", "zopfli")
+NATIVE = ("ziglang", "zopfli")
 
 
 def missing_for_native() -> str:

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import dataclass
 from math import inf, isinf
 from pathlib import Path
 from typing import Any
@@ -13,14 +14,15 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync.remote_sync.block import MOST_CYCLES
-from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.interface.variables import LONGEST_STEP, Variable, refusals, variables
+from motionsync_fmu.interface.recipe import Fmi, Recipe
+from motionsync_fmu.interface.variables import LONGEST_STEP, Variable, cells, refusals, variables
 from motionsync_fmu.native import libraries
 from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.native.memory_layout import dtype, offset
 from motionsync_fmu.native.tables import model_header
 from motionsync_fmu.native.translator import c_source
 
-FUZZ = Path(__file__).with_name("fuzz.c")
+HERE = Path(__file__).parent
 UNIT = Path(libraries.__file__).parent
 SEED = 1
 CALLS = 2_000_000  # of all blocks together; the C files are the same for all
@@ -32,8 +34,7 @@ SANITIZERS = [
 FLAGS = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-g", "-ffp-contract=off", "-fno-strict-aliasing"]
 OPTIONS = {"ASAN_OPTIONS": "detect_leaks=1:abort_on_error=1", "UBSAN_OPTIONS": "print_stacktrace=1"}
 
-FUNCTIONS = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", (HEADERS / "fmi2Functions.h").read_text()))
-# What cannot succeed, and what cannot fail.
+# What cannot succeed, what cannot fail, and what may answer Discard or Warning.
 NO_MODEL_EXCHANGE = {
     "fmi2EnterEventMode",
     "fmi2NewDiscreteStates",
@@ -46,37 +47,56 @@ NO_MODEL_EXCHANGE = {
     "fmi2GetContinuousStates",
     "fmi2GetNominalsOfContinuousStates",
 }
-NEVER_OK = NO_MODEL_EXCHANGE | {
-    "fmi2CancelStep",
-    "fmi2GetDirectionalDerivative",
-    "fmi2GetStatus",
-    "fmi2GetIntegerStatus",
-    "fmi2GetStringStatus",
+UNKNOWN_STATUS = {"fmi2GetStatus", "fmi2GetIntegerStatus", "fmi2GetStringStatus"}
+NOT_OFFERED = re.findall(r"NOT_OFFERED\((fmi3\w+)", (UNIT / "fmi3.c").read_text())
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Which functions of a version never answer OK or Error, and which sometimes answer Discard or Warning."""
+
+    never_ok: set[str]
+    never_error: set[str]
+    discard: set[str]
+    warning: set[str]
+
+
+ANSWERS = {
+    Fmi.TWO: Answers(
+        NO_MODEL_EXCHANGE | UNKNOWN_STATUS | {"fmi2CancelStep", "fmi2GetDirectionalDerivative"},
+        {"fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2FreeInstance"},
+        UNKNOWN_STATUS | {"fmi2GetRealStatus", "fmi2GetBooleanStatus"},
+        {"fmi2SetRealInputDerivatives"},
+    ),
+    Fmi.THREE: Answers(
+        {*NOT_OFFERED, "fmi3InstantiateModelExchange", "fmi3InstantiateScheduledExecution"},
+        {"fmi3GetVersion", "fmi3FreeInstance"},
+        {"fmi3DoStep"},
+        set(),
+    ),
 }
-NEVER_ERROR = {"fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2FreeInstance"}
-SOMETIMES_DISCARD = {
-    "fmi2GetStatus",
-    "fmi2GetIntegerStatus",
-    "fmi2GetStringStatus",
-    "fmi2GetRealStatus",
-    "fmi2GetBooleanStatus",
-}
+RECIPES = [*map(Recipe, BLOCKS), *(Recipe(name, fmi=Fmi.THREE) for name in ("Synchronizer", "RemoteSync"))]
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc with its sanitizers is not installed")
 
 
-@pytest.fixture(scope="module", params=BLOCKS)
-def fuzzer(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="module", params=RECIPES, ids=lambda recipe: f"{recipe.name}-{recipe.fmi}")
+def recipe(request: pytest.FixtureRequest) -> Recipe:
+    found: Recipe = request.param
+    return found
+
+
+@pytest.fixture(scope="module")
+def fuzzer(recipe: Recipe, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The unit's C files, the block and the fuzzing host, instrumented, as one program."""
     folder = tmp_path_factory.mktemp("fuzz")
-    recipe = Recipe(request.param)
     for name, text in c_source(recipe.block()).items():
         (folder / name).write_bytes(text)
-    (folder / "model.h").write_text(model_header(recipe.block(), recipe.guid()))
+    (folder / "model.h").write_text(model_header(recipe.block(), recipe.guid(), fmi=recipe.fmi))
     (folder / "expected.h").write_text(expected_header(recipe))
     sources = [
-        *(str(UNIT / name) for name in ("fmi2.c", "unit.c", "decimal.c", "memory.c")),
-        str(FUZZ),
+        *(str(UNIT / name) for name in (f"fmi{recipe.fmi}.c", "unit.c", "decimal.c", "memory.c")),
+        str(HERE / f"fuzz{recipe.fmi}.c"),
         "block.c",
         "-lm",
         "-Wl,--wrap=malloc,--wrap=calloc",
@@ -100,10 +120,12 @@ def expected_header(recipe: Recipe) -> str:
     }
     derivatives = ["slave.position", "slave.velocity", "slave.acceleration"]
     slave = [index[name] for name in derivatives] if index.keys() >= {*derivatives} else [-1] * 3
-    rows = ",\n".join(f"    {row(v)}" for v in vs)
+    rows = ",\n".join(f"    {row(v, recipe.fmi)}" for v in vs)
     # A step has those refusals that speak of inputs.
     others = {name for r in refusals(BLOCKS[recipe.name]) if r.name != "MASTER_TURNS" for name in r.names}
     inputs = {v.name for v in vs if v.causality == "input"}
+    layout = dtype(recipe.block())
+    integers = [offset(layout, c.name) for c in cells(recipe.block()) if issubclass(c.type, int) and c.type is not bool]
     return "\n".join(
         [
             f'#define GUID "{recipe.guid()}"',
@@ -112,16 +134,17 @@ def expected_header(recipe: Recipe) -> str:
             f"enum {{ END_OF_STEP = {MasterInput.END_OF_STEP:d}, POSITION_ONLY = {MasterInput.POSITION_ONLY:d} }};",
             f"enum {{ {', '.join(f'{key} = {index.get(name, -1)}' for key, name in known.items())} }};",
             f"enum {{ REFUSES_STARTS = {int(bool(others))}, REFUSES_STEPS = {int(bool(others & inputs))} }};",
-            f"static const fmi2ValueReference SLAVE[] = {{{', '.join(f'(fmi2ValueReference){i}' for i in slave)}}};",
+            f"static const Reference SLAVE[] = {{{', '.join(f'(Reference){i}' for i in slave)}}};",
             f"static const Variable VARIABLES[] = {{\n{rows}}};",
+            f"static const int INTEGERS[] = {{{', '.join(map(str, integers))}, -1}};",
             "",
         ]
     )
 
 
-def row(v: Variable) -> str:
+def row(v: Variable, fmi: Fmi) -> str:
     d = v.declaration
-    kind = "INTEGER" if v.choices else v.kind.upper()
+    kind = "INTEGER" if v.choices and fmi == Fmi.TWO else v.kind.upper()
     access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
     limits = ", ".join(number(x) for x in (v.start, d.min, d.max, d.above, d.below, d.smallest))
     choices = [len(v.choices), *(int(member) for member in v.choices)]
@@ -144,18 +167,20 @@ def run(fuzzer: Path, seed: int, calls: int) -> dict[str, Any]:
 
 
 @needs_gcc
-def test_a_million_random_calls_find_nothing(fuzzer: Path) -> None:
-    found = run(fuzzer, SEED, max(CALLS // len(BLOCKS), 200_000))
-    functions = found["functions"]
-    assert found["calls"] >= CALLS // len(BLOCKS)
-    assert functions.keys() == FUNCTIONS
-    for name, answers in functions.items():
-        assert (answers["OK"] > 0) == (name not in NEVER_OK), name
-        assert (answers["Error"] > 0) == (name not in NEVER_ERROR), name
-        assert (answers["Discard"] > 0) == (name in SOMETIMES_DISCARD), name
-        assert (answers["Warning"] > 0) == (name == "fmi2SetRealInputDerivatives"), name
-        assert answers["Fatal"] == answers["Pending"] == 0, name
-    assert functions["fmi2DoStep"]["OK"] > found["calls"] // 50, "most of the code is only reached in step mode"
+def test_a_million_random_calls_find_nothing(recipe: Recipe, fuzzer: Path) -> None:
+    found = run(fuzzer, SEED, max(CALLS // len(RECIPES), 200_000))
+    functions, answers = found["functions"], ANSWERS[recipe.fmi]
+    assert found["calls"] >= CALLS // len(RECIPES)
+    header = (HEADERS / f"fmi{recipe.fmi}Functions.h").read_text()
+    assert functions.keys() == set(re.findall(rf"FMI{recipe.fmi}_Export \w+\s+(fmi{recipe.fmi}\w+);", header))
+    for name, counts in functions.items():
+        assert (counts["OK"] > 0) == (name not in answers.never_ok), name
+        assert (counts["Error"] > 0) == (name not in answers.never_error), name
+        assert (counts["Discard"] > 0) == (name in answers.discard), name
+        assert (counts["Warning"] > 0) == (name in answers.warning), name
+        assert counts["Fatal"] == counts["Pending"] == 0, name
+    step = functions[f"fmi{recipe.fmi}DoStep"]
+    assert step["OK"] > found["calls"] // 50, "most of the code is only reached in step mode"
 
 
 @needs_gcc

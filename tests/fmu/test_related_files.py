@@ -19,6 +19,7 @@ from motionsync_fmu.build import Flavour, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.turns import Interface
 from tests.support.fmus import Fmus
+from tests.support.references import assert_met
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref/"
 MANIFEST = f"{FOLDER}fmi-ls-manifest.xml"
@@ -122,16 +123,6 @@ def parameters(fmu: Path, path: str) -> dict[str, str]:
     }
     given = read_ssv(str(fmu), path, validate=True).parameters
     return {p.name: members[p.name, p.value] if p.type == "Enumeration" else p.value for p in given}
-
-
-def assert_met(reference: np.ndarray, result: np.ndarray, tolerance: float) -> None:
-    """Each variable of the reference, at each of its times; between both values where there are two."""
-    for name in reference.dtype.names[1:]:
-        allowed = tolerance * max(1.0, np.abs(reference[name]).max())
-        for time in np.unique(reference["time"]):
-            values = reference[name][reference["time"] == time]
-            (at,) = np.flatnonzero(np.abs(result["time"] - time) < 1e-6)
-            assert values.min() - allowed <= result[name][at] <= values.max() + allowed, (name, time)
 
 
 def test_the_reference_moves(block_fmu: Path) -> None:

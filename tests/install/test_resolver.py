@@ -12,8 +12,7 @@ WITHOUT_WHEELS = {  # found by asking for them
     "Linux x86-64": set(),
     "Linux arm64": {"libcosimpy", "ruckig"},
     "Windows x86-64": set(),
-    # zig and Zopfli are there, but of no use alone
-    "macOS x86-64": {"numba", "llvmlite", "ziglang", "zopfli", "libcosimpy", "ruckig"},
+    "macOS x86-64": {"libcosimpy", "ruckig"},
     "macOS arm64": {"libcosimpy"},
 }
 

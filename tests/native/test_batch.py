@@ -17,8 +17,9 @@ from motionsync.synchronizer.interface import Curve
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.turns import Interface
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.native import batch, batch_loop
+from motionsync_fmu.native import batch
 from motionsync_fmu.native.batch import BatchResult, Failure, simulate_many
+from motionsync_fmu.native.loop import library
 from motionsync_fmu.python.slave import BlockSlave
 from tests.support.fake_blocks.divider import Divider
 from tests.support.random_runs import drawn as drawn_runs
@@ -397,7 +398,7 @@ def test_what_the_progress_raises_ends_the_batch() -> None:
 
 
 def test_several_python_threads_may_call_it_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_loop, "_codes", {})  # so that all of them want it compiled
+    monkeypatch.setattr(library, "_libraries", {})  # so that all of them want it loaded
     start, inputs, h = drawn(1, 50, 200)
 
     def one(_: int) -> BatchResult:

@@ -1,57 +1,151 @@
-"""The text of a block's code that is kept between processes: used as long as nothing that it depends on has changed."""
+"""The libraries of blocks that are kept between processes: loaded as long as they are what was made, from what is there
+now; else made anew."""
 
+import shutil
+import subprocess
+import sys
+from ctypes import byref, c_bool, c_double, c_int64
 from pathlib import Path
 
 import pytest
 
 from motionsync.synchronizer.block import Synchronizer
-from motionsync_fmu import archive
-from motionsync_fmu.native import batch_loop
-from tests.native.test_memory_layout import Sample
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.native.loop import library
+from tests.support.fake_blocks.divider import Divider
+
+BLOCK = b"""#include <stdbool.h>
+#include <stdint.h>
+typedef struct Block { double x; } Block;
+int64_t block_initialize(Block *self, bool *failed) { return self && failed ? 0 : 1; }
+int64_t block_step(Block *self, double h, bool *failed) { return self && failed ? (int64_t)h + 40 : 0; }
+"""
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache; zig has one of its own."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path_factory.getbasetemp() / "zig"))
+    return tmp_path / "motionsync"
 
 
 @pytest.fixture
-def compilations(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """An empty cache, a compiler that is not one, and what has been compiled."""
+def compilations(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """A short C text for every block, and what has been compiled."""
     made: list[str] = []
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(batch_loop, "llvm_text", lambda block: made.append(type(block).__name__) or "text")
+    monkeypatch.setattr(library, "c_source", lambda block: made.append(type(block).__name__) or {"block.c": BLOCK})
     return made
 
 
-def test_a_block_is_compiled_once(compilations: list[str]) -> None:
-    first = batch_loop._text(Synchronizer)
-    assert batch_loop._text(Synchronizer) == first
-    assert first.endswith("\ntext")
+def loaded(monkeypatch: pytest.MonkeyPatch, block_type: type = Synchronizer) -> None:
+    """Load the library of a block as a new process would, and call it."""
+    monkeypatch.setattr(library, "_libraries", {})
+    step = library.library(block_type)["block_step"]
+    step.restype = c_int64
+    assert step(byref(c_double()), c_double(2.0), byref(c_bool())) == 42
+
+
+def kept(cache: Path) -> Path:
+    """The only file of the cache."""
+    (file,) = (cache / "blocks").iterdir()
+    return file
+
+
+def test_a_block_is_compiled_once(compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded(monkeypatch)
+    file, made = kept(cache), kept(cache).read_bytes()
+    loaded(monkeypatch)
+    assert compilations == ["Synchronizer"]
+    assert (kept(cache), file.read_bytes()) == (file, made)
+
+
+def test_another_source_or_compiler_is_compiled_anew_and_replaces_the_old_library(
+    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loaded(monkeypatch)
+    files = {kept(cache)}
+    law = cache.parent / "law.py"
+    law.write_text("another")
+    monkeypatch.setattr(library, "MADE_FROM", (*library.MADE_FROM, law.parent))
+    loaded(monkeypatch)
+    files.add(kept(cache))
+    monkeypatch.setattr(library.metadata, "version", lambda name: "0.0")
+    loaded(monkeypatch)
+    files.add(kept(cache))
+    assert compilations == ["Synchronizer"] * 3
+    assert len(files) == 3
+
+
+@pytest.mark.parametrize("damage", ["empty", "cut", "longer", "one bit"])
+def test_a_damaged_library_is_not_loaded_but_made_anew(
+    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch, damage: str
+) -> None:
+    loaded(monkeypatch)
+    file, made = kept(cache), kept(cache).read_bytes()
+    half = len(made) // 2
+    bit = made[:half] + bytes([made[half] ^ 1]) + made[half + 1 :]
+    file.unlink()  # this process goes on with the old contents
+    file.write_bytes({"empty": b"", "cut": made[:-1], "longer": made + b"0", "one bit": bit}[damage])
+    loaded(monkeypatch)
+    assert compilations == ["Synchronizer"] * 2
+    assert kept(cache).read_bytes() == made
+
+
+def test_it_works_without_a_cache(compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cache.touch()
+    loaded(monkeypatch)
+    loaded(monkeypatch)
+    assert compilations == ["Synchronizer"] * 2
+
+
+def test_other_blocks_than_our_own_are_not_kept(
+    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loaded(monkeypatch, Divider)
+    assert not cache.exists()
+    assert compilations == ["Divider"]
+
+
+def test_the_next_process_starts_no_compiler() -> None:
+    """A batch of a real block. The slave follows the master's position, extrapolated by 3 u/s * 0.01 s."""
+    script = """
+import sys
+from motionsync_fmu.native.batch import simulate_many
+sys.addaudithook(lambda event, _: print(event) if event == "subprocess.Popen" else None)
+inputs = {"master.position": [0, 1], "master.velocity": 3}
+print(simulate_many("Synchronizer", 0.01, inputs, "slave.position").values.tolist())
+"""
+    told = [subprocess.check_output([sys.executable, "-c", script], text=True).splitlines() for _ in range(2)]
+    assert told[0][-1] == told[1][-1] == "[[[0.03], [1.03]]]"
+    assert [len(lines) for lines in told] == [2, 1]
+
+
+# --- compilers ---
+
+
+def test_without_zig_the_compiler_of_the_machine_does_it(
+    compilations: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(library, "find_spec", lambda name: None)
+    if not any(map(shutil.which, library.COMPILERS)):
+        pytest.skip("this machine has no C compiler of its own")
+    monkeypatch.setattr(library.metadata, "version", None)  # of zig
+    loaded(monkeypatch)
+    loaded(monkeypatch)
     assert compilations == ["Synchronizer"]
 
 
-def test_another_source_is_compiled_anew(compilations: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    batch_loop._text(Synchronizer)
-    files = archive.sources("motionsync.synchronizer.block")
-    monkeypatch.setattr(batch_loop, "sources", lambda module: files | {"slave.py": b"changed"})
-    batch_loop._text(Synchronizer)
-    assert compilations == ["Synchronizer"] * 2
+def test_without_any_compiler_it_is_told_what_to_install(
+    compilations: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(library, "find_spec", lambda name: None)
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(UserError, match=r"^batches are compiled with ziglang, which is not installed: pip install "):
+        loaded(monkeypatch)
 
 
-@pytest.mark.parametrize("damage", [b"", b"; another\ntext", b"\xff\xfe"])
-def test_a_damaged_cache_is_made_anew(compilations: list[str], tmp_path: Path, damage: bytes) -> None:
-    first = batch_loop._text(Synchronizer)
-    (kept,) = (tmp_path / "motionsync").iterdir()
-    kept.write_bytes(damage)
-    assert batch_loop._text(Synchronizer) == first
-    assert kept.read_text() == first
-
-
-def test_it_works_without_a_cache(compilations: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    batch_loop._text(Synchronizer)
-    batch_loop._text(Synchronizer)
-    assert compilations == ["Synchronizer"] * 2
-
-
-def test_other_blocks_than_our_own_are_not_kept(compilations: list[str], tmp_path: Path) -> None:
-    batch_loop._text(Sample)
-    assert not list(tmp_path.iterdir())
-    assert compilations == ["Sample"]
+def test_what_the_compiler_says_is_told(compilations: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(library, "c_source", lambda block: {"block.c": b"int block_step(void) { return wrong; }"})
+    with pytest.raises(UserError, match=r"^zig could not compile for (?s:.*)undeclared.*wrong"):
+        loaded(monkeypatch)

@@ -1,11 +1,5 @@
 """Python and native code give the same bits: in this process, through both FMUs, and on every platform at hand."""
 
-import os
-import shutil
-import struct
-import subprocess
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +12,8 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP, variables
-from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import PLATFORMS
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import simulate
 from motionsync_fmu.scenario.shipped import find
@@ -29,7 +22,7 @@ from tests.support.compiled import Compiled, equal
 from tests.support.cosim import cosim
 from tests.support.fmus import Fmus
 from tests.support.random_runs import drawn, strategy
-from tests.support.runs import Run
+from tests.support.replay import orders, replayed, tried
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
 SCENARIOS = find(ROOT / "scenarios")
@@ -104,15 +97,6 @@ def bits(values: dict[str, Any]) -> dict[str, Any]:
     return {name: float(v).hex() if isinstance(v, float) else int(v) for name, v in values.items()}
 
 
-def tried(call: Any, *arguments: Any) -> str:
-    """What a call that fails says; empty if it succeeds."""
-    try:
-        call(*arguments)
-    except FmuError as e:
-        return str(e)
-    return ""
-
-
 @settings(LONG, max_examples=12, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_both_fmus_give_the_same_bits_and_log_the_same(
@@ -141,67 +125,7 @@ def test_both_fmus_give_the_same_bits_in_every_scenario(fmus: Fmus, file: Path) 
 # --- a host in C, without any Python ---
 
 
-def wine() -> list[str]:
-    found = shutil.which("wine64") or shutil.which("wine64", path="/usr/lib/wine") or shutil.which("wine")
-    if not found:
-        pytest.skip("wine64 is not installed")
-    return [found]
-
-
-def qemu(processor: str) -> list[str]:
-    root = Path(os.environ.get("QEMU_LD_PREFIX", f"/usr/{processor}-linux-gnu"))
-    found = shutil.which(f"qemu-{processor}") or shutil.which(f"qemu-{processor}-static")
-    if not found:
-        pytest.skip("qemu-user is not installed")
-    if not (root / "lib" / f"ld-linux-{processor}.so.1").exists():
-        pytest.skip(f"the C library of Linux on {processor} is not installed (Debian: libc6-arm64-cross)")
-    return [found, "-L", str(root)]
-
-
-def launcher(target: str) -> list[str]:
-    """The command that runs a program for zig's target on this machine."""
-    processor, system, *_ = target.split("-")
-    if system == "windows":
-        return wine()
-    assert system == "linux", f"nothing is known that runs programs of {target} here: see NOT_RUN"
-    if sys.platform != "linux":
-        pytest.skip("this is not Linux")
-    return [] if os.uname().machine == processor else qemu(processor)
-
-
 NOT_RUN = {"darwin64"}  # there is no emulator of macOS
-
-
-def double(x: float) -> str:
-    return struct.pack(">d", x).hex()
-
-
-def orders(host: FmuInstance, run: Run) -> Iterator[tuple[str, str]]:
-    """A run as lines for the host in C, and what the FMU in `host` answers to each."""
-
-    def setting(values: dict[str, Any]) -> Iterator[tuple[str, str]]:
-        for name, value in values.items():
-            reference, kind = host.kinds[name]
-            host.set({name: value})
-            yield f"{kind[0]} {reference} {double(value) if kind == 'Real' else int(value)}", "0"
-
-    def all_values() -> tuple[str, str]:
-        found = host.get()
-        return "g", " ".join(double(found[n]) if k == "Real" else str(found[n]) for n, (_, k) in host.kinds.items())
-
-    yield "n", "0"
-    host.unit.setupExperiment(startTime=0.0)
-    host.unit.enterInitializationMode()
-    yield "e", "0"
-    yield from setting(run.start)
-    yield all_values()
-    host.unit.exitInitializationMode()
-    yield "x", "0"
-    for h, values in run.steps:
-        yield from setting(values)
-        refused = tried(host.step, h)
-        yield f"s {double(host.time)} {double(h)}", "3" if refused else "0"
-        yield all_values()
 
 
 @pytest.fixture(scope="module")
@@ -218,27 +142,8 @@ def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
 def test_a_host_in_c_without_python_gets_the_same_bits(
     platform: str, block: str, block_native: Path, expected: list[tuple[str, str]], tmp_path: Path
 ) -> None:
-    (target,) = PLATFORMS[platform].targets
-    start = launcher(target)
-    program = tmp_path / f"replay{'.exe' if 'windows' in target else ''}"
-    source = ROOT / "tests" / "fmu" / "replay.c"
-    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O1", "-I", str(HEADERS), str(source)]
-    subprocess.run([*compiler, "-o", str(program)], check=True)
     folder = Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path / "fmu")))
-    library = folder / PLATFORMS[platform].library(block)
-    description = fmpy.read_model_description(str(block_native))
-    kinds = "".join({"Real": "R", "Boolean": "B"}.get(v.type, "I") for v in description.modelVariables)
-    asked, answered = tmp_path / "orders.txt", tmp_path / "answers.txt"
-    asked.write_text("".join(f"{order}\n" for order, _ in expected))
-    with asked.open() as stdin, answered.open("w") as stdout:  # no pipes: wine's server would hold them open
-        subprocess.run(
-            [*start, str(program), str(library), description.guid, kinds],
-            stdin=stdin,
-            stdout=stdout,
-            check=True,
-            env=os.environ | {"WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")},
-        )
-    answers = [line.strip() for line in answered.read_text().splitlines()]
+    answers = replayed(PLATFORMS[platform], folder, [order for order, _ in expected], tmp_path)
     for (order, answer), found in zip(expected, answers, strict=True):
         assert found == answer, order
 

@@ -15,7 +15,7 @@ from math import isfinite, sin
 
 from . import var
 from .var import Enumeration
-from .part import Pair, Part, clamp, pair
+from .part import Pair, Part, clamp, pair, total
 
 
 class State(Enumeration):
@@ -33,6 +33,11 @@ class Block:
     count: int = 0
     on: bool = False
     values: list[float] = var.ring(4)
+    more: list[float] = var.ring(5)
+
+    def index(self) -> int:
+        self.count += 1
+        return self.count
 
     def apply(self, x: float, n: int) -> float:
 '''
@@ -62,6 +67,10 @@ def clamp(x: float, low: float, high: float) -> float:
 
 def pair(x: float) -> tuple[float, int]:
     return x, 1
+
+
+def total(values: list[float]) -> float:
+    return values[0] + values[1]
 """
 
 
@@ -183,6 +192,42 @@ STATEMENTS = [
     ("match n:\n    case None:  # !\n        pass", "match and its patterns"),
     ("match self.part:  # !\n    case Part():  # !\n        pass", "match and its patterns"),
     ("match n:\n    case 1.5:  # !\n        pass", "match and its patterns"),
+    ("x = x // 2.0  # !", "no `//` of floats"),
+    ("x //= 2.0  # !", "no `//` of floats"),
+    ("if self.on and n:  # !\n    x = 1.0", "and, or join Booleans only"),
+    ("n = n or 3  # !", "and, or join Booleans only"),
+    ("y = 1.0\ny = 2  # !", "y has one kind: float or int"),
+    ("m = 1\nm = self.state  # !", "m has one kind: int or State"),
+    ("m = 1\nm += 0.5  # !", "m has one kind: int or float"),
+    ("self.ratio = 2  # !", "write 1.0, or float(n)"),
+    ("self.values[0] = n  # !", "write 1.0, or float(n)"),
+    ("y: float = self.on  # !", "write 1.0, or float(n)"),
+    ("x = clamp(x, 0, 1.0)  # !", "write 1.0, or float(n)"),
+    ("x = self.part.move(n)  # !", "write 1.0, or float(n)"),
+    ("x = 0 if self.on else 1.5  # !", "write 1.0, or float(n)"),
+    ("x = max(x, 0)  # !", "write 1.0, or float(n)"),
+    ("return n  # !", "write 1.0, or float(n)"),
+    ("part = self.part if self.on else self.other  # !\npart.position = x", "chosen by its name alone"),
+    ("part = self.part\npart = self.other  # !\npart.position = x", "part stands for an object, and is assigned once"),
+    ("x = self.part.move(x) + self.part.position  # !", "write two statements"),
+    ("self.part.position += self.part.move(x)  # !", "write two statements"),
+    ("x = clamp(self.part.move(x), self.part.position, x)  # !", "write two statements"),
+    ("self.values[self.index()] = self.values[self.index()]  # !", "write two statements"),
+    ("if 0.0 < self.part.move(x) < 1.0:  # !\n    x = 1.0", "in the middle of a chain"),
+    ("if self.index() in (1, 2):  # !\n    x = 1.0", "`in` searches plain values"),
+    ("if n in (1, int(clamp(x, 0.0, 9.0))):  # !\n    x = 1.0", "`in` searches plain values"),
+    ("match n:\n    case 1 if self.index() > 0:  # !\n        x = 1.0", "a guard changes nothing"),
+    ("match self.index():  # !\n    case 1 if n > 2:\n        x = 1.0", "no call is matched"),
+    (
+        "for _ in range(n):\n    match self.index():  # !\n        case 1:\n            break",
+        "no call is matched",
+    ),
+    ("self.count = m = self.index()  # !", "several places are assigned together only if"),
+    ("m = self.values[m] = 1.0  # !", "several places are assigned together only if"),
+    ("self.ratio = self.ratio = x  # !", "several places are assigned together only if"),
+    ("x = total(self.values) + total(self.more)  # !", "lists of the same length"),
+    ("for i in range(3, 0, n):  # !\n    x = 1.0", "the step of a range is a whole number, not 0"),
+    ("for i in range(3, 0, 0):  # !\n    x = 1.0", "the step of a range is a whole number, not 0"),
 ]
 
 
@@ -289,6 +334,12 @@ MODULES = [
     ("def f(*, x: float) -> float:\n    return x", 1, "parameters are positional"),
     ("def f(x: float, /) -> float:\n    return x", 1, "parameters are positional"),
     ("def f(x) -> float:\n    return 1.0", 1, "a parameter is a float"),
+    ("def f(x: float) -> float:\n    return f(x)", 1, "does not call itself"),
+    (
+        "from .part import Part\ndef f(part: Part) -> Part:\n    return part",
+        2,
+        "is never returned",
+    ),
     ("def f(x: str) -> float:\n    return 1.0", 1, "a parameter is a float"),
     ("def f(x: float):\n    return x", 1, "says what it returns"),
     (
@@ -401,7 +452,8 @@ INSIDE = {
             length: float = var.local(0.0, "how long")
 
         def use(part: Longer) -> float:
-            return part.move(part.length) + part.position
+            moved = part.move(part.length)
+            return moved + part.position
     """,
     "tuples": """
         from .part import pair
@@ -455,6 +507,16 @@ def test_plain_scalar_code_is_inside_the_subset(text: str) -> None:
 
 def test_the_frame_of_the_statement_tests_is_inside_the_subset() -> None:
     assert verdict(HEAD + " " * 8 + "return 0.0\n") == []
+
+
+def test_functions_that_call_each_other_in_a_circle_are_named() -> None:
+    text = "def f(x: float) -> float:\n    return g(x)\n\ndef g(x: float) -> float:\n    return f(x)\n"
+    assert {line for line, _ in verdict(text)} == {1, 4}
+
+
+def test_a_block_of_another_package_may_import_the_declarations() -> None:
+    text = HEAD.replace("from . import var", "from motionsync import var").replace("from .var", "from motionsync.var")
+    assert verdict(text + " " * 8 + "return 0.0\n") == []
 
 
 def test_a_violation_reads_file_line_rule() -> None:

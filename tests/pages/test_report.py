@@ -184,7 +184,7 @@ def test_the_page_tells_which_fmu_and_script_it_comes_from(runs: dict[str, Run],
     fmu = fmus.python("Synchronizer")
     write_report(tmp_path / "report.html", s, recording, [], [], 0.02, fmu)
     text = words((tmp_path / "report.html").read_text("utf-8"))
-    assert f"Synchronizer.fmu, python flavour, GUID {Recipe('Synchronizer').guid()}" in text
+    assert f"Synchronizer.fmu, FMI 2.0, python flavour, GUID {Recipe('Synchronizer').guid()}" in text
     assert "step size 0.02 s, 801 communication points up to 8 s" in text
     assert re.search(r"date \d{4}-\d\d-\d\d \d\d:\d\d:\d\d[+-]\d\d:\d\d motionsync \d", text)
     assert re.search(r"platform \w+ \S+, \w+, Python 3\.", text)

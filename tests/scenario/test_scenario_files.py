@@ -51,7 +51,7 @@ def judged(scenario: Scenario, recording: Recording) -> list[str]:
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_a_scenario_is_kept(folder: Path, fmus: Fmus) -> None:
+def test_a_scenario_is_kept_by_the_python_flavour(folder: Path, fmus: Fmus) -> None:
     scenario = load(folder / "scenario.toml")
     assert scenario.expectations
     recording = simulate(scenario, fmus.python(scenario.recipe.name), scenario.step_size)
@@ -69,10 +69,10 @@ def late(scenario: Scenario, step_size: float) -> Scenario:
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_a_scenario_is_kept_at_another_step_size(folder: Path, fmus: Fmus) -> None:
+def test_a_scenario_is_kept_at_another_step_size_by_the_native_flavour(folder: Path, fmus: Fmus) -> None:
     scenario = load(folder / "scenario.toml")
     step_size = WITHIN if scenario.remote else UNEVEN
-    recording = simulate(scenario, fmus.python(scenario.recipe.name), step_size)
+    recording = simulate(scenario, fmus.native(scenario.recipe.name), step_size)
     assert judged(late(scenario, step_size), recording) == []
     assert min(d.points for d in compare(scenario, recording)) >= 5
 

@@ -1,12 +1,12 @@
-"""A block's compiled code in this process, without zig and FMI: the quick way to compare it with the Python source."""
+"""A block's compiled code in this process, without FMI: the quick way to compare it with the Python source."""
 
-from ctypes import CFUNCTYPE, byref, c_double, c_int32, c_int64, c_void_p
+from ctypes import byref, c_bool, c_double, c_int64, c_void_p
 from operator import attrgetter
 from struct import Struct
 from typing import Any
 
 from motionsync_fmu.interface.variables import cells
-from motionsync_fmu.native.batch_loop import code
+from motionsync_fmu.native.loop.library import library
 from motionsync_fmu.native.memory_layout import image, offset
 
 
@@ -20,9 +20,9 @@ class Compiled:
     def __init__(self, block: Any) -> None:
         self.memory = image(block)
         self.layout = Layout(block)
-        compiled = code(type(block))
-        self._initialize = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_void_p)(compiled.initialize)
-        self._step = CFUNCTYPE(c_int32, c_void_p, c_void_p, c_void_p, c_double)(compiled.step)
+        self._address = c_void_p(self.memory.ctypes.data)
+        self._initialize, self._step = map(library(type(block)).__getitem__, ("block_initialize", "block_step"))
+        self._initialize.restype = self._step.restype = c_int64
 
     def set(self, name: str, value: Any) -> None:
         *parts, last = name.split(".")
@@ -41,13 +41,14 @@ class Compiled:
 
     def step(self, h: float) -> int:
         """The refusal, 0 if there is none; raises as `initialize` does."""
-        return self._call(self._step, h)
+        return self._call(self._step, c_double(h))
 
-    def _call(self, function: Any, *arguments: float) -> int:
-        refusal, exception = c_int64(), c_void_p()
-        if function(byref(refusal), byref(exception), self.memory.ctypes.data, *arguments):
+    def _call(self, function: Any, *arguments: c_double) -> int:
+        failed = c_bool()
+        refusal: int = function(self._address, *arguments, byref(failed))
+        if failed:
             raise ArithmeticError
-        return refusal.value
+        return refusal
 
 
 class Layout:

@@ -4,10 +4,12 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from filelock import FileLock
 
 from motionsync_fmu.build import Flavour, build, fmu_path
-from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.recipe import Fmi, Recipe
+from motionsync_fmu.native.platforms import here
 
 
 class Shared:
@@ -43,6 +45,24 @@ class Fmus:
 
     def native(self, name: str) -> Path:
         return self.built(Flavour.NATIVE, name)
+
+    def fmi3(self, name: str) -> Path:
+        """The FMU of FMI 3.0, for this machine alone."""
+        if (platform := here(Fmi.THREE)) is None:
+            pytest.skip("no native FMU is for this machine")
+
+        def fill(folder: Path) -> None:
+            build(Flavour.NATIVE, Recipe(name, fmi=Fmi.THREE), folder / f"{name}.fmu", platforms=[platform])
+
+        return self.shared.once(f"fmi3-here/{name}", fill) / f"{name}.fmu"
+
+    def fmi3_everywhere(self, name: str) -> Path:
+        """The FMU of FMI 3.0, for all platforms."""
+
+        def fill(folder: Path) -> None:
+            build(Flavour.NATIVE, Recipe(name, fmi=Fmi.THREE), folder / f"{name}.fmu")
+
+        return self.shared.once(f"fmi3/{name}", fill) / f"{name}.fmu"
 
     def built(self, flavour: Flavour, name: str) -> Path:
         def fill(folder: Path) -> None:

@@ -40,7 +40,7 @@ function sliderRange({min = -Infinity, max = Infinity, kind}, x, usual) {
  * that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value.
  */
 function control(about, values, name, {first, usual, changed}) {
-  const label = about.label ?? name, text = made("span", {className: "name"}, label);
+  const label = about.label ?? name, text = made("span", {className: "name"}, ...breakable(label));
   const row = made("div", {className: "knob", title: [about.description, about.range].filter(Boolean).join("\n")});
   const show = () => row.classList.toggle("moved", values[name] !== first);
   const put = (x) => {
@@ -53,6 +53,11 @@ function control(about, values, name, {first, usual, changed}) {
   else row.append(text, ...number(about, label, {value: values[name], first, usual, put}));
   show();
   return row;
+}
+
+/** A name that may be broken after its dots and underscores. */
+function breakable(name) {
+  return name.split(/(?<=[._])/).flatMap((part) => [part, made("wbr")]);
 }
 
 function tick(label, value, put) {

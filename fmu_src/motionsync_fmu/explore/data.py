@@ -24,9 +24,11 @@ from ..scenario.recording import Recording
 from ..scenario.run import simulate
 from ..scenario.scenario import Scenario
 from ..scenario.settings import Reaction
+from ..scenario.shipped import FILE
 from ..scenario.telegrams import Remote
 
 JUDGED = ("count", "lengths", "kinds")  # keys of [cuts] that say what is expected of a run
+SCRIPT = ("position", "velocity", "acceleration", "segments")  # keys of [master] and of [remote]
 MOST = 1e9  # a declared limit beyond it limits nothing that anybody would choose
 
 
@@ -40,6 +42,7 @@ def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, 
     recipe = Recipe(name)
     declared = recipe.variables.values()
     told = books(declared)
+    names = _names(scenarios)
     return {
         "name": name,
         "version": __version__,
@@ -51,7 +54,7 @@ def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, 
         "shaded": example_of(name).picture.shaded,
         "units": {_units_of(s): _unit_names(s, declared) for s in scenarios},
         "normals": _normals(scenarios),
-        "scenarios": [_scenario(s, fmu) for s in scenarios],
+        "scenarios": [_scenario(s, n, fmu) for s, n in zip(scenarios, names, strict=True)],
     }
 
 
@@ -95,14 +98,21 @@ def _unit_names(s: Scenario, declared: Iterable[Variable]) -> dict[str, str]:
     return {kind.name: typeset(unit_name(kind, s.unit, s.slave_unit)) for kind in sorted(kinds, key=lambda k: k.name)}
 
 
-def _scenario(s: Scenario, fmu: Path) -> dict[str, Any]:
+def _names(scenarios: Iterable[Scenario]) -> list[str]:
+    """The names of the scenarios' folders or files; the second one of a name has a 2 behind it."""
+    names = [s.name if s.file.name == FILE else s.file.stem for s in scenarios]
+    counts = (names[: i + 1].count(name) for i, name in enumerate(names))
+    return [name if count == 1 else f"{name}_{count}" for name, count in zip(names, counts, strict=True)]
+
+
+def _scenario(s: Scenario, name: str, fmu: Path) -> dict[str, Any]:
     raw = tomllib.loads(s.file.read_text("utf-8-sig"))
     try:
         recording = simulate(s, fmu, s.step_size)
     except UserError:
         recording = None
     return {
-        "name": s.name if s.file.name == "scenario.toml" else s.file.stem,
+        "name": name,
         "title": s.title,
         "source": s.source,
         "units": _units_of(s),
@@ -122,9 +132,6 @@ def _scenario(s: Scenario, fmu: Path) -> dict[str, Any]:
         "points": len(recording.time) if recording else 0,
         "sha256": fingerprint(recording) if recording else "",
     }
-
-
-SCRIPT = ("position", "velocity", "acceleration", "segments")
 
 
 def _axis(s: Scenario) -> str:

@@ -30,6 +30,8 @@ function choose(name) {
   $("program").value = program;
   $("editor").open = driven;
   $("title").textContent = scenario.title;
+  $("other").textContent = scenario.remote ? "telegram" : block.roles.PIECES ? "master; of positions, the next cut"
+    : scenario.cuts.while ? "master; of positions, the next mark" : "master";
   $("exported").hidden = true;
   $("export").setAttribute("aria-expanded", "false");
   plots.zoom = null;
@@ -96,10 +98,11 @@ function axisRows() {
     first[name] ??= 0;
     rows.push(plainNumber(name, "at the beginning", axis, name, first[name], {of: of[name]}));
   }
-  (axis.segments ?? []).forEach((segment, i) => Object.keys(segment).forEach((name) => {
+  const segments = (axis.segments ?? []).flatMap((segment, i) => Object.keys(segment).map((name) => {
     const limits = name === "duration" ? {min: 0} : {};
-    rows.push(plainNumber(`segment ${i + 1}: ${name}`, "", segment, name, first.segments[i][name], {of: of[name], ...limits}));
+    return plainNumber(`${i + 1}: ${name}`, `of segment ${i + 1}`, segment, name, first.segments[i][name], {of: of[name], ...limits});
   }));
+  rows.push(...group("Segments", segments, segments.length < 4));
   if (drive) rows.push(made("p", {className: "soft"}, `It follows ${drive.follows}, with a lag of ${drive.time_constant} s.`));
   if (!remote) return rows;
   remote.rates.forEach((rate, i) => rows.push(plainNumber(`sender's cycle${i ? ` from ${rate.at} s on` : ""}`, "", rate, "cycle", untouched.remote.rates[i].cycle, {of: "s", ...near(untouched.remote.rates[i].cycle)})));
@@ -137,9 +140,8 @@ function commandGroup() {
   });
   const others = block.variables.filter((v) => v.start !== undefined && !v.command && v.variability !== "fixed" && !scripted(v.name));
   const rows = [...scenario.settings].sort((a, b) => a.at - b.at).map(settingRow);
-  return group("Commands", [
-    made("p", {className: "soft"}, "At the time that is shown:"), made("div", {className: "commands"}, ...commands),
-    another("Set", others, (name) => give(name, at(name))), ...rows]);
+  const head = commands.length ? [made("p", {className: "soft"}, "At the time that is shown:"), made("div", {className: "commands"}, ...commands)] : [];
+  return group("Commands", [...head, another("Set at this time", others, (name) => give(name, at(name))), ...rows]);
 }
 
 /** Whether an input comes from the script of the axis. */
@@ -195,9 +197,9 @@ function update() {
   });
 }
 
-/** The scenario with the numbers behind the names. */
-function resolved() {
-  const wanted = copy(scenario);
+/** A scenario with the numbers behind the names. */
+function resolved(named) {
+  const wanted = copy(named);
   for (const r of wanted.reactions) {
     for (const name of Object.keys(r.add)) if (r.add[name] === "cuts.length") r.add[name] = wanted.cuts.length;
   }
@@ -219,9 +221,9 @@ function compiled(wanted) {
 
 function compute() {
   $("problem").textContent = "";
-  const wanted = resolved();
+  const wanted = resolved(scenario), room = course && course !== before ? course.rows : null;
   try {
-    course = run(unit, wanted, {cycle: compiled(wanted), normals: block.normals});
+    course = run(unit, wanted, {cycle: compiled(wanted), normals: block.normals, room});
   } catch (error) {
     $("problem").textContent = error.message;
     return;
@@ -269,8 +271,7 @@ const time = (t) => `${t.toFixed(3)} s`;
 const place = (t) => Math.max(bisect(course.time, t + CLOSE, true) - 1, 0);
 
 function show() {
-  const scene = sceneOf(course, block);
-  if (scene) window.motionsyncMachine.load(scene);
+  window.motionsyncMachine.load(sceneOf(course, block));
   plots.show(course, before);
   $("log").replaceChildren(...(course.lines.length ? course.lines.slice(0, LINES).map(logLine) : [made("p", {className: "soft"}, "The block has nothing to say.")]));
   present(Math.min(now, course.time.at(-1)));
@@ -372,22 +373,19 @@ async function begin() {
   const names = block.scenarios.map((s) => made("option", {value: s.name, title: s.title}, s.name.replaceAll("_", " ")));
   $("scenario").append(...names, ...(own() ? [made("option", {value: PROGRAM}, own().title)] : []));
   $("another").append(...block.variables.filter((v) => v.start === undefined).map((v) => made("option", {value: v.name}, v.name)));
-  $("other").textContent = block.roles.CYCLE_INDEX ? "telegram" : block.roles.PIECES ? "master; of positions, the next cut" : "master";
   $("shaded").hidden = !block.shaded;
   $("shaded").append(block.shaded);
   wire();
   const wanted = new URLSearchParams(location.hash.slice(1)).get("run");
   if ([...$("scenario").options].some((option) => option.value === wanted)) $("scenario").value = wanted;
   choose($("scenario").value);
-  window.motionsyncExplore = {block, unit, run, resolvedRun, fingerprint, outputs, rounded, sceneOf};
+  window.motionsyncExplore = {run: untouchedRun, fingerprint: (one) => fingerprint(one, outputs()), scene: (one) => sceneOf(one, block)};
   document.documentElement.dataset.ready = "true";
 }
 
-/** The run of a scenario of the page, as it was: for tests. */
-function resolvedRun(name) {
-  const s = copy(block.scenarios.find((one) => one.name === name));
-  for (const r of s.reactions) for (const key_ of Object.keys(r.add)) if (r.add[key_] === "cuts.length") r.add[key_] = s.cuts.length;
-  return run(unit, s, {normals: block.normals});
+/** The run of a scenario as it was, by its name: for whoever wants to compute with it in the browser's console. */
+function untouchedRun(name) {
+  return run(unit, resolved(block.scenarios.find((s) => s.name === name)), {normals: block.normals});
 }
 
 begin().catch((error) => {

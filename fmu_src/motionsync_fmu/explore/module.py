@@ -7,15 +7,17 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UserError
-from ..native.libraries import HERE as NATIVE
-from ..native.llvm_text import llvm_text
+from ..native.libraries import FREESTANDING
+from ..native.sources import HERE as NATIVE
 from ..native.tables import model_header
+from ..native.translator import c_source
 
-HERE = Path(__file__).parent
-TARGET = "wasm32-wasi"
+WEB = Path(__file__).with_name("web.c")
+OTHERS = ("fmi", "memory")  # how the names of C files begin that a page does not need
+TARGET = "wasm32-wasi"  # "freestanding" would turn fabs and sqrt from instructions into unknown functions
 FLAGS = (
-    "-mexec-model=reactor "
-    "-O2 -ffp-contract=off -fno-strict-aliasing -fno-slp-vectorize -fvisibility=hidden -g0 -s -Wno-override-module "
+    "-std=c11 -O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize "
+    "-mllvm -inline-threshold=100 -fvisibility=hidden -g0 -s -rtlib=none -nostdlib "
     "-Wl,--no-entry -Wl,-z,stack-size=65536"
 )
 
@@ -28,13 +30,15 @@ def webassembly(block: Any, guid: str) -> bytes:
     """
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        for source in (NATIVE / "unit.h", NATIVE / "unit.c", HERE / "web.c"):
+        core = (file for file in NATIVE.glob("*.[ch]") if not file.name.startswith(OTHERS))
+        for source in (WEB, *core, *FREESTANDING.glob("*.[ch]")):
             (work / source.name).write_bytes(source.read_bytes())
-        (work / "model.ll").write_text(llvm_text(block), "utf-8", newline="\n")
+        for name, text in c_source(block).items():
+            (work / name).write_bytes(text)
         (work / "model.h").write_text(model_header(block, guid), "utf-8", newline="\n")
-        command = [sys.executable, "-m", "ziglang", "cc", "-target", TARGET, *FLAGS.split()]
+        command = [sys.executable, "-m", "ziglang", "cc", "-target", TARGET, *FLAGS.split(), "-I."]
         done = subprocess.run(
-            [*command, "unit.c", "web.c", "model.ll", "-o", "block.wasm"],
+            [*command, *sorted(source.name for source in work.glob("*.c")), "-o", "block.wasm"],
             cwd=work,
             capture_output=True,
             text=True,

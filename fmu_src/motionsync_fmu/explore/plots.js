@@ -2,6 +2,7 @@
 // The plots of a run: the slave, what it goes by, and, dashed, the slave before anything was changed.
 
 const HEIGHTS = [190, 130, 130, 110]; // px
+const AXIS = 26; // px, of the times below the last plot
 const NONE = "none";
 
 const colour = (name) => () => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -108,10 +109,10 @@ class Plots {
   }
 
   #make(units) {
-    plotsOf(this.block, this.another).forEach((of, i) => {
+    plotsOf(this.block, this.another).forEach((of, i, all) => {
       const frame = made("div", {className: "plot"}), line = made("div", {className: "now"});
       this.box.append(frame);
-      const plot = new uPlot(this.#options(of, units[of.unit] ?? "", HEIGHTS[Math.min(i, 3)]), [[0], [0], [0], [0]], frame);
+      const plot = new uPlot(this.#options(of, units[of.unit] ?? "", HEIGHTS[Math.min(i, 3)], i === all.length - 1), [[0], [0], [0], [0]], frame);
       plot.over.append(line);
       plot.over.addEventListener("click", (event) => this.chosen(plot.posToVal(event.offsetX, "x")));
       plot.over.addEventListener("dblclick", () => this.stretch(null));
@@ -119,15 +120,15 @@ class Plots {
     });
   }
 
-  #options(of, unit, height) {
+  #options(of, unit, height, final) {
     const axis = {stroke: colour("--muted"), grid: {stroke: colour("--grid"), width: 1}, ticks: {stroke: colour("--grid"), width: 1}, font: "11px system-ui"};
     const label = `${of.label}${unit ? ` ${unit}` : ""}`, line = (name, more) => ({stroke: colour(name), points: {show: false}, ...more});
     const paths = of.stepped ? {paths: uPlot.paths.stepped({align: -1})} : {};
     return {
-      width: Math.max(this.box.clientWidth, 200), height, legend: {show: false}, padding: [8, 12, 0, 0],
+      width: Math.max(this.box.clientWidth, 200), height: height + (final ? AXIS : 0), legend: {show: false}, padding: [8, 12, final ? 0 : 8, 0],
       cursor: {drag: {x: true, y: false}, points: {show: false}, sync: {key: "run"}},
       scales: {x: {time: false}},
-      axes: [{...axis, size: 26}, {...axis, size: 62, label, labelSize: 18, labelFont: "12px system-ui"}],
+      axes: [{...axis, size: final ? AXIS : 0, values: final ? undefined : (_, ticks) => ticks.map(() => "")}, {...axis, size: 62, label, labelSize: 18, labelFont: "12px system-ui"}],
       series: [{}, line("--slave", {width: 2, ...paths}), line("--master", {width: 1.3}), line("--reference", {width: 1.2, dash: [4, 3], ...paths})],
       hooks: {drawClear: [(plot) => this.#shade(plot)], setSelect: [(plot) => this.#selected(plot)]},
     };

@@ -30,7 +30,8 @@ class Unit {
     this.base = PAGE * code.memory.grow(Math.ceil((16 + 16 * variables.length) / PAGE));
     this.list = this.base + 16; // behind one value and one reference: all references, then a row
     this.row = this.list + 8 * Math.ceil(variables.length / 2);
-    this.#integers(this.list, variables.length).set(this.names.map((name) => this.kinds.get(name).reference));
+    this.#look();
+    this.integers.set(this.names.map((name) => this.kinds.get(name).reference), this.list / 4);
   }
 
   /** Instantiate compiled code: `bytes` of the module, or the module. */
@@ -47,12 +48,13 @@ class Unit {
     return unit;
   }
 
-  #integers(place, count) {
-    return new Int32Array(this.code.memory.buffer, place, count);
-  }
-
-  #reals(place, count) {
-    return new Float64Array(this.code.memory.buffer, place, count);
+  /** Memory as integers and as Reals, as it is now: memory that has grown has another buffer. */
+  #look() {
+    const {buffer} = this.code.memory;
+    if (this.reals?.buffer !== buffer) {
+      this.integers = new Int32Array(buffer);
+      this.reals = new Float64Array(buffer);
+    }
   }
 
   begin() {
@@ -71,31 +73,38 @@ class Unit {
   }
 
   set(values) {
-    for (const [name, value] of Object.entries(values)) {
-      const known = this.kinds.get(name);
-      if (!known) throw new Error(`there is no variable ${name}`);
-      this.#integers(this.base + 8, 1)[0] = known.reference;
-      const real = known.kind === "Real";
-      if (real) this.#reals(this.base, 1)[0] = Number(value);
-      else this.#integers(this.base, 1)[0] = Number(value);
-      const setter = real ? this.code.set_reals : known.kind === "Boolean" ? this.code.set_booleans : this.code.set_integers;
-      if (setter(this.base + 8, 1, this.base)) throw new Error(this.lines.pop()?.text ?? `${name} cannot be set`);
-    }
+    for (const name in values) this.#put(name, values[name]);
+  }
+
+  #put(name, value) {
+    const {kind, reference} = this.#known(name), {base, code} = this;
+    this.#look();
+    this.integers[base / 4 + 2] = reference;
+    if (kind === "Real") this.reals[base / 8] = value;
+    else this.integers[base / 4] = value;
+    const setter = kind === "Real" ? code.set_reals : kind === "Boolean" ? code.set_booleans : code.set_integers;
+    if (setter(base + 8, 1, base)) throw new Error(this.lines.pop()?.text ?? `${name} cannot be set`);
+  }
+
+  #known(name) {
+    const known = this.kinds.get(name);
+    if (!known) throw new Error(`there is no variable ${name}`);
+    return known;
   }
 
   get(name) {
-    const known = this.kinds.get(name);
-    if (!known) throw new Error(`there is no variable ${name}`);
-    this.#integers(this.base + 8, 1)[0] = known.reference;
-    const real = known.kind === "Real", boolean = known.kind === "Boolean";
-    this.code.get(this.base + 8, real ? 1 : 0, real || boolean ? 0 : 1, boolean ? 1 : 0, this.base);
-    return this.#reals(this.base, 1)[0];
+    const {kind, reference} = this.#known(name), {base} = this, real = kind === "Real" ? 1 : 0, boolean = kind === "Boolean" ? 1 : 0;
+    this.#look();
+    this.integers[base / 4 + 2] = reference;
+    this.code.get(base + 8, real, 1 - real - boolean, boolean, base);
+    return this.reals[base / 8];
   }
 
   /** All variables as numbers, in the order of `names`: a view, good until the next call. */
   values() {
-    this.code.get(this.list, ...this.counts, this.row);
-    return this.#reals(this.row, this.names.length);
+    this.code.get(this.list, this.counts[0], this.counts[1], this.counts[2], this.row);
+    this.#look();
+    return this.reals.subarray(this.row / 8, this.row / 8 + this.names.length);
   }
 }
 
@@ -232,8 +241,10 @@ class Telegrams {
 
   inputs(begin, end) {
     const [index, motion] = this.telegram(this.shown(begin, end)), part = this.remote.part;
-    const names = ["position", "velocity", "acceleration"].map((name, i) => [`${part}.${name}`, motion[i]]);
-    return {[this.remote.cycle_index]: index, ...Object.fromEntries(names)};
+    return {
+      [this.remote.cycle_index]: index,
+      [`${part}.position`]: motion[0], [`${part}.velocity`]: motion[1], [`${part}.acceleration`]: motion[2],
+    };
   }
 }
 
@@ -343,14 +354,14 @@ function masterInputs(scenario, axis, t, end) {
   return {"master.position": period ? modulo(p, period) : p, "master.velocity": v, "master.acceleration": a};
 }
 
-/** The recorded points of a run. */
+/** The recorded points of a run: the block's variables, and the motion of the scripted axis, without wrapping. */
 class Course {
-  constructor(unit) {
+  /** `room`: the rows of a run that is no longer needed; to fill new memory takes longer than the run itself. */
+  constructor(unit, room) {
     this.places = unit.places;
-    this.width = unit.names.length;
-    this.rows = new Float64Array(512 * this.width);
+    this.width = unit.names.length + 3;
+    this.rows = room ?? new Float64Array(512 * this.width);
     this.time = [];
-    this.master = [];
     this.lines = [];
     this.columns = new Map();
   }
@@ -360,42 +371,46 @@ class Course {
   }
 
   add(t, values, motion) {
-    const at = this.count * this.width;
-    if (at + this.width > this.rows.length) {
+    const at = this.count * this.width, end = at + this.width;
+    if (end > this.rows.length) {
       const more = new Float64Array(2 * this.rows.length);
       more.set(this.rows);
       this.rows = more;
     }
     this.rows.set(values, at);
+    for (let order = 0; order < 3; order++) this.rows[end - 3 + order] = motion[order];
     this.time.push(t);
-    this.master.push(motion);
   }
 
   /** A variable at all points. */
   column(name) {
-    if (!this.columns.has(name)) {
-      const place = this.places.get(name), found = new Float64Array(this.count);
-      for (let k = 0; k < found.length; k++) found[k] = this.rows[k * this.width + place];
-      this.columns.set(name, found);
-    }
-    return this.columns.get(name);
+    return this.#at(this.places.get(name));
   }
 
   value(name, k) {
     return this.rows[k * this.width + this.places.get(name)];
   }
 
-  /** Position (0), velocity (1) or acceleration (2) of the scripted axis at all points, without wrapping. */
+  /** Position (0), velocity (1) or acceleration (2) of the scripted axis at all points. */
   axis(order) {
-    return Float64Array.from(this.master, (motion) => motion[order]);
+    return this.#at(this.width - 3 + order);
+  }
+
+  #at(place) {
+    if (!this.columns.has(place)) {
+      const found = new Float64Array(this.count);
+      for (let k = 0, i = place; k < found.length; k++, i += this.width) found[k] = this.rows[i];
+      this.columns.set(place, found);
+    }
+    return this.columns.get(place);
   }
 }
 
 /**
  * A whole run of a scenario. `cycle(t, unit, motion)`: a program that may set the block before each step but the first,
- * since what is set at 0 is a start value; `normals`: see Telegrams. The course ends before a refused step; then `refused` is true, and the last line tells why.
+ * since what is set at 0 is a start value; `normals`, `room`: see Telegrams and Course. The course ends before a refused step; then `refused` is true, and the last line tells why.
  */
-function run(unit, scenario, {cycle = null, normals = {}} = {}) {
+function run(unit, scenario, {cycle = null, normals = {}, room = null} = {}) {
   const {step_size: h, stop_time: stop} = scenario;
   if (!(h > 0 && stop > 0 && stop / h <= MOST_STEPS)) {
     throw new Error(`step size = ${h} s is not allowed: a run up to ${stop} s has 1 to ${MOST_STEPS} steps`);
@@ -404,7 +419,7 @@ function run(unit, scenario, {cycle = null, normals = {}} = {}) {
   const starts = (name) => scenario.start[name] ?? unit.kinds.get(name).start;
   const remote = scenario.remote && new Telegrams(scenario.remote, axis, starts, stop, normals);
   const inputs = (t, end) => (remote ? remote.inputs(t, end) : masterInputs(scenario, axis, t, end));
-  const program = new Program(scenario, axis, starts), course = new Course(unit), begun = performance.now();
+  const program = new Program(scenario, axis, starts), course = new Course(unit, room), begun = performance.now();
   Object.assign(course, {scenario, script: axis, telegrams: remote, program, refused: false, given: []});
   const hear = (t) => course.lines.push(...unit.lines.splice(0).map((line) => ({t, ...line})));
   unit.begin();

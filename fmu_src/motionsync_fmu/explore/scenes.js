@@ -82,13 +82,13 @@ class Run {
   }
 }
 
-/** What the machine draws of a run; null: the block has no picture. */
+/** What the machine draws of a run of at least two points; of a block that has no picture of its own: both axes. */
 function sceneOf(course, block) {
   const scenes = {
     CutToLength: cutToLength, FlyingSaw: flyingSaw, Gearing: gearing, RemoteSync: remoteAxis, Synchronizer: synchronizer,
     Follower: (run) => (run.start("slave_cycle") ? cyclicFollower(run) : linearFollower(run)),
   };
-  return course.count > 1 && scenes[block.name] ? scenes[block.name](new Run(course, block)) : null;
+  return (scenes[block.name] ?? plainAxes)(new Run(course, block));
 }
 
 // --- two axes that may be coupled ---
@@ -123,6 +123,10 @@ function cyclicFollower(run) {
   const park = {label: "park", at: run.setting("park_slave")};
   const cycle = run.start("master.period") || (run.start("variable_cycle") ? 0 : run.start("master_cycle"));
   return twoAxes(run, [cycle, run.start("slave_cycle")], coupling, [[meeting], [arc, park]]);
+}
+
+function plainAxes(run) {
+  return twoAxes(run, [run.scenario.start["master.period"] ?? 0, 0], run.master.map(() => FREE), [[], []]);
 }
 
 function twoAxes(run, periods, coupling, marks) {

@@ -1,6 +1,5 @@
-/* One unit for a web page, compiled to WebAssembly, over the unit's core: the page is its importer.
- *
- * Memory from __heap_base on belongs to the page, which puts its lists of value references and of values there. */
+/* One unit for a web page, compiled to WebAssembly, over the unit's core: the page is its importer, and makes memory
+ * grow for its own lists of value references and values. */
 #include "unit.h"
 
 #define EXPORT(name) __attribute__((export_name(#name)))
@@ -13,11 +12,21 @@ static void tell(const void *importer, Status status, const char *text) {
     page_told(status, text, length);
 }
 
+enum { PAGE = 65536 }; /* bytes that memory grows by */
+
+/* Further memory, all 0. */
+static void *allocate(size_t n, size_t size) {
+    size_t pages = __builtin_wasm_memory_grow(0, (n * size + PAGE - 1) / PAGE);
+    return pages == SIZE_MAX ? NULL : (void *)(pages * PAGE);
+}
+
+static void release(void *room) { (void)room; } /* the one unit stays as long as the page */
+
 static Unit *unit;
 
 /* Begin anew: a unit in initialization mode. False: memory is lacking. */
 EXPORT(begin) bool web_begin(void) {
-    if (!unit && !(unit = unit_new(0, tell))) return false;
+    if (!unit && !(unit = unit_new(0, (Memory){allocate, release}, tell, UNIT_ERROR))) return false;
     unit_reset(unit);
     unit_enter_initialization(unit);
     return true;
@@ -31,7 +40,7 @@ EXPORT(set_reals) Status web_set_reals(const uint32_t r[], size_t n, const doubl
 }
 
 EXPORT(set_integers) Status web_set_integers(const uint32_t r[], size_t n, const int32_t values[]) {
-    return unit_set_integers(unit, INITIALIZING | STEPPING, r, n, values, "set");
+    return unit_set_integers(unit, INITIALIZING | STEPPING, INTEGER | ENUMERATION, r, n, values, "set");
 }
 
 EXPORT(set_booleans) Status web_set_booleans(const uint32_t r[], size_t n, const int32_t values[]) {
@@ -43,7 +52,7 @@ EXPORT(get) void web_get(const uint32_t r[], size_t reals, size_t integers, size
     unit_get_reals(unit, ANY, r, reals, values, "get");
     for (size_t i = reals; i < reals + integers + booleans; i++) {
         int32_t x = 0;
-        if (i < reals + integers) unit_get_integers(unit, ANY, r + i, 1, &x, "get");
+        if (i < reals + integers) unit_get_integers(unit, ANY, INTEGER | ENUMERATION, r + i, 1, &x, "get");
         else unit_get_booleans(unit, ANY, r + i, 1, &x, "get");
         values[i] = x;
     }

@@ -26,7 +26,6 @@ from numpy.typing import ArrayLike, NDArray
 from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, choose
-from ..extras import how_to_install
 from ..interface.turns import Interface
 from ..interface.variables import (
     LONGEST_STEP,
@@ -38,15 +37,9 @@ from ..interface.variables import (
     step_size_refusal,
     variables,
 )
-
-try:
-    from .batch_loop import CAUSE, Cause, Code, Groups, Plan, code, run
-    from .memory_layout import image, offset
-except ModuleNotFoundError as e:
-    raise ModuleNotFoundError(
-        f"batches are compiled with {e.name}, which is not installed: {how_to_install('native')}",
-        name=e.name,
-    ) from None
+from .loop.library import library
+from .loop.plan import CAUSE, Cause, Groups, Plan, run
+from .memory_layout import image, offset
 
 Array = NDArray[Any]
 Reals = NDArray[np.float64]
@@ -120,7 +113,7 @@ def simulate_many(
     array of any type; an enumeration is given by its values, or by the names of its members.
 
     The function works in threads of its own, without the interpreter's lock; any number of threads may call it at the
-    same time. The first call for a block compiles it, which takes some seconds a process.
+    same time. The first call for a block compiles it, which takes a second or a few; its code is kept in the user's cache.
 
     Args:
         block: the name of a registered block, or a block's class.
@@ -143,7 +136,8 @@ def simulate_many(
 
     Raises:
         UserError: before anything runs: an unknown block or variable, a variable that cannot be set or turned so, a
-            shape that does not fit, or a value of the wrong kind (text that names no member; 0.5 for a Boolean).
+            shape that does not fit, or a value of the wrong kind (text that names no member; 0.5 for a Boolean); or
+            there is no C compiler.
     """
     outputs = [outputs] if isinstance(outputs, str) else outputs
     batch = _Batch(block, step_size, inputs, start or {}, outputs, interface or Interface(), steps, instances)
@@ -201,7 +195,7 @@ class _Batch:
         self.varying = self.grouped(c for c in running if c.values.shape[1] > 1 or c.name in start)
         self.judged = self.to_judge({c.name for c in self.starts})
         self.refusals = {member.value: member for member in refusals(self.type)}
-        self.code: Code = code(self.type)
+        self.library = library(self.type)
 
     def numbered(self, name: Any, values: ArrayLike) -> ArrayLike:
         """The values; for an enumeration whose members are given by name, their numbers."""
@@ -276,7 +270,7 @@ class _Batch:
     def run_some(self, first: int, last: int, out: Reals) -> list[Failure]:
         """Run some instances from start to end."""
         task = _Task(self, first, last, out[first:last])
-        run(self.code, task.plan())
+        run(self.library, task.plan())
         return task.failures()
 
     def memory(self, first: int, last: int) -> Array:

@@ -3,6 +3,7 @@
  * Source: G. L. Steele, J. L. White, "How to print floating-point numbers accurately", PLDI 1990. Here the digits end at
  * one of four lengths, and the last digit is rounded to the nearest, to an even one from the middle. */
 #include "decimal.h"
+#include "cold.h"
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
@@ -15,7 +16,7 @@ typedef struct {
     uint32_t words[36];
 } Whole;
 
-static Whole whole(uint64_t x) {
+COLD static Whole whole(uint64_t x) {
     Whole a;
     a.n = (x > 0) + (x > UINT32_MAX);
     a.words[0] = (uint32_t)x;
@@ -23,7 +24,7 @@ static Whole whole(uint64_t x) {
     return a;
 }
 
-static void multiply(Whole *a, uint32_t by) {
+COLD static void multiply(Whole *a, uint32_t by) {
     uint64_t carry = 0;
     for (int i = 0; i < a->n; i++) {
         carry += (uint64_t)a->words[i] * by;
@@ -33,18 +34,18 @@ static void multiply(Whole *a, uint32_t by) {
     if (carry) a->words[a->n++] = (uint32_t)carry;
 }
 
-static void times_power_of_2(Whole *a, int power) {
+COLD static void times_power_of_2(Whole *a, int power) {
     for (; power >= 31; power -= 31) multiply(a, (uint32_t)1 << 31);
     multiply(a, (uint32_t)1 << power);
 }
 
-static void times_power_of_10(Whole *a, int power) {
+COLD static void times_power_of_10(Whole *a, int power) {
     for (; power >= 9; power -= 9) multiply(a, 1000000000);
     for (; power > 0; power--) multiply(a, BASE);
 }
 
 /* < 0, 0 or > 0: a is less than, equal to or greater than b. */
-static int compare(const Whole *a, const Whole *b) {
+COLD static int compare(const Whole *a, const Whole *b) {
     if (a->n != b->n) return a->n - b->n;
     for (int i = a->n - 1; i >= 0; i--)
         if (a->words[i] != b->words[i]) return a->words[i] < b->words[i] ? -1 : 1;
@@ -52,7 +53,7 @@ static int compare(const Whole *a, const Whole *b) {
 }
 
 /* a + b, where b is not the longer one. */
-static Whole sum(const Whole *a, const Whole *b) {
+COLD static Whole sum(const Whole *a, const Whole *b) {
     Whole total = *a;
     uint64_t carry = 0;
     for (int i = 0; i < total.n; i++) {
@@ -65,7 +66,7 @@ static Whole sum(const Whole *a, const Whole *b) {
 }
 
 /* a - b * times, which is not negative. */
-static void subtract(Whole *a, const Whole *b, uint32_t times) {
+COLD static void subtract(Whole *a, const Whole *b, uint32_t times) {
     uint64_t carry = 0;
     for (int i = 0; i < a->n; i++) {
         carry += i < b->n ? (uint64_t)b->words[i] * times : 0;
@@ -78,7 +79,7 @@ static void subtract(Whole *a, const Whole *b, uint32_t times) {
 
 /* The whole part of a / b, which is at most 9; a keeps the remainder. The last word of b is from 2^27 up to 2^28: nine
  * times b is no longer than b, and the last words tell the quotient, or one less. */
-static char quotient(Whole *a, const Whole *b) {
+COLD static char quotient(Whole *a, const Whole *b) {
     uint32_t found = a->n < b->n ? 0 : a->words[a->n - 1] / (b->words[b->n - 1] + 1);
     subtract(a, b, found);
     if (compare(a, b) >= 0) {
@@ -97,13 +98,13 @@ typedef struct {
     bool even; /* a number in the middle between this and the next one reads back as this one */
 } Fraction;
 
-static int floor_log2(uint64_t x) {
+COLD static int floor_log2(uint64_t x) {
     int power = 0;
     while (x >>= 1) power++;
     return power;
 }
 
-static Fraction fraction(uint64_t bits) {
+COLD static Fraction fraction(uint64_t bits) {
     int biased = (int)(bits >> 52);
     uint64_t mantissa = (bits & 0xFFFFFFFFFFFFF) | (biased ? (uint64_t)1 << 52 : 0);
     int power = (biased ? biased : 1) - 1075; /* x is mantissa * 2^power */
@@ -132,20 +133,20 @@ static Fraction fraction(uint64_t bits) {
     return f;
 }
 
-static int compare_doubled(const Whole *a, const Whole *b) {
+COLD static int compare_doubled(const Whole *a, const Whole *b) {
     Whole doubled = *a;
     multiply(&doubled, 2);
     return compare(&doubled, b);
 }
 
 /* Whether the last of the digits that were taken is to be rounded up. */
-static bool rounds_up(const Fraction *f, char last) {
+COLD static bool rounds_up(const Fraction *f, char last) {
     int half = compare_doubled(&f->rest, &f->one);
     return half > 0 || (half == 0 && last & 1);
 }
 
 /* Whether the digits that were taken read back as x, once the last one is rounded. */
-static bool reads_back(const Fraction *f, bool up) {
+COLD static bool reads_back(const Fraction *f, bool up) {
     int over; /* > 0: the error is larger than the margin */
     if (up) {
         Whole reached = sum(&f->rest, &f->margin);
@@ -163,7 +164,7 @@ typedef struct {
     int precision; /* how many digits there were with the zeros at the end */
 } Digits;
 
-static void end(Digits *d, bool up) {
+COLD static void end(Digits *d, bool up) {
     d->precision = d->n;
     while (up && d->n && d->digits[d->n - 1] == 9) d->n--;
     if (up && d->n) {
@@ -175,7 +176,7 @@ static void end(Digits *d, bool up) {
     while (!d->digits[d->n - 1]) d->n--;
 }
 
-static Digits digits_of(uint64_t bits) {
+COLD static Digits digits_of(uint64_t bits) {
     Fraction f = fraction(bits);
     Digits d = {.n = 0, .exponent = f.exponent};
     for (;;) {
@@ -192,18 +193,18 @@ static Digits digits_of(uint64_t bits) {
 
 /* --- the text --- */
 
-static char *copy(char *to, const char *text) {
+COLD static char *copy(char *to, const char *text) {
     while (*text) *to++ = *text++;
     return to;
 }
 
 /* The digits from `from` up to `to`, with zeros before and behind those that there are. */
-static char *digits_to(char *text, const Digits *d, int from, int to) {
+COLD static char *digits_to(char *text, const Digits *d, int from, int to) {
     for (int i = from; i < to; i++) *text++ = (char)('0' + (i >= 0 && i < d->n ? d->digits[i] : 0));
     return text;
 }
 
-static char *fixed(char *text, const Digits *d) {
+COLD static char *fixed(char *text, const Digits *d) {
     int point = d->exponent > 1 ? d->exponent : 1; /* how many digits stand before it */
     text = digits_to(text, d, d->exponent - point, d->exponent);
     if (d->n <= d->exponent) return text;
@@ -211,7 +212,7 @@ static char *fixed(char *text, const Digits *d) {
     return digits_to(text, d, d->exponent, d->n);
 }
 
-static char *scientific(char *text, const Digits *d) {
+COLD static char *scientific(char *text, const Digits *d) {
     int exponent = d->exponent - 1, size = exponent < 0 ? -exponent : exponent;
     text = digits_to(text, d, 0, 1);
     if (d->n > 1) *text++ = '.';
@@ -224,7 +225,7 @@ static char *scientific(char *text, const Digits *d) {
     return text;
 }
 
-size_t decimal(double x, char text[DECIMAL_ROOM]) {
+COLD size_t decimal(double x, char text[DECIMAL_ROOM]) {
     char *at = text;
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);

@@ -3,6 +3,7 @@
 #define DECIMAL_H
 
 #include <stddef.h>
+#include "portable.h"
 
 enum { DECIMAL_ROOM = 32 }; /* bytes that a text of a number needs at most, its end included */
 

@@ -9,6 +9,10 @@
 #include <string.h>
 #include "unit.h"
 
+#if defined __GNUC__
+#pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard has them, and some mean nothing to these units */
+#endif
+
 typedef struct { /* what these functions keep with each unit */
     Logger logger;
     Environment environment;

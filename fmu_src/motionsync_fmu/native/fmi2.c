@@ -9,8 +9,8 @@ typedef fmi2ComponentEnvironment Environment;
 #define CATEGORIES "logStatusWarning, logStatusError, logAll"
 #include "fmi.h"
 
-_Static_assert((int)UNIT_WARNING == fmi2Warning && (int)UNIT_DISCARD == fmi2Discard && (int)UNIT_ERROR == fmi2Error,
-               "the core's statuses are FMI's");
+MUST_HOLD(the_statuses_of_the_core_are_those_of_fmi,
+          (int)UNIT_WARNING == fmi2Warning && (int)UNIT_DISCARD == fmi2Discard && (int)UNIT_ERROR == fmi2Error);
 
 static void log_to(const void *importer, Status status, const char *text) {
     const Importer *to = importer;

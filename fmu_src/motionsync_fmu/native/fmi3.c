@@ -12,8 +12,8 @@ typedef fmi3InstanceEnvironment Environment;
 #define CATEGORIES "logStatusWarning, logStatusDiscard, logStatusError, logAll"
 #include "fmi.h"
 
-_Static_assert((int)UNIT_WARNING == fmi3Warning && (int)UNIT_DISCARD == fmi3Discard && (int)UNIT_ERROR == fmi3Error,
-               "the core's statuses are FMI's");
+MUST_HOLD(the_statuses_of_the_core_are_those_of_fmi,
+          (int)UNIT_WARNING == fmi3Warning && (int)UNIT_DISCARD == fmi3Discard && (int)UNIT_ERROR == fmi3Error);
 
 static void log_to(const void *importer, Status status, const char *text) {
     const Importer *to = importer;

@@ -17,14 +17,13 @@ from ..archive import Files
 from ..errors import UserError
 from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
-from .tables import model_header
-from .translator import c_source
+from .unit_sources import c_sources
 
 HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
-    "-O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
-    "-mllvm -inline-threshold=100 -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none"
+    "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
+    "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
 FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
@@ -64,14 +63,12 @@ def libraries(
     name = type(block).__name__
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        for source in (*c_files(fmi), *FREESTANDING.glob("*.[ch]")):
-            (work / source.name).write_bytes(source.read_bytes())
-        for file, text in c_source(block).items():
+        files = {source.name: source.read_bytes() for source in FREESTANDING.glob("*.[ch]")}
+        for file, text in (files | c_sources(block, guid, turned, fmi)).items():
             (work / file).write_bytes(text)
-        (work / "model.h").write_text(model_header(block, guid, turned, fmi), "utf-8", newline="\n")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             jobs = {
-                target: pool.submit(_compile, target, flags, f"{target}/{name}.{platform.suffix}", work)
+                target: pool.submit(compiled, target, flags, f"{target}/{name}.{platform.suffix}", work)
                 for platform in platforms
                 for target, flags in platform.targets.items()
             }
@@ -83,19 +80,28 @@ def libraries(
             return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
 
 
-def c_files(fmi: Fmi) -> list[Path]:
-    """The C files and headers of a library of that version."""
-    others = {f"fmi{version}.c" for version in Fmi if version != fmi}
-    return sorted(file for file in HERE.glob("*.[ch]") if file.name not in others)
+def compiled(target: str, flags: str, path: str, work: Path) -> bytes:
+    """The library of the C files in a folder, compiled there into `path`, for one of zig's targets with its own flags.
 
+    File names stay relative, so that the library does not depend on where this happens.
 
-def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
-    """Compile one library; file names stay relative, so that the library does not depend on where this happens."""
+    Raises:
+        UserError: zig failed.
+    """
     (work / path).parent.mkdir()
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
+    return zig_cc(target, [*FLAGS.split(), "-I.", *sources, *flags.split()], path, work)
+
+
+def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> bytes:
+    """What zig makes, in the folder `work`, for one of its targets; `path`: where it puts that, relative to the folder.
+
+    Raises:
+        UserError: zig failed.
+    """
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-I", str(HEADERS)]
     done = subprocess.run(
-        [*command, *sources, *flags.split(), "-o", path],
+        [*command, *arguments, "-o", path],
         cwd=work,
         capture_output=True,
         text=True,
@@ -105,7 +111,7 @@ def _compile(target: str, flags: str, path: str, work: Path) -> bytes:
     if done.returncode:
         raise UserError(
             f"zig could not compile for {target}: it needs a folder that can be written (ZIG_GLOBAL_CACHE_DIR; else "
-            f"one in the user's cache) with 1 GB to spare; without zig take --flavour python. zig said:\n"
+            f"one in the user's cache) with 1 GB to spare; an FMU of --flavour python is built without zig. zig said:\n"
             f"{done.stderr.strip()[-2000:]}"
         )
     return (work / path).read_bytes()

@@ -14,17 +14,14 @@ from .macho import universal
 # holds one library for each platform. No library of zig's is linked, nor a C library: freestanding.c has what is then
 # missing. zig would have to compile these libraries first, which takes minutes.
 UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for C++ exceptions
-LINUX = f"-nostdlib -Wl,--hash-style=gnu {UNWINDING}"
+LINUX = f"-nostdlib -Wl,--gc-sections,--hash-style=gnu {UNWINDING}"
 WINDOWS = "-nostdlib -lkernel32 -Wl,-e,library_main"
 MACOS = f"-nostdlib {UNWINDING}"  # zig links libSystem nevertheless: every library of macOS has to name it
 ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, but it compresses worse
 
 PROCESSORS = {"x86_64": "x86-64", "aarch64": "64-bit ARM"}  # by zig's names
-SYSTEMS = {
-    "linux": ("Linux", "linux"),
-    "windows": ("Windows", "windows"),
-    "macos": ("macOS", "darwin"),
-}  # FMI 3.0: last
+SYSTEMS = {"linux": "Linux", "windows": "Windows", "macos": "macOS"}
+DARWIN = {"macos": "darwin"}  # FMI 3.0 has other names of systems
 
 
 def alone(library: bytes) -> bytes:
@@ -51,8 +48,8 @@ class Platform:
     @property
     def title(self) -> str:
         """Its name in the documentation."""
-        system = next(SYSTEMS[system][0] for _, system in map(parts, self.targets))
-        return f"{system} on {' and on '.join(PROCESSORS[processor] for processor, _ in map(parts, self.targets))}"
+        processors, systems = zip(*map(parts, self.targets), strict=True)
+        return f"{SYSTEMS[systems[0]]} on {' and on '.join(PROCESSORS[processor] for processor in processors)}"
 
     def library(self, block: str) -> str:
         """The path of a block's library in the FMU."""
@@ -76,17 +73,18 @@ ROWS = (
         universal,
     ),
 )
+PLATFORMS = {platform.folder: platform for platform in ROWS}  # of FMI 2.0
 # FMI 3.0 has a folder for each processor.
 OF_VERSION = {
     Fmi.TWO: ROWS,
     Fmi.THREE: tuple(
-        Platform(f"{processor}-{SYSTEMS[system][1]}", row.suffix, {target: flags})
+        Platform(f"{processor}-{DARWIN.get(system, system)}", row.suffix, {target: flags})
         for row in ROWS
         for target, flags in row.targets.items()
         for processor, system in [parts(target)]
     ),
 }
-PLATFORMS = {platform.folder: platform for rows in OF_VERSION.values() for platform in rows}
+TITLES = {platform.folder: platform.title for rows in OF_VERSION.values() for platform in rows}
 
 
 def here(fmi: Fmi = Fmi.TWO) -> Platform | None:

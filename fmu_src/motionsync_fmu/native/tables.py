@@ -1,7 +1,9 @@
 """What the C files know of a block: model.h, with the size of its memory and the tables of its variables."""
 
 from collections.abc import Iterable, Mapping
-from math import isinf
+from dataclasses import fields
+from itertools import pairwise
+from math import inf, isinf, nextafter
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,7 @@ from motionsync.master import MasterInput
 
 from ..interface.fmi3_xml import TIME
 from ..interface.recipe import Fmi
-from ..interface.variables import LONGEST_STEP, Variable, refusals, spoken_of, variables
+from ..interface.variables import LONGEST_STEP, Variable, cells, refusals, spoken_of, variables
 from .memory_layout import dtype, offset
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
@@ -24,6 +26,7 @@ MISSING = -1  # in place of a variable's index
 Row = tuple[Any, ...]  # the members of a C struct
 LAST_MESSAGE: Row = (0, 0, 0)
 LAST_CODED: Row = (-1, 0)
+LAST_COUNT: Row = (-1, 0)
 
 
 def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> str:
@@ -32,7 +35,8 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
     `turned`: as for `variables`; `fmi`: the version, of which the third has the time as one more variable."""
     layout, vs, pool = dtype(block), variables(block, turned), Pool()
     index = {v.name: i for i, v in enumerate(vs)}
-    rows = [_variable(v, layout, pool) for v in vs]
+    ranges: dict[Row, int] = {}
+    rows = [_variable(v, layout, pool, ranges.setdefault(_range(v, pool), len(ranges))) for v in vs]
     if fmi == Fmi.THREE:
         rows.append(_time(pool))
     messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
@@ -51,9 +55,12 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
         size=layout.itemsize,
         texts=pool.texts,
         numbers=[n for numbers in pool.lists for n in numbers],
+        ranges=list(ranges),
         variables=rows,
         messages=messages,
         coded=[*coded, LAST_CODED],
+        flags=_distances(offset(layout, c.name) for c in cells(block) if c.type is bool),
+        counts=[*_counts(block, layout), LAST_COUNT],
     )
 
 
@@ -89,28 +96,36 @@ class Pool:
         return self.lists.setdefault(numbers, sum(map(len, self.lists)))
 
 
-def _variable(v: Variable, layout: Any, pool: Pool) -> Row:
+def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
     access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
+    texts = pool.text(v.name), pool.text(f"{v.variability} {v.causality}")
+    return *texts, offset(layout, v.name), allowed, v.kind.upper(), access, str(v.judged).lower()
+
+
+def _range(v: Variable, pool: Pool) -> Row:
+    """The allowed values; a limit that is not allowed itself is replaced by the number next to it."""
     d = v.declaration
-    return (
-        pool.text(v.name),
-        pool.text(f"{v.variability} {v.causality}"),
-        v.kind.upper(),
-        access,
-        offset(layout, v.name),
-        *(number(x) for x in (d.min, d.max, d.above, d.below, d.smallest)),
-        str(d.zero).lower(),
-        str(v.judged).lower(),
-        pool.numbers(len(v.choices), *(int(m) for m in v.choices)),
-        pool.text(v.allowed_range),
-    )
+    low, high = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
+    smallest = d.smallest if d.zero else max(d.smallest, nextafter(0.0, inf))
+    choices = pool.numbers(len(v.choices), *(int(m) for m in v.choices))
+    return number(low), number(high), number(smallest), str(d.zero).lower(), choices, pool.text(v.allowed_range)
 
 
 def _time(pool: Pool) -> Row:
-    """The row of the time, which lies in the unit and not in the block; since it is never set, nothing limits it."""
-    texts = pool.text(TIME), pool.text("continuous independent")
-    no_limits = *(number(0.0) for _ in range(5)), "true", "false", pool.numbers(0), pool.text("")
-    return *texts, "REAL", "OUTPUT", "TIME_OFFSET", *no_limits
+    """The row of the time, which lies in the unit and not in the block; since it is never set, no range is its own."""
+    return pool.text(TIME), pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "OUTPUT", "false"
+
+
+def _distances(offsets: Iterable[int]) -> list[int]:
+    """Places in memory, each by its distance from the one before, the first by that from -1; 0 comes last."""
+    places = sorted(offsets)
+    return [place - before for before, place in pairwise([-1, *places])] + [0]
+
+
+def _counts(block: Any, layout: Any) -> list[Row]:
+    """The place and the largest value of each field that is declared as a count."""
+    found = ((c, {f.name: f for f in fields(c.owner)}[c.attribute].metadata) for c in cells(block))
+    return [(offset(layout, c.name), metadata["most"]) for c, metadata in found if "most" in metadata]
 
 
 def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool, coded: str = "") -> list[Row]:

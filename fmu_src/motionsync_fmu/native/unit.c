@@ -2,6 +2,7 @@
  *
  * This file is the same for all blocks: model.h, which is generated, holds the tables. */
 #include "unit.h"
+#include "cold.h"
 #include "decimal.h"
 #include <float.h>
 #include <math.h>
@@ -12,31 +13,37 @@ typedef enum { OUTPUT, INPUT, TUNABLE, FIXED } Access; /* OUTPUT is never set, F
 
 /* Texts and lists of numbers are given by their places in TEXTS and NUMBERS. Pointers would need a relocation whenever
  * the library is loaded, and the table of these relocations would be as large as all other tables together. */
-typedef struct {
-    int name, role; /* `role`: such as "fixed parameter" */
-    Kind kind;
-    Access access;
-    size_t offset; /* in the model's memory; or TIME_OFFSET */
-    double min, max, above, below, smallest; /* of a number: min and max are allowed, above and below are not;
-                                                smallest: the least magnitude but for 0 */
+typedef struct { /* the allowed values of some variables */
+    double min, max, smallest; /* of a number; smallest: the least magnitude but for 0 */
     bool zero; /* whether a number may be 0 */
+    uint16_t choices; /* of an enumeration: how many members it has, then their numbers */
+    uint16_t text; /* the same in words */
+} Range;
+
+typedef struct {
+    uint16_t name, role; /* `role`: such as "fixed parameter" */
+    int16_t offset; /* in the model's memory; or TIME_OFFSET */
+    uint16_t range; /* in RANGES */
+    uint8_t kind, access; /* a Kind and an Access */
     bool judged; /* a Real whose range each step checks */
-    int choices; /* of an enumeration: how many members it has, then their numbers */
-    int range; /* the allowed values in words */
 } Variable;
 
 typedef struct {
-    int64_t code; /* 0 in the last message of a list */
-    int text;
-    int shown; /* the variables whose values the message shows; the list ends with -1 */
+    int32_t code; /* 0 in the last message of a list */
+    uint16_t text;
+    uint16_t shown; /* the variables whose values the message shows; the list ends with -1 */
 } Message;
 
 typedef struct {
-    int variable; /* -1 in the last row */
-    int messages; /* where in MESSAGES the list of what its values mean begins */
+    int16_t variable; /* -1 in the last row */
+    uint16_t messages; /* where in MESSAGES the list of what its values mean begins */
 } Coded;
 
-#define TIME_OFFSET (-sizeof(double)) /* of the time, where that is a variable: it lies before the model's memory */
+typedef struct {
+    int32_t offset, most;
+} Count;
+
+#define TIME_OFFSET (-(int)sizeof(double)) /* of the time, where that is a variable: it lies before the model's memory */
 #include "model.h"
 
 static const char *words(int place) { return TEXTS + place; }
@@ -65,8 +72,8 @@ typedef struct { /* no member leaves a gap, so that all bytes of a state are det
     Model model;
 } State;
 
-_Static_assert(offsetof(State, model) + TIME_OFFSET == offsetof(State, time), "the time lies elsewhere");
-_Static_assert(sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model), "State has gaps");
+MUST_HOLD(the_time_lies_before_the_model, offsetof(State, model) + TIME_OFFSET == offsetof(State, time));
+MUST_HOLD(a_state_has_no_gaps, sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model));
 
 struct Unit {
     State now;
@@ -85,7 +92,7 @@ typedef struct {
     size_t length;
 } Text;
 
-static void append(Text *text, const char *from, size_t length) {
+COLD static void append(Text *text, const char *from, size_t length) {
     size_t room = sizeof text->bytes - 1 - text->length;
     if (length > room) length = room;
     memcpy(text->bytes + text->length, from, length);
@@ -93,9 +100,9 @@ static void append(Text *text, const char *from, size_t length) {
     text->bytes[text->length] = 0;
 }
 
-static void append_text(Text *text, const char *from) { append(text, from, strlen(from)); }
+COLD static void append_text(Text *text, const char *from) { append(text, from, strlen(from)); }
 
-static void append_integer(Text *text, int64_t x) {
+COLD static void append_integer(Text *text, int64_t x) {
     char digits[20];
     size_t first = sizeof digits;
     uint64_t rest = x < 0 ? -(uint64_t)x : (uint64_t)x;
@@ -105,12 +112,12 @@ static void append_integer(Text *text, int64_t x) {
     append(text, digits + first, sizeof digits - first);
 }
 
-static void append_real(Text *text, double x) {
+COLD static void append_real(Text *text, double x) {
     char digits[DECIMAL_ROOM];
     append(text, digits, decimal(x, digits));
 }
 
-static void append_all(Text *text, const char *format, va_list arguments) {
+COLD static void append_all(Text *text, const char *format, va_list arguments) {
     for (; *format; format++) {
         if (*format != '%') append(text, format, 1);
         else if (*++format == 's') append_text(text, va_arg(arguments, const char *));
@@ -125,13 +132,13 @@ static bool heard(const Unit *u, Status status) {
     return u->write && u->logged & CATEGORIES[status];
 }
 
-void unit_log(Unit *u, int categories) { u->logged = categories; }
+COLD void unit_log(Unit *u, int categories) { u->logged = categories; }
 
-void unit_say(const Unit *u, Status status, const char *text) {
+COLD void unit_say(const Unit *u, Status status, const char *text) {
     if (heard(u, status)) u->write(u->importer, status, text);
 }
 
-static void say_all(const Unit *u, Status status, const char *format, va_list arguments) {
+COLD static void say_all(const Unit *u, Status status, const char *format, va_list arguments) {
     if (!heard(u, status)) return;
     Text text;
     text.length = 0;
@@ -139,7 +146,7 @@ static void say_all(const Unit *u, Status status, const char *format, va_list ar
     unit_say(u, status, text.bytes);
 }
 
-Status unit_fail(const Unit *u, const char *format, ...) {
+COLD Status unit_fail(const Unit *u, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     say_all(u, UNIT_ERROR, format, arguments);
@@ -148,14 +155,14 @@ Status unit_fail(const Unit *u, const char *format, ...) {
 }
 
 /* Says why a step is refused. */
-static void refuse(const Unit *u, const char *format, ...) {
+COLD static void refuse(const Unit *u, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     say_all(u, u->refused, format, arguments);
     va_end(arguments);
 }
 
-static const char *name_of(int64_t mode) {
+COLD static const char *name_of(int64_t mode) {
     switch (mode) {
     case INSTANTIATED: return "is instantiated";
     case INITIALIZING: return "is in initialization mode";
@@ -164,7 +171,7 @@ static const char *name_of(int64_t mode) {
     }
 }
 
-__attribute__((noinline)) bool unit_may(const Unit *u, int modes, const char *call) {
+COLD bool unit_may(const Unit *u, int modes, const char *call) {
     if (!u) return false;
     if (!(u->now.mode & modes)) unit_fail(u, "%s is not allowed now: the unit %s", call, name_of(u->now.mode));
     return u->now.mode & modes;
@@ -175,7 +182,7 @@ static bool may(const Unit *u, int modes, const char *call) {
     return (u && u->now.mode & modes) || unit_may(u, modes, call);
 }
 
-bool unit_given(const Unit *u, const void *pointer, const char *call) {
+COLD bool unit_given(const Unit *u, const void *pointer, const char *call) {
     if (!pointer) unit_fail(u, "%s: a pointer is missing", call);
     return pointer;
 }
@@ -186,7 +193,7 @@ static void *at(State *s, const Variable *v) { return (uint8_t *)s + (offsetof(S
 static double *real(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
 static int64_t *integer(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
 
-static void append_value(Text *text, Unit *u, const Variable *v) {
+COLD static void append_value(Text *text, Unit *u, const Variable *v) {
     append_text(text, words(v->name));
     append_text(text, " = ");
     switch (v->kind) {
@@ -198,35 +205,37 @@ static void append_value(Text *text, Unit *u, const Variable *v) {
 
 static bool is_finite(double x) { return fabs(x) <= DBL_MAX; }
 
+static const Range *range_of(const Variable *v) { return RANGES + v->range; }
+
 /* Whether a number is in its variable's range; NaN fails every comparison. */
 static bool fits(const Variable *v, double x) {
-    bool sized = x != 0.0 ? fabs(x) >= v->smallest : v->zero;
-    return sized & is_finite(x) & (x >= v->min) & (x <= v->max) & (x > v->above) & (x < v->below);
+    const Range *range = range_of(v);
+    return (x >= range->min) & (x <= range->max) & ((fabs(x) >= range->smallest) | ((x == 0.0) & range->zero));
 }
 
 static bool allows(Unit *u, const Variable *v) {
     if (v->kind == REAL) return fits(v, *(double *)at(&u->now, v));
     if (v->kind == INTEGER) return fits(v, (double)*(int64_t *)at(&u->now, v));
     if (v->kind == BOOLEAN) return true;
-    const int32_t *choices = NUMBERS + v->choices;
+    const int32_t *choices = NUMBERS + range_of(v)->choices;
     for (int32_t i = 1; i <= choices[0]; i++)
         if (choices[i] == *(int64_t *)at(&u->now, v)) return true;
     return false;
 }
 
-static bool is_zero(Unit *u, const Variable *v) {
+COLD static bool is_zero(Unit *u, const Variable *v) {
     return v->kind == REAL ? *(double *)at(&u->now, v) == 0.0 : *(int64_t *)at(&u->now, v) == 0;
 }
 
 /* Whether a variable has an allowed value; if not, that is logged with this status. */
-static bool judge(Unit *u, const Variable *v, Status status) {
+COLD static bool judge(Unit *u, const Variable *v, Status status) {
     if (allows(u, v)) return true;
     if (!heard(u, status)) return false;
     Text text;
     text.length = 0;
     append_value(&text, u, v);
     append_text(&text, " is not allowed: it must be ");
-    append_text(&text, words(v->range));
+    append_text(&text, words(range_of(v)->text));
     if (v->access == INPUT && is_zero(u, v)) append_text(&text, "; an unwired input gives 0");
     unit_say(u, status, text.bytes);
     return false;
@@ -236,7 +245,7 @@ static bool judge(Unit *u, const Variable *v, Status status) {
  * step need not look at each. */
 static bool unfit(const Variable *v, double x) { return v->judged && !fits(v, x); }
 
-static void count_unfit(Unit *u) {
+COLD static void count_unfit(Unit *u) {
     u->unfit = 0;
     for (int i = 0; i < COUNT; i++)
         if (VARIABLES[i].kind == REAL) u->unfit += unfit(VARIABLES + i, *real(u, i));
@@ -244,7 +253,7 @@ static void count_unfit(Unit *u) {
 
 /* Log what a code means, with the values of the variables that its message shows. `of`: the name of the variable that
  * holds the code; the group in which this variable lies comes first. */
-static void explain(Unit *u, Status status, const char *of, int messages, int64_t code) {
+COLD static void explain(Unit *u, Status status, const char *of, int messages, int64_t code) {
     if (!heard(u, status)) return;
     size_t group = 0;
     for (size_t i = 0; of[i]; i++)
@@ -270,7 +279,7 @@ static void explain(Unit *u, Status status, const char *of, int messages, int64_
 
 const char *unit_guid(void) { return MODEL_GUID; }
 
-Unit *unit_new(size_t size, Memory memory, Write *write, Status refused) {
+COLD Unit *unit_new(size_t size, Memory memory, Write *write, Status refused) {
     Unit *u = memory.allocate(1, sizeof *u + size);
     if (!u) return NULL;
     memset(u, 0, sizeof *u + size);
@@ -281,13 +290,13 @@ Unit *unit_new(size_t size, Memory memory, Write *write, Status refused) {
     return u;
 }
 
-void unit_free(Unit *u) {
+COLD void unit_free(Unit *u) {
     if (u) u->memory.release(u);
 }
 
 void *unit_importer(Unit *u) { return u->importer; }
 
-void unit_reset(Unit *u) {
+COLD void unit_reset(Unit *u) {
     memset(&u->now, 0, sizeof u->now);
     memcpy(u->now.magic, "motsync1", sizeof u->now.magic);
     memcpy(u->now.guid, MODEL_GUID, sizeof MODEL_GUID);
@@ -301,7 +310,7 @@ void unit_reset(Unit *u) {
 Mode unit_mode(const Unit *u) { return (Mode)u->now.mode; }
 double unit_time(const Unit *u) { return u->now.time; }
 
-Status unit_set_times(Unit *u, double start, double stop, const char *call) {
+COLD Status unit_set_times(Unit *u, double start, double stop, const char *call) {
     if (!is_finite(start)) return unit_fail(u, "%s: start time = %r is not allowed: it must be finite", call, start);
     if (!(stop >= start))
         return unit_fail(u, "%s: stop time = %r is not allowed: it must be >= the start time %r", call, stop, start);
@@ -313,7 +322,7 @@ Status unit_set_times(Unit *u, double start, double stop, const char *call) {
 void unit_enter_initialization(Unit *u) { u->now.mode = INITIALIZING; }
 void unit_terminate(Unit *u) { u->now.mode = TERMINATED; }
 
-static Status initialize(Unit *u) {
+COLD static Status initialize(Unit *u) {
     for (const Variable *v = VARIABLES; v < VARIABLES + COUNT; v++)
         if (v->access != OUTPUT && !judge(u, v, UNIT_ERROR)) return UNIT_ERROR;
     Model before = u->now.model;
@@ -327,15 +336,14 @@ static Status initialize(Unit *u) {
 }
 
 /* In initialization mode, let the outputs follow parameters and inputs. Errors are logged when that mode is left. */
-static void follow(Unit *u) {
-    if (u->now.mode != INITIALIZING) return;
+COLD static void follow(Unit *u) {
     int logged = u->logged;
     u->logged = LOG_NOTHING;
     initialize(u);
     u->logged = logged;
 }
 
-Status unit_exit_initialization(Unit *u) {
+COLD Status unit_exit_initialization(Unit *u) {
     if (initialize(u)) return UNIT_ERROR;
     u->now.mode = STEPPING;
     return UNIT_OK;
@@ -350,7 +358,9 @@ typedef struct {
     int64_t mode;
 } Replaced;
 
-static Replaced replace(Unit *u) {
+static bool has_derivatives(void) { return MASTER[0] >= 0; }
+
+COLD static Replaced replace(Unit *u) {
     Replaced inputs = {{*real(u, MASTER[1]), *real(u, MASTER[2])}, *integer(u, INPUT_MODE)};
     for (int order = 1; order <= 2; order++)
         if (u->now.given & 1 << order) *real(u, MASTER[order]) = u->now.derivatives[order];
@@ -358,7 +368,7 @@ static Replaced replace(Unit *u) {
     return inputs;
 }
 
-static void put_back(Unit *u, const Replaced *inputs) {
+COLD static void put_back(Unit *u, const Replaced *inputs) {
     for (int order = 1; order <= 2; order++) *real(u, MASTER[order]) = inputs->values[order - 1];
     *integer(u, INPUT_MODE) = inputs->mode;
 }
@@ -379,26 +389,35 @@ static Status run(Unit *u, double h) {
 /* By how much of itself a step may end past the stop time: importers add up times, and these sums are inexact. */
 static const double PAST_STOP = 0.01;
 
-static bool in_time(Unit *u, double time, double h) {
+static bool in_time(const Unit *u, double time, double h) {
+    return (h > 0.0) & (h <= LONGEST_STEP) & is_finite(time) & (time + h <= u->now.stop + PAST_STOP * h);
+}
+
+COLD static void tell_time(const Unit *u, double time, double h) {
     if (!(h > 0.0 && h <= LONGEST_STEP))
         refuse(u, "step size = %r is not allowed: it must be > 0 and <= %r", h, LONGEST_STEP);
     else if (!is_finite(time)) refuse(u, "a step at the time %r is not allowed: it must be finite", time);
-    else if (time + h > u->now.stop + PAST_STOP * h)
+    else
         refuse(u, "a step of %r at the time %r is not allowed: it would end past the stop time %r", h, time,
                u->now.stop);
-    else return true;
-    return false;
 }
 
-static bool ready(Unit *u, double time, double h) {
-    if (!in_time(u, time, h)) return false;
-    for (int i = 0; u->unfit && i < COUNT; i++)
+COLD static bool judge_all(Unit *u) {
+    for (int i = 0; i < COUNT; i++)
         if (VARIABLES[i].judged && !judge(u, VARIABLES + i, u->refused)) return false;
     return true;
 }
 
+static bool ready(Unit *u, double time, double h) {
+    if (!in_time(u, time, h)) {
+        tell_time(u, time, h);
+        return false;
+    }
+    return !u->unfit || judge_all(u);
+}
+
 /* A step with the derivatives of the master's position that were given for it. */
-static Status run_with_derivatives(Unit *u, double h) {
+COLD static Status run_with_derivatives(Unit *u, double h) {
     Replaced inputs = replace(u);
     bool fit = judge(u, VARIABLES + MASTER[1], u->refused) && judge(u, VARIABLES + MASTER[2], u->refused);
     Status status = fit ? run(u, h) : u->refused;
@@ -411,7 +430,7 @@ Status unit_step(Unit *u, double time, double h, const char *call) {
     if (!ready(u, time, h)) return u->refused;
     int64_t codes[sizeof CODED / sizeof *CODED];
     for (int i = 0; CODED[i].variable >= 0; i++) codes[i] = *integer(u, CODED[i].variable);
-    bool derived = u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
+    bool derived = has_derivatives() && u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
     Status status = derived ? run_with_derivatives(u, h) : run(u, h);
     if (status) return status;
     u->now.given = 0;
@@ -426,7 +445,7 @@ Status unit_step(Unit *u, double time, double h, const char *call) {
 
 /* --- getters and setters --- */
 
-static const char *kind_names(int kinds) {
+COLD static const char *kind_names(int kinds) {
     switch (kinds) {
     case REAL: return "Real";
     case INTEGER: return "Integer";
@@ -436,28 +455,35 @@ static const char *kind_names(int kinds) {
     }
 }
 
-static const Variable *find(const Unit *u, uint32_t r, int kinds) {
-    if (r < COUNT && kinds & VARIABLES[r].kind) return VARIABLES + r;
+static bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds & VARIABLES[r].kind; }
+
+COLD static bool none_has(const Unit *u, uint32_t r, int kinds) {
     unit_fail(u, "no %s has the value reference %d", kind_names(kinds), (int64_t)r);
-    return NULL;
+    return false;
+}
+
+static bool can_be_set(const Unit *u, uint32_t r) {
+    Access access = (Access)VARIABLES[r].access;
+    return access != OUTPUT && !(access == FIXED && u->now.mode == STEPPING);
+}
+
+COLD static bool cannot_be_set(const Unit *u, uint32_t r) {
+    unit_fail(u, "%s (%s) cannot be set now", words(VARIABLES[r].name), words(VARIABLES[r].role));
+    return false;
 }
 
 static bool may_get(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
-    if (n && !(unit_given(u, r, call) && unit_given(u, values, call))) return false;
+    if (n && !(r && values)) return unit_given(u, NULL, call);
     for (size_t i = 0; i < n; i++)
-        if (!find(u, r[i], kinds)) return false;
+        if (!is_one(r[i], kinds)) return none_has(u, r[i], kinds);
     return true;
 }
 
 static bool may_set(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
-    if (n && !(unit_given(u, r, call) && unit_given(u, values, call))) return false;
+    if (n && !(r && values)) return unit_given(u, NULL, call);
     for (size_t i = 0; i < n; i++) {
-        const Variable *v = find(u, r[i], kinds);
-        if (!v) return false;
-        if (v->access == OUTPUT || (v->access == FIXED && u->now.mode == STEPPING)) {
-            unit_fail(u, "%s (%s) cannot be set now", words(v->name), words(v->role));
-            return false;
-        }
+        if (!is_one(r[i], kinds)) return none_has(u, r[i], kinds);
+        if (!can_be_set(u, r[i])) return cannot_be_set(u, r[i]);
     }
     return true;
 }
@@ -476,7 +502,7 @@ static void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(
     Status unit_get_##names(Unit *u, int modes, FURTHER const uint32_t r[], size_t n, Given values[],                \
                             const char *call) {                                                                      \
         if (!may(u, modes, call) || !may_get(u, kinds, r, n, values, call)) return UNIT_ERROR;                       \
-        follow(u);                                                                                                   \
+        if (u->now.mode == INITIALIZING) follow(u);                                                                  \
         for (size_t i = 0; i < n; i++) values[i] = (Given)*(Held *)at(&u->now, VARIABLES + r[i]);                    \
         return UNIT_OK;                                                                                              \
     }                                                                                                                \
@@ -495,12 +521,12 @@ ACCESS(flags, boolean, , BOOLEAN, bool, uint8_t)
 
 /* --- derivatives --- */
 
-static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n, const int32_t orders[],
+COLD static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n, const int32_t orders[],
                                 const double values[], const char *call) {
     if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return false;
     for (size_t i = 0; i < n; i++) {
-        const Variable *v = find(u, r[i], REAL);
-        if (!v) return false;
+        if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL);
+        const Variable *v = VARIABLES + r[i];
         if (v->access != INPUT) {
             unit_fail(u, "%s: %s (%s) is no input", call, words(v->name), words(v->role));
             return false;
@@ -513,12 +539,12 @@ static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n, con
     return true;
 }
 
-Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],
+COLD Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],
                                   const char *call) {
     if (!may_set_derivatives(u, r, n, orders, values, call)) return UNIT_ERROR;
     bool ignored = false;
     for (size_t i = 0; i < n; i++) {
-        if ((int)r[i] == MASTER[0] && orders[i] <= 2 && *integer(u, INPUT_MODE) != END_OF_STEP) {
+        if (has_derivatives() && (int)r[i] == MASTER[0] && orders[i] <= 2 && *integer(u, INPUT_MODE) != END_OF_STEP) {
             u->now.derivatives[orders[i]] = values[i];
             u->now.given |= 1 << orders[i];
         } else {
@@ -535,11 +561,11 @@ Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const i
     return UNIT_WARNING;
 }
 
-Status unit_get_output_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], double values[],
+COLD Status unit_get_output_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], double values[],
                                    const char *call) {
     if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return UNIT_ERROR;
     for (size_t i = 0; i < n; i++) {
-        if (!find(u, r[i], REAL)) return UNIT_ERROR;
+        if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL), UNIT_ERROR;
         if ((int)r[i] != SLAVE[0] || orders[i] < 1 || orders[i] > 2)
             return unit_fail(u, "%s: only orders 1 and 2 of the slave's position are known", call);
     }
@@ -561,34 +587,34 @@ static uint64_t checksum(const uint8_t *state) {
     return sum;
 }
 
-static bool ours(const Unit *u, const void *state, const char *call) {
+COLD static bool ours(const Unit *u, const void *state, const char *call) {
     if (!unit_given(u, state, call)) return false;
     bool same = !memcmp(state, &u->now, offsetof(State, checksum)); /* magic, GUID and size */
     if (!same) unit_fail(u, "%s: this FMU state belongs to another FMU", call);
     return same;
 }
 
-static State *new_state(const Unit *u, const char *call) {
+COLD static State *new_state(const Unit *u, const char *call) {
     State *made = u->memory.allocate(1, sizeof *made);
     if (!made) unit_fail(u, "%s: out of memory", call);
     return made;
 }
 
-Status unit_save(const Unit *u, void **state, const char *call) {
+COLD Status unit_save(const Unit *u, void **state, const char *call) {
     if (!unit_given(u, state, call) || (*state && !ours(u, *state, call))) return UNIT_ERROR;
     if (!*state && !(*state = new_state(u, call))) return UNIT_ERROR;
     memcpy(*state, &u->now, sizeof(State));
     return UNIT_OK;
 }
 
-Status unit_restore(Unit *u, const void *state, const char *call) {
+COLD Status unit_restore(Unit *u, const void *state, const char *call) {
     if (!ours(u, state, call)) return UNIT_ERROR;
     memcpy(&u->now, state, sizeof(State));
     count_unfit(u);
     return UNIT_OK;
 }
 
-Status unit_free_state(const Unit *u, void **state, const char *call) {
+COLD Status unit_free_state(const Unit *u, void **state, const char *call) {
     if (!state || !*state) return UNIT_OK; /* the standard: nothing to do */
     if (!ours(u, *state, call)) return UNIT_ERROR;
     u->memory.release(*state);
@@ -596,13 +622,13 @@ Status unit_free_state(const Unit *u, void **state, const char *call) {
     return UNIT_OK;
 }
 
-Status unit_serialized_size(const Unit *u, const void *state, size_t *n, const char *call) {
+COLD Status unit_serialized_size(const Unit *u, const void *state, size_t *n, const char *call) {
     if (!ours(u, state, call) || !unit_given(u, n, call)) return UNIT_ERROR;
     *n = sizeof(State);
     return UNIT_OK;
 }
 
-Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], size_t n, const char *call) {
+COLD Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], size_t n, const char *call) {
     if (!ours(u, state, call) || !unit_given(u, bytes, call)) return UNIT_ERROR;
     if (n < sizeof(State)) return unit_fail(u, "%s: there must be room for %d bytes", call, (int64_t)sizeof(State));
     memcpy(bytes, state, sizeof(State));
@@ -611,14 +637,27 @@ Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], size_t 
     return UNIT_OK;
 }
 
-/* Whether a state can be one that this unit has made. Its checksum does not tell that: a forged state may have one. */
-static bool possible(const State *s) {
-    int64_t derivatives = MASTER[0] >= 0 ? 1 << 1 | 1 << 2 : 0;
-    bool known = s->mode == INSTANTIATED || s->mode == INITIALIZING || s->mode == STEPPING || s->mode == TERMINATED;
-    return known && !(s->given & ~derivatives) && is_finite(s->time) && s->stop == s->stop;
+/* Whether all that loops and branches rely on is as the block leaves it. */
+COLD static bool sound(const Model *model) {
+    const uint8_t *flag = model->bytes - 1;
+    for (const uint16_t *distance = FLAGS; *distance; distance++)
+        if (*(flag += *distance) > 1) return false;
+    for (const Count *count = COUNTS; count->offset >= 0; count++) {
+        int64_t value;
+        memcpy(&value, model->bytes + count->offset, sizeof value);
+        if (value < 0 || value > count->most) return false;
+    }
+    return true;
 }
 
-Status unit_deserialize(const Unit *u, const uint8_t bytes[], size_t n, void **state, const char *call) {
+/* Whether a state can be one that this unit has made. Its checksum does not tell that: a forged state may have one. */
+COLD static bool possible(const State *s) {
+    int64_t derivatives = has_derivatives() ? 1 << 1 | 1 << 2 : 0;
+    bool known = s->mode == INSTANTIATED || s->mode == INITIALIZING || s->mode == STEPPING || s->mode == TERMINATED;
+    return known && !(s->given & ~derivatives) && is_finite(s->time) && s->stop == s->stop && sound(&s->model);
+}
+
+COLD Status unit_deserialize(const Unit *u, const uint8_t bytes[], size_t n, void **state, const char *call) {
     if (!unit_given(u, bytes, call) || !unit_given(u, state, call)) return UNIT_ERROR;
     if (n != sizeof(State))
         return unit_fail(u, "%s: an FMU state of this unit has %d bytes", call, (int64_t)sizeof(State));

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "portable.h"
 
 typedef struct Unit Unit; /* one instance: all that changes lies in it, there are no globals */
 

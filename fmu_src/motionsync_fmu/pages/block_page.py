@@ -7,9 +7,10 @@ from motionsync.master import MasterInput
 
 from .. import HOME, __version__
 from ..archive import Files
+from ..interface.recipe import Fmi
 from ..interface.table import groups
 from ..interface.variables import members, summary, variables
-from ..native.platforms import PLATFORMS
+from ..native.platforms import TITLES
 from ..scenario.scenario import Scenario
 from .pictures import svg
 from .readme import readme, rendered
@@ -28,12 +29,15 @@ def pages(
     slave_unit: str = "",
     turned: Mapping[str, str] | None = None,
     related: bool = False,
+    fmi: Fmi = Fmi.TWO,
+    sources: bool = False,
 ) -> Files:
     """index.html and its picture, and for the python flavour externalDependencies.html.
 
     `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: the unit of
     positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`); `turned`: as for
-    `variables`; `related`: whether the FMU has the example's `related_files`.
+    `variables`; `related`: whether the FMU has the example's `related_files`; `fmi`: the version of the FMU;
+    `sources`: whether it brings its C along.
 
     Raises:
         UserError: the block has no README.md, or refuses its example.
@@ -54,8 +58,10 @@ def pages(
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,
         "flavour": flavour,
+        "fmi": fmi,
         "related": related,
-        "platforms": {p: PLATFORMS[p].title for p in platforms},
+        "sources": sources,
+        "platforms": {p: TITLES[p] for p in platforms},
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
     files = {page: TEMPLATES.get_template(f"{page}.j2").render(values).encode() for page in names}

@@ -3,10 +3,9 @@
 import ast
 from dataclasses import dataclass
 
-from .package import Kind, Meaning, Package
+from .package import MATH_CONSTANTS, Kind, Meaning, Package
 
 MATH = {"math.sqrt": "float", "math.floor": "int", "math.isfinite": "bool", "math.fmod": "float"}
-MATH_CONSTANTS = ("math.e", "math.inf", "math.nan", "math.pi", "math.tau")
 COPY = "var.copy"  # copies one part into another of the same class
 BUILTINS = {"abs": 1, "min": 2, "max": 2, "round": 1, "int": 1, "float": 1, "len": 1}  # least number of arguments
 OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
@@ -15,6 +14,9 @@ STRING = "no strings in kernel code"
 TUPLE = "a tuple is only returned, unpacked into locals at once, or searched with `in`"
 POWER = "no `**` and no pow, which machines round differently: write a product"
 MEMBER = "an enumeration member is compared, never converted or asked for its name, value or description"
+BOOLEANS = "and, or join Booleans only: write a comparison"
+INT_AS_FLOAT = "an integer stands for a float in arithmetic and comparisons only: write 1.0, or float(n)"
+OBJECT = "an object or list is chosen by its name alone, and is never returned: choose between its values"
 CALL = "only kernel functions, methods of objects, abs, min, max, round, int, float, len and math's are called"
 
 FORBIDDEN: dict[type[ast.AST], str] = {
@@ -87,6 +89,11 @@ class Expressions(ast.NodeVisitor):
         kind: Kind = self.visit(node)
         return self.flag(node, TUPLE) if isinstance(kind, tuple) else kind
 
+    def given(self, node: ast.AST, kind: Kind, wanted: Kind) -> None:
+        """A value of one kind where one of another kind is wanted: an integer does not become a float by itself."""
+        if wanted == "float" and (kind in ("int", "bool") or self.is_enumeration(kind)):
+            self.flag(node, INT_AS_FLOAT)
+
     def condition(self, node: ast.expr) -> Kind:
         kind = self.value(node)
         if self.is_enumeration(kind) or self.is_object(kind):
@@ -141,6 +148,7 @@ class Expressions(ast.NodeVisitor):
         meaning = self.meaning(node.func)
         match node.func:
             case _ if isinstance(meaning, ast.FunctionDef):
+                self.passed(node, kinds, self.package.homes[meaning], meaning.args.args)
                 return self.package.kind(self.package.homes[meaning], meaning.returns)
             case _ if isinstance(meaning, ast.ClassDef):
                 made = "an object is made once, with its owner: no allocation in a function"
@@ -148,11 +156,23 @@ class Expressions(ast.NodeVisitor):
             case _ if isinstance(meaning, str):
                 return self.outside(node, meaning, kinds)
             case ast.Attribute(value=value, attr=name) if isinstance(owner := self.value(value), ast.ClassDef):
-                result = self.package.member(owner, name, ast.FunctionDef)
-                return self.flag(node, CALL) if result is None else result
+                return self.method(node, owner, name, kinds)
             case ast.Name(id=name) if name in BUILTINS and len(kinds) >= BUILTINS[name]:
                 return self.builtin(node, name, kinds)
         return self.flag(node, POWER if ast.unparse(node.func) == "pow" else CALL)
+
+    def method(self, node: ast.Call, owner: ast.ClassDef, name: str, kinds: list[Kind]) -> Kind:
+        result = self.package.member(owner, name, ast.FunctionDef)
+        if result is None:
+            return self.flag(node, CALL)
+        method = self.package.method(owner, name)
+        self.passed(node, kinds, self.package.home(method), method.args.args[1:])
+        return result
+
+    def passed(self, node: ast.Call, kinds: list[Kind], home: str, parameters: list[ast.arg]) -> None:
+        """The arguments of a call of the package's own function."""
+        for argument, kind, parameter in zip(node.args, kinds, parameters, strict=False):
+            self.given(argument, kind, self.package.kind(home, parameter.annotation))
 
     def outside(self, node: ast.Call, meaning: str, kinds: list[Kind]) -> Kind:
         """A call into math, or into the declarations, of which `copy` alone is compiled."""
@@ -166,6 +186,8 @@ class Expressions(ast.NodeVisitor):
         if len(kinds) > 1 and name not in ("min", "max"):
             return self.flag(node, f"{name} takes one argument here")
         if name in ("min", "max"):
+            for argument, kind in zip(node.args, kinds, strict=True):
+                self.given(argument, kind, "float" if "float" in kinds else kind)
             return kinds[0] if len(set(kinds)) == 1 else "float" if "float" in kinds else "?"
         return self.arithmetic(kinds[0], kinds[0]) if name == "abs" else "float" if name == "float" else "int"
 
@@ -174,6 +196,8 @@ class Expressions(ast.NodeVisitor):
             return self.flag(node, POWER if isinstance(op, ast.Pow) else "the operators are + - * / // %")
         if "list" in (left, right):
             return self.flag(node, "no arithmetic with whole lists")
+        if isinstance(op, ast.FloorDiv) and "float" in (left, right):
+            return self.flag(node, "no `//` of floats: write floor(x / y)")
         return "float" if isinstance(op, ast.Div) else self.arithmetic(left, right)
 
     def visit_BinOp(self, node: ast.BinOp) -> Kind:
@@ -187,11 +211,16 @@ class Expressions(ast.NodeVisitor):
 
     def visit_BoolOp(self, node: ast.BoolOp) -> Kind:
         kinds = {self.condition(operand) for operand in node.values}
-        return kinds.pop() if len(kinds) == 1 else "?"
+        return "bool" if kinds <= {"bool", "?"} else self.flag(node, BOOLEANS)
 
     def visit_IfExp(self, node: ast.IfExp) -> Kind:
         self.condition(node.test)
-        return self.either(self.value(node.body), self.value(node.orelse))
+        kinds = self.value(node.body), self.value(node.orelse)
+        if any(self.is_object(kind) for kind in kinds):
+            return self.flag(node, OBJECT)
+        for branch, kind in zip((node.body, node.orelse), kinds, strict=True):
+            self.given(branch, kind, "float" if "float" in kinds else kind)
+        return self.either(*kinds)
 
     def visit_Compare(self, node: ast.Compare) -> Kind:
         self.value(node.left)

@@ -4,9 +4,10 @@ read."""
 import ast
 from typing import TypeAlias
 
-from .expressions import TUPLE, Expressions
-from .package import Kind, Meaning
+from .expressions import OBJECT, TUPLE, Expressions, Violation
+from .package import Kind, Meaning, Package, Reading
 
+RETURNED = "a float, int, bool or an enumeration"
 KINDS = "a float, int, bool, an enumeration, list[float] or a kernel dataclass"
 PATTERN = "match and its patterns: an integer or an enumeration member, several joined with `|`, or `_`"
 
@@ -28,13 +29,38 @@ def without_docstring(body: list[ast.stmt]) -> list[ast.stmt]:
 
 
 class Body(Expressions):
-    """The rules for a function: its signature, its statements, and that every local is bound where it is read."""
+    """The rules for a function: its signature, its statements, and that every local is bound where it is read.
 
-    def check(self, node: ast.FunctionDef, owner: ast.ClassDef | None) -> None:
-        self.kinds: dict[str, Kind] = {}
+    What is found out on the way is kept: `package.readings` has it then."""
+
+    def __init__(
+        self,
+        package: Package,
+        file: str,
+        violations: list[Violation],
+        node: ast.FunctionDef,
+        owner: ast.ClassDef | None,
+    ) -> None:
+        super().__init__(package, file, violations)
+        self.node, self.owner = node, owner
+        self.reading = package.readings[node] = Reading(package, file, node, owner)
+        self.kinds = self.reading.locals
+        self.returns = package.kind(file, node.returns)
         self.loops: list[str] = []  # the loop variables of the loops around this place
         self.ended: set[str] = set()  # the loop variables of earlier loops
         self.breaks: list[list[Bound]] = []  # for each loop around this place, what was bound at its breaks
+
+    def check(self) -> None:
+        self.signature()
+        self.bound: Bound = frozenset(self.kinds)
+        names = (name for name in ast.walk(self.node) if isinstance(name, ast.Name))
+        self.locals = self.bound | {name.id for name in names if isinstance(name.ctx, ast.Store)}
+        self.block(without_docstring(self.node.body))
+        if self.bound is not None and self.returns not in ("?", "None"):
+            self.flag(self.node, "every path returns a value (a match without `case _` may fall through)")
+
+    def signature(self) -> None:
+        node, returns = self.node, self.returns
         if node.decorator_list:
             self.flag(node, "no decorators on functions and methods")
         parameters = [argument for argument in ast.walk(node.args) if isinstance(argument, ast.arg)]
@@ -42,19 +68,21 @@ class Body(Expressions):
             self.flag(node, "parameters are positional: no defaults, *args, **kwargs, `*` or `/`")
         for at, argument in enumerate(parameters):
             kind = self.package.kind(self.file, argument.annotation)
-            is_self = owner is not None and at == 0 and argument.arg == "self"
-            self.kinds[argument.arg] = owner if is_self and owner else kind
+            is_self = at == 0 and argument.arg == "self" and self.owner is not None
+            self.kinds[argument.arg] = self.owner if is_self and self.owner else kind
             if not is_self and (kind in ("?", "None") or isinstance(kind, tuple)):
                 self.flag(argument, f"a parameter is {KINDS}")
-        returns = self.package.kind(self.file, node.returns)
-        if returns == "?" or (isinstance(returns, tuple) and "?" in returns):
-            self.flag(node, f"a function says what it returns: {KINDS}, a tuple of these, or None")
-        self.bound: Bound = frozenset(self.kinds)
-        stored = {name.id for name in ast.walk(node) if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)}
-        self.locals = stored | self.bound
-        self.block(without_docstring(node.body))
-        if self.bound is not None and returns not in ("?", "None"):
-            self.flag(node, "every path returns a value (a match without `case _` may fall through)")
+        parts = returns if isinstance(returns, tuple) else (returns,)
+        if "?" in parts:
+            self.flag(node, f"a function says what it returns: {RETURNED}, a tuple of these, or None")
+        if any(self.is_object(part) for part in parts):
+            self.flag(node, OBJECT)
+
+    def visit(self, node: ast.AST) -> Kind:
+        kind: Kind = super().visit(node)
+        if isinstance(node, ast.expr):
+            self.reading.kinds[node] = kind
+        return kind
 
     def block(self, body: list[ast.stmt]) -> None:
         for statement in body:
@@ -75,13 +103,27 @@ class Body(Expressions):
     def bind(self, node: ast.AST, name: str, kind: Kind) -> None:
         if name in self.loops:
             self.flag(node, f"the loop variable {name} is not reassigned")
-        self.kinds[name] = self.either(self.kinds.get(name, kind), kind)
+        before = self.kinds.get(name, kind)
+        if self.is_object(before) and name in self.kinds:
+            self.flag(node, f"{name} stands for an object, and is assigned once")
+        elif before != kind and name != "_" and "?" not in (before, kind):
+            self.flag(node, f"{name} has one kind: {self.spoken(before)} or {self.spoken(kind)}")
+        self.kinds[name] = kind if before == "?" else before
+        if isinstance(node, ast.Name):
+            self.reading.kinds[node] = self.kinds[name]
         self.bound = None if self.bound is None else self.bound | {name}
+
+    @staticmethod
+    def spoken(kind: Kind) -> str:
+        return kind.name if isinstance(kind, ast.ClassDef) else str(kind)
 
     def assign(self, target: ast.expr, kind: Kind) -> None:
         if isinstance(target, ast.Name):
             self.bind(target, target.id, kind)
-        elif self.is_object(self.visit(target)):
+            return
+        wanted = self.visit(target)
+        self.given(target, kind, wanted)
+        if self.is_object(wanted):
             self.flag(target, "an object or list is never rebound: assign its fields or elements")
 
     def visit_Assign(self, node: ast.Assign) -> None:
@@ -103,7 +145,7 @@ class Body(Expressions):
         if kind in ("?", "None") or isinstance(kind, tuple):
             self.flag(node, f"a local is {KINDS}")
         if node.value is not None:
-            self.value(node.value)
+            self.given(node.value, self.value(node.value), kind)
             self.assign(node.target, kind)
 
     def visit_AugAssign(self, node: ast.AugAssign) -> None:
@@ -122,10 +164,11 @@ class Body(Expressions):
 
     def visit_Return(self, node: ast.Return) -> None:
         if isinstance(node.value, ast.Tuple):
-            for part in node.value.elts:
-                self.value(part)
+            wanted = self.returns if isinstance(self.returns, tuple) else ("?",) * len(node.value.elts)
+            for part, kind in zip(node.value.elts, wanted, strict=False):
+                self.given(part, self.value(part), kind)
         elif node.value is not None:
-            self.visit(node.value)
+            self.given(node.value, self.visit(node.value), self.returns)
         self.bound = None
 
     def visit_Break(self, node: ast.Break) -> None:
@@ -185,6 +228,9 @@ class Body(Expressions):
             case ast.For(target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="range"), args=limits, keywords=[])):
                 for limit in limits:
                     self.value(limit)
+                step = self.package.number(self.file, limits[2]) if len(limits) > 2 else 1
+                if not isinstance(step, int) or not step:
+                    self.flag(node, "the step of a range is a whole number, not 0")
                 self.forget_loop_variables(node)
                 skipped = self.bound
                 self.bind(node, name, "int")

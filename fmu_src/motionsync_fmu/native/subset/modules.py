@@ -1,11 +1,14 @@
 """The rules for what stands at module level and in classes, and the check of all rules."""
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import count
 
+from . import order
+from .effects import Effects
 from .expressions import Expressions, Violation, names_of_variables
 from .functions import KINDS, Body, without_docstring
-from .package import Kind, Package
+from .package import MODEL, Kind, Package
 
 DERIVED = (
     "a dataclass derives from one kernel dataclass at most; unless that one has declared fields only, it then adds "
@@ -38,7 +41,9 @@ class Module(Expressions):
         if node.level:
             allowed = origin is not None and (node.module or [str(origin / name) for name in names] == ["var"])
         else:
-            allowed = node.module == "math" or (node.module == "dataclasses" and names == ["dataclass"])
+            declarations = node.module == f"{MODEL}.var" or (node.module == MODEL and names == ["var"])
+            dataclass = node.module == "dataclasses" and names == ["dataclass"]
+            allowed = declarations or dataclass or node.module == "math"
         if "*" in names or not allowed:
             self.flag(node, IMPORTS)
 
@@ -55,7 +60,7 @@ class Module(Expressions):
             self.value(node.value)
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
-        Body(self.package, self.file, self.violations).check(node, None)
+        Body(self.package, self.file, self.violations, node, None).check()
 
     def visit_ClassDef(self, node: ast.ClassDef) -> None:
         rules = self.enumeration if self.is_enumeration(node) else self.dataclass
@@ -90,7 +95,7 @@ class Module(Expressions):
                         self.flag(item, DERIVED)
                     if self.package.member(node, name, ast.AnnAssign) is not None:
                         self.flag(item, f"the method {name} has the name of a field")
-                    Body(self.package, self.file, self.violations).check(item, node)
+                    Body(self.package, self.file, self.violations, item, node).check()
                 case _:
                     self.flag(item, "a dataclass holds only typed fields and methods")
 
@@ -132,7 +137,39 @@ def violations(package: Package, file: str) -> list[Violation]:
 def check(package_sources: Mapping[str, str]) -> list[Violation]:
     """The violations in the modules of the model; `package_sources`: each module's text by its path in the package.
 
+    The rules that need the whole package (`order`) are applied once it keeps all others.
+
     Raises SyntaxError, with file and line, if a text is not Python at all.
     """
     package = Package(package_sources)
+    return read(package) or order.violations(Effects(package))
+
+
+def read(package: Package) -> list[Violation]:
+    """The violations in each module for itself. All functions have been read then: `package.readings` has them."""
     return [found for file in package.trees if not package.exempt(file) for found in violations(package, file)]
+
+
+def read_block(package: Package, block: ast.ClassDef) -> list[Violation]:
+    """The violations in a block and in all that it needs. Its module may hold other things beside.
+
+    All functions that it needs have been read then, and no others."""
+    found: list[Violation] = []
+    wanted: dict[ast.stmt, None] = {block: None}
+    for statement in wanted_by(package, wanted):
+        module = Module(package, package.homes[statement], found)
+        module.visit(statement)
+    return sorted(dict.fromkeys(found), key=lambda violation: (violation.file, violation.line))
+
+
+def wanted_by(package: Package, wanted: dict[ast.stmt, None]) -> Iterator[ast.stmt]:
+    """These statements at module level, and those that declare what they name."""
+    for at in count():
+        if at == len(wanted):
+            return
+        statement = list(wanted)[at]
+        yield statement
+        for node in ast.walk(statement):
+            meaning = package.meaning(package.homes[statement], node) if isinstance(node, ast.Name) else None
+            if isinstance(meaning, ast.stmt) and not package.exempt(package.homes[meaning]):
+                wanted.setdefault(meaning)

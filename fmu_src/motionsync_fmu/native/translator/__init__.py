@@ -1,5 +1,23 @@
-"""A block as readable C99: the kernel subset, translated with its names, comments and docstrings."""
+"""A block as readable C99: the kernel subset, translated with its names, comments and docstrings.
 
-from .program import c_source
+What the checker of the subset has found out (the kind of each expression, what each function changes) is all that the
+translator goes by; the running classes tell the descriptions of fields and the start values.
+"""
 
-__all__ = ["c_source"]
+from typing import Any
+
+from ...archive import Files
+from .program import Program
+
+
+def c_source(block: Any) -> Files:
+    """The C of a block: block.h, with its memory and its two functions, and block.c.
+
+    The text is the same in every process. It needs of a C library sqrt, floor, rint, fmod and fabs only.
+
+    Raises:
+        UserError: the block is outside the kernel subset; the message has file, line and rule of each violation.
+    """
+    program = Program(block)
+    source = program.source()
+    return {"block.h": program.header().encode(), "block.c": source.encode()}

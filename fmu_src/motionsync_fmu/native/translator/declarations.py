@@ -1,0 +1,57 @@
+"""Where the locals of a function are declared: in the innermost block that holds all uses, before the first one."""
+
+import ast
+from collections.abc import Iterator
+from typing import TypeAlias
+
+from ..subset.functions import without_docstring
+from ..subset.package import Reading
+
+Path: TypeAlias = tuple[
+    int | str, ...
+]  # to a statement: its index, then the name or number of a block in it, and so on
+
+
+def blocks(statement: ast.stmt) -> Iterator[tuple[int | str, list[ast.stmt]]]:
+    """The blocks inside a statement."""
+    match statement:
+        case ast.If() | ast.While() | ast.For():
+            yield "body", statement.body
+            yield "orelse", statement.orelse
+        case ast.Match(cases=cases):
+            yield from enumerate(case.body for case in cases)
+
+
+def declarations(reading: Reading) -> dict[Path, list[str]]:
+    """The locals to declare before or in each statement, by its path; a loop declares its variable itself."""
+    loops = {id(n.target) for n in reading.walk(reading.node) if isinstance(n, ast.For)}
+    names = (n for n in reading.walk(reading.node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
+    own = {name.id for name in names if id(name) not in loops} - {*reading.parameters} - {"_"}
+    uses: dict[str, list[Path]] = {}
+    _look(reading, without_docstring(reading.node.body), (), own, uses)
+    found: dict[Path, list[str]] = {}
+    for name, paths in uses.items():
+        block = _common(paths)
+        first = min(path[len(block)] for path in paths if isinstance(path[len(block)], int))
+        found.setdefault((*block, first), []).append(name)
+    return found
+
+
+def _look(reading: Reading, block: list[ast.stmt], path: Path, own: set[str], uses: dict[str, list[Path]]) -> None:
+    """Collect the statements that use each local themselves, and not in a block inside."""
+    for i, statement in enumerate(block):
+        here, inner = (*path, i), list(blocks(statement))
+        nested = {id(n) for _, body in inner for s in body for n in reading.walk(s)}
+        for n in reading.walk(statement):
+            if isinstance(n, ast.Name) and n.id in own and id(n) not in nested:
+                uses.setdefault(n.id, []).append(here)
+        for name, body in inner:
+            _look(reading, body, (*here, name), own, uses)
+
+
+def _common(paths: list[Path]) -> Path:
+    """The path of the innermost block around all of these statements."""
+    shared = 0
+    while all(shared < len(path) for path in paths) and len({path[shared] for path in paths}) == 1:
+        shared += 1
+    return paths[0][: shared - 1] if shared % 2 else paths[0][:shared]

@@ -1,0 +1,50 @@
+"""The pages of `motionsync explore`: each is made once in a test run, with all scenarios of its block."""
+
+import base64
+import json
+import re
+import zlib
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from motionsync_fmu.explore.page import scenarios_of, write_page
+from tests.support.fmus import Fmus
+
+
+@dataclass(frozen=True)
+class Explored:
+    """A page, and what is packed in it."""
+
+    file: Path
+
+    @cached_property
+    def text(self) -> str:
+        return self.file.read_text("utf-8")
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        return dict(json.loads(self._unpacked("data")))
+
+    @cached_property
+    def code(self) -> bytes:
+        """The WebAssembly module."""
+        return self._unpacked("code")
+
+    def scenario(self, name: str) -> dict[str, Any]:
+        """What the page knows of a scenario."""
+        return next(s for s in self.data["scenarios"] if s["name"] == name)
+
+    def _unpacked(self, part: str) -> bytes:
+        (packed,) = re.findall(rf'<script type="application/octet-stream" id="{part}">([^<]*)<', self.text)
+        return zlib.decompress(base64.b64decode(packed), -zlib.MAX_WBITS)
+
+
+def explored(fmus: Fmus, name: str) -> Explored:
+    """The page of a block, in the process that asks first."""
+
+    def fill(folder: Path) -> None:
+        write_page(name, scenarios_of(name), fmus.native(name), folder / f"{name}.html")
+
+    return Explored(fmus.shared.once(f"explore/{name}", fill) / f"{name}.html")

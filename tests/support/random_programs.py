@@ -1,0 +1,411 @@
+"""Random programs in the kernel subset: methods of one block, each a list of statements, by hypothesis's choices.
+
+A program stays where Python and C promise to agree: whole numbers stay far within 64 bits, and loops end."""
+
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from hypothesis import strategies as st
+
+HEAD = '''"""Random programs."""
+
+import math
+from dataclasses import dataclass
+from math import floor, fmod, isfinite, sqrt
+
+from motionsync import var
+from motionsync.var import Enumeration
+
+SIZE = 5
+HALF = SIZE // 2
+RATIO = 1.0 / 3.0
+
+
+class Refusal(Enumeration):
+    NONE = 0, "done"
+
+
+class Way(Enumeration):
+    NONE = 0, "none"
+    UP = 1, "up"
+    BACK = -3, "back"
+
+
+@dataclass(slots=True)
+class Part:
+    x: float = 0.25
+    n: int = 3
+    on: bool = False
+    values: list[float] = var.ring(4)
+
+    def put(self, x: float) -> float:
+        self.x += x
+        self.on = x > 1.0
+        return self.x - x
+
+    def twice(self) -> float:
+        return 2.0 * self.x
+
+
+@dataclass(slots=True)
+class Longer(Part):
+    y: float = var.local(-0.0, "more")
+
+
+@dataclass(slots=True)
+class Programs:
+    which: int = var.input(0, "which program runs")
+    a: float = var.input(0.0, "a number")
+    b: float = var.input(0.0, "a number")
+    m: int = var.input(0, "a whole number")
+    n: int = var.input(0, "a whole number")
+    f: bool = var.input(False, "a Boolean")
+    way: Way = var.input(Way.NONE, "a direction")
+    part: Part = var.part(Part)
+    other: Part = var.part(Part)
+    longer: Longer = var.part(Longer)
+    values: list[float] = var.ring(SIZE)
+    x: float = 0.0
+    y: float = 0.0
+    i: int = 0
+    k: int = 0
+    on: bool = False
+    calls: int = 0
+
+    def initialize(self) -> Refusal:
+        return Refusal.NONE
+
+    def turned(self, way: Way) -> Way:
+        match way:
+            case Way.UP | Way.NONE:
+                return Way.BACK
+            case _:
+                return Way.UP if self.f else way
+
+    def called(self) -> int:
+        self.calls += 1
+        return self.calls % 3
+'''
+TAIL = """
+
+def pair(x: float, y: float) -> tuple[float, float]:
+    return y, x
+
+
+def split(x: float, n: int) -> tuple[float, int, bool]:
+    if n < 0:
+        return -x, n, False
+    return x, n + 1, x > float(n)
+
+
+def total(values: list[float], at: int) -> float:
+    return values[at] + 0.5 * float(len(values))
+
+
+def law(x: float, y: float) -> float:
+    return x if x < y else y - x
+"""
+
+REALS = ["0.0", "-0.0", "1.0", "0.5", "2.5", "-1.5", "1e300", "5e-324", "1e-12", "RATIO", "math.inf", "math.pi", "7.5"]
+WHOLES = ["0", "1", "2", "-1", "3", "7", "-5", "SIZE", "HALF"]
+WAYS = ["Way.NONE", "Way.UP", "Way.BACK"]
+FIELDS = {
+    "float": ["self.a", "self.b", "self.x", "self.y", "self.part.x", "self.other.x", "self.longer.x", "self.longer.y"],
+    "int": ["self.m", "self.n", "self.i", "self.k", "self.part.n", "self.longer.n"],
+    "bool": ["self.f", "self.on", "self.part.on", "self.longer.on"],
+    "way": ["self.way"],
+}
+LISTS = {"self.values": 5, "self.part.values": 4, "self.longer.values": 4}
+FIRST = {"float": "0.75", "int": "2", "bool": "True", "way": "Way.UP"}
+
+
+@dataclass
+class Writer:
+    """Writes one program; `pick` chooses."""
+
+    pick: Callable[[list[Any]], Any]
+    locals: dict[str, list[str]] = field(default_factory=lambda: {kind: [] for kind in FIRST})
+    counted: list[str] = field(default_factory=list)  # the variables of the loops around
+    number: int = 0
+
+    def new(self, letter: str) -> str:
+        self.number += 1
+        return f"{letter}{self.number}"
+
+    # --- expressions without a change ---
+
+    def expression(self, kind: str, depth: int = 3) -> str:
+        return str(getattr(self, f"{kind}_expression")(depth))
+
+    def leaf(self, kind: str) -> str:
+        constants = {"float": REALS, "int": WHOLES, "bool": ["True", "False"], "way": WAYS}[kind]
+        counted = self.counted if kind == "int" else []
+        return str(self.pick([*constants, *FIELDS[kind], *self.locals[kind] * 3, *counted * 2]))
+
+    def float_expression(self, depth: int) -> str:
+        if depth <= 0:
+            return self.leaf("float")
+        e, n = (lambda: self.float_expression(depth - 1)), (lambda: self.int_expression(depth - 1))
+        forms = {
+            "leaf": lambda: self.leaf("float"),
+            "+": lambda: f"({e()} + {e()})",
+            "-": lambda: f"({e()} - {e()})",
+            "flat": lambda: f"{e()} - {e()} * {e()}",
+            "*": lambda: f"{e()} * {e()}",
+            "/": lambda: f"({e()}) / ({e()})",
+            "%": lambda: f"({e()}) % ({e()})",
+            "minus": lambda: f"-({e()})",
+            "abs": lambda: f"abs({e()})",
+            "min": lambda: f"min({e()}, {e()})",
+            "max": lambda: f"max({e()}, {e()}, {e()})",
+            "sqrt": lambda: f"sqrt({e()})",
+            "root": lambda: f"sqrt(max({e()}, 0.0))",
+            "fmod": lambda: f"fmod({e()}, {e()})",
+            "float": lambda: f"float({n()})",
+            "round": lambda: f"round({e()}) * ({e()})",
+            "floor": lambda: f"({e()} + floor({e()}) * 0.5)",
+            "floors": lambda: f"(-floor({e()}) - ({e()}))",
+            "mixed": lambda: f"({n()} * ({e()}) - {n()})",
+            "divided": lambda: f"({n()}) / ({n()})",
+            "if": lambda: f"(({e()}) if {self.bool_expression(depth - 1)} else ({e()}))",
+            "call": lambda: f"law({e()}, {e()})",
+            "method": lambda: f"self.{self.pick(['part', 'longer'])}.twice()",
+            "element": lambda: self.element(depth - 1),
+            "total": lambda: f"total({self.pick(['self.part.values', 'self.longer.values'])}, {self.small()})",
+        }
+        return str(forms[self.pick(list(forms))]())
+
+    def small(self) -> str:
+        """A whole number that is seldom outside a list."""
+        return str(self.pick(["0", "1", "-1", "3", "self.m % 4", "self.n % 5 - 1", *self.counted]))
+
+    def element(self, depth: int) -> str:
+        return f"{self.pick(list(LISTS))}[{self.small()}]"
+
+    def int_expression(self, depth: int) -> str:
+        if depth <= 0:
+            return self.leaf("int")
+        e, x = (lambda: self.int_expression(depth - 1)), (lambda: self.float_expression(depth - 1))
+        forms = {
+            "leaf": lambda: self.leaf("int"),
+            "+": lambda: f"({e()} + {e()})",
+            "-": lambda: f"({e()} - {e()})",
+            "*": lambda: f"{self.leaf('int')} * {self.leaf('int')}",
+            "//": lambda: f"({e()}) // ({e()})",
+            "%": lambda: f"({e()}) % ({e()})",
+            "constant": lambda: f"({e()}) {self.pick(['//', '%'])} {self.pick(['3', '7', '-4'])}",
+            "abs": lambda: f"abs({e()})",
+            "min": lambda: f"min({e()}, {e()}, {e()})",
+            "max": lambda: f"max({e()}, {e()})",
+            "len": lambda: f"len({self.pick(list(LISTS))})",
+            "minus": lambda: f"-({e()})",
+            "if": lambda: f"(({e()}) if {self.bool_expression(depth - 1)} else ({e()}))",
+            "bool": lambda: f"({self.bool_expression(0)} + int({self.bool_expression(0)}))",
+            "whole": lambda: self.whole(x()),
+        }
+        return str(forms[self.pick(list(forms))]())
+
+    def whole(self, x: str) -> str:
+        """A number made whole, unless it is large; what is not a number raises."""
+        return f"({self.pick(['int', 'round', 'floor'])}({x}) if not abs({x}) >= 1e9 else 3)"
+
+    def bool_expression(self, depth: int) -> str:
+        if depth <= 0:
+            return self.leaf("bool")
+        e, x, n = (
+            (lambda: self.bool_expression(depth - 1)),
+            (lambda: self.float_expression(depth - 1)),
+            (lambda: self.int_expression(depth - 1)),
+        )
+        sign = lambda: self.pick(["<", "<=", ">", ">=", "==", "!="])  # noqa: E731
+        forms = {
+            "leaf": lambda: self.leaf("bool"),
+            "reals": lambda: f"({x()} {sign()} {x()})",
+            "wholes": lambda: f"({n()} {sign()} {n()})",
+            "mixed": lambda: f"({x()} {sign()} {n()})",
+            "chain": lambda: f"({x()} {sign()} {x()} {sign()} {x()})",
+            "bools": lambda: f"(({e()}) {self.pick(['==', '!='])} ({e()}))",
+            "and": lambda: f"(({e()}) and ({e()}))",
+            "or": lambda: f"({e()} or {e()} or {e()})",
+            "not": lambda: f"(not {e()})",
+            "in": lambda: f"({n()} {self.pick(['in', 'not in'])} ({self.leaf('int')}, {self.leaf('int')}))",
+            "ways": lambda: f"({self.leaf('way')} {self.pick(['==', '!='])} {self.leaf('way')})",
+            "among": lambda: f"({self.leaf('way')} in ({self.leaf('way')}, Way.UP))",
+            "isfinite": lambda: f"isfinite({x()})",
+        }
+        return str(forms[self.pick(list(forms))]())
+
+    def way_expression(self, depth: int) -> str:
+        forms = {
+            "leaf": lambda: self.leaf("way"),
+            "if": lambda: f"({self.leaf('way')} if {self.bool_expression(depth - 1)} else {self.leaf('way')})",
+            "call": lambda: f"self.turned({self.leaf('way')})",
+        }
+        return str(forms[self.pick(list(forms))]())
+
+    def bounded(self) -> str:
+        """A whole number that stays small, to be kept."""
+        return f"({self.int_expression(2)}) % 1009 - 500"
+
+    def value(self, kind: str) -> str:
+        return self.bounded() if kind == "int" else self.expression(kind)
+
+    # --- statements ---
+
+    def body(self, depth: int, loop: bool) -> list[str]:
+        """A block: what it declares is forgotten after it."""
+        before = {kind: list(names) for kind, names in self.locals.items()}
+        lines = [line for _ in range(self.pick([1, 1, 2, 3])) for line in self.statement(depth, loop)]
+        self.locals = before
+        return indented(lines)
+
+    def statement(self, depth: int, loop: bool) -> list[str]:
+        simple = [
+            self.local,
+            self.local,
+            self.field,
+            self.changed,
+            self.changing,
+            self.unpacked,
+            self.item,
+            self.aliased,
+        ]
+        nested = [self.branch, self.branch, self.count, self.repeat, self.match] if depth > 0 else []
+        leaving = [self.leave] if loop else []
+        write = self.pick([*simple, *nested, *nested, *leaving])
+        found: list[str] = write(depth, loop) if write in nested else write()
+        return found
+
+    def local(self) -> list[str]:
+        kind = self.pick(list(FIRST))
+        if self.locals[kind] and self.pick([True, False]):
+            return [f"{self.pick(self.locals[kind])} = {self.value(kind)}"]
+        name, value = self.new(kind[0]), self.value(kind)
+        self.locals[kind].append(name)
+        return [f"{name} = {value}  # a new one" if self.number % 3 == 0 else f"{name} = {value}"]
+
+    def field(self) -> list[str]:
+        kind = self.pick(list(FIRST))
+        place = self.pick(FIELDS[kind])
+        other = self.pick(FIELDS[kind])
+        if self.pick([True, False, False]) and other != place:
+            return [f"{place} = {other} = {self.value(kind)}"]
+        return [f"{place} = {self.value(kind)}"]
+
+    def changed(self) -> list[str]:
+        sign = self.pick(["+", "-", "*", "/", "%"])
+        place = self.pick([*FIELDS["float"], *self.locals["float"], "self.values[1]"])
+        return [f"{place} {sign}= {self.expression('float')}"]
+
+    def changing(self) -> list[str]:
+        """A call that changes something."""
+        kept = self.new("f")
+        call = self.pick(["self.part.put", "self.longer.put", "self.other.put"])
+        line = f"{kept} = {call}({self.expression('float', 2)})"
+        self.locals["float"].append(kept)
+        return [line, self.pick(["var.copy(self.other, self.part)", "self.i = self.called()"])]
+
+    def unpacked(self) -> list[str]:
+        if self.pick([True, False]):
+            x, n = self.new("f"), self.new("i")
+            line = f"{x}, {n}, _ = split({self.expression('float', 2)}, {self.leaf('int')} % 7)"
+            self.locals["float"].append(x)
+            self.locals["int"].append(n)
+            return [line]
+        known = self.locals["float"]
+        x, y = self.pick([*known, self.new("f")]), self.new("f")
+        line = f"{x}, {y} = pair({self.expression('float', 2)}, {self.expression('float', 2)})"
+        self.locals["float"] += [name for name in (x, y) if name not in known]
+        return [line]
+
+    def item(self) -> list[str]:
+        return [f"{self.pick(list(LISTS))}[{self.small()}] = {self.expression('float', 2)}"]
+
+    def aliased(self) -> list[str]:
+        if self.pick([True, False]):
+            values = self.new("v")
+            return [f"{values} = self.part.values", f"{values}[{self.small()}] += {self.expression('float', 1)}"]
+        part = self.new("p")
+        return [f"{part} = self.longer", f"{part}.{self.pick(['x', 'y'])} = {self.expression('float', 2)}"]
+
+    def leave(self) -> list[str]:
+        return [f"if {self.expression('bool', 2)}:", f"    {self.pick(['break', 'continue'])}"]
+
+    def branch(self, depth: int, loop: bool) -> list[str]:
+        lines = [f"if {self.expression('bool')}:", *self.body(depth - 1, loop)]
+        for _ in range(self.pick([0, 0, 1, 2])):
+            lines += ["# otherwise", f"elif {self.expression('bool', 2)}:", *self.body(depth - 1, loop)]
+        if self.pick([True, False]):
+            lines += ["else:", *self.body(depth - 1, loop)]
+        if self.pick([True, False, False, False]):
+            lines += [f"if {self.expression('bool', 2)}:", f"    return {self.expression('float', 2)}"]
+        return lines
+
+    def count(self, depth: int, loop: bool) -> list[str]:
+        name = self.new("j")
+        limits = self.pick(
+            [
+                f"({self.leaf('int')}) % 4",
+                "len(self.part.values)",
+                "self.i % 3",
+                f"1, ({self.leaf('int')}) % 5",
+                f"({self.leaf('int')}) % 5, -2, -1",
+                "0, 7, 3",
+                "SIZE",
+            ]
+        )
+        self.counted.append(name)
+        body = self.body(depth - 1, True)
+        self.counted.remove(name)
+        return [f"for {name} in range({limits}):", *body]
+
+    def repeat(self, depth: int, loop: bool) -> list[str]:
+        name = self.new("w")
+        test = self.pick([f"{name} < 4", f"{name} < 3 and {self.expression('bool', 2)}"])
+        return [f"{name} = 0", f"while {test}:", f"    {name} += 1", *self.body(depth - 1, True)]
+
+    def match(self, depth: int, loop: bool) -> list[str]:
+        on_way = self.pick([True, False])
+        lines = [f"match {self.leaf('way') if on_way else self.pick(['self.m % 4', *FIELDS['int']])}:"]
+        values = ["Way.NONE", "Way.UP | Way.BACK"] if on_way else ["0", "1 | 2", "-1", "3"]
+        for value in values:
+            guard = f" if {self.expression('bool', 2)}" if self.pick([True, False, False]) else ""
+            lines += textwrap.indent(
+                "\n".join([f"case {value}{guard}:", *self.body(depth - 1, loop)]), "    "
+            ).splitlines()
+        if self.pick([True, False]):
+            lines += textwrap.indent("\n".join(["case _:", *self.body(depth - 1, loop)]), "    ").splitlines()
+        return lines
+
+    def program(self) -> list[str]:
+        lines: list[str] = []
+        for kind, first in FIRST.items():
+            name = self.new(kind[0])
+            lines.append(f"{name} = {first}")
+            self.locals[kind].append(name)
+        for _ in range(self.pick([2, 3, 4, 6])):
+            lines += self.statement(2, False)
+        return [*lines, f"self.on = {self.expression('bool', 1)}", f"return {self.expression('float')}"]
+
+
+def indented(lines: list[str]) -> list[str]:
+    return [f"    {line}" for line in lines]
+
+
+@st.composite
+def programs(draw: st.DrawFn) -> list[str]:
+    """The lines of one program's body."""
+    return Writer(lambda choices: draw(st.sampled_from(choices))).program()
+
+
+def module(bodies: list[list[str]]) -> str:
+    """The text of a module with the block `Programs`, of which `which` chooses the program that a step runs."""
+    text = HEAD + "\n    def step(self, h: float) -> Refusal:\n        match self.which:\n"
+    for i in range(len(bodies)):
+        text += f"            case {i}:\n                self.x = self.program_{i}(h)\n"
+    text += "            case _:\n                pass\n        return Refusal.NONE\n"
+    for i, body in enumerate(bodies):
+        text += f"\n    def program_{i}(self, h: float) -> float:\n" + textwrap.indent("\n".join(body), " " * 8) + "\n"
+    return text + TAIL

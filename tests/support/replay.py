@@ -1,0 +1,122 @@
+"""A plain host in C, `tests/fmu/replay.c`, that runs a unit without any Python, on every platform at hand."""
+
+import os
+import shutil
+import struct
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+
+from motionsync_fmu.interface.recipe import Fmi
+from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.native.platforms import Platform
+from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance, version
+from tests import ROOT
+from tests.support.runs import Run
+
+KINDS = {  # those of the orders, by the types of the variables
+    Fmi.TWO: {"Real": "R", "Integer": "I", "Enumeration": "I", "Boolean": "B"},
+    Fmi.THREE: {"Float64": "R", "Int32": "I", "Enumeration": "E", "Boolean": "B"},
+}
+
+
+def tried(call: Any, *arguments: Any) -> str:
+    """What a call that fails says; empty if it succeeds."""
+    try:
+        call(*arguments)
+    except FmuError as e:
+        return str(e)
+    return ""
+
+
+def wine() -> list[str]:
+    found = shutil.which("wine64") or shutil.which("wine64", path="/usr/lib/wine") or shutil.which("wine")
+    if not found:
+        pytest.skip("wine64 is not installed")
+    return [found]
+
+
+def qemu(processor: str) -> list[str]:
+    root = Path(os.environ.get("QEMU_LD_PREFIX", f"/usr/{processor}-linux-gnu"))
+    found = shutil.which(f"qemu-{processor}") or shutil.which(f"qemu-{processor}-static")
+    if not found:
+        pytest.skip("qemu-user is not installed")
+    if not (root / "lib" / f"ld-linux-{processor}.so.1").exists():
+        pytest.skip(f"the C library of Linux on {processor} is not installed (Debian: libc6-arm64-cross)")
+    return [found, "-L", str(root)]
+
+
+def launcher(target: str) -> list[str]:
+    """The command that runs a program for zig's target on this machine."""
+    processor, system, *_ = target.split("-")
+    if system == "windows":
+        return wine()
+    assert system == "linux", f"nothing is known that runs programs of {target} here: see NOT_RUN"
+    if sys.platform != "linux":
+        pytest.skip("this is not Linux")
+    return [] if os.uname().machine == processor else qemu(processor)
+
+
+def double(x: float) -> str:
+    return struct.pack(">d", x).hex()
+
+
+def orders(host: FmuInstance, run: Run) -> Iterator[tuple[str, str]]:
+    """A run as lines for the host in C, and what the FMU in `host` answers to each."""
+
+    def setting(values: dict[str, Any]) -> Iterator[tuple[str, str]]:
+        for name, value in values.items():
+            reference, kind = host.kinds[name]
+            host.set({name: value})
+            yield f"{kind[0]} {reference} {double(value) if kind == 'Real' else int(value)}", "0"
+
+    def all_values() -> tuple[str, str]:
+        found = host.get()
+        return "g", " ".join(double(found[n]) if k == "Real" else str(found[n]) for n, (_, k) in host.kinds.items())
+
+    yield "n", "0"
+    host.unit.setupExperiment(startTime=0.0)
+    host.unit.enterInitializationMode()
+    yield "e", "0"
+    yield from setting(run.start)
+    yield all_values()
+    host.unit.exitInitializationMode()
+    yield "x", "0"
+    for h, values in run.steps:
+        yield from setting(values)
+        refused = tried(host.step, h)
+        yield f"s {double(host.time)} {double(h)}", "3" if refused else "0"
+        yield all_values()
+
+
+def replayed(platform: Platform, folder: Path, orders: Sequence[str], scratch: Path) -> list[str]:
+    """What the unit of an extracted FMU answers to the orders.
+
+    `platform`: on which it runs, with one processor; `scratch`: an empty folder."""
+    (target,) = platform.targets
+    start = launcher(target)
+    description = fmpy.read_model_description(str(folder))
+    fmi = version(description)
+    kinds = "".join(KINDS[fmi][v.type] for v in description.modelVariables)
+    program = scratch / f"replay{'.exe' if 'windows' in target else ''}"
+    source = ROOT / "tests" / "fmu" / "replay.c"
+    system = target.replace("-none", "-gnu.2.17")  # the host needs a C library, unlike the unit
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", system, "-O1", f"-DFMI={fmi}", "-I", str(HEADERS)]
+    subprocess.run([*compiler, str(source), "-o", str(program)], check=True)
+    asked, answered = scratch / "orders.txt", scratch / "answers.txt"
+    asked.write_text("".join(f"{order}\n" for order in orders))
+    library = folder / platform.library(description.coSimulation.modelIdentifier)
+    with asked.open() as stdin, answered.open("w") as stdout:  # no pipes: wine's server would hold them open
+        subprocess.run(
+            [*start, str(program), str(library), description.guid, kinds],
+            stdin=stdin,
+            stdout=stdout,
+            check=True,
+            env=os.environ | {"WINEDEBUG": "-all", "WINEPREFIX": str(scratch / "wine")},
+        )
+    return [line.strip() for line in answered.read_text().splitlines()]
