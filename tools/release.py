@@ -138,7 +138,7 @@ def fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: Progre
         for i, recipe in enumerate(recipes, 1):
             name = f"{recipe.unit}/{recipe.name}_{recipe.unit}"
             progress(f"{name}.fmu ({i} of {len(recipes)})")
-            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress)
+            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress, with_sources=flavour == Flavour.NATIVE)
             files |= {f"{name}.fmu": fmu.read_bytes(), f"{name}.html": page(fmu)}
     return files
 

@@ -96,7 +96,11 @@ def test_random_programs_give_the_bits_of_python_and_raise_where_python_does(tmp
     bodies: list[list[str]] = []
 
     @settings(
-        max_examples=PROGRAMS, phases=[Phase.generate], database=None, suppress_health_check=list(HealthCheck), deadline=None
+        max_examples=PROGRAMS,
+        phases=[Phase.generate],
+        database=None,
+        suppress_health_check=list(HealthCheck),
+        deadline=None,
     )
     @given(programs())
     def collect(body: list[str]) -> None:
