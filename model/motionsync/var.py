@@ -287,6 +287,11 @@ def ring(length: int) -> list[float]:
     return field(default_factory=lambda: [0.0] * length)
 
 
+def count(most: int) -> int:
+    """A number from 0 to `most`, 0 at first, that is no variable. A state with another number is refused."""
+    return field(default=0, metadata={"most": most})
+
+
 def copy(into: T, source: T) -> None:
     """Copy every field of one part into another part of the same class, with the parts and lists inside.
 

@@ -7,7 +7,8 @@
  * - the status is the one that this knowledge demands, and so is what was logged;
  * - a call that failed, or only reads, has left the serialized state what it was, bit for bit;
  * - no other instance has changed;
- * - values, times and FMU states come back as they were given, and a copy of an instance steps to the same bits.
+ * - values, times and FMU states come back as they were given, and a copy of an instance steps to the same bits;
+ * - the call has come back: the host is killed (SIGALRM) by one that takes longer than PATIENCE.
  *
  *     fuzz SEED CALLS
  *
@@ -20,6 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 /* --- what the importer knows of the unit: expected.h is generated from the block's declarations --- */
 
@@ -40,7 +42,7 @@ typedef struct {
 #include "expected.h"
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
-enum { MOST = 8, INSTANCES = 4, STATES = 6, BYTES = 1 << 14 };
+enum { MOST = 8, INSTANCES = 4, STATES = 6, BYTES = 1 << 14, PATIENCE = 30 /* s */ };
 
 /* FUNCTIONS(X, Y) lists the functions: those with the names that they have in FMI 2.0, or in no other version, as X(name);
  * the others as Y(name in FMI 2.0, name). */
@@ -584,6 +586,49 @@ static void deserialize_fmu_state(Slot *s) {
     free(bytes);
 }
 
+/* --- forged states: with the right checksum, but of nothing that the unit has ever been --- */
+
+enum { CHECKSUM = 56, FORGEABLE = 64, MEMORY = 120 }; /* where these begin in a serialized state; the block's memory is last */
+
+static void sign(Byte *bytes) { /* as unit.c says: FNV-1a by words, each mixed; the checksum itself counts as 0 */
+    uint64_t sum = 14695981039346656037u, word;
+    memset(bytes + CHECKSUM, 0, sizeof sum);
+    for (size_t i = 0; i < size; i += sizeof word) {
+        memcpy(&word, bytes + i, sizeof word);
+        sum = (sum ^ word) * 1099511628211u;
+        sum ^= sum >> 32;
+    }
+    memcpy(bytes + CHECKSUM, &sum, sizeof sum);
+}
+
+/* An integer has 32 bits: with larger ones the block's sums and products would overflow, which is not defined in C. */
+static Value random_word(size_t place) {
+    for (const int *whole = INTEGERS; *whole >= 0; whole++)
+        if (place == MEMORY + (size_t)*whole) return of_integer(one_in(2) ? (int)below(80) - 8 : (int)random_bits());
+    return one_in(4) ? (Value){.bits = random_bits()} : of_real(random_real());
+}
+
+/* The twin takes such a state over, and steps: it may answer what it likes, but in time and within its memory. */
+static void forge_state(Slot *s) {
+    if (!in(s, STEPPING)) return;
+    Byte *bytes = malloc(size);
+    memcpy(bytes, s->bytes, size);
+    for (size_t i = 1 + below(4); i; i--) {
+        size_t place = FORGEABLE + 8 * below((size - FORGEABLE) / 8);
+        Value word = random_word(place);
+        memcpy(bytes + place, &word, one_in(3) ? 1 + below(4) : 8);
+    }
+    sign(bytes);
+    FmuState made = NULL;
+    Answer status = FMI(DeSerializeFMUstate)(called(s), bytes, size, &made);
+    concluded(s, DeSerializeFMUstate, status, EITHER, false);
+    free(bytes);
+    if (status) return;
+    if (FMI(SetFMUstate)(called(&twin), made)) surprise("a state that was accepted cannot be restored");
+    for (int i = 0; i < 3; i++) (void)FMI(DoStep)(twin.unit, s->known.time, random_step(), false);
+    if (FMI(Reset)(twin.unit) || FMI(FreeFMUstate)(twin.unit, &made)) surprise("a forged state cannot be left");
+}
+
 /* --- derivatives --- */
 
 static int32_t *random_orders(size_t n) {
@@ -624,7 +669,7 @@ typedef struct {
         {12, get_boolean}, {3, get_string}, {3, set_string}, {3, get_version}, {4, set_debug_logging},                \
         {1, free_instance}, {2, enter_initialization_mode}, {2, exit_initialization_mode}, {1, terminate}, {1, reset}, \
         {6, get_fmu_state}, {4, set_fmu_state}, {4, free_fmu_state}, {4, foreign_fmu_state},                          \
-        {4, serialized_fmu_state_size}, {4, serialize_fmu_state}, {8, deserialize_fmu_state},                         \
+        {4, serialized_fmu_state_size}, {4, serialize_fmu_state}, {8, deserialize_fmu_state}, {8, forge_state},       \
         {6, get_real_output_derivatives}
 
 /* What the file has that includes this one: its acts, the last of which is empty, and how it makes an instance that only
@@ -712,6 +757,7 @@ int main(int count, char *arguments[]) {
     uint64_t calls = strtoull(arguments[2], NULL, 10);
     prepare();
     for (call = 0; call < calls; call++) {
+        alarm(PATIENCE);
         Slot *s = slots + below(INSTANCES);
         next_act(s)(s);
     }

@@ -15,9 +15,10 @@ from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync.remote_sync.block import MOST_CYCLES
 from motionsync_fmu.interface.recipe import Fmi, Recipe
-from motionsync_fmu.interface.variables import LONGEST_STEP, Variable, refusals, variables
+from motionsync_fmu.interface.variables import LONGEST_STEP, Variable, cells, refusals, variables
 from motionsync_fmu.native import libraries
 from motionsync_fmu.native.libraries import HEADERS
+from motionsync_fmu.native.memory_layout import dtype, offset
 from motionsync_fmu.native.tables import model_header
 from motionsync_fmu.native.translator import c_source
 
@@ -123,6 +124,8 @@ def expected_header(recipe: Recipe) -> str:
     # A step has those refusals that speak of inputs.
     others = {name for r in refusals(BLOCKS[recipe.name]) if r.name != "MASTER_TURNS" for name in r.names}
     inputs = {v.name for v in vs if v.causality == "input"}
+    layout = dtype(recipe.block())
+    integers = [offset(layout, c.name) for c in cells(recipe.block()) if issubclass(c.type, int) and c.type is not bool]
     return "\n".join(
         [
             f'#define GUID "{recipe.guid()}"',
@@ -133,6 +136,7 @@ def expected_header(recipe: Recipe) -> str:
             f"enum {{ REFUSES_STARTS = {int(bool(others))}, REFUSES_STEPS = {int(bool(others & inputs))} }};",
             f"static const Reference SLAVE[] = {{{', '.join(f'(Reference){i}' for i in slave)}}};",
             f"static const Variable VARIABLES[] = {{\n{rows}}};",
+            f"static const int INTEGERS[] = {{{', '.join(map(str, integers))}, -1}};",
             "",
         ]
     )

@@ -89,10 +89,19 @@ def compiled(target: str, flags: str, path: str, work: Path) -> bytes:
         UserError: zig failed.
     """
     (work / path).parent.mkdir()
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
+    return zig_cc(target, [*FLAGS.split(), "-I.", *sources, *flags.split()], path, work)
+
+
+def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> bytes:
+    """What zig makes, in the folder `work`, for one of its targets; `path`: where it puts that, relative to the folder.
+
+    Raises:
+        UserError: zig failed.
+    """
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-I", str(HEADERS)]
     done = subprocess.run(
-        [*command, *sources, *flags.split(), "-o", path],
+        [*command, *arguments, "-o", path],
         cwd=work,
         capture_output=True,
         text=True,

@@ -1,6 +1,8 @@
 """What the C files know of a block: model.h, with the size of its memory and the tables of its variables."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from itertools import pairwise
 from math import inf, isinf, nextafter
 from pathlib import Path
 from typing import Any
@@ -11,7 +13,7 @@ from motionsync.master import MasterInput
 
 from ..interface.fmi3_xml import TIME
 from ..interface.recipe import Fmi
-from ..interface.variables import LONGEST_STEP, Variable, refusals, spoken_of, variables
+from ..interface.variables import LONGEST_STEP, Variable, cells, refusals, spoken_of, variables
 from .memory_layout import dtype, offset
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
@@ -24,6 +26,7 @@ MISSING = -1  # in place of a variable's index
 Row = tuple[Any, ...]  # the members of a C struct
 LAST_MESSAGE: Row = (0, 0, 0)
 LAST_CODED: Row = (-1, 0)
+LAST_COUNT: Row = (-1, 0)
 
 
 def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> str:
@@ -56,6 +59,8 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
         variables=rows,
         messages=messages,
         coded=[*coded, LAST_CODED],
+        flags=_distances(offset(layout, c.name) for c in cells(block) if c.type is bool),
+        counts=[*_counts(block, layout), LAST_COUNT],
     )
 
 
@@ -109,6 +114,18 @@ def _range(v: Variable, pool: Pool) -> Row:
 def _time(pool: Pool) -> Row:
     """The row of the time, which lies in the unit and not in the block; since it is never set, no range is its own."""
     return pool.text(TIME), pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "OUTPUT", "false"
+
+
+def _distances(offsets: Iterable[int]) -> list[int]:
+    """Places in memory, each by its distance from the one before, the first by that from -1; 0 comes last."""
+    places = sorted(offsets)
+    return [place - before for before, place in pairwise([-1, *places])] + [0]
+
+
+def _counts(block: Any, layout: Any) -> list[Row]:
+    """The place and the largest value of each field that is declared as a count."""
+    found = ((c, {f.name: f for f in fields(c.owner)}[c.attribute].metadata) for c in cells(block))
+    return [(offset(layout, c.name), metadata["most"]) for c, metadata in found if "most" in metadata]
 
 
 def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool, coded: str = "") -> list[Row]:

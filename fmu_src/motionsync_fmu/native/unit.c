@@ -39,6 +39,10 @@ typedef struct {
     uint16_t messages; /* where in MESSAGES the list of what its values mean begins */
 } Coded;
 
+typedef struct {
+    int32_t offset, most;
+} Count;
+
 #define TIME_OFFSET (-(int)sizeof(double)) /* of the time, where that is a variable: it lies before the model's memory */
 #include "model.h"
 
@@ -633,11 +637,24 @@ COLD Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], si
     return UNIT_OK;
 }
 
+/* Whether all that loops and branches rely on is as the block leaves it. */
+COLD static bool sound(const Model *model) {
+    const uint8_t *flag = model->bytes - 1;
+    for (const uint16_t *distance = FLAGS; *distance; distance++)
+        if (*(flag += *distance) > 1) return false;
+    for (const Count *count = COUNTS; count->offset >= 0; count++) {
+        int64_t value;
+        memcpy(&value, model->bytes + count->offset, sizeof value);
+        if (value < 0 || value > count->most) return false;
+    }
+    return true;
+}
+
 /* Whether a state can be one that this unit has made. Its checksum does not tell that: a forged state may have one. */
 COLD static bool possible(const State *s) {
     int64_t derivatives = has_derivatives() ? 1 << 1 | 1 << 2 : 0;
     bool known = s->mode == INSTANTIATED || s->mode == INITIALIZING || s->mode == STEPPING || s->mode == TERMINATED;
-    return known && !(s->given & ~derivatives) && is_finite(s->time) && s->stop == s->stop;
+    return known && !(s->given & ~derivatives) && is_finite(s->time) && s->stop == s->stop && sound(&s->model);
 }
 
 COLD Status unit_deserialize(const Unit *u, const uint8_t bytes[], size_t n, void **state, const char *call) {

@@ -6,6 +6,7 @@ from .. import var
 from .piece import UNLIMITED
 
 CAPACITY = 64
+MOST_MISSING = 2147483647  # the largest that an Integer holds
 
 
 @dataclass(slots=True)
@@ -21,12 +22,12 @@ class Marks:
         until_cut: marks that pass before the next one that is cut; 0: the next one is.
     """
 
-    first: int = 0
-    waiting: int = 0
+    first: int = var.count(CAPACITY - 1)
+    waiting: int = var.count(CAPACITY)
     places: list[float] = var.ring(64)
     known: bool = False
     last: float = 0.0
-    missing: int = 0
+    missing: int = var.count(MOST_MISSING)
     until_cut: int = 0
 
     def forget(self) -> None:

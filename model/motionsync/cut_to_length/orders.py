@@ -19,7 +19,7 @@ class Orders:
     """
 
     first: int = 0
-    waiting: int = 0
+    waiting: int = var.count(CAPACITY)
     lengths: list[float] = var.ring(64)
     quantities: list[float] = var.ring(64)
     remaining: list[float] = var.ring(64)

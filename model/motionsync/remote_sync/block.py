@@ -100,7 +100,7 @@ class RemoteSync(RemoteSyncInterface):
             return Refusal.CYCLES
         self.restart = self.restart or not self.enable
         worked = 0
-        while self.until_cycle + worked * cycle < h - SAME_INSTANT * cycle:
+        while worked <= MOST_CYCLES and self.until_cycle + worked * cycle < h - SAME_INSTANT * cycle:
             self.work()
             worked += 1
         self.until_cycle += worked * cycle - h

@@ -190,12 +190,15 @@ class Statements(Expressions):
         self.put("}")
 
     def repeat(self, s: ast.While, here: Path) -> None:
-        """After a failure the loop might never end."""
-        guard = "!*failed && " if self.program.raising.anywhere(self.reading, s) else ""
+        guard = self.guard(s)
         test = self.condition(s.test, AND if guard else 0)
         self.put(f"while ({guard}{test}) {{", (s.lineno, s.body[0].lineno - 1))
         self.inner(s.body, (*here, "body"))
         self.put("}")
+
+    def guard(self, loop: ast.stmt) -> str:
+        """What ends a loop at a failure, after which it might go on for ever."""
+        return "!*failed && " if self.program.raising.anywhere(self.reading, loop) else ""
 
     def count(self, s: ast.For, here: Path) -> None:
         assert isinstance(s.iter, ast.Call)
@@ -211,7 +214,8 @@ class Statements(Expressions):
         if not self.stable(end, s.body):
             kept = self.fresh(f"{name}_end")
             begin, limit = f"{begin}, {kept} = {self.code(end, 0, 'int')}", kept
-        self.put(f"for ({begin}; {name} {sign} {limit}; {name}{on}) {{", (s.lineno, s.body[0].lineno - 1))
+        test = f"{self.guard(s)}{name} {sign} {limit}"
+        self.put(f"for ({begin}; {test}; {name}{on}) {{", (s.lineno, s.body[0].lineno - 1))
         self.inner(s.body, (*here, "body"))
         self.put("}")
 
