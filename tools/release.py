@@ -3,7 +3,7 @@
 | file | what it is |
 | --- | --- |
 | motionsync-<version>-py3-none-any.whl, motionsync-<version>.tar.gz | the package, as wheel and as source |
-| motionsync-<version>-fmus.zip | the FMUs of all blocks in several units, each with its page |
+| motionsync-<version>-fmus.zip | the FMUs of all blocks in several units, for FMI 2.0 and FMI 3.0, with their pages |
 | RELEASE_NOTES.md | what CHANGELOG.md says of this version |
 | SHA256SUMS | the other files' checksums, for `sha256sum --check` |
 
@@ -31,7 +31,7 @@ from motionsync_fmu import HOME, __version__
 from motionsync_fmu.archive import Files, build_time, write
 from motionsync_fmu.build import Flavour, build
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import summary
 from motionsync_fmu.pages.block_page import PICTURE
 from motionsync_fmu.pages.style import TEMPLATES
@@ -80,7 +80,8 @@ def release(
 ) -> None:
     """Make a release in a folder that then holds nothing else.
 
-    `progress` is called with a line of text before each task. There is an FMU of each block in each unit.
+    `progress` is called with a line of text before each task. There is an FMU of each block in each unit, natively for
+    each version of FMI.
 
     Raises:
         UserError: the changelog says nothing of this version, or an FMU cannot be built.
@@ -131,24 +132,31 @@ def package(folder: Path) -> None:
 
 
 def fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: Progress) -> Files:
-    """What lies in the archive of FMUs: <unit>/<block>_<unit>.fmu and its page, a first page, the licence."""
-    files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first_page(blocks, units)}
-    recipes = [Recipe(block, unit) for unit in units for block in blocks]
+    """What lies in the archive of FMUs: <unit>/<block>_<unit>.fmu and its page, <unit>/fmi3/<block>_<unit>.fmu, a first
+    page, the licence."""
+    versions = list(Fmi) if flavour == Flavour.NATIVE else [Fmi.TWO]
+    first = first_page(blocks, units, fmi3=Fmi.THREE in versions)
+    files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first}
+    recipes = [Recipe(block, unit, fmi=fmi) for unit in units for fmi in versions for block in blocks]
     with tempfile.TemporaryDirectory() as folder:
         for i, recipe in enumerate(recipes, 1):
-            name = f"{recipe.unit}/{recipe.name}_{recipe.unit}"
+            place = recipe.unit if recipe.fmi == Fmi.TWO else f"{recipe.unit}/fmi3"
+            name = f"{place}/{recipe.name}_{recipe.unit}"
             progress(f"{name}.fmu ({i} of {len(recipes)})")
             fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress)
-            files |= {f"{name}.fmu": fmu.read_bytes(), f"{name}.html": page(fmu)}
+            files[f"{name}.fmu"] = fmu.read_bytes()
+            if recipe.fmi == Fmi.TWO:
+                files[f"{name}.html"] = page(fmu)
     return files
 
 
-def first_page(blocks: list[str], units: list[str]) -> bytes:
-    """The page that says what the FMUs are."""
+def first_page(blocks: list[str], units: list[str], *, fmi3: bool) -> bytes:
+    """The page that says what the FMUs are; `fmi3`: whether there are some of FMI 3.0."""
     values = {
         "version": __version__,
         "home": HOME,
         "units": units,
+        "fmi3": fmi3,
         "blocks": {block: summary(BLOCKS[block]) for block in blocks},
     }
     return TEMPLATES.from_string(Path(__file__).with_name("fmus.html.j2").read_text("utf-8")).render(values).encode()

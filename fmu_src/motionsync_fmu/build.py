@@ -6,15 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from importlib import metadata
 from importlib.resources import files as package_files
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.etree.ElementTree import ParseError, fromstring
 
 from .archive import Deflate, Files, build_time, digest, quick, runtime, sources, write
 from .errors import UserError
 from .extras import how_to_install
-from .interface.fmi2_xml import OWN_MEMORY, complete, content, describe
-from .interface.fmi3_xml import translated
+from .interface.fmi2_xml import OWN_MEMORY, SOURCES, complete, content, describe
+from .interface.fmi3_xml import build_description, translated
 from .interface.recipe import Fmi, Recipe
 from .interface.terminals import FOLDER, terminals
 from .interface.variables import variables
@@ -53,14 +53,16 @@ def build(
     target: Path,
     progress: Callable[[str], None] = lambda text: None,
     platforms: Sequence[Platform] = (),
+    *,
+    with_sources: bool = False,
 ) -> Path:
-    """Build the FMU of a recipe; `progress` and `platforms`: as for `build_native`.
+    """Build the FMU of a recipe; `progress`, `platforms` and `with_sources`: as for `build_native`.
 
     Raises:
         UserError: as `build_native`; or the python flavour cannot be of the recipe's version.
     """
     if flavour == Flavour.NATIVE:
-        return build_native(recipe, target, progress, platforms)
+        return build_native(recipe, target, progress, platforms, with_sources=with_sources)
     return build_python(recipe, target)
 
 
@@ -102,11 +104,13 @@ def build_native(
     target: Path,
     progress: Callable[[str], None] = lambda text: None,
     platforms: Sequence[Platform] = (),
+    *,
+    with_sources: bool = False,
 ) -> Path:
     """Build the FMU with a library for each of these platforms (none: for all), without Python.
 
     An FMU for all platforms is packed as small as can be, which takes seconds. `progress` is called with lines of text
-    if compiling takes long.
+    if compiling takes long. `with_sources`: the C that the libraries are compiled from is in the FMU, too.
 
     Raises:
         UserError: what builds it is not installed or failed, or the block is outside the kernel subset.
@@ -114,7 +118,7 @@ def build_native(
     block, every = recipe.block(), OF_VERSION[recipe.fmi]
     check_kernel(type(block).__module__)
     try:
-        from .native import libraries, packing, tables  # noqa: PLC0415 (zig, Zopfli: for this flavour only)
+        from .native import libraries, packing, tables, unit_sources  # noqa: PLC0415 (zig, Zopfli: for this flavour only)
     except ModuleNotFoundError as e:
         other = "; or take --flavour python" if recipe.fmi == Fmi.TWO else ""
         raise UserError(
@@ -123,8 +127,11 @@ def build_native(
     files = libraries.libraries(block, recipe.guid(), platforms or every, progress, recipe.turned, recipe.fmi)
     texts = licences("motionsync") | libraries.linked_licences(recipe.fmi)
     files |= {f"{LICENCES}/{n}": text for n, text in texts.items()}
+    if with_sources:
+        files |= unit_sources.source_files(block, recipe.guid(), recipe.turned, recipe.fmi)
     deflate = packing.smallest if all(row in (platforms or every) for row in every) else quick
-    return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block))
+    memory = {} if with_sources else OWN_MEMORY
+    return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block) | memory)
 
 
 def check_kernel(module: str) -> None:
@@ -157,21 +164,30 @@ def _write(
     block, example = recipe.block(), example_of(recipe.name)
     platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
     related = {} if recipe.starts or recipe.turned else related_files(example)  # of the block as it is declared
-    told = bool(related), recipe.fmi
+    c_files = sorted(PurePosixPath(name).name for name in files if name.startswith(SOURCES) and name.endswith(".c"))
+    told = bool(related), recipe.fmi, bool(c_files)
     texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, *told)
     files = files | related | {f"documentation/{n}": text for n, text in texts.items()}
     picture = icon(example)
     files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(block, recipe.turned)}
-    root = describe(block, recipe.unit, recipe.slave_unit, recipe.turned)
-    complete(root, recipe.guid(), abilities)
     if recipe.fmi == Fmi.THREE:
-        root = translated(root)
         files[f"{LICENCES}/license.txt"] = files.pop(f"{LICENCES}/motionsync.txt")  # FMI 3.0 demands this name
     else:
         files["model.png"] = picture
-    files["modelDescription.xml"] = content(root)
-    write(target, files, deflate)
+    write(target, files | _descriptions(recipe, abilities, c_files), deflate)
     return target
+
+
+def _descriptions(recipe: Recipe, abilities: Mapping[str, str], c_files: Sequence[str]) -> Files:
+    """modelDescription.xml and, of FMI 3.0 with sources, their buildDescription.xml."""
+    root = describe(recipe.block(), recipe.unit, recipe.slave_unit, recipe.turned)
+    complete(root, recipe.guid(), abilities, c_files)
+    if recipe.fmi == Fmi.TWO:
+        return {"modelDescription.xml": content(root)}
+    files = {"modelDescription.xml": content(translated(root))}
+    if c_files:
+        files[f"{SOURCES}buildDescription.xml"] = content(build_description(recipe.name, c_files))
+    return files
 
 
 def plain(value: Any) -> Any:
@@ -196,6 +212,12 @@ def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:
     kind = "fmi3" if recipe.fmi == Fmi.THREE else flavour.value
     turned = digest({name: causality.encode() for name, causality in recipe.turned.items()})[:8]
     return folder / kind / f"{recipe.name}{f'-{turned}' if recipe.turned else ''}.fmu"
+
+
+def has_sources(fmu: Path) -> bool:
+    """Whether an FMU brings its C along."""
+    with zipfile.ZipFile(fmu) as z:
+        return any(name.startswith(SOURCES) for name in z.namelist())
 
 
 def outdated(fmu: Path, recipe: Recipe) -> str:

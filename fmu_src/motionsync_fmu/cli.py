@@ -26,7 +26,7 @@ from .pages.console import err
 
 app = typer.Typer(
     name="motionsync",
-    help="FMI 2.0 co-simulation units of master/slave motion synchronisation.",
+    help="FMI co-simulation units of master/slave motion synchronisation.",
     epilog="""Begin with:\n
     motionsync list\n
     motionsync build Synchronizer\n

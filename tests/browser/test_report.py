@@ -17,7 +17,7 @@ from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
-from tests.browser.visit import Visit
+from tests.browser.visit import Visit, contrast
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 PIECES = "CutToLength/cyclic_orders"
@@ -196,18 +196,6 @@ def test_dark_mode_changes_page_plots_and_machine_and_back(open_report: OpenRepo
         assert seen.setdefault(scheme, looks) == looks
         assert contrast(*visit.colours("body")) > 7.0
     assert all(light != dark for light, dark in zip(seen["light"], seen["dark"], strict=True))
-
-
-def contrast(text: str, ground: str) -> float:
-    """The contrast of two colours, 1 to 21, as WCAG 2 has it."""
-
-    def luminance(colour: str) -> float:
-        parts = [float(c) / 255.0 for c in colour.removeprefix("rgb(").rstrip(")").split(",")[:3]]
-        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-    low, high = sorted((luminance(text), luminance(ground)))
-    return (high + 0.05) / (low + 0.05)
 
 
 def test_the_report_opens_in_a_narrow_window(open_report: OpenReport) -> None:

@@ -71,3 +71,15 @@ class Visit:
     def overflow(self) -> float:
         """By how many px the page is wider than its window."""
         return float(self.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))
+
+
+def contrast(text: str, ground: str) -> float:
+    """The contrast of two colours, 1 to 21, as WCAG 2 has it."""
+
+    def luminance(colour: str) -> float:
+        parts = [float(c) / 255.0 for c in colour.removeprefix("rgb(").rstrip(")").split(",")[:3]]
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((luminance(text), luminance(ground)))
+    return (high + 0.05) / (low + 0.05)

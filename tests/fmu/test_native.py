@@ -632,7 +632,11 @@ def test_a_queue_is_no_longer_than_its_room_in_a_state(fmus: Fmus) -> None:
     block = Recipe("CutToLength").block()
     with FmuInstance(fmus.native("CutToLength")) as host:
         host.initialize()
-        for name, most in (("material.marks.first", 63), ("material.marks.waiting", 64), ("material.orders.waiting", 64)):
+        for name, most in (
+            ("material.marks.first", 63),
+            ("material.marks.waiting", 64),
+            ("material.orders.waiting", 64),
+        ):
             at = MEMORY + offset(dtype(block), name)
             host.unit.freeFMUstate(host.unit.deSerializeFMUstate(forged(host, "<q", at, most)))
             for count in (most + 1, -1, 2**62):
@@ -687,47 +691,22 @@ def test_no_step_goes_past_the_stop_time(host: FmuInstance) -> None:
 # --- memory ---
 
 
-def test_the_importers_memory_is_used_for_the_instance_and_its_states_and_for_nothing_else(native: Path) -> None:
-    rooms: dict[int, int] = {}
+def test_the_importers_functions_for_memory_are_not_called(native: Path) -> None:
+    """Those of some importers are faulty; the description says that none are wanted."""
+    called = []
 
     def allocate(n: int, size: int) -> int:
-        address = int(fmi2.calloc(n, size))
-        rooms[address] = n * size
-        return address
-
-    def release(address: int) -> None:
-        del rooms[address]
-        fmi2.free(address)
+        called.append((n, size))
+        return int(fmi2.calloc(n, size))
 
     with Logged(native) as host:
+        assert host.description.coSimulation.canNotUseMemoryManagementFunctions
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = host.callbacks.logger
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(allocate)
-        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(release)
-        dll, guid = host.unit.dll, host.description.guid.encode()
-        own = host.unit.component
-        host.unit.component = dll.fmi2Instantiate(b"unit", 1, guid, None, byref(callbacks), 0, 1)
-        assert len(rooms) == 1
-        turn(host.initialize(ROTARY), 100, stop=True)
-        assert len(rooms) == 1
-        state = host.unit.getFMUstate()
-        assert len(rooms) == 2
-        host.unit.freeFMUstate(state)
-        host.unit.fmi2FreeInstance(host.unit.component)
-        assert rooms == {}
-        host.unit.component = own
-
-
-def test_without_memory_there_is_no_instance(native: Path) -> None:
-    with Logged(native) as host:
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = host.callbacks.logger
-        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(lambda n, size: None)
-        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(lambda address: None)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(called.append)
         guid = host.description.guid.encode()
-        assert not host.unit.dll.fmi2Instantiate(b"unit", 1, guid, None, byref(callbacks), 0, 1)
-        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE()
-        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE()  # an importer that gives none: the system's is taken
         other = host.unit.dll.fmi2Instantiate(b"unit", 1, guid, None, byref(callbacks), 0, 1)
         assert other
         host.unit.fmi2FreeInstance(other)
+        assert called == []

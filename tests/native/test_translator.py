@@ -1,10 +1,16 @@
 """The translator from the kernel subset to C: the same bits as Python, and an error exactly where Python raises."""
 
+import hashlib
 import importlib
 import math
+import os
 import random
+import re
+import shutil
 import struct
+import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -12,13 +18,18 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
+from motionsync.blocks import BLOCKS
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.native.libraries import ZIG
+from motionsync_fmu.native.translator import c_source
 from tests.support.compiled import Compiled, Layout
-from tests.support.random_programs import module, programs
+from tests.support.random_programs import HEAD, module, programs
 
 PROGRAMS = 100
 RUNS = 12  # of each program
 REALS = [0.0, -0.0, 1.0, -1.0, 0.5, 2.5, -7.25, 5e-324, -1e-300, 1e300, 1e9, 1e15, math.inf, -math.inf, math.nan]
 WHOLES = [0, 1, -1, 2, -2, 3, 5, -7, 1000]
+GENERATE = settings(phases=[Phase.generate], database=None, suppress_health_check=list(HealthCheck), deadline=None)
 RAISES = (ZeroDivisionError, ValueError, OverflowError, IndexError)
 
 
@@ -68,10 +79,9 @@ class Sides:
         """
         try:
             answer = self.block.step(h)
-        except RAISES as e:
-            with pytest.raises(ArithmeticError):
+        except RAISES:
+            with pytest.raises(ArithmeticError):  # as Python
                 self.compiled.step(h)
-                pytest.fail(f"Python raises {e!r}, C does not")
             return True
         assert self.compiled.step(h) == answer
         assert words(self.compiled.memory.tobytes()) == words(self.layout.bytes(self.block))
@@ -95,9 +105,7 @@ def drawn_values(rng: random.Random, way: Any) -> dict[str, Any]:
 def test_random_programs_give_the_bits_of_python_and_raise_where_python_does(tmp_path: Path) -> None:
     bodies: list[list[str]] = []
 
-    @settings(
-        max_examples=PROGRAMS, phases=[Phase.generate], database=None, suppress_health_check=list(HealthCheck), deadline=None
-    )
+    @settings(GENERATE, max_examples=PROGRAMS)
     @given(programs())
     def collect(body: list[str]) -> None:
         bodies.append(body)
@@ -122,3 +130,297 @@ def test_random_programs_give_the_bits_of_python_and_raise_where_python_does(tmp
                 if failed:
                     break
     assert steps / 20 < raised < steps * 3 / 4  # both happen often
+
+
+# Each with what it gives: `x`, `i` or `on`. Every pair of nasty values is tried.
+OPERATIONS = {
+    "x": [
+        "self.a + self.b",
+        "self.a - (self.b - self.a)",
+        "self.a * self.b",
+        "self.a / self.b",
+        "self.a % self.b",
+        "-self.a % 7.5",
+        "min(self.a, self.b)",
+        "max(self.a, self.b, 0.0)",
+        "max(-0.0, self.a, self.b)",
+        "abs(self.a) - -self.b",
+        "sqrt(self.a)",
+        "sqrt(max(self.a, 0.0))",
+        "fmod(self.a, self.b)",
+        "math.fmod(self.b, 3.0)",
+        "float(round(self.a))",
+        "floor(self.a) * self.b",
+        "-floor(self.a) * 1.0",
+        "self.a + round(self.b) * 0.5",
+        "float(self.m) / self.n",
+        "self.m / self.n",
+        "self.a if self.a < self.b else self.b if self.f else -self.a",
+        "self.values[self.n]",
+        "self.values[-5] + self.values[4]",
+        "self.long + self.base - self.longer.auto_",
+        "float(self.on)",
+    ],
+    "i": [
+        "self.m // self.n",
+        "self.m % self.n",
+        "-self.m // 7 + self.n % -4",
+        "abs(self.m) - max(self.n, -self.m, 2)",
+        "round(self.a) if abs(self.a) < 1e15 else -1",
+        "int(self.a) if not abs(self.a) >= 1e15 else -2",
+        "floor(self.b) if not abs(self.b) >= 1e15 else -2",
+        "(self.m < self.n) + True + int(self.f)",
+        "(self.m - self.n + SIZE // 2) % SIZE - HALF",
+        "-(-self.m) - (-3 - self.n)",
+        "len(self.values) * 2",
+    ],
+    "on": [
+        "self.a < self.b <= 2.5",
+        "self.a != self.b == self.a",
+        "self.a == self.m or self.n > self.b",
+        "not self.f and isfinite(self.a)",
+        "self.m in (1, 2, self.n)",
+        "self.way not in (Way.UP, Way.BACK) and self.way != Way.NONE",
+        "(self.a < self.b) == self.f",
+        "0 < self.m < self.n in (2, 3)",
+    ],
+}
+KEYWORDS = """
+    long: float = 1.5
+    base: float = 2.5
+    signed: bool = True
+"""
+
+
+def operations() -> str:
+    """The text of a block that does each operation when `which` says so; some names are C's own."""
+    places = [(kind, text) for kind, texts in OPERATIONS.items() for text in texts]
+    head = HEAD.replace("    calls: int = 0\n", "    calls: int = 0" + KEYWORDS)
+    head = head.replace("    y: float = var.local(", "    auto_: float = 4.0\n    y: float = var.local(").replace(
+        "    auto_: float = 4.0", "    auto_: float = var.local(4.0, 'like a keyword')"
+    )
+    text = head + "\n    def step(self, h: float) -> Refusal:\n        match self.which:\n"
+    for i, (kind, expression) in enumerate(places):
+        text += f"            case {i}:\n                self.{kind} = {expression}\n"
+    return text + "            case _:\n                pass\n        return Refusal.NONE\n"
+
+
+def test_every_operation_gives_the_bits_of_python_for_nasty_values(tmp_path: Path) -> None:
+    space = loaded(tmp_path, "operations_of_this_run", operations())
+    sides = Sides(space.Programs)
+    raised = {True: 0, False: 0}
+    for which in range(sum(map(len, OPERATIONS.values()))):
+        for at, a in enumerate(REALS):
+            for b in REALS:
+                m, n = WHOLES[at % len(WHOLES)], WHOLES[(at + which) % len(WHOLES)]
+                values = {"which": which, "a": a, "b": b, "m": m, "n": n, "f": a < b, "way": list(space.Way)[at % 3]}
+                sides.begin_anew()
+                sides.set(values)
+                raised[sides.step(0.0)] += 1
+    assert min(raised.values()) > 500
+
+
+SAMPLE = '''"""A sample of the text."""
+
+from dataclasses import dataclass
+
+from motionsync import var
+from motionsync.var import Enumeration
+
+STEEP = 2.0 / 3.0  # of the ramp
+LEAST = 1e-12  # u
+
+
+class Refusal(Enumeration):
+    """Why a call fails"""
+
+    NONE = 0, "done"
+    LONG = 1, "the step is too long"
+
+
+@dataclass(slots=True)
+class Ramp:
+    """How far the slave is.
+
+    It grows with each step."""
+
+    travel: float = var.output(0.5, "what is covered")
+    laps: list[float] = var.ring(3)
+
+    def advance(self, h: float, gain: float) -> None:
+        """Add what a step covers."""
+        rate, lap = shares(h, gain)
+        for i in range(3):
+            self.laps[i] += rate  # each lap
+        # The last lap counts twice.
+        self.laps[lap] = self.laps[-1] + (self.travel - rate)
+        self.travel += STEEP * rate
+
+
+@dataclass(slots=True)
+class Sampled:
+    ramp: Ramp = var.part(Ramp)
+    gain: float = var.input(1.0, "the gain")
+
+    def initialize(self) -> Refusal:
+        return Refusal.NONE
+
+    def step(self, h: float) -> Refusal:
+        if h > 1.0:
+            return Refusal.LONG
+        self.ramp.advance(h, self.gain)
+        return Refusal.NONE
+
+
+def shares(h: float, gain: float) -> tuple[float, int]:
+    """The rate, u/s, and the lap in which it counts."""
+    return h / gain, 1 if gain > LEAST else 0
+'''
+IN_C = """\
+/* Add what a step covers. */
+static void Ramp_advance(Ramp *self, double h, double gain, bool *failed) {
+    const Tuple_di shares = sampled_of_this_run_shares(h, gain, failed);
+    const double rate = shares.v0;
+    const int64_t lap = shares.v1;
+    for (int64_t i = 0; i < 3; i++) {
+        self->laps[i] += rate; /* each lap */
+    }
+    /* The last lap counts twice. */
+    self->laps[index_in(lap, 3, failed)] = self->laps[index_in(-1, 3, failed)] + (self->travel - rate);
+    self->travel += STEEP * rate;
+}
+"""
+STRUCT_IN_C = """\
+/* How far the slave is.
+ *
+ * It grows with each step. */
+typedef struct {
+    double travel; /* output: what is covered */
+    double laps[3];
+} Ramp;
+"""
+
+
+def test_the_text_keeps_the_names_the_comments_and_the_docstrings(tmp_path: Path) -> None:
+    block = loaded(tmp_path, "sampled_of_this_run", SAMPLE).Sampled()
+    files = {name: text.decode() for name, text in c_source(block).items()}
+    assert IN_C in files["block.c"]
+    assert "static const double STEEP = 0.6666666666666666; /* 2.0 / 3.0; of the ramp */" in files["block.c"]
+    assert "    .ramp = {\n        .travel = 0.5,\n    },\n    .gain = 1.0,\n" in files["block.c"]
+    assert STRUCT_IN_C in files["block.h"]
+    assert "    Refusal_LONG = 1, /* the step is too long */" in files["block.h"]
+    assert all(len(line) <= 120 for text in files.values() for line in text.splitlines())
+
+
+def test_a_block_outside_the_subset_is_refused_with_file_and_line(tmp_path: Path) -> None:
+    text = SAMPLE.replace("h / gain, 1 if", "h ** gain, 1 if").replace("class Sampled", "class Wrong")
+    block = loaded(tmp_path, "wrong_of_this_run", text).Wrong()
+    line = text[: text.index("h ** gain")].count("\n") + 1
+    with pytest.raises(UserError, match=rf"wrong_of_this_run\.py:{line}: no `\*\*`"):
+        c_source(block)
+
+
+def test_the_text_is_the_same_in_another_process_with_another_seed_for_hashes() -> None:
+    script = "import hashlib; from motionsync.blocks import BLOCKS\n"
+    script += "from motionsync_fmu.native.translator import c_source\n"
+    script += "for name in BLOCKS: print(*(hashlib.sha256(t).hexdigest() for t in c_source(BLOCKS[name]()).values()))"
+    seed = os.environ | {"PYTHONHASHSEED": "7"}
+    done = subprocess.run([sys.executable, "-c", script], env=seed, capture_output=True, text=True, check=True)
+    here = [" ".join(hashlib.sha256(text).hexdigest() for text in c_of(name).values()) for name in BLOCKS]
+    assert done.stdout.splitlines() == here
+
+
+@cache
+def c_of(name: str) -> dict[str, bytes]:
+    return c_source(BLOCKS[name]())
+
+
+# --- what C compilers say ---
+
+WARNINGS = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror"]
+DEEPEST = 2048  # bytes of stack: what a step needs at most, on x86-64 by gcc
+
+
+@pytest.fixture
+def folder(block: str, tmp_path: Path) -> Path:
+    """The C of a block."""
+    for name, text in c_of(block).items():
+        (tmp_path / name).write_bytes(text)
+    return tmp_path
+
+
+def gcc(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    if shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    return subprocess.run(["gcc", *arguments, "-c", "block.c"], cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("target", ["x86_64-linux-gnu", "x86_64-windows-gnu"])
+def test_clang_finds_nothing_to_warn_of(folder: Path, target: str) -> None:
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *WARNINGS, "-c"]
+    command += ["-Wno-unused-command-line-argument", "block.c", "-o", "block.o"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert ZIG.exists()
+
+
+def test_gcc_finds_nothing_to_warn_of_and_a_step_needs_little_stack(block: str, folder: Path) -> None:
+    done = gcc("-O2", *WARNINGS, "-fcallgraph-info=su", folder=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    own, calls = call_graph((folder / "block.ci").read_text())
+    assert {"block_initialize", "block_step"} <= own.keys()
+    outside = {callee for callees in calls.values() for callee in callees} - own.keys()
+    assert outside <= {"sqrt", "floor", "rint", "fmod", "fabs", "memcpy", "memset"}
+    needed = {entry: deepest(entry, own, calls, ()) for entry in ("block_initialize", "block_step")}
+
+    assert max(needed.values()) <= DEEPEST
+
+
+def call_graph(text: str) -> tuple[dict[str, int], dict[str, list[str]]]:
+    """Of gcc's call graph: the stack that each function needs itself, bytes, and what it calls."""
+    own = {
+        name: int(size) for name, size in re.findall(r'title: "(?:block\.c:)?(\w+)" label: "[^"]*?(\d+) bytes', text)
+    }
+    calls: dict[str, list[str]] = {}
+    plain = r'"(?:block\.c:)?([\w.]+)"'
+    own = {name: int(size) for name, size in re.findall(rf'title: {plain} label: "[^"]*?(\d+) bytes', text)}
+    for caller, callee in re.findall(rf"sourcename: {plain} targetname: {plain}", text):
+        calls.setdefault(caller, []).append(callee)
+    return own, calls
+
+
+def deepest(name: str, own: dict[str, int], calls: dict[str, list[str]], above: tuple[str, ...]) -> int:
+    """The stack that a function needs with all that it calls; it never calls itself."""
+    assert name not in above, f"{name} calls itself"
+    below = [deepest(callee, own, calls, (*above, name)) for callee in calls.get(name, [])]
+    return own.get(name, 0) + max(below, default=0)
+
+
+@pytest.mark.parametrize(
+    "flag",
+    [
+        "-ffast-math",
+        "-ffinite-math-only",
+        "-freciprocal-math",
+        "-fno-signed-zeros",
+        "-funsafe-math-optimizations",
+        "-mfpmath=387",
+    ],
+)
+def test_a_compiler_that_may_change_results_is_refused(tmp_path: Path, flag: str) -> None:
+    for name, text in c_of("Synchronizer").items():
+        (tmp_path / name).write_bytes(text)
+    done = gcc("-fsyntax-only", flag, folder=tmp_path)
+    assert "#error" in done.stderr, done.stderr
+    assert gcc("-fsyntax-only", "-O3", folder=tmp_path).returncode == 0
+
+
+def test_no_fused_operation_is_made_even_where_the_processor_has_it(tmp_path: Path) -> None:
+    for name, text in c_of("Synchronizer").items():
+        (tmp_path / name).write_bytes(text)
+    for pragmas, fused in ((True, False), (False, True)):
+        text = (tmp_path / "block.c").read_text()
+        (tmp_path / "block.c").write_text(text if pragmas else re.sub("^#pragma.*$", "", text, flags=re.M))
+        done = gcc("-std=gnu99", "-O3", "-march=haswell", "-S", "-o", "block.s", folder=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert ("vfmadd" in (tmp_path / "block.s").read_text()) == fused

@@ -137,16 +137,19 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
     built = []
 
     def build(flavour: Flavour, recipe: Recipe, target: Path, progress: release.Progress) -> Path:
-        built.append((flavour, recipe.name, recipe.unit))
+        built.append((flavour, recipe.name, recipe.unit, recipe.fmi))
         write(target, {"documentation/index.html": b"", "documentation/example.svg": b""})
         return target
 
     monkeypatch.setattr(release, "build", build)
     monkeypatch.setattr(release, "package", lambda folder: None)
     release.release(tmp_path / "all", lambda text: None)
-    assert sorted(built) == sorted(("native", block, unit) for block in BLOCKS for unit in ("mm", "m", "deg"))
+    assert sorted(built) == sorted(
+        ("native", block, unit, fmi) for block in BLOCKS for unit in ("mm", "m", "deg") for fmi in ("2", "3")
+    )
     with zipfile.ZipFile(tmp_path / "all" / f"{NAME}-fmus.zip") as z:
-        assert len(z.namelist()) == 2 + 2 * 3 * len(BLOCKS)
+        assert len(z.namelist()) == 2 + 3 * 3 * len(BLOCKS)
+        assert "mm/fmi3/FlyingSaw_mm.fmu" in z.namelist()
         first = z.read("README.html").decode()
         assert relative(Referring(first).addresses) == set(z.namelist()) - {"README.html"}
 

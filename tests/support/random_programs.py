@@ -259,7 +259,7 @@ class Writer:
         before = {kind: list(names) for kind, names in self.locals.items()}
         lines = [line for _ in range(self.pick([1, 1, 2, 3])) for line in self.statement(depth, loop)]
         self.locals = before
-        return textwrap.indent("\n".join(lines), "    ").splitlines()
+        return indented(lines)
 
     def statement(self, depth: int, loop: bool) -> list[str]:
         simple = [
@@ -388,6 +388,10 @@ class Writer:
         for _ in range(self.pick([2, 3, 4, 6])):
             lines += self.statement(2, False)
         return [*lines, f"self.on = {self.expression('bool', 1)}", f"return {self.expression('float')}"]
+
+
+def indented(lines: list[str]) -> list[str]:
+    return [f"    {line}" for line in lines]
 
 
 @st.composite

@@ -10,7 +10,7 @@ from motionsync.blocks import BLOCKS
 
 from .. import places
 from ..archive import build_time
-from ..build import Flavour, fmu_path, outdated
+from ..build import Flavour, fmu_path, has_sources, outdated
 from ..build import build as build_fmu
 from ..builds import chosen
 from ..errors import UserError, spelled
@@ -54,6 +54,9 @@ def build(
         Path | None,
         typer.Option(help="Where to put the FMUs: FOLDER/<flavour>/<FMU>.fmu, FOLDER/fmi3/<FMU>.fmu; else into build."),
     ] = None,
+    sources: Annotated[
+        bool, typer.Option("--sources", help="Put the C into the FMU, for any other processor; native flavour.")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Build FMUs that are up to date, too.")] = False,
 ) -> None:
     """Build FMUs that are missing or stale.
@@ -70,6 +73,8 @@ def build(
         motionsync build Synchronizer --start curve=PARABOLA --start output_phasing=45
 
         motionsync build FlyingSaw --fmi 3
+
+        motionsync build Gearing --sources --flavour native
 
         motionsync build Follower --unit mm --slave-unit deg
 
@@ -88,15 +93,18 @@ def build(
         _check(recipe)
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
     flavours, folder = chosen(fmi, flavour or [], err.print), folder or places.output(err.print)
+    if sources and Flavour.NATIVE not in flavours:
+        raise UserError("--sources: the python flavour has no C; take --flavour native")
     for recipe in recipes:
         for one in flavours:
             target = fmu_path(recipe, folder, one)
-            if not (force or outdated(target, recipe)):
+            with_sources = sources and one == Flavour.NATIVE
+            if not (force or outdated(target, recipe) or has_sources(target) != with_sources):
                 out.print(f"{escape(str(target))}  is up to date")
                 continue
             target.parent.mkdir(parents=True, exist_ok=True)
             with doing(f"building {target}") as tell:
-                build_fmu(one, recipe, target, tell)
+                build_fmu(one, recipe, target, tell, with_sources=with_sources)
             of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
             out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from ..errors import UserError
 from ..native.libraries import FREESTANDING
-from ..native.sources import HERE as NATIVE
 from ..native.tables import model_header
 from ..native.translator import c_source
+from ..native.unit_sources import HERE as NATIVE
 
 WEB = Path(__file__).with_name("web.c")
 OTHERS = ("fmi", "memory")  # how the names of C files begin that a page does not need

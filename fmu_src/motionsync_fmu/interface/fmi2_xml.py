@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -22,7 +22,8 @@ ABILITIES = {  # of both flavours, as attributes of the CoSimulation element
     "needsExecutionTool": "false",
     "canBeInstantiatedOnlyOncePerProcess": "false",
 }
-OWN_MEMORY = {"canNotUseMemoryManagementFunctions": "true"}  # of the python flavour
+OWN_MEMORY = {"canNotUseMemoryManagementFunctions": "true"}  # of an FMU without sources
+SOURCES = "sources/"  # where an FMU of either version holds its C
 CATEGORIES = {
     "logStatusWarning": "refused commands",
     "logStatusError": "refused values and failed calls",
@@ -67,13 +68,16 @@ def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, s
     return root
 
 
-def complete(root: Element, guid: str, abilities: Mapping[str, str] | None = None) -> None:
+def complete(root: Element, guid: str, abilities: Mapping[str, str] | None = None, sources: Sequence[str] = ()) -> None:
     """Add what belongs to one build: the GUID, and a date if the build has one.
 
-    `abilities`: attributes of the CoSimulation element that only one flavour has."""
+    `abilities`: attributes of the CoSimulation element that only one flavour has; `sources`: the C files that the FMU
+    can be compiled from."""
     root.set("guid", guid)
     for unit in root.iter("CoSimulation"):
         unit.attrib.update(abilities or {})
+        if sources:
+            SubElement(unit, "SourceFiles").extend(Element("File", name=file) for file in sources)
     if (built := build_time()) is not None:
         root.set("generationDateAndTime", time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(built)))
 

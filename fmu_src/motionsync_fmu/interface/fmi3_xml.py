@@ -4,7 +4,7 @@ Everything that is declared is described by `fmi2_xml.describe`. A unit of FMI 3
 update: a command is an edge at the beginning of a step, and a step is computed to its end at once.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from xml.etree.ElementTree import Element, SubElement
 
 TIME = "time"  # the independent variable, which FMI 3.0 demands; its value reference comes after those of the block
@@ -33,6 +33,15 @@ def translated(former: Element) -> Element:
     model.extend(_variable(scalar) for scalar in variables)
     model.append(_time(str(len(variables))))
     SubElement(root, "ModelStructure").extend(_structure(_only(former, "ModelStructure")))
+    return root
+
+
+def build_description(name: str, files: Iterable[str]) -> Element:
+    """sources/buildDescription.xml: the C files that the sources of the FMU are compiled from; `name`: of the block."""
+    root = Element("fmiBuildDescription", fmiVersion="3.0")
+    sources = SubElement(SubElement(root, "BuildConfiguration", modelIdentifier=name), "SourceFileSet", language="C99")
+    for file in files:
+        SubElement(sources, "SourceFile", name=file)
     return root
 
 

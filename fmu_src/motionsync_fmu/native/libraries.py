@@ -17,12 +17,14 @@ from ..archive import Files
 from ..errors import UserError
 from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
-from .sources import HERE, c_sources
+from .unit_sources import c_sources
 
+HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
     "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
-    "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none"
+    "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none "
+    "-DOWN_MEMORY"
 )
 PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
 FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
@@ -88,10 +90,19 @@ def compiled(target: str, flags: str, path: str, work: Path) -> bytes:
         UserError: zig failed.
     """
     (work / path).parent.mkdir()
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS.split(), "-I.", "-I", str(HEADERS)]
     sources = sorted(source.name for source in work.glob("*.c"))
+    return zig_cc(target, [*FLAGS.split(), "-I.", *sources, *flags.split()], path, work)
+
+
+def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> bytes:
+    """What zig makes, in the folder `work`, for one of its targets; `path`: where it puts that, relative to the folder.
+
+    Raises:
+        UserError: zig failed.
+    """
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-I", str(HEADERS)]
     done = subprocess.run(
-        [*command, *sources, *flags.split(), "-o", path],
+        [*command, *arguments, "-o", path],
         cwd=work,
         capture_output=True,
         text=True,

@@ -30,12 +30,14 @@ def pages(
     turned: Mapping[str, str] | None = None,
     related: bool = False,
     fmi: Fmi = Fmi.TWO,
+    sources: bool = False,
 ) -> Files:
     """index.html and its picture, and for the python flavour externalDependencies.html.
 
     `block` has the FMU's start values; `platforms`: the folders of its binaries; `unit`: the unit of
     positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`); `turned`: as for
-    `variables`; `related`: whether the FMU has the example's `related_files`; `fmi`: the version of the FMU.
+    `variables`; `related`: whether the FMU has the example's `related_files`; `fmi`: the version of the FMU;
+    `sources`: whether it brings its C along.
 
     Raises:
         UserError: the block has no README.md, or refuses its example.
@@ -58,6 +60,7 @@ def pages(
         "flavour": flavour,
         "fmi": fmi,
         "related": related,
+        "sources": sources,
         "platforms": {p: TITLES[p] for p in platforms},
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])

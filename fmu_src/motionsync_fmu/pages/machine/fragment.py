@@ -25,8 +25,7 @@ NAMES = ("axes", "belt", "window")
 
 def machine(scenario: Scenario, recording: Recording) -> Markup:
     """The picture of the run, with a slider, a play button and readouts; empty for a block that has no picture."""
-    run = Run(scenario, recording)
-    data = _scene(run)
+    data = scene_data(scenario, recording)
     if data is None:
         return Markup("")
     return _rendered(data, data["scene"])
@@ -43,8 +42,9 @@ def _rendered(data: dict[str, Any] | None, *scenes: str) -> Markup:
     return Markup(page.render(data=data, style=Markup(_text("machine.css")), code=Markup(code)))
 
 
-def _scene(run: Run) -> dict[str, Any] | None:
-    """What the page draws; None: nothing."""
+def scene_data(scenario: Scenario, recording: Recording) -> dict[str, Any] | None:
+    """What is drawn of a run; None: nothing."""
+    run = Run(scenario, recording)
     if run.scenario.remote:
         return remote_axis(run, run.scenario.remote)
     scenes: dict[str, Callable[[Run], dict[str, Any]]] = {

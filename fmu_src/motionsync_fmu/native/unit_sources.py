@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..archive import Files
+from ..interface.fmi2_xml import SOURCES
 from ..interface.recipe import Fmi
 from .memory_layout import dtype
 from .tables import ENVIRONMENT, model_header
@@ -27,17 +28,15 @@ def c_sources(block: Any, guid: str, turned: Mapping[str, str] | None = None, fm
     return files | {"model.h": model_header(block, guid, turned, fmi).encode()}
 
 
-def compiled(files: Files) -> list[str]:
-    """The names of those files that a compiler is given: the C files."""
+def c_names(files: Files) -> list[str]:
+    """The names of those files that a compiler is given."""
     return sorted(name for name in files if name.endswith(".c"))
 
 
-def readme(block: Any, files: Files, fmi: Fmi) -> bytes:
-    """What stands beside the sources: how to compile them, and what they need."""
-    values = {
-        "name": type(block).__name__,
-        "files": compiled(files),
-        "fmi": str(fmi),
-        "state": dtype(block).itemsize + STATE,
-    }
-    return ENVIRONMENT.get_template("sources.md.j2").render(values).encode()
+def source_files(block: Any, guid: str, turned: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> Files:
+    """What an FMU holds as its sources, by the paths in it: the C, and how to compile it. The arguments are those of
+    `c_sources`."""
+    files = c_sources(block, guid, turned, fmi)
+    name, state = type(block).__name__, dtype(block).itemsize + STATE
+    text = ENVIRONMENT.get_template("sources.md.j2").render(name=name, files=c_names(files), fmi=str(fmi), state=state)
+    return {f"{SOURCES}{name}": content for name, content in (files | {"README.md": text.encode()}).items()}

@@ -1,0 +1,87 @@
+"""A WebAssembly component of the layered standard fmi-ls-wasm: a block's core module among sections that are always the
+same.
+
+`component.bin` has these sections, with an empty core module in the block's place. wasm-tools made it from the draft's
+interface (`wasm-tools component embed wit --world co-simulation-fmu`, `wasm-tools component new`).
+"""
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ...archive import Files
+from ...interface.recipe import Fmi
+from ..libraries import FREESTANDING, zig_cc
+from ..unit_sources import c_sources
+
+HERE = Path(__file__).parent
+TARGET = "wasm32-wasi"  # "freestanding" would turn fabs and sqrt from instructions into unknown functions
+FLAGS = (
+    "-std=c11 -O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fvisibility=hidden -g0 -s "
+    "-rtlib=none -nostdlib -Wl,--no-entry -Wl,-z,stack-size=65536"
+)
+SOURCES = ("wit.c", "unit.c", "decimal.c", "block.c", "freestanding.c")  # wit.c includes fmi3.c
+CORE_MODULE = 1  # the kind of section
+FOLDER = "binaries/wasm32-wasip2"
+
+MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiLayeredStandardManifest xmlns="http://fmi-standard.org/fmi-ls-manifest"
+  xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
+  fmi-ls:fmi-ls-name="org.modelica.fmi-ls-wasm"
+  fmi-ls:fmi-ls-version="0.1.0"
+  fmi-ls:fmi-ls-description="FMI Layered Standard for WebAssembly"/>
+"""
+
+
+def component_files(block: Any, guid: str, turned: Mapping[str, str] | None = None) -> Files:
+    """What an FMU of FMI 3.0 holds more: the component, and the manifest of the layered standard.
+
+    `turned`: as for `variables`.
+
+    Raises:
+        UserError: zig failed.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder)
+        sources = [HERE / "wit.c", *FREESTANDING.glob("*.[ch]")]
+        files = {file.name: file.read_bytes() for file in sources} | c_sources(block, guid, turned, Fmi.THREE)
+        for name, text in files.items():
+            (work / name).write_bytes(text)
+        core = zig_cc(TARGET, [*FLAGS.split(), "-I.", *SOURCES], "core.wasm", work)
+    return {
+        f"{FOLDER}/{type(block).__name__}.wasm": around(core),
+        "extra/org.modelica.fmi-ls-wasm/manifest.xml": MANIFEST.encode(),
+    }
+
+
+def around(core: bytes) -> bytes:
+    """The component around a core module."""
+    template = (HERE / "component.bin").read_bytes()
+    whole, at = template[:8], 8
+    while at < len(template):
+        kind, (start, length) = template[at], _number(template, at + 1)
+        at = start + length
+        content = core if kind == CORE_MODULE and not length else template[start:at]
+        whole += bytes([kind]) + _packed(len(content)) + content
+    return whole
+
+
+def _number(text: bytes, at: int) -> tuple[int, int]:
+    """Where a number of WebAssembly (LEB128) ends, and the number."""
+    number = shift = 0
+    while True:
+        byte = text[at]
+        number |= (byte & 127) << shift
+        shift += 7
+        at += 1
+        if byte < 128:
+            return at, number
+
+
+def _packed(number: int) -> bytes:
+    packed = b""
+    while number > 127:
+        packed += bytes([number & 127 | 128])
+        number >>= 7
+    return packed + bytes([number])

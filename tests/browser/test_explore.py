@@ -1,0 +1,415 @@
+"""The pages of `motionsync explore` in a real browser, as files and without a network."""
+
+import hashlib
+import json
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motionsync_fmu.explore import page as explore_page
+from motionsync_fmu.explore.data import explored as shown
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.pages.machine.fragment import scene_data
+from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.recording import Recording
+from motionsync_fmu.scenario.run import run_in_process
+from tests import ROOT
+from tests.browser.conftest import Open
+from tests.browser.visit import Visit, contrast
+from tests.support.explored import explored
+from tests.support.fmus import Fmus
+
+RUN_JS = Path(explore_page.__file__).with_name("run.js")
+CUTS = "[...document.querySelectorAll('.motionsync-machine .stock')].map(e => +e.dataset.cuts)[0]"
+OpenBlock = Callable[..., Visit]
+
+
+@pytest.fixture
+def open_block(open_page: Open, fmus: Fmus) -> OpenBlock:
+    """Opens the page of a block: `open_block(name, scenario, ...)`, the rest as for `open_page`."""
+
+    def opened(name: str, scenario: str = "", width: int = 1100, **options: Any) -> Visit:
+        visit = open_page(explored(fmus, name).file, width, **options)
+        visit.page.wait_for_selector("html[data-ready]")
+        if scenario:
+            choose(visit, scenario)
+        return visit
+
+    return opened
+
+
+def choose(visit: Visit, scenario: str) -> None:
+    visit.page.get_by_label("Run", exact=True).select_option(scenario)
+    settle(visit)
+
+
+def settle(visit: Visit) -> None:
+    """Wait until what was changed has been run and drawn."""
+    visit.page.evaluate("new Promise(done => requestAnimationFrame(() => setTimeout(done, 0)))")
+
+
+def slide(visit: Visit, name: str, value: float) -> None:
+    """Move a slider, as a hand does: to the nearest of its places."""
+    visit.page.get_by_label(f"{name}, slider", exact=True).first.fill(str(value))
+    settle(visit)
+
+
+def badge(visit: Visit, text: str) -> None:
+    visit.page.locator("#badge", has_text=text).wait_for()
+
+
+def pieces_at_the_end(visit: Visit, stop_time: float) -> int:
+    visit.show(stop_time)
+    return int(visit.page.evaluate(CUTS))
+
+
+def sum_of(recording: Recording, block: str) -> str:
+    """SHA-256 of all outputs and locals at all points."""
+    names = [v.name for v in Recipe(block).variables.values() if not v.settable]
+    return hashlib.sha256(np.column_stack([recording.values[name] for name in names]).tobytes()).hexdigest()
+
+
+# --- bits ---
+
+
+def test_every_scenario_has_the_native_bits_in_the_browser(open_block: OpenBlock, fmus: Fmus, block: str) -> None:
+    """The page makes all inputs itself: the axis, the telegrams, what reactions set."""
+    known = {s["name"]: s["sha256"] for s in explored(fmus, block).data["scenarios"]}
+    sums = """async (names) => {
+      const found = {};
+      for (const name of names) found[name] = await motionsyncExplore.fingerprint(motionsyncExplore.run(name));
+      return found;
+    }"""
+    assert all(known.values())
+    assert open_block(block).page.evaluate(sums, list(known)) == known
+
+
+def test_the_badge_compares_what_is_shown(open_block: OpenBlock, fmus: Fmus) -> None:
+    visit = open_block("Synchronizer", "polynomial")
+    badge(visit, "same bits as the native FMU: " + explored(fmus, "Synchronizer").scenario("polynomial")["sha256"][:12])
+    slide(visit, "output_phasing", 50.0)
+    badge(visit, "changed")
+    visit.page.get_by_role("button", name="As it was").click()
+    badge(visit, "same bits")
+
+
+def test_times_are_rounded_as_python_rounds_them(open_page: Open, tmp_path: Path) -> None:
+    """Ties of 13 decimals, an odd multiple of 2^-13 each, go to the even digit; and a million of other times."""
+    visit = open_page(_blank(tmp_path))
+    visit.page.add_script_tag(content=RUN_JS.read_text("utf-8"))
+    draw = random.Random(14)
+    ties = [(2 * draw.randrange(10**6) + 1) / 8192.0 for _ in range(2000)]
+    steps = [draw.randrange(1, 10**6) * draw.choice([0.001, 0.002, 0.005, 0.01, 1 / 3, 0.0123]) for _ in range(20000)]
+    times = [*ties, *steps]
+    assert visit.page.evaluate("times => times.map(rounded)", times) == [round(t, 12) for t in times]
+
+
+def test_a_remainder_has_the_sign_of_the_divisor(open_page: Open, tmp_path: Path) -> None:
+    visit = open_page(_blank(tmp_path))
+    visit.page.add_script_tag(content=RUN_JS.read_text("utf-8"))
+    draw = random.Random(15)
+    pairs = [(draw.uniform(-1e4, 1e4), draw.choice([360.0, 0.1, 1e-3, 777.7])) for _ in range(20000)]
+    pairs += [(-0.1, 0.1), (-0.3, 0.1), (0.0, 5.0), (-5.0, 5.0)]
+    assert visit.page.evaluate("pairs => pairs.map(([x, y]) => modulo(x, y))", pairs) == [x % y for x, y in pairs]
+
+
+def _blank(folder: Path) -> Path:
+    file = folder / "blank.html"
+    file.write_text("<!doctype html><title>blank</title>", "utf-8")
+    return file
+
+
+# --- a slider, a command, a program ---
+
+
+def test_other_lengths_give_other_cuts(open_block: OpenBlock) -> None:
+    """The material runs some 29 m in 33 s: 20 cuts of 1500 mm. 2000 mm give about three quarters of them."""
+    visit = open_block("FlyingSaw", "cyclic_cut")
+    assert pieces_at_the_end(visit, 33.0) == 20
+    slide(visit, "cuts.length", 2000.0)
+    assert pieces_at_the_end(visit, 33.0) == 15
+    assert visit.readout("cuts") == "15 of 15"
+
+
+def test_orders_of_another_length_are_other_pieces(open_block: OpenBlock) -> None:
+    """1000 mm/s for 5 s: with pieces of 1500 mm two cuts, with 750 mm twice as many and more."""
+    visit = open_block("CutToLength", "basic_cut")
+    assert pieces_at_the_end(visit, 5.0) == 2
+    slide(visit, "length", 1000.0)
+    assert pieces_at_the_end(visit, 5.0) == 4
+    assert visit.readout("last piece") == "1000.00 mm PRODUCT"
+
+
+def test_a_line_that_follows_is_slower_where_the_saw_is(open_block: OpenBlock) -> None:
+    visit = open_block("CutToLength", "cyclic_orders")
+    before = pieces_at_the_end(visit, 26.0)
+    slide(visit, "axis.max_velocity", 750.0)
+    assert pieces_at_the_end(visit, 26.0) < before
+    badge(visit, "changed")
+
+
+def test_more_jitter_makes_the_telegrams_worse(open_block: OpenBlock) -> None:
+    """The picture's window shows 98 % of all errors: its ruler has other numbers."""
+    visit = open_block("RemoteSync", "slow_sender_jitter")
+    numbers = "[...document.querySelectorAll('.motionsync-machine text.soft')].map(e => e.textContent)"
+    before = visit.page.evaluate(numbers)
+    slide(visit, "velocity", 500.0)
+    assert visit.page.evaluate(numbers) != before
+    slide(visit, "jitter", 0.1)
+    assert visit.page.locator("#problem").inner_text() == ""
+    badge(visit, "changed")
+
+
+def test_a_command_acts_at_the_time_that_is_shown(open_block: OpenBlock) -> None:
+    visit = open_block("CutToLength", "basic_cut")
+    visit.show(2.5)
+    visit.page.get_by_role("button", name="stop", exact=True).click()
+    settle(visit)
+    assert pieces_at_the_end(visit, 5.0) < 3
+    assert visit.page.get_by_label("time of the setting, in s").last.input_value() == "2.5"
+    visit.page.get_by_role("button", name="Remove").last.click()
+    settle(visit)
+    badge(visit, "same bits")
+
+
+def test_a_program_drives_the_saw(open_block: OpenBlock) -> None:
+    """Its own slider changes the pieces; its mistakes are told in one line."""
+    visit = open_block("FlyingSaw", "program")
+    cuts = pieces_at_the_end(visit, 33.0)
+    assert cuts > 10
+    slide(visit, "piece", 3000.0)
+    assert pieces_at_the_end(visit, 33.0) == pytest.approx(cuts / 2, abs=2)
+    text = visit.page.get_by_label("Program", exact=True)
+    text.fill("return 5;")
+    settle(visit)
+    assert "has to return the function" in visit.page.locator("#problem").inner_text()
+    text.fill("return (t, saw) => saw.set({'axis.no': 1});")
+    settle(visit)
+    assert visit.page.locator("#problem").inner_text() == "there is no variable axis.no"
+
+
+def test_what_the_block_refuses_is_told_in_its_words(open_block: OpenBlock) -> None:
+    visit = open_block("FlyingSaw", "cyclic_cut")
+    visit.page.get_by_label("axis.max_position", exact=True).fill("-900")
+    settle(visit)
+    told = visit.page.locator("#problem").inner_text()
+    assert told.startswith("Refused at 0.000 s: ")
+    assert "axis.max_position = -900" in told
+    visit.page.get_by_label("axis.max_position", exact=True).fill("700")
+    settle(visit)
+    assert visit.page.locator("#problem").inner_text() == ""
+
+
+# --- written down ---
+
+
+def written(visit: Visit, folder: Path) -> tuple[Path, str]:
+    """The run as a file, and the sum that stands in it."""
+    visit.page.get_by_role("button", name="As scenario.toml").click()
+    area = visit.page.get_by_label("The run as scenario.toml")
+    visit.page.wait_for_function("document.getElementById('toml').value !== ''")
+    file = folder / "mine" / "scenario.toml"
+    file.parent.mkdir()
+    file.write_text(area.input_value(), "utf-8")
+    (line,) = [line for line in file.read_text("utf-8").splitlines() if line.startswith("# SHA-256")]
+    return file, line.rpartition(" ")[2]
+
+
+def nothing(visit: Visit) -> None:
+    """As it was."""
+
+
+def shorter_cuts(visit: Visit) -> None:
+    slide(visit, "cuts.length", 1200.0)
+    slide(visit, "axis.max_jerk", 150000.0)
+
+
+def stop_in_between(visit: Visit) -> None:
+    visit.show(7.3)
+    visit.page.get_by_role("button", name="stop", exact=True).click()
+    settle(visit)
+
+
+def other_telegrams(visit: Visit) -> None:
+    slide(visit, "phase", 0.2)
+    slide(visit, "jitter", 0.05)
+    slide(visit, "velocity", 300.0)
+
+
+def own_program(visit: Visit) -> None:
+    text = "return (t, b) => { if (t > 1) b.set({rest_value: 10 * Math.floor(t)}); };"
+    visit.page.locator("#editor summary").click()
+    visit.page.get_by_label("Program", exact=True).fill(text)
+    settle(visit)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("FlyingSaw/cyclic_cut", nothing),
+        ("FlyingSaw/cyclic_cut", shorter_cuts),
+        ("FlyingSaw/program", nothing),
+        ("CutToLength/cyclic_orders", stop_in_between),
+        ("RemoteSync/drift_changes", nothing),
+        ("RemoteSync/fast_sender_jitter", other_telegrams),
+        ("Follower/cyclic_park", nothing),
+        ("Synchronizer/polynomial", own_program),
+    ],
+    ids=lambda value: getattr(value, "__name__", value),
+)
+def test_a_run_written_down_has_the_same_bits_in_python(
+    open_block: OpenBlock, tmp_path: Path, name: str, change: Callable[[Visit], None]
+) -> None:
+    block, scenario = name.split("/")
+    visit = open_block(block, scenario)
+    change(visit)
+    assert visit.page.locator("#problem").inner_text() == ""
+    file, told = written(visit, tmp_path)
+    loaded = load(file)
+    assert loaded.recipe.name == block
+    assert sum_of(run_in_process(loaded, loaded.step_size), block) == told
+
+
+# --- the picture ---
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "FlyingSaw/cyclic_cut",
+        "FlyingSaw/rotary_master",
+        "CutToLength/sample_and_waste",
+        "CutToLength/rotary_master_marks",
+        "Follower/linear_wait_in_park",
+        "Follower/cyclic_park",
+        "Gearing/rotary_axes",
+        "Synchronizer/polynomial",
+        "RemoteSync/slow_sender",
+    ],
+)
+def test_the_machine_is_the_one_of_the_report(open_block: OpenBlock, name: str) -> None:
+    """The page prepares in JavaScript what a report prepares in Python: both from the same points."""
+    block, scenario = name.split("/")
+    loaded = shown(load(ROOT / "scenarios" / name / "scenario.toml"))
+    expected = scene_data(loaded, run_in_process(loaded, loaded.step_size))
+    visit = open_block(block)
+    scene = "motionsyncExplore.scene(motionsyncExplore.run(name))"
+    plain = "(_, x) => ArrayBuffer.isView(x) ? [...x] : x"
+    found = json.loads(visit.page.evaluate(f"name => JSON.stringify({scene}, {plain})", scenario))
+    assert expected
+    same(expected, found, "", expected["stop"])
+
+
+def same(expected: Any, found: Any, where: str, stop: float) -> None:
+    """Whether two scenes are the same: numbers, texts, and signals at any time."""
+    if isinstance(expected, dict) and "t" in expected:
+        for t in np.linspace(0.0, stop, 97).tolist():
+            place = max(i for i, begin in enumerate(found["t"]) if i == 0 or begin <= t)
+            own = max(i for i, begin in enumerate(expected["t"]) if i == 0 or begin <= t)
+            if "v" not in expected:
+                assert found["x"][place] == pytest.approx(expected["x"][own], rel=1e-3, abs=1e-6), f"{where} at {t}"
+    elif isinstance(expected, dict):
+        assert expected.keys() == found.keys(), where
+        for key in expected:
+            same(expected[key], found[key], f"{where}.{key}", stop)
+    elif isinstance(expected, list | tuple):
+        assert len(expected) == len(found), where
+        for i, pair in enumerate(zip(expected, found, strict=True)):
+            same(*pair, f"{where}[{i}]", stop)
+    elif isinstance(expected, float):
+        assert found == pytest.approx(expected, rel=1e-6, abs=1e-6), where
+    else:
+        assert found == expected, where
+
+
+# --- everybody can use it ---
+
+
+def test_a_page_is_small_and_whole(fmus: Fmus, block: str) -> None:
+    page = explored(fmus, block)
+    assert page.file.stat().st_size < 400_000
+    assert page.data["name"] == block
+
+
+@pytest.mark.parametrize("width", [1400, 800, 400])
+def test_no_page_is_wider_than_its_window(open_block: OpenBlock, block: str, width: int) -> None:
+    visit = open_block(block, width=width)
+    for group in visit.page.locator("#groups details:not([open]) > summary").all():
+        group.click()
+    settle(visit)
+    assert visit.overflow() == 0.0
+
+
+REACHED = """() => {
+  const all = [...document.querySelectorAll('button, input, select, textarea, summary, a[href], [tabindex="0"]')];
+  return all.filter((e) => e.checkVisibility()).length;
+}"""
+FOCUSED = """() => {
+  document.activeElement.dataset.reached = "yes";
+  return document.querySelectorAll("[data-reached]").length;
+}"""
+
+
+def test_the_keyboard_reaches_everything(open_block: OpenBlock) -> None:
+    visit = open_block("FlyingSaw", "cyclic_cut")
+    keyboard, count = visit.page.keyboard, visit.page.evaluate(REACHED)
+    visit.page.evaluate("document.activeElement.blur()")
+    reached = 0
+    for _ in range(count + 5):
+        keyboard.press("Tab")
+        reached = visit.page.evaluate(FOCUSED)
+    assert count > 60
+    assert reached - visit.page.evaluate("+(document.body.dataset.reached === 'yes')") == count
+
+
+def test_arrows_move_a_slider_and_space_plays(open_block: OpenBlock) -> None:
+    visit = open_block("FlyingSaw", "cyclic_cut")
+    slider = visit.page.get_by_label("cuts.length, slider", exact=True)
+    slider.focus()
+    visit.page.keyboard.press("ArrowRight")
+    settle(visit)
+    assert visit.page.get_by_label("cuts.length", exact=True).input_value() == "1505"
+    badge(visit, "changed")
+    visit.page.locator(".motionsync-machine").focus()
+    visit.page.keyboard.press("End")
+    assert visit.time == 33.0
+    visit.page.keyboard.press("Home")
+    visit.freeze()
+    visit.page.keyboard.press(" ")
+    visit.wait(1000)
+    assert visit.time == pytest.approx(1.0, abs=0.2)
+
+
+def test_a_time_in_a_plot_is_a_time_of_the_machine(open_block: OpenBlock) -> None:
+    """33 s over the width of the plot: its middle is at 16.5 s."""
+    visit = open_block("FlyingSaw", "cyclic_cut")
+    box = visit.page.locator(".plot .u-over").first.bounding_box()
+    visit.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert visit.time == pytest.approx(16.5, abs=0.1)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_texts_stand_out_from_their_ground(open_block: OpenBlock, scheme: str) -> None:
+    """WCAG 2.2, 1.4.3: 4.5 to 1."""
+    visit = open_block("FlyingSaw", "cyclic_cut", color_scheme=scheme)
+    ground = visit.colours("body")[1]
+    badge(visit, "same bits")
+    seen = [
+        "body",
+        ".lead",
+        "#badge",
+        "#title",
+        ".knob .name",
+        ".knob .unit",
+        ".knob input",
+        "#present b",
+        ".key",
+        "footer",
+    ]
+    for selector in seen:
+        assert contrast(visit.colours(selector)[0], ground) >= 4.5, selector
+    assert (ground == "rgb(255, 255, 255)") == (scheme == "light")

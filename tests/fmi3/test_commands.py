@@ -1,0 +1,73 @@
+"""`--fmi 3` on the command line."""
+
+import shutil
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from motionsync_fmu.build import Flavour, fmu_path, outdated
+from motionsync_fmu.interface.recipe import Fmi, Recipe
+from motionsync_fmu.native.platforms import OF_VERSION
+from tests.support.command_line import Command, assert_one_line
+from tests.support.fmus import Fmus
+
+FMU = Path("build/fmi3/Synchronizer.fmu")
+
+
+@pytest.fixture
+def built(motionsync: Command, fmus: Fmus) -> Command:
+    """`motionsync` in a folder with an up-to-date FMU of FMI 3.0."""
+    FMU.parent.mkdir(parents=True)
+    shutil.copyfile(fmus.fmi3_everywhere("Synchronizer"), FMU)
+    return motionsync
+
+
+def test_what_is_built_is_run_and_described(built: Command) -> None:
+    done = built("build", "Synchronizer", "--fmi", "3")
+    assert (done.status, done.out) == (0, f"{FMU}  is up to date\n")
+    done = built("run", "Synchronizer/polynomial", "--fmi", "3")
+    assert done.status == 0, done
+    assert done.err == ""  # nothing was built
+    (report,) = Path("build/reports").rglob("report.html")
+    assert "Synchronizer.fmu, FMI 3.0, native flavour, GUID" in report.read_text("utf-8")
+    assert "(Synchronizer/polynomial): as expected" in done.out
+    shown = built("describe", FMU).out
+    assert shown == built("describe", "Synchronizer").out
+
+
+def test_it_holds_a_library_for_each_processor_and_its_licence(built: Command) -> None:
+    with zipfile.ZipFile(FMU) as z:
+        names = set(z.namelist())
+        page = z.read("documentation/index.html").decode()
+    libraries = {
+        "binaries/x86_64-linux/Synchronizer.so",
+        "binaries/aarch64-linux/Synchronizer.so",
+        "binaries/x86_64-windows/Synchronizer.dll",
+        "binaries/x86_64-darwin/Synchronizer.dylib",
+        "binaries/aarch64-darwin/Synchronizer.dylib",
+    }
+    assert {name for name in names if name.startswith("binaries/")} == libraries
+    assert {"documentation/licenses/license.txt", "terminalsAndIcons/terminalsAndIcons.xml"} <= names
+    assert "terminalsAndIcons/icon.png" in names
+    assert "model.png" not in names
+    assert "This is the native flavour, for FMI 3.0." in page
+    for platform in OF_VERSION[Fmi.THREE]:
+        assert f'<td class="name">{platform.folder}</td><td>{platform.title}</td>' in page
+
+
+def test_an_fmu_of_the_other_version_is_stale(built: Command, tmp_path: Path) -> None:
+    three = Recipe("Synchronizer", fmi=Fmi.THREE)
+    assert fmu_path(three, Path("build"), Flavour.NATIVE) == FMU
+    assert outdated(FMU, three) == ""
+    assert outdated(FMU, Recipe("Synchronizer")) == "stale"
+
+
+@pytest.mark.parametrize("command", [("build", "Synchronizer"), ("run", "Synchronizer/polynomial")])
+def test_the_python_flavour_is_refused(motionsync: Command, command: tuple[str, ...]) -> None:
+    assert_one_line(
+        motionsync(*command, "--fmi", "3", "--flavour", "python"),
+        "the python flavour is of FMI 2.0 only: for --fmi 3 take --flavour native",
+    )
+    assert_one_line(motionsync(*command, "--fmi", "1"), "'1' is not one of '2', '3'")
+    assert not Path("build").exists()

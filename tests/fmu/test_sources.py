@@ -1,0 +1,330 @@
+"""FMUs with sources: any C99 compiler makes units of them that have the bits of the binaries, and several go into one
+program; FMPy compiles them by itself."""
+
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import fmu_manipulation_toolbox
+import pytest
+from fmpy import fmi2, read_model_description
+from fmpy.build import build_platform_binary
+from fmpy.fmi1 import FMICallException
+from fmpy.validation import validate_fmu
+
+from motionsync.blocks import BLOCKS
+from motionsync_fmu import places
+from motionsync_fmu.archive import write
+from motionsync_fmu.build import Flavour, build_native
+from motionsync_fmu.commands import build as command
+from motionsync_fmu.interface.recipe import Fmi, Recipe
+from motionsync_fmu.native.libraries import FREESTANDING
+from motionsync_fmu.native.platforms import OF_VERSION, here
+from motionsync_fmu.native.unit_sources import c_names, c_sources, source_files
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
+from tests import ROOT
+from tests.support.command_line import Command
+from tests.support.fmus import Fmus, Shared
+from tests.support.replays import answer, header, runs
+
+HOST = ROOT / "tests" / "fmu"
+# FMI's headers with the prefix of its functions; FMPy's do not have it any more.
+HEADERS = Path(fmu_manipulation_toolbox.__file__).parent / "resources" / "fmi"
+STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]
+NEEDED = {"sqrt", "fmod", "floor", "rint", "fabs", "memcpy", "memset", "memcmp", "strlen", "strcmp", "calloc", "free"}
+ZIG = [sys.executable, "-m", "ziglang", "cc", "-target"]
+BARE = [
+    "-DBARE",
+    "-O1",
+    "-fno-math-errno",
+    "-fno-builtin-bcmp",
+]  # zig knows no C library but musl, and that one has bcmp
+# Two targets that no binary is for, and the emulator of each. A processor of 32 bits needs the compiler's own library.
+TARGETS = {
+    "arm-linux-musleabihf": ("qemu-arm", ["-rtlib=compiler-rt"]),
+    "riscv64-linux-musl": ("qemu-riscv64", []),
+}
+FEW = ["Gearing", "RemoteSync"]  # compiled for these targets
+
+needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+
+
+def files_of(name: str, fmi: Fmi = Fmi.TWO) -> dict[str, bytes]:
+    return c_sources(BLOCKS[name](), Recipe(name, fmi=fmi).guid(), fmi=fmi)
+
+
+def objects(name: str, folder: Path, compiler: list[str]) -> None:
+    """Compile the sources of a block's FMU, and its host; every name has a prefix."""
+    folder.mkdir()
+    for file, text in files_of(name).items():
+        (folder / file).write_bytes(text)
+    (folder / "run.h").write_text(header(name, runs(name)))
+    own = [file for file in c_names(files_of(name)) if "-DBARE" not in compiler or file != "memory.c"]
+    names = [f"-DFMI2_FUNCTION_PREFIX={name}_", f"-DREPLAY=replay_{name}"]
+    sources = [*own, str(HOST / "replayed.c")]
+    subprocess.run([*compiler, *names, "-c", "-I.", "-isystem", str(HEADERS), *sources], cwd=folder, check=True)
+
+
+def linked(names: list[str], folder: Path, compiler: list[str], *others: str) -> Path:
+    """A program that has the units of all these blocks, compiled in its folder."""
+    for name in names:
+        objects(name, folder / name, compiler)
+    (folder / "replays.h").write_text("".join(f"REPLAY({name})\n" for name in names))
+    units = map(str, folder.glob("*/*.o"))
+    program = [*compiler, "-I.", str(HOST / "replay_all.c"), *units, *others, "-o", "program"]
+    subprocess.run(program, cwd=folder, check=True)
+    return folder / "program"
+
+
+@pytest.fixture(scope="module")
+def expected(fmus: Fmus, shared: Shared) -> dict[str, str]:
+    """What the host prints for each block, by the FMU's binary for this machine."""
+    return {name: answer(fmus.native(name), runs(name)) for name in BLOCKS}
+
+
+# --- compilers ---
+
+
+@pytest.fixture(scope="module")
+def gcc(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a program with the units of all blocks, compiled by gcc with its own idea of optimisation."""
+    folder = tmp_path_factory.mktemp("gcc")
+    processor = ["-march=haswell"] if here() and here() == OF_VERSION[Fmi.TWO][0] else []
+    linked(list(BLOCKS), folder, ["gcc", *STRICT, "-O2", *processor, "-fcallgraph-info=su"], "-lm")
+    return folder
+
+
+@needs_gcc
+def test_gcc_makes_of_the_sources_what_the_binaries_are(gcc: Path, expected: dict[str, str]) -> None:
+    """In C99 without a warning, with fused operations allowed, six units in one program. Each asks for memory once."""
+    told = subprocess.run([gcc / "program"], check=True, capture_output=True, text=True).stdout.split()
+    assert dict(zip(BLOCKS, told, strict=True)) == expected
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_the_sources_give_the_same_bits_on_processors_without_a_binary(
+    target: str, expected: dict[str, str], tmp_path: Path
+) -> None:
+    """A program without any C library, on an emulated processor of 32 bits and on another of 64."""
+    emulator, further = TARGETS[target]
+    if not shutil.which(emulator):
+        pytest.skip(f"{emulator} is not installed")
+    bare = [str(FREESTANDING / "freestanding.c"), "-nostdlib", "-static", *further]
+    program = linked(FEW, tmp_path / "made", [*ZIG, target, *BARE, "-isystem", str(FREESTANDING)], *bare)
+    told = subprocess.run([emulator, program], check=True, capture_output=True, text=True).stdout.split()
+    assert dict(zip(FEW, told, strict=True)) == {name: expected[name] for name in FEW}
+
+
+@needs_gcc
+def test_the_linker_sees_names_with_the_prefix_and_few_of_a_c_library(gcc: Path) -> None:
+    for name in BLOCKS:
+        units = [str(file) for file in (gcc / name).glob("*.o") if file.stem != "replayed"]
+        lines = subprocess.run(["nm", "-g", *units], check=True, capture_output=True, text=True).stdout.splitlines()
+        found = [line.split()[-2:] for line in lines if line and not line.endswith(":")]
+        defined = {symbol for kind, symbol in found if kind != "U"}
+        assert all(symbol.startswith(f"{name}_") for symbol in defined)
+        assert f"{name}_fmi2DoStep" in defined
+        assert {symbol for kind, symbol in found if kind == "U"} - defined <= NEEDED
+
+
+@needs_gcc
+@pytest.mark.parametrize("fmi", Fmi)
+@pytest.mark.parametrize(
+    ("option", "reason"),
+    [
+        ("-ffast-math", "-ffast-math is not allowed"),
+        ("-ffinite-math-only", "-ffast-math is not allowed"),
+        ("-D_M_FP_FAST", "-ffast-math is not allowed"),
+        ("-D__DBL_MANT_DIG__=24", "double has to be the 64-bit double of IEEE 754"),
+        ("-D__FLT_EVAL_METHOD__=2", "doubles have to be computed as doubles"),
+    ],
+)
+def test_a_compiler_that_would_change_the_results_is_refused(
+    fmi: Fmi, option: str, reason: str, tmp_path: Path
+) -> None:
+    """By every file on its own."""
+    for file, text in files_of("RemoteSync", fmi).items():
+        (tmp_path / file).write_bytes(text)
+    for file in c_names(files_of("RemoteSync", fmi)):
+        call = ["gcc", option, "-w", "-std=c99", "-fsyntax-only", "-isystem", str(HEADERS), file]
+        done = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode, file
+        assert f'#error "{reason}' in done.stderr
+
+
+# --- the stack ---
+
+
+def graph(folder: Path) -> tuple[dict[str, int], dict[str, set[str]]]:
+    """What each function takes of the stack, in bytes, and which functions it calls, as gcc tells it."""
+    takes: dict[str, int] = {}
+    calls: dict[str, set[str]] = {}
+    for file in folder.glob("*.ci"):
+        text = file.read_text()
+        for name, size, kind in re.findall(r'node: \{ title: "(.*?)" label: ".*?(\d+) bytes \((.*?)\)', text):
+            assert kind == "static", f"{name}: what it takes depends on what it is given"
+            takes[name] = int(size)
+        for caller, called in re.findall(r'edge: \{ sourcename: "(.*?)" targetname: "(.*?)"', text):
+            calls.setdefault(caller, set()).add(called)
+    return takes, calls
+
+
+@needs_gcc
+def test_no_function_calls_itself_and_the_stack_is_as_told(gcc: Path) -> None:
+    """The README beside the sources tells how deep it is."""
+    for name in BLOCKS:
+        takes, calls = graph(gcc / name)
+        under_way: list[str] = []
+
+        def depth(function: str, takes: dict[str, int], calls: dict[str, set[str]], under_way: list[str]) -> int:
+            assert function not in under_way, f"{function} calls itself: {under_way}"
+            under_way.append(function)
+            deepest = max((depth(f, takes, calls, under_way) for f in calls.get(function, ())), default=0)
+            under_way.pop()
+            return takes.get(function, 0) + deepest
+
+        found = {f: depth(f, takes, calls, under_way) for f in takes if f.startswith(f"{name}_fmi2")}
+        text = source_files(BLOCKS[name](), Recipe(name).guid())["sources/README.md"].decode()
+        step, any_call = (1000 * int(kb) for kb in re.findall(r"(\d+) kB in (?:a step|any call)", text))
+        assert 0.5 * step < found[f"{name}_fmi2DoStep"] <= step
+        assert 0.5 * any_call < max(found.values()) <= any_call
+
+
+# --- the FMU ---
+
+
+@pytest.fixture(scope="module", params=Fmi)
+def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The Gearing's FMU with sources, for this machine alone, in both versions of FMI."""
+    if (platform := here(request.param)) is None:
+        pytest.skip("no native FMU runs on this machine")
+    target = tmp_path_factory.mktemp("sources") / "Gearing.fmu"
+    return build_native(Recipe("Gearing", fmi=request.param), target, platforms=[platform], with_sources=True)
+
+
+def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_importer(fmu: Path) -> None:
+    assert validate_fmu(str(fmu)) == []
+    description = read_model_description(str(fmu))
+    (configuration,) = description.buildConfigurations
+    (sources,) = configuration.sourceFileSets
+    three = description.fmiVersion != "2.0"
+    assert configuration.modelIdentifier == "Gearing"
+    assert sources.language == ("C99" if three else None)
+    with zipfile.ZipFile(fmu) as z:
+        held = {name.removeprefix("sources/") for name in z.namelist() if name.startswith("sources/")}
+        assert sources.sourceFiles == sorted(name for name in held if name.endswith(".c"))
+        assert sources.sourceFiles == ["block.c", "decimal.c", f"fmi{3 if three else 2}.c", "memory.c", "unit.c"]
+        included = {
+            header
+            for name in held
+            if name.endswith((".c", ".h"))
+            for header in re.findall(r'#include "(.*?)"', z.read(f"sources/{name}").decode())
+        }
+        assert included - held == {"fmi3Functions.h" if three else "fmi2Functions.h"}
+        assert "README.md" in held
+        assert ["sources", "README.md"][0] in z.read("documentation/index.html").decode()
+    assert ("buildDescription.xml" in held) == three
+
+
+def test_fmpy_compiles_the_sources_by_itself(
+    fmu: Path, expected: dict[str, str], fmus: Fmus, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """As any importer: with its own headers and options of CMake. Of FMI 3.0 the binary says what is right."""
+    monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=":")  # CMake's package lies there
+    folder = Path(fmpy.extract(str(fmu), unzipdir=str(tmp_path / "unzipped")))
+    shutil.rmtree(folder / "binaries")
+    build_platform_binary(folder, all_warnings=True)
+    (library,) = (file for file in (folder / "binaries").rglob("*") if file.is_file())
+    assert library.stem == "Gearing"
+    held = {file.relative_to(folder).as_posix(): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+    write(tmp_path / "Gearing.fmu", held)
+    two = read_model_description(str(fmu)).fmiVersion == "2.0"
+    right = expected["Gearing"] if two else answer(fmus.fmi3("Gearing"), runs("Gearing"))
+    assert answer(tmp_path / "Gearing.fmu", runs("Gearing")) == right
+
+
+@needs_gcc
+@pytest.mark.skipif(here() is None, reason="no native FMU runs on this machine")
+def test_the_importers_memory_is_used_for_the_instance_and_its_states_and_for_nothing_else(
+    fmus: Fmus, tmp_path: Path
+) -> None:
+    for file, text in files_of("Gearing").items():
+        (tmp_path / file).write_bytes(text)
+    headers = Path(fmpy.__file__).parent / "c-code"
+    command = ["gcc", "-shared", "-fPIC", "-I", str(headers), *c_names(files_of("Gearing")), "-lm", "-o", "unit.so"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    rooms: dict[int, int] = {}
+
+    def allocate(n: int, size: int) -> int | None:
+        if len(rooms) == 2:
+            return None
+        address = int(fmi2.calloc(n, size))
+        rooms[address] = n * size
+        return address
+
+    def release(address: int) -> None:
+        del rooms[address]
+        fmi2.free(address)
+
+    with FmuInstance(fmus.native("Gearing")) as host:
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = host.callbacks.logger
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(allocate)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(release)
+        unit = fmi2.FMU2Slave(
+            guid=host.description.guid, modelIdentifier="Gearing", unzipDirectory=host.folder,
+            libraryPath=str(tmp_path / "unit.so"), instanceName="unit",
+        )  # fmt: skip
+        unit.instantiate(callbacks=callbacks)
+        assert len(rooms) == 1
+        unit.setupExperiment()
+        unit.enterInitializationMode()
+        unit.exitInitializationMode()
+        for step in range(100):
+            unit.doStep(step * 0.01, 0.01)
+        assert len(rooms) == 1
+        state = unit.getFMUState()
+        assert len(rooms) == 2
+        with pytest.raises(FMICallException):
+            unit.getFMUState()
+        unit.freeFMUState(state)
+        unit.freeInstance()
+        assert rooms == {}
+
+
+def test_without_being_asked_for_there_are_no_sources(native: Path) -> None:
+    with zipfile.ZipFile(native) as z:
+        assert not [name for name in z.namelist() if name.startswith("sources/")]
+        assert "<code>sources</code>" not in z.read("documentation/index.html").decode()
+    assert read_model_description(str(native)).buildConfigurations == []
+
+
+# --- the command line ---
+
+
+def test_the_command_builds_anew_what_lacks_the_sources_or_should(
+    motionsync: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """What is built is another test's."""
+    built = []
+
+    def build(flavour: Flavour, recipe: Recipe, target: Path, *_: object, with_sources: bool) -> Path:
+        built.append((flavour, with_sources))
+        held = {"modelDescription.xml": f'<fmiModelDescription guid="{recipe.guid()}"/>'.encode()}
+        write(target, held | ({"sources/unit.c": b""} if with_sources else {}))
+        return target
+
+    monkeypatch.setattr(command, "build_fmu", build)
+    monkeypatch.setattr(places, "OUTPUT", tmp_path)
+    call = ["build", "Synchronizer", "--flavour", "native", "--folder", "made"]
+    for further in ([], [], ["--sources"], ["--sources"], []):
+        done = motionsync(*call, *further)
+        assert done.status == 0, done.err
+    assert built == [(Flavour.NATIVE, False), (Flavour.NATIVE, True), (Flavour.NATIVE, False)]
+    done = motionsync("build", "Synchronizer", "--sources", "--flavour", "python", "--folder", "made")
+    assert (done.status, done.out) == (2, "")
+    assert "--sources: the python flavour has no C" in done.err
