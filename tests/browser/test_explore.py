@@ -338,8 +338,7 @@ def test_a_page_is_small_and_whole(fmus: Fmus, block: str) -> None:
 @pytest.mark.parametrize("width", [1400, 800, 400])
 def test_no_page_is_wider_than_its_window(open_block: OpenBlock, block: str, width: int) -> None:
     visit = open_block(block, width=width)
-    for group in visit.page.locator("#groups details:not([open]) > summary").all():
-        group.click()
+    visit.page.evaluate("document.querySelectorAll('details').forEach((part) => { part.open = true; })")
     settle(visit)
     assert visit.overflow() == 0.0
 
@@ -362,7 +361,7 @@ def test_the_keyboard_reaches_everything(open_block: OpenBlock) -> None:
     for _ in range(count + 5):
         keyboard.press("Tab")
         reached = visit.page.evaluate(FOCUSED)
-    assert count > 60
+    assert count > 50
     assert reached - visit.page.evaluate("+(document.body.dataset.reached === 'yes')") == count
 
 
@@ -406,7 +405,6 @@ def test_texts_stand_out_from_their_ground(open_block: OpenBlock, scheme: str) -
         ".knob .name",
         ".knob .unit",
         ".knob input",
-        "#present b",
         ".key",
         "footer",
     ]

@@ -64,7 +64,8 @@ function plainNumber(label, description, values, name, first, {of = "NONE", slid
 }
 
 function controls() {
-  const marks = Object.entries(scenario.cuts).filter(([name]) => ["length", "offset"].includes(name)).map(([name]) => (
+  const driven = $("scenario").value === PROGRAM; // then the program says where the marks are
+  const marks = driven ? [] : Object.entries(scenario.cuts).filter(([name]) => ["length", "offset"].includes(name)).map(([name]) => (
     plainNumber(`cuts.${name}`, "of the marks on the material", scenario.cuts, name, untouched.cuts[name], {of: "POSITION"})));
   const starts = Object.keys(scenario.start).map((name) => variable(name, scenario.start, untouched.start[name]));
   const runs = [["stop_time", "the end of the run"], ["step_size", "the step size, and the cycle of the reactions"]].map(([name, text]) => (

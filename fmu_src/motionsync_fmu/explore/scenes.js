@@ -215,7 +215,7 @@ function cutToLength(run) {
     tool: "saw",
     marks: {next: nextCuts(run, pieces), known: run.heldOf("next_cut.known")},
     cuts: pieces.map(({cut, told, end}) => ({begin: cut ? cut[0] : told, end: cut ? cut[1] : told, place: end, mark: end})),
-    pieces,
+    pieces: pieces.map(({cut, told, ...drawn}) => drawn),
     request: run.heldOf("line.velocity_request"),
     home: {at: run.start("home_position"), label: "home"},
     zone: zone(run, run.values("in_sync")),
