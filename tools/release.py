@@ -3,7 +3,7 @@
 | file | what it is |
 | --- | --- |
 | motionsync-<version>-py3-none-any.whl, motionsync-<version>.tar.gz | the package, as wheel and as source |
-| motionsync-<version>-fmus.zip | the FMUs of all blocks in several units, their pages, and the pages to explore |
+| motionsync-<version>-fmus.zip | the FMUs of all blocks (FMI 2.0 and 3.0, in several units), pages, pages to explore |
 | RELEASE_NOTES.md | what CHANGELOG.md says of this version |
 | SHA256SUMS | the other files' checksums, for `sha256sum --check` |
 
@@ -145,7 +145,7 @@ def fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: Progre
             place = recipe.unit if recipe.fmi == Fmi.TWO else f"{recipe.unit}/fmi3"
             name = f"{place}/{recipe.name}_{recipe.unit}"
             progress(f"{name}.fmu ({i} of {len(recipes)})")
-            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress)
+            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress, with_sources=flavour == Flavour.NATIVE)
             files[f"{name}.fmu"] = fmu.read_bytes()
             if recipe.fmi == Fmi.TWO:
                 files[f"{name}.html"] = page(fmu, recipe.name, native=native)

@@ -1,6 +1,7 @@
 """What the FlyingSaw is measured in."""
 
 from cases.measured import FAR, VELOCITY, Bounds, Cases, Steady, Values, Worst
+from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 
@@ -45,6 +46,24 @@ def gear_in_pos(
         },
         watch=("state_code", "characteristics.profile"),
         planned=tuple((State.SYNCHRONIZING, kind) for kind in kinds),
+    )
+
+
+def refused(name: str, faults: tuple[Fault, ...], slave: Bounds, velocity: Bounds, *bits: str) -> Worst:
+    """A gear_in_pos for one of these reasons refused, with a message to the host; its numbers have all their digits."""
+    return Worst(
+        f"gear_in_pos refused, {name}",
+        ("gear_in_pos.execute",),
+        start={limit: value + 1.0 / 3.0 for limit, value in LIMITS.items()} | sync_mode(*bits),
+        pause=MOVING,
+        between=("move_velocity.execute",),
+        draws={"move_velocity.velocity": (-500.0, 800.0), "gear_in_pos.velocity": velocity},
+        ahead={
+            "gear_in_pos.master_sync_position": ("master.position", (400.0, 1000.0)),
+            "gear_in_pos.slave_sync_position": ("slave.position", slave),
+        },
+        watch=("gear_in_pos.error_id",),
+        planned=tuple((fault,) for fault in faults),
     )
 
 
@@ -128,6 +147,16 @@ CASES = Cases(
             "check_max_velocity",
             before=(0.0, 300.0),
             limits={"gear_in_pos.velocity": 800.0},
+        ),
+        refused("its limits are wrong", (Fault.LIMIT,), (100.0, 1500.0), (-2.0, -1.0)),
+        refused("a check is broken", (Fault.CHECK,), (1000.0, 9000.0), (0.0, 0.0), *CHECKS),
+        refused(
+            "the broken check is told",
+            tuple(fault for fault in Fault if fault > Fault.CHECK),
+            (1000.0, 9000.0),
+            (0.0, 0.0),
+            *CHECKS,
+            "detailed_error_codes",
         ),
         gear_in_velo("jerk", P5, "check_max_jerk"),
         gear_in_velo("time based", ProfileKind.JERK_LIMITED, "time_based"),

@@ -2,6 +2,8 @@
 
 import ctypes
 import math
+import struct
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -17,8 +19,11 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from motionsync_fmu.interface.fmi2_xml import CATEGORIES
-from motionsync_fmu.interface.variables import shown
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.variables import cells, shown
+from motionsync_fmu.native.memory_layout import dtype, offset
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from tests.support.fmus import Fmus
 
 OK, WARNING, DISCARD, ERROR = range(4)
 ROTARY = {"master.period": 360.0, "rest_value": 180.0, "output_phasing": 45.0, "master.velocity": 90.0}
@@ -549,3 +554,159 @@ def test_64_instances_in_8_threads_do_what_one_does_alone(native: Path, tmp_path
     with ThreadPoolExecutor(8) as pool:
         together = list(pool.map(course, [i % 8 for i in range(64)]))
     assert all(found == alone[i % 8] for i, found in enumerate(together))
+
+
+# --- forged states: with the right checksum, but of nothing that the unit has ever been ---
+
+CHECKSUM, MODE, GIVEN, STOP, TIME, MEMORY = 56, 64, 72, 104, 112, 120  # where they lie in a serialized state
+
+
+def signed(state: bytearray) -> bytes:
+    """A state with the checksum that unit.c gives it: FNV-1a by words, each mixed; the checksum itself counts as 0."""
+    struct.pack_into("<Q", state, CHECKSUM, 0)
+    total = 14695981039346656037
+    for (word,) in struct.iter_unpack("<Q", state):
+        total = (total ^ word) * 1099511628211 % 2**64
+        total ^= total >> 32
+    struct.pack_into("<Q", state, CHECKSUM, total)
+    return bytes(state)
+
+
+def forged(host: FmuInstance, form: str, at: int, value: Any) -> bytes:
+    state = bytearray(saved(host))
+    struct.pack_into(form, state, at, value)
+    return signed(state)
+
+
+def test_the_tests_know_the_checksum(host: FmuInstance) -> None:
+    turn(host.initialize(ROTARY), 50, stop=True)
+    assert signed(bytearray(saved(host))) == saved(host)
+
+
+@pytest.mark.parametrize(
+    ("form", "at", "value"),
+    [
+        *(("<q", MODE, mode) for mode in (0, 3, 5, 16, -1, 2**40)),
+        *(("<q", GIVEN, bits) for bits in (1, 8, -1, 2**33)),
+        *(("<d", TIME, time) for time in (math.nan, math.inf, -math.inf)),
+        ("<d", STOP, math.nan),
+    ],
+)
+def test_a_forged_state_is_refused(host: FmuInstance, form: str, at: int, value: Any) -> None:
+    host.initialize()
+    with refused(host, "this FMU state is none that this unit makes"):
+        host.unit.deSerializeFMUstate(forged(host, form, at, value))
+    host.step(0.1)
+
+
+def test_a_flag_is_true_or_false_in_a_state(host: FmuInstance) -> None:
+    host.initialize()
+    flags = [c.name for c in cells(Recipe("Synchronizer").block()) if c.type is bool]
+    assert len(flags) > 10
+    for name in flags:
+        at = MEMORY + offset(dtype(Recipe("Synchronizer").block()), name)
+        host.unit.freeFMUstate(host.unit.deSerializeFMUstate(forged(host, "B", at, 1)))
+        with refused(host, "none that this unit makes"):
+            host.unit.deSerializeFMUstate(forged(host, "B", at, 2))
+
+
+def test_a_block_without_derivatives_has_none_in_its_states(fmus: Fmus) -> None:
+    with FmuInstance(fmus.native("RemoteSync")) as host:
+        host.initialize()
+        with refused(host, "none that this unit makes"):
+            host.unit.deSerializeFMUstate(forged(host, "<q", GIVEN, 2))
+
+
+def test_a_forged_clock_does_not_hang_a_step(fmus: Fmus) -> None:
+    block = Recipe("RemoteSync").block()
+    with FmuInstance(fmus.native("RemoteSync")) as host:
+        host.initialize()
+        state = forged(host, "<d", MEMORY + offset(dtype(block), "until_cycle"), -1e300)
+        host.unit.setFMUstate(host.unit.deSerializeFMUstate(state))
+        begun = time.process_time()
+        host.step(0.01)
+        assert time.process_time() - begun < 5.0
+
+
+def test_a_queue_is_no_longer_than_its_room_in_a_state(fmus: Fmus) -> None:
+    block = Recipe("CutToLength").block()
+    with FmuInstance(fmus.native("CutToLength")) as host:
+        host.initialize()
+        for name, most in (
+            ("material.marks.first", 63),
+            ("material.marks.waiting", 64),
+            ("material.orders.waiting", 64),
+        ):
+            at = MEMORY + offset(dtype(block), name)
+            host.unit.freeFMUstate(host.unit.deSerializeFMUstate(forged(host, "<q", at, most)))
+            for count in (most + 1, -1, 2**62):
+                with refused(host, "none that this unit makes"):
+                    host.unit.deSerializeFMUstate(forged(host, "<q", at, count))
+
+
+# --- times ---
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "message"),
+    [
+        (math.nan, None, "start time = nan is not allowed: it must be finite"),
+        (-math.inf, None, "start time = -inf is not allowed: it must be finite"),
+        (2.0, 1.5, "stop time = 1.5 is not allowed: it must be >= the start time 2"),
+        (0.0, math.nan, "stop time = nan is not allowed"),
+    ],
+)
+def test_impossible_times_are_refused(host: FmuInstance, start: float, stop: float | None, message: str) -> None:
+    with refused(host, f"fmi2SetupExperiment: {message}"):
+        host.unit.setupExperiment(startTime=start, stopTime=stop)
+    host.initialize()
+    host.step(0.1)
+
+
+def test_a_step_from_no_time_is_refused(host: FmuInstance) -> None:
+    host.initialize()
+    for now in (math.nan, math.inf):
+        with refused(host, f"a step at the time {now} is not allowed: it must be finite"):
+            host.unit.doStep(now, 0.1)
+
+
+def test_no_step_goes_past_the_stop_time(host: FmuInstance) -> None:
+    host.unit.setupExperiment(startTime=0.5, stopTime=1.0)
+    host.unit.enterInitializationMode()
+    host.unit.exitInitializationMode()
+    now = 0.5
+    for _ in range(5):
+        host.unit.doStep(now, 0.1)
+        now += 0.1  # in the end 1 or somewhat more, by rounding
+    for step, size in ((1.0, 0.1), (0.9, 0.2), (0.95, 0.06), (7.0, 1e-3)):
+        told = f"a step of {size} at the time {shown(step)} is not allowed: it would end past the stop time 1"
+        with refused(host, told):
+            host.unit.doStep(step, size)
+    host.unit.doStep(0.95, 0.05)
+    host.unit.reset()
+    host.initialize()
+    host.step(5.0)
+
+
+# --- memory ---
+
+
+def test_the_importers_functions_for_memory_are_not_called(native: Path) -> None:
+    """Those of some importers are faulty; the description says that none are wanted."""
+    called = []
+
+    def allocate(n: int, size: int) -> int:
+        called.append((n, size))
+        return int(fmi2.calloc(n, size))
+
+    with Logged(native) as host:
+        assert host.description.coSimulation.canNotUseMemoryManagementFunctions
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = host.callbacks.logger
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(allocate)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(called.append)
+        guid = host.description.guid.encode()
+        other = host.unit.dll.fmi2Instantiate(b"unit", 1, guid, None, byref(callbacks), 0, 1)
+        assert other
+        host.unit.fmi2FreeInstance(other)
+        assert called == []

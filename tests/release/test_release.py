@@ -136,7 +136,10 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
     """What is built when nothing is chosen; the build itself is another test's."""
     built = []
 
-    def build(flavour: Flavour, recipe: Recipe, target: Path, progress: release.Progress) -> Path:
+    def build(
+        flavour: Flavour, recipe: Recipe, target: Path, progress: release.Progress, *, with_sources: bool
+    ) -> Path:
+        assert with_sources
         built.append((flavour, recipe.name, recipe.unit, recipe.fmi))
         page = f"<code>motionsync explore {recipe.name}</code>"
         write(target, {"documentation/index.html": page.encode(), "documentation/example.svg": b""})

@@ -22,7 +22,7 @@ ABILITIES = {  # of both flavours, as attributes of the CoSimulation element
     "needsExecutionTool": "false",
     "canBeInstantiatedOnlyOncePerProcess": "false",
 }
-OWN_MEMORY = {"canNotUseMemoryManagementFunctions": "true"}  # of the python flavour
+OWN_MEMORY = {"canNotUseMemoryManagementFunctions": "true"}  # of an FMU without sources
 SOURCES = "sources/"  # where an FMU of either version holds its C
 CATEGORIES = {
     "logStatusWarning": "refused commands",

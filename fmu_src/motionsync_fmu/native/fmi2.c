@@ -28,8 +28,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
     if (!callbacks) return NULL;
     const char *wrong = type == fmi2CoSimulation ? NULL : "the unit is for co-simulation only";
-    Memory memory = {callbacks->allocateMemory, callbacks->freeMemory};
-    if (!memory.allocate || !memory.release) memory = system_memory();
+    Memory memory = system_memory();
+#ifndef OWN_MEMORY /* the libraries in an FMU define it, since some importers' functions cut addresses to 32 bits */
+    if (callbacks->allocateMemory && callbacks->freeMemory)
+        memory = (Memory){callbacks->allocateMemory, callbacks->freeMemory};
+#endif
     return instantiate(name, guid, memory, callbacks->logger, callbacks->componentEnvironment, UNIT_ERROR, wrong,
                        __func__);
 }

@@ -36,6 +36,7 @@ VISIBLE = "-fvisibility=default"  # to this process; an FMU shows nothing but th
 COMPILERS = ("cc", "gcc", "clang")  # of the machine
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno -fPIC -shared -g0"  # of these
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+UNKEPT = (OSError, RuntimeError)  # the cache cannot be read or written, or nobody knows where it is
 
 _libraries: dict[type[Any], CDLL] = {}
 _compiling = Lock()
@@ -61,14 +62,15 @@ def _kept(block_type: type[Any]) -> CDLL:
 
     The name of a library's file says from what it was made, and ends with the hash of its contents: what has been
     damaged is not loaded."""
-    folder, name = places.cache() / "blocks", block_type.__name__
+    name = block_type.__name__
     begin = f"{name}-{_made_from()[:16]}-"
-    with suppress(OSError):
-        for file in folder.glob(f"{begin}*{SUFFIX}"):
+    with suppress(*UNKEPT):
+        for file in _folder().glob(f"{begin}*{SUFFIX}"):
             if file.name == _file_name(begin, file.read_bytes()):
                 return CDLL(str(file))
     made = _compiled(block_type)
-    with suppress(OSError):
+    with suppress(*UNKEPT):
+        folder = _folder()
         folder.mkdir(parents=True, exist_ok=True)
         for old in folder.glob(f"{name}-*{SUFFIX}"):
             with suppress(OSError):  # another process has loaded it, on Windows
@@ -77,6 +79,10 @@ def _kept(block_type: type[Any]) -> CDLL:
         part.write_bytes(made)
         return CDLL(str(part.replace(folder / _file_name(begin, made))))
     return _loaded(made)
+
+
+def _folder() -> Path:
+    return places.cache() / "blocks"
 
 
 def _made_from() -> str:

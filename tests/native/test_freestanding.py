@@ -1,0 +1,104 @@
+"""What stands in for a C library in native FMUs: numbers as texts, and exact functions."""
+
+import ctypes
+import math
+import random
+import struct
+import subprocess
+import sys
+from collections.abc import Iterator
+from ctypes import c_char_p, c_double, c_int, c_size_t, create_string_buffer
+from pathlib import Path
+
+import pytest
+
+from motionsync_fmu.interface.variables import shown
+from motionsync_fmu.native.libraries import FREESTANDING
+from motionsync_fmu.native.libraries import HERE as NATIVE
+
+COUNT = 150_000
+SPECIAL = [0.0, -0.0, math.inf, -math.inf, math.nan, 5e-324, -5e-324, 2.2250738585072014e-308, 1.7976931348623157e308]
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    """The C files as a library for this machine, compiled as they are for an FMU."""
+    target = tmp_path_factory.mktemp("freestanding") / "library.so"
+    files = [str(NATIVE / "decimal.c"), str(FREESTANDING / "freestanding.c")]
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-Os", "-fno-math-errno", "-ffp-contract=off"]
+    flags = ["-rtlib=none", "-fPIC", "-shared", "-I", str(FREESTANDING)]
+    subprocess.run([*compiler, *flags, *files, "-o", str(target)], check=True)
+    found = ctypes.CDLL(str(target))
+    found.decimal.argtypes, found.decimal.restype = (c_double, c_char_p), c_size_t
+    for name, count in (("floor", 1), ("rint", 1), ("fmod", 2)):
+        function = getattr(found, name)
+        function.argtypes, function.restype = (c_double,) * count, c_double
+    found.memcmp.argtypes, found.memcmp.restype = (c_char_p, c_char_p, c_size_t), c_int
+    found.strcmp.argtypes, found.strcmp.restype = (c_char_p, c_char_p), c_int
+    found.strlen.argtypes, found.strlen.restype = (c_char_p,), c_size_t
+    return found
+
+
+def drawn(seed: int) -> Iterator[float]:
+    """Numbers of all sizes, denormal ones too, and those that people write."""
+    chance = random.Random(seed)
+    yield from SPECIAL
+    for power in range(-1074, 1024):
+        at = math.ldexp(1.0, power)
+        yield from (at, math.nextafter(at, 0.0), math.nextafter(at, math.inf))
+    for _ in range(COUNT // 5):
+        yield struct.unpack("<d", chance.randbytes(8))[0]
+        yield math.ldexp(chance.getrandbits(chance.randrange(53)), -1074)
+        yield chance.randrange(-(10**9), 10**9) / 10 ** chance.randrange(10)
+        yield float(f"{chance.randrange(-999, 1000)}e{chance.randrange(-320, 306)}")
+        yield chance.randrange(2**53) / 2 ** chance.randrange(60)
+
+
+def test_a_number_has_the_digits_of_python(library: ctypes.CDLL) -> None:
+    text = create_string_buffer(32)
+    for x in drawn(1):
+        length = library.decimal(x, text)
+        assert text.value.decode() == shown(x), x.hex()
+        assert length == len(text.value)
+
+
+def test_numbers_are_rounded_and_divided_as_python_does(library: ctypes.CDLL) -> None:
+    def same(found: float, expected: float) -> bool:
+        return struct.pack("d", found) == struct.pack("d", expected) or (math.isnan(found) and math.isnan(expected))
+
+    numbers = [x for x in drawn(2) if math.isfinite(x)]
+    for x, y in zip(numbers, [*numbers[1:], 1.0], strict=True):
+        assert same(library.rint(x), math.copysign(float(round(x)), x)), x.hex()
+        assert same(library.floor(x), math.copysign(float(math.floor(x)), x)), x.hex()
+        if y:
+            assert same(library.fmod(x, y), math.fmod(x, y)), (x.hex(), y.hex())
+    for x, y in [(math.inf, 1.0), (math.nan, 1.0), (1.0, 0.0), (1.0, math.nan)]:
+        assert math.isnan(library.fmod(x, y))
+    assert library.fmod(-1.5, math.inf) == -1.5
+    for function in (library.floor, library.rint):
+        assert all(same(function(x), x) for x in (math.inf, -math.inf, math.nan, -0.0))
+
+
+@pytest.mark.parametrize("word", [b"", b"a", b"ab", b"a\x00b", b"b", b"\xff\x01"])
+@pytest.mark.parametrize("other", [b"", b"a", b"ab", b"ac", b"\xff", b"\x7f"])
+def test_texts_are_compared_byte_by_byte(library: ctypes.CDLL, word: bytes, other: bytes) -> None:
+    def sign(x: int) -> int:
+        return (x > 0) - (x < 0)
+
+    n = min(len(word), len(other))
+    assert sign(library.memcmp(word, other, n)) == (word[:n] > other[:n]) - (word[:n] < other[:n])
+    text, another = word.split(b"\0")[0], other.split(b"\0")[0]
+    assert sign(library.strcmp(word, other)) == (text > another) - (text < another)
+    assert library.strlen(word) == len(text)
+
+
+def test_nothing_but_these_files_is_included() -> None:
+    """The C files include no other header of a C library than those here and the compiler's own."""
+    own = {path.name for path in [*NATIVE.glob("*.h"), *FREESTANDING.glob("*.h")]} | {"block.h", "model.h"}
+    compilers = {"float.h", "stdarg.h", "stdbool.h", "stddef.h", "stdint.h"}
+    sources: list[Path] = [*NATIVE.glob("*.[ch]"), *FREESTANDING.glob("*.[ch]")]
+    for path in sources:
+        for line in path.read_text("utf-8").splitlines():
+            if line.startswith("#include"):
+                name = line.split()[1].strip('<>"')
+                assert name in own | compilers or name.startswith("fmi"), (path.name, name)
