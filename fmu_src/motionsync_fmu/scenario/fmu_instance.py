@@ -1,7 +1,7 @@
 """One FMU instance, driven by variable names, on top of FMPy."""
 
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -61,6 +61,10 @@ def _interface(declared: Mapping[str, Variable], description: Any) -> Interface:
     return Interface(**turned)
 
 
+Group = tuple[Callable[..., Any], list[str], list[int]]
+"""Variables of one type: the function that gets them, their names, their value references."""
+
+
 class FmuError(Exception):
     """An FMI call failed. The text is what the FMU logged, or the call's own name and status."""
 
@@ -92,6 +96,7 @@ class FmuInstance:
         types = TYPES[self.fmi]
         self.kinds = {v.name: (v.valueReference, types[v.type]) for v in self.description.modelVariables}
         self.messages: list[str] = []
+        self._groups: dict[tuple[str, ...], list[Group]] = {}
         self.time = 0.0
         self.folder = fmpy.extract(str(fmu))
         self._check_path(Path(self.folder))
@@ -162,14 +167,21 @@ class FmuInstance:
 
     def get(self, names: Iterable[str] | None = None) -> dict[str, Any]:
         """The values of these variables, of all if none are named; Booleans and enumerations as numbers."""
-        wanted: dict[str, list[str]] = {kind: [] for kind in TYPES[self.fmi].values()}
-        for name in self.kinds if names is None else names:
-            wanted[self.kinds[name][1]].append(name)
         found: dict[str, Any] = {}
-        for kind, group in wanted.items():
-            if group:
-                found |= zip(group, self.call(getattr(self.unit, f"get{kind}"), self.references(group)), strict=True)
+        for getter, group, references in self._grouped(tuple(self.kinds if names is None else names)):
+            found |= zip(group, self.call(getter, references), strict=True)
         return found
+
+    def _grouped(self, names: tuple[str, ...]) -> list[Group]:
+        """These variables by their types. A run asks for the same ones at each point, so the answer is kept."""
+        if names not in self._groups:
+            wanted: dict[str, list[str]] = {}
+            for name in names:
+                wanted.setdefault(self.kinds[name][1], []).append(name)
+            self._groups[names] = [
+                (getattr(self.unit, f"get{kind}"), group, self.references(group)) for kind, group in wanted.items()
+            ]
+        return self._groups[names]
 
     def call(self, function: Any, *arguments: Any, **options: Any) -> Any:
         """Call into the FMU.
