@@ -1,7 +1,7 @@
 """One FMU instance, driven by variable names, on top of FMPy."""
 
 import shutil
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -61,8 +61,8 @@ def _interface(declared: Mapping[str, Variable], description: Any) -> Interface:
     return Interface(**turned)
 
 
-Group = tuple[Callable[..., Any], list[str], list[int]]
-"""Variables of one type: the function that gets them, their names, their value references."""
+Groups = list[tuple[str, list[str], list[int]]]
+"""Variables by the type of FMI's functions: the type, names, value references."""
 
 
 class FmuError(Exception):
@@ -96,8 +96,8 @@ class FmuInstance:
         types = TYPES[self.fmi]
         self.kinds = {v.name: (v.valueReference, types[v.type]) for v in self.description.modelVariables}
         self.messages: list[str] = []
-        self._groups: dict[tuple[str, ...], list[Group]] = {}
         self.time = 0.0
+        self._groups: dict[tuple[str, ...], Groups] = {}
         self.folder = fmpy.extract(str(fmu))
         self._check_path(Path(self.folder))
         slave = fmi3.FMU3Slave if self.fmi == Fmi.THREE else fmi2.FMU2Slave
@@ -154,10 +154,18 @@ class FmuInstance:
         """The value references of variables."""
         return [self.kinds[name][0] for name in names]
 
+    def groups(self, names: tuple[str, ...]) -> Groups:
+        """These variables by type, so that one call sets or gets all of a type; kept, since steps ask for the same."""
+        if names not in self._groups:
+            by_kind: dict[str, list[str]] = {kind: [] for kind in TYPES[self.fmi].values()}
+            for name in names:
+                by_kind[self.kinds[name][1]].append(name)
+            self._groups[names] = [(kind, group, self.references(group)) for kind, group in by_kind.items() if group]
+        return self._groups[names]
+
     def set(self, values: Mapping[str, Any]) -> None:
-        for name, value in values.items():
-            reference, kind = self.kinds[name]
-            self.call(getattr(self.unit, f"set{kind}"), [reference], [value])
+        for kind, group, references in self.groups(tuple(values)):
+            self.call(getattr(self.unit, f"set{kind}"), references, [values[name] for name in group])
 
     def step(self, h: float, values: Mapping[str, Any] | None = None) -> None:
         """Set the inputs that belong to the present time, then step on by h seconds."""
@@ -168,20 +176,9 @@ class FmuInstance:
     def get(self, names: Iterable[str] | None = None) -> dict[str, Any]:
         """The values of these variables, of all if none are named; Booleans and enumerations as numbers."""
         found: dict[str, Any] = {}
-        for getter, group, references in self._grouped(tuple(self.kinds if names is None else names)):
-            found |= zip(group, self.call(getter, references), strict=True)
+        for kind, group, references in self.groups(tuple(self.kinds if names is None else names)):
+            found |= zip(group, self.call(getattr(self.unit, f"get{kind}"), references), strict=True)
         return found
-
-    def _grouped(self, names: tuple[str, ...]) -> list[Group]:
-        """These variables by their types. A run asks for the same ones at each point, so the answer is kept."""
-        if names not in self._groups:
-            wanted: dict[str, list[str]] = {}
-            for name in names:
-                wanted.setdefault(self.kinds[name][1], []).append(name)
-            self._groups[names] = [
-                (getattr(self.unit, f"get{kind}"), group, self.references(group)) for kind, group in wanted.items()
-            ]
-        return self._groups[names]
 
     def call(self, function: Any, *arguments: Any, **options: Any) -> Any:
         """Call into the FMU.
