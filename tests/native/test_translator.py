@@ -105,8 +105,87 @@ def drawn_values(rng: random.Random, way: Any) -> dict[str, Any]:
     }
 
 
+# Programs of which each goes wrong in C if one thing is translated word by word.
+FLOWS = """
+stop = 4
+x = 0.0
+for j in range(stop):
+    stop = 0
+    x += float(j) + float(stop)
+return x
+
+self.k = 3
+x = 0.0
+for j in range(self.k):
+    self.k += j
+    x += 1.0
+    if x > 9.0:
+        break
+return x
+
+self.k = -3
+x = 0.0
+for _ in range(abs(self.k)):
+    self.k = 0
+    x += 1.0
+return x
+
+x = 0.0
+for j in range(5):
+    match j:
+        case 2:
+            break
+        case _:
+            x += 1.0
+    self.note(x)
+return x
+
+x = 0.0
+for j in range(5):
+    match j:
+        case 1 | 3:
+            continue
+        case 4 if x > 1.0:
+            break
+    x += 10.0
+return x
+
+x, y = pair(1.0, 2.0)
+x, y = pair(x - y, y)
+z, n, on = split(x, self.m)
+self.on = on
+return x + 10.0 * y + z * float(n)
+
+x = 0.0
+for j in range(SIZE):
+    x += self.part.values[j]
+return x
+
+x = 0.0
+for j in range(4, -1, -1):
+    x += self.values[j] + float(j)
+for j in range(0, 7, 3):
+    x -= float(j)
+return x
+
+x = 0.0
+if self.f:
+    if self.a > 0.0:
+        y = 1.0
+    else:
+        y = 2.0
+    x = y
+else:
+    y = 3.0
+    x = y + 1.0
+return x
+
+return sqrt(min(self.a, 1.0)) + sqrt(max(self.b, -2.0))
+"""
+
+
 def test_random_programs_give_the_bits_of_python_and_raise_where_python_does(tmp_path: Path) -> None:
-    bodies: list[list[str]] = []
+    bodies = [text.split("\n") for text in FLOWS.strip().split("\n\n")]
 
     @settings(GENERATE, max_examples=PROGRAMS)
     @given(programs())

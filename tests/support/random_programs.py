@@ -73,6 +73,8 @@ class Programs:
     k: int = 0
     on: bool = False
     calls: int = 0
+    noted: list[float] = var.ring(32)
+    notes: int = 0
 
     def initialize(self) -> Refusal:
         return Refusal.NONE
@@ -83,6 +85,10 @@ class Programs:
                 return Way.BACK
             case _:
                 return Way.UP if self.f else way
+
+    def note(self, x: float) -> None:
+        self.noted[self.notes % 32] = x
+        self.notes += 1
 
     def called(self) -> int:
         self.calls += 1
@@ -161,7 +167,8 @@ class Writer:
             "min": lambda: f"min({e()}, {e()})",
             "max": lambda: f"max({e()}, {e()}, {e()})",
             "sqrt": lambda: f"sqrt({e()})",
-            "root": lambda: f"sqrt(max({e()}, 0.0))",
+            "root": lambda: f"sqrt(max({e()}, {self.pick(['0.0', '2.5', '-1.5'])}))",
+            "least": lambda: f"sqrt({self.pick(['min', 'max'])}({self.leaf('float')}, {self.leaf('float')}))",
             "fmod": lambda: f"fmod({e()}, {e()})",
             "float": lambda: f"float({n()})",
             "round": lambda: f"round({e()}) * ({e()})",
@@ -181,8 +188,8 @@ class Writer:
         """A whole number that is seldom outside a list."""
         return str(self.pick(["0", "1", "-1", "3", "self.m % 4", "self.n % 5 - 1", *self.counted]))
 
-    def element(self, depth: int) -> str:
-        return f"{self.pick(list(LISTS))}[{self.small()}]"
+    def element(self, depth: int, index: str = "") -> str:
+        return f"{self.pick(list(LISTS))}[{index or self.small()}]"
 
     def int_expression(self, depth: int) -> str:
         if depth <= 0:
@@ -275,8 +282,18 @@ class Writer:
         nested = [self.branch, self.branch, self.count, self.repeat, self.match] if depth > 0 else []
         leaving = [self.leave] if loop else []
         write = self.pick([*simple, *nested, *nested, *leaving])
+        before = {kind: list(names) for kind, names in self.locals.items()}
         found: list[str] = write(depth, loop) if write in nested else write()
-        return found
+        return [*found, *self.notes(before)]
+
+    def notes(self, before: dict[str, list[str]]) -> list[str]:
+        """Nothing stays unseen: the values of new locals, and of one that had been there, are kept."""
+        known = [name for name in self.locals["float"] if name in before["float"]]
+        reals = [name for name in self.locals["float"] if name not in before["float"]] + [self.pick(known)] * bool(
+            known
+        )
+        wholes = [name for kind in ("int", "bool") for name in self.locals[kind] if name not in before[kind]]
+        return [f"self.note({name})" for name in reals] + [f"self.note(float({name}))" for name in wholes]
 
     def local(self) -> list[str]:
         kind = self.pick(list(FIRST))
@@ -331,6 +348,8 @@ class Writer:
         return [f"{part} = self.longer", f"{part}.{self.pick(['x', 'y'])} = {self.expression('float', 2)}"]
 
     def leave(self) -> list[str]:
+        if self.pick([True, False]):
+            return ["match self.notes % 3:", "    case 1:", f"        {self.pick(['break', 'continue'])}"]
         return [f"if {self.expression('bool', 2)}:", f"    {self.pick(['break', 'continue'])}"]
 
     def branch(self, depth: int, loop: bool) -> list[str]:
@@ -349,7 +368,9 @@ class Writer:
             [
                 f"({self.leaf('int')}) % 4",
                 "len(self.part.values)",
-                "self.i % 3",
+                "self.k % 4",
+                "abs(self.i) % 4",
+                "SIZE - 1",
                 f"1, ({self.leaf('int')}) % 5",
                 f"({self.leaf('int')}) % 5, -2, -1",
                 "0, 7, 3",
@@ -357,7 +378,8 @@ class Writer:
             ]
         )
         self.counted.append(name)
-        body = self.body(depth - 1, True)
+        first = ["self.k += 1", "self.i -= 1", f"self.note(float({name}))", f"self.note({self.element(0, name)})"]
+        body = [f"    {self.pick(first)}", *self.body(depth - 1, True)]
         self.counted.remove(name)
         return [f"for {name} in range({limits}):", *body]
 
