@@ -99,7 +99,7 @@ def main() -> None:
     repetitions = parser.parse_args().repetitions
     begin = time.perf_counter()
     simulate_many("Synchronizer", H, {}, OUTPUTS)
-    print(f"The first call, which compiles, took {time.perf_counter() - begin:.1f} s.")
+    print(f"The first call, which loads the code or compiles it, took {time.perf_counter() - begin:.1f} s.")
     print(f"{INSTANCES} instances, {STEPS} steps. Target: {TARGET / 1e6:g} million steps per second and core.\n")
     columns = (
         "executing",

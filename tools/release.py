@@ -3,7 +3,7 @@
 | file | what it is |
 | --- | --- |
 | motionsync-<version>-py3-none-any.whl, motionsync-<version>.tar.gz | the package, as wheel and as source |
-| motionsync-<version>-fmus.zip | the FMUs of all blocks in several units, for FMI 2.0 and FMI 3.0, with their pages |
+| motionsync-<version>-fmus.zip | the FMUs of all blocks (FMI 2.0 and 3.0, in several units), pages, pages to explore |
 | RELEASE_NOTES.md | what CHANGELOG.md says of this version |
 | SHA256SUMS | the other files' checksums, for `sha256sum --check` |
 
@@ -31,6 +31,7 @@ from motionsync_fmu import HOME, __version__
 from motionsync_fmu.archive import Files, build_time, write
 from motionsync_fmu.build import Flavour, build
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.explore.page import scenarios_of, write_page
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import summary
 from motionsync_fmu.pages.block_page import PICTURE
@@ -133,9 +134,10 @@ def package(folder: Path) -> None:
 
 def fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: Progress) -> Files:
     """What lies in the archive of FMUs: <unit>/<block>_<unit>.fmu and its page, <unit>/fmi3/<block>_<unit>.fmu, a first
-    page, the licence."""
-    versions = list(Fmi) if flavour == Flavour.NATIVE else [Fmi.TWO]
-    first = first_page(blocks, units, fmi3=Fmi.THREE in versions)
+    page, the licence; natively explore/<block>.html, too."""
+    native = flavour == Flavour.NATIVE
+    versions = list(Fmi) if native else [Fmi.TWO]
+    first = first_page(blocks, units, native=native)
     files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first}
     recipes = [Recipe(block, unit, fmi=fmi) for unit in units for fmi in versions for block in blocks]
     with tempfile.TemporaryDirectory() as folder:
@@ -143,31 +145,38 @@ def fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: Progre
             place = recipe.unit if recipe.fmi == Fmi.TWO else f"{recipe.unit}/fmi3"
             name = f"{place}/{recipe.name}_{recipe.unit}"
             progress(f"{name}.fmu ({i} of {len(recipes)})")
-            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress)
+            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress, with_sources=flavour == Flavour.NATIVE)
             files[f"{name}.fmu"] = fmu.read_bytes()
             if recipe.fmi == Fmi.TWO:
-                files[f"{name}.html"] = page(fmu)
+                files[f"{name}.html"] = page(fmu, recipe.name, native=native)
+            if native and (recipe.unit, recipe.fmi) == (units[0], Fmi.TWO):
+                explored = Path(folder, f"{recipe.name}.html")
+                write_page(recipe.name, scenarios_of(recipe.name), fmu, explored, progress)
+                files[f"explore/{recipe.name}.html"] = explored.read_bytes()
     return files
 
 
-def first_page(blocks: list[str], units: list[str], *, fmi3: bool) -> bytes:
-    """The page that says what the FMUs are; `fmi3`: whether there are some of FMI 3.0."""
+def first_page(blocks: list[str], units: list[str], *, native: bool) -> bytes:
+    """The page that says what the FMUs are; `native`: whether there are some of FMI 3.0, and pages to explore."""
     values = {
         "version": __version__,
         "home": HOME,
         "units": units,
-        "fmi3": fmi3,
+        "native": native,
         "blocks": {block: summary(BLOCKS[block]) for block in blocks},
     }
     return TEMPLATES.from_string(Path(__file__).with_name("fmus.html.j2").read_text("utf-8")).render(values).encode()
 
 
-def page(fmu: Path) -> bytes:
-    """An FMU's page with its picture in it, as one file."""
+def page(fmu: Path, name: str, *, native: bool) -> bytes:
+    """An FMU's page with its picture in it, as one file; `native`: with a link to the page to explore the block."""
     with zipfile.ZipFile(fmu) as z:
         text, picture = (z.read(f"documentation/{name}") for name in ("index.html", PICTURE))
     source = b'src="data:image/svg+xml;base64,' + base64.b64encode(picture) + b'"'
-    return text.replace(b'src="' + PICTURE.encode() + b'"', source)
+    whole = text.replace(b'src="' + PICTURE.encode() + b'"', source)
+    command = f"<code>motionsync explore {name}</code>"
+    link = f'<a href="../explore/{name}.html">{name}, explored</a>' if native else command
+    return whole.replace(command.encode(), link.encode())
 
 
 def checksums(folder: Path) -> str:

@@ -18,7 +18,7 @@ from .interface.fmi3_xml import build_description, translated
 from .interface.recipe import Fmi, Recipe
 from .interface.terminals import FOLDER, terminals
 from .interface.variables import variables
-from .native.platforms import OF_VERSION, Platform
+from .native.platforms import OF_VERSION, WASM, Platform
 from .native.subset.modules import check
 
 SCRIPT = """from motionsync_fmu_{tag}.python import slave
@@ -55,14 +55,17 @@ def build(
     platforms: Sequence[Platform] = (),
     *,
     with_sources: bool = False,
+    with_component: bool = False,
 ) -> Path:
-    """Build the FMU of a recipe; `progress`, `platforms` and `with_sources`: as for `build_native`.
+    """Build the FMU of a recipe; `progress` and what follows: as for `build_native`.
 
     Raises:
         UserError: as `build_native`; or the python flavour cannot be of the recipe's version.
     """
     if flavour == Flavour.NATIVE:
-        return build_native(recipe, target, progress, platforms, with_sources=with_sources)
+        return build_native(
+            recipe, target, progress, platforms, with_sources=with_sources, with_component=with_component
+        )
     return build_python(recipe, target)
 
 
@@ -106,11 +109,13 @@ def build_native(
     platforms: Sequence[Platform] = (),
     *,
     with_sources: bool = False,
+    with_component: bool = False,
 ) -> Path:
     """Build the FMU with a library for each of these platforms (none: for all), without Python.
 
     An FMU for all platforms is packed as small as can be, which takes seconds. `progress` is called with lines of text
-    if compiling takes long. `with_sources`: the C that the libraries are compiled from is in the FMU, too.
+    if compiling takes long. `with_sources`: the C that the libraries are compiled from is in the FMU, too;
+    `with_component`: so is the unit of FMI 3.0 as a WebAssembly component.
 
     Raises:
         UserError: what builds it is not installed or failed, or the block is outside the kernel subset.
@@ -118,7 +123,9 @@ def build_native(
     block, every = recipe.block(), OF_VERSION[recipe.fmi]
     check_kernel(type(block).__module__)
     try:
-        from .native import libraries, packing, tables, unit_sources  # noqa: PLC0415 (zig, Zopfli: for this flavour only)
+        # Zopfli is installed for this flavour only.
+        from .native import libraries, packing, tables, unit_sources  # noqa: PLC0415
+        from .native.wasm import component  # noqa: PLC0415
     except ModuleNotFoundError as e:
         other = "; or take --flavour python" if recipe.fmi == Fmi.TWO else ""
         raise UserError(
@@ -129,6 +136,8 @@ def build_native(
     files |= {f"{LICENCES}/{n}": text for n, text in texts.items()}
     if with_sources:
         files |= unit_sources.source_files(block, recipe.guid(), recipe.turned, recipe.fmi)
+    if with_component:
+        files |= component.component_files(block, recipe.guid(), recipe.turned)
     deflate = packing.smallest if all(row in (platforms or every) for row in every) else quick
     memory = {} if with_sources else OWN_MEMORY
     return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block) | memory)
@@ -216,8 +225,17 @@ def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:
 
 def has_sources(fmu: Path) -> bool:
     """Whether an FMU brings its C along."""
+    return _holds(fmu, SOURCES)
+
+
+def has_component(fmu: Path) -> bool:
+    """Whether an FMU has the unit as a WebAssembly component."""
+    return _holds(fmu, f"binaries/{WASM}/")
+
+
+def _holds(fmu: Path, folder: str) -> bool:
     with zipfile.ZipFile(fmu) as z:
-        return any(name.startswith(SOURCES) for name in z.namelist())
+        return any(name.startswith(folder) for name in z.namelist())
 
 
 def outdated(fmu: Path, recipe: Recipe) -> str:

@@ -32,6 +32,7 @@ from .scenario.shipped import find
 
 LAYOUT = "fmus/2.0/cs/{platform}/motionsync/{version}/{model}"
 FOLDERS = ("linux64", "win64", "darwin64")  # of the platforms that the cross-check knows, those of a native FMU
+C_CODE = "c-code"  # what it calls the platform of an FMU with sources
 MOST_VARIABLES = 10  # of a reference: so the rules advise
 
 
@@ -135,8 +136,8 @@ def export(
     progress: Callable[[str], None] = lambda text: None,
     platforms: Sequence[Platform] = ROWS,
 ) -> list[Path]:
-    """Build the model's FMU and write its files below a folder, once for each platform that the cross-check knows;
-    the folders that hold them.
+    """Build the model's FMU, with its sources, and write its files below a folder, once for each platform that the
+    cross-check knows; the folders that hold them.
 
     `progress` and `platforms`: as for `build_native`.
 
@@ -145,9 +146,10 @@ def export(
     """
     texts = files(model)
     with TemporaryDirectory() as work:
-        texts[f"{model.name}.fmu"] = build_native(model.recipe, Path(work, "a.fmu"), progress, platforms).read_bytes()
+        fmu = build_native(model.recipe, Path(work, "a.fmu"), progress, platforms, with_sources=True)
+        texts[f"{model.name}.fmu"] = fmu.read_bytes()
     made = []
-    for platform in (row.folder for row in platforms if row.folder in FOLDERS):
+    for platform in (*(row.folder for row in platforms if row.folder in FOLDERS), C_CODE):
         place = folder / LAYOUT.format(platform=platform, version=__version__, model=model.name)
         place.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():

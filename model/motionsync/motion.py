@@ -12,7 +12,7 @@ from math import sqrt
 
 from . import var
 from .clock import Clock
-from .limits import clamp
+from .limits import SHORTEST, clamp, computable
 
 SAME_TIME = 1.0 - 1e-13  # of a time: from this share on the time is reached, but for rounding
 BISECTIONS = 200  # enough to halve any piece down to neighbouring numbers but for roots below 1e-40 of it
@@ -89,7 +89,8 @@ class Motion:
         """
         distance = target - position
         self.start(0.0, velocity, acceleration)
-        direction = 1.0 if distance >= stopping_distance(velocity, acceleration, down, jerk) else -1.0
+        stopped = stopping_distance(self.velocities[0], self.accelerations[0], down, jerk)
+        direction = 1.0 if distance >= stopped else -1.0
         limit = acceleration_limit(velocity, direction * speed, up, down)
         self.try_approach(direction * speed, 0.0, -limit, limit, jerk)
         passed = 1
@@ -138,26 +139,27 @@ class Motion:
         return position, velocity, acceleration + time * jerk, jerk
 
     def start(self, position: float, velocity: float, acceleration: float) -> None:
-        """A motion of one piece, which has no jerk."""
+        """A motion of one piece, which has no jerk; velocity and acceleration as far as they can be computed with."""
         self.pieces = 1
         self.begins[0] = 0.0
         self.positions[0] = position
-        self.velocities[0] = velocity
-        self.accelerations[0] = acceleration
+        self.velocities[0] = computable(velocity)
+        self.accelerations[0] = computable(acceleration)
         self.jerks[0] = 0.0
         self.clock.start(0.0)
 
     def extend(self, time: float, jerk: float, acceleration: float) -> None:
         """The last piece gets this jerk for that time and ends with `acceleration`; there a new one begins.
 
-        A time that is lost in rounding beside the piece's beginning makes no new piece, but it changes the state."""
+        A time that is too short to be computed with, or is lost in rounding beside the piece's beginning, makes no new
+        piece, but it changes the state."""
         if time <= 0.0:
             return
         last = self.pieces - 1
         self.jerks[last] = jerk
         position, velocity, _, _ = self.state(last, time)
         begin = self.begins[last] + time
-        if begin > self.begins[last]:
+        if begin > self.begins[last] and time >= SHORTEST:
             last = self.pieces
             self.pieces += 1
         self.begins[last] = begin

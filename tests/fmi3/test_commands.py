@@ -5,10 +5,12 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from fmpy.validation import validate_fmu
 
-from motionsync_fmu.build import Flavour, fmu_path, outdated
+from motionsync_fmu.build import Flavour, build, fmu_path, outdated
+from motionsync_fmu.commands import build as commands
 from motionsync_fmu.interface.recipe import Fmi, Recipe
-from motionsync_fmu.native.platforms import OF_VERSION
+from motionsync_fmu.native.platforms import OF_VERSION, here
 from tests.support.command_line import Command, assert_one_line
 from tests.support.fmus import Fmus
 
@@ -61,6 +63,29 @@ def test_an_fmu_of_the_other_version_is_stale(built: Command, tmp_path: Path) ->
     assert fmu_path(three, Path("build"), Flavour.NATIVE) == FMU
     assert outdated(FMU, three) == ""
     assert outdated(FMU, Recipe("Synchronizer")) == "stale"
+
+
+def test_a_component_is_added_for_fmi_3_only(built: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    if (platform := here(Fmi.THREE)) is None:
+        pytest.skip("no native FMU is for this machine")
+    assert_one_line(
+        built("build", "Synchronizer", "--wasm"),
+        "--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3",
+    )
+
+    def quickly(flavour: Flavour, recipe: Recipe, target: Path, tell: object, **chosen: bool) -> Path:
+        """For this machine alone."""
+        return build(flavour, recipe, target, platforms=[platform], **chosen)
+
+    monkeypatch.setattr(commands, "build_fmu", quickly)
+    assert "kB" in built("build", "Synchronizer", "--fmi", "3", "--wasm").out  # what is there has none
+    component = "binaries/wasm32-wasip2/Synchronizer.wasm"
+    with zipfile.ZipFile(FMU) as z:
+        assert {component, "extra/org.modelica.fmi-ls-wasm/manifest.xml"} <= set(z.namelist())
+        assert z.read(component).startswith(b"\0asm\x0d\0\1\0")  # a component, no core module
+        assert "experimental" in z.read("documentation/index.html").decode()
+    assert validate_fmu(str(FMU)) == []
+    assert "is up to date" in built("build", "Synchronizer", "--fmi", "3", "--wasm").out
 
 
 @pytest.mark.parametrize("command", [("build", "Synchronizer"), ("run", "Synchronizer/polynomial")])

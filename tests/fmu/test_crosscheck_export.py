@@ -28,13 +28,14 @@ def test_an_importer_gets_the_reference_from_the_files(name: str, tmp_path: Path
     """The Gearing's example changes tunable parameters, which become inputs."""
     assert PLATFORM
     (model,) = models([name])
-    (folder,) = export(model, tmp_path, platforms=[PLATFORM])
+    folder, in_c = export(model, tmp_path, platforms=[PLATFORM])
     title = name.replace("/", "_")
     assert folder == tmp_path / "fmus" / "2.0" / "cs" / PLATFORM.folder / "motionsync" / __version__ / title
     assert sorted(f.name for f in folder.iterdir()) == sorted(
         ["README.md", f"{title}.fmu", f"{title}_in.csv", f"{title}_ref.csv", f"{title}_ref.opt"]
     )
-    assert validate_test_fmu(str(folder)) == []
+    assert in_c == tmp_path / "fmus" / "2.0" / "cs" / "c-code" / "motionsync" / __version__ / title
+    assert validate_test_fmu(str(folder)) == validate_test_fmu(str(in_c)) == []
     options = read_ref_opt_file(folder / f"{title}_ref.opt")
     inputs, reference = (read_csv(folder / f"{title}_{kind}.csv") for kind in ("in", "ref"))
     result = simulate_fmu(
@@ -61,7 +62,7 @@ def test_the_command_writes_the_same_fmu_for_each_platform(motionsync: Command, 
     assert done.status == 0, done.err
     places = [Path(line) for line in done.out.splitlines()]
     assert [place.parts[:5] for place in places] == [
-        ("here", "fmus", "2.0", "cs", platform) for platform in ("linux64", "win64", "darwin64")
+        ("here", "fmus", "2.0", "cs", platform) for platform in ("linux64", "win64", "darwin64", "c-code")
     ]
     assert len({(tmp_path / place / "Synchronizer.fmu").read_bytes() for place in places}) == 1
     (fmu,) = {place / "Synchronizer.fmu" for place in places[:1]}

@@ -92,8 +92,17 @@ def test_a_damaged_library_is_not_loaded_but_made_anew(
     assert kept(cache).read_bytes() == made
 
 
-def test_it_works_without_a_cache(compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    cache.touch()
+@pytest.mark.parametrize("reason", ["a file is in its place", "the user has no home"])
+def test_it_works_without_a_cache(
+    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch, reason: str
+) -> None:
+    def homeless() -> Path:
+        raise RuntimeError(reason)
+
+    if "file" in reason:
+        cache.touch()
+    else:
+        monkeypatch.setattr(library.places, "cache", homeless)
     loaded(monkeypatch)
     loaded(monkeypatch)
     assert compilations == ["Synchronizer"] * 2

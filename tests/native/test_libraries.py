@@ -207,7 +207,7 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     before = RECIPE.guid()
     target = build_python(RECIPE, tmp_path / "Synchronizer.fmu")
     assert outdated(target, RECIPE) == ""
-    modules = ("libraries", "macho", "memory_layout", "platforms", "tables")
+    modules = ("libraries", "macho", "memory_layout", "platforms", "tables", "unit_sources")
     own = {
         "heat.h",
         "decimal.c",
@@ -217,6 +217,8 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
         "fmi3.c",
         "memory.c",
         "model.h.j2",
+        "portable.h",
+        "sources.md.j2",
         "unit.c",
         "unit.h",
     }

@@ -136,20 +136,27 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
     """What is built when nothing is chosen; the build itself is another test's."""
     built = []
 
-    def build(flavour: Flavour, recipe: Recipe, target: Path, progress: release.Progress) -> Path:
+    def build(
+        flavour: Flavour, recipe: Recipe, target: Path, progress: release.Progress, *, with_sources: bool
+    ) -> Path:
+        assert with_sources
         built.append((flavour, recipe.name, recipe.unit, recipe.fmi))
-        write(target, {"documentation/index.html": b"", "documentation/example.svg": b""})
+        page = f"<code>motionsync explore {recipe.name}</code>"
+        write(target, {"documentation/index.html": page.encode(), "documentation/example.svg": b""})
         return target
 
     monkeypatch.setattr(release, "build", build)
+    monkeypatch.setattr(release, "write_page", lambda name, scenarios, fmu, target, tell: target.write_text(name))
     monkeypatch.setattr(release, "package", lambda folder: None)
     release.release(tmp_path / "all", lambda text: None)
     assert sorted(built) == sorted(
         ("native", block, unit, fmi) for block in BLOCKS for unit in ("mm", "m", "deg") for fmi in ("2", "3")
     )
     with zipfile.ZipFile(tmp_path / "all" / f"{NAME}-fmus.zip") as z:
-        assert len(z.namelist()) == 2 + 3 * 3 * len(BLOCKS)
+        assert len(z.namelist()) == 2 + 3 * 3 * len(BLOCKS) + len(BLOCKS)
+        assert z.read("explore/FlyingSaw.html") == b"FlyingSaw"
         assert "mm/fmi3/FlyingSaw_mm.fmu" in z.namelist()
+        assert b'href="../explore/FlyingSaw.html"' in z.read("deg/FlyingSaw_deg.html")
         first = z.read("README.html").decode()
         assert relative(Referring(first).addresses) == set(z.namelist()) - {"README.html"}
 

@@ -15,3 +15,7 @@ def numbers_in(part: Any, but: tuple[str, ...] = ()) -> Iterator[float]:
             yield from value
         elif isinstance(value, float) and field.name not in but:
             yield value
+
+
+# Greater than 0, from the least number that there is (a denormal one) to where products of a few are ordinary again.
+TINY = (5e-324, 1e-323, 1e-318, 1e-310, 2.3e-308, 1e-300, 4e-282, 1e-200, 1e-160, 1e-150, 1e-108, 1e-80, 1e-50, 1e-20)

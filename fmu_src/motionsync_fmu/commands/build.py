@@ -10,7 +10,7 @@ from motionsync.blocks import BLOCKS
 
 from .. import places
 from ..archive import build_time
-from ..build import Flavour, fmu_path, has_sources, outdated
+from ..build import Flavour, fmu_path, has_component, has_sources, outdated
 from ..build import build as build_fmu
 from ..builds import chosen
 from ..errors import UserError, spelled
@@ -57,6 +57,9 @@ def build(
     sources: Annotated[
         bool, typer.Option("--sources", help="Put the C into the FMU, for any other processor; native flavour.")
     ] = False,
+    wasm: Annotated[
+        bool, typer.Option("--wasm", help="Add a WebAssembly component, of FMI 3.0 (experimental: a draft may change).")
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Build FMUs that are up to date, too.")] = False,
 ) -> None:
     """Build FMUs that are missing or stale.
@@ -95,16 +98,19 @@ def build(
     flavours, folder = chosen(fmi, flavour or [], err.print), folder or places.output(err.print)
     if sources and Flavour.NATIVE not in flavours:
         raise UserError("--sources: the python flavour has no C; take --flavour native")
+    if wasm and fmi != Fmi.THREE:
+        raise UserError("--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3")
     for recipe in recipes:
         for one in flavours:
             target = fmu_path(recipe, folder, one)
             with_sources = sources and one == Flavour.NATIVE
-            if not (force or outdated(target, recipe) or has_sources(target) != with_sources):
+            stale = force or outdated(target, recipe) or has_sources(target) != with_sources
+            if not (stale or has_component(target) != wasm):
                 out.print(f"{escape(str(target))}  is up to date")
                 continue
             target.parent.mkdir(parents=True, exist_ok=True)
             with doing(f"building {target}") as tell:
-                build_fmu(one, recipe, target, tell, with_sources=with_sources)
+                build_fmu(one, recipe, target, tell, with_sources=with_sources, with_component=wasm)
             of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
             out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")
 

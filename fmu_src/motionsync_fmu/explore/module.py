@@ -1,16 +1,11 @@
 """A block as one WebAssembly module, for a page in a browser: zig compiles the same text as for the platforms."""
 
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
-from ..errors import UserError
-from ..native.libraries import FREESTANDING
-from ..native.tables import model_header
-from ..native.translator import c_source
-from ..native.unit_sources import HERE as NATIVE
+from ..native.libraries import FREESTANDING, zig_cc
+from ..native.unit_sources import c_sources
 
 WEB = Path(__file__).with_name("web.c")
 OTHERS = ("fmi", "memory")  # how the names of C files begin that a page does not need
@@ -30,21 +25,10 @@ def webassembly(block: Any, guid: str) -> bytes:
     """
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        core = (file for file in NATIVE.glob("*.[ch]") if not file.name.startswith(OTHERS))
-        for source in (WEB, *core, *FREESTANDING.glob("*.[ch]")):
+        for source in (WEB, *FREESTANDING.glob("*.[ch]")):
             (work / source.name).write_bytes(source.read_bytes())
-        for name, text in c_source(block).items():
-            (work / name).write_bytes(text)
-        (work / "model.h").write_text(model_header(block, guid), "utf-8", newline="\n")
-        command = [sys.executable, "-m", "ziglang", "cc", "-target", TARGET, *FLAGS.split(), "-I."]
-        done = subprocess.run(
-            [*command, *sorted(source.name for source in work.glob("*.c")), "-o", "block.wasm"],
-            cwd=work,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-        if done.returncode:
-            raise UserError(f"zig could not compile for {TARGET}:\n{done.stderr.strip()[-2000:]}")
-        return (work / "block.wasm").read_bytes()
+        for name, text in c_sources(block, guid).items():
+            if not name.startswith(OTHERS):
+                (work / name).write_bytes(text)
+        own = sorted(source.name for source in work.glob("*.c"))
+        return zig_cc(TARGET, [*FLAGS.split(), "-I.", *own], "block.wasm", work)

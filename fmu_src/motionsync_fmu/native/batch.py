@@ -113,8 +113,7 @@ def simulate_many(
     array of any type; an enumeration is given by its values, or by the names of its members.
 
     The function works in threads of its own, without the interpreter's lock; any number of threads may call it at the
-    same time. The first call for a block compiles it, which takes a second or a few; its code is kept in the user's
-    cache.
+    same time. The first call for a block compiles it, in a second or a few; its code is kept in the user's cache.
 
     Args:
         block: the name of a registered block, or a block's class.

@@ -84,7 +84,9 @@ OF_VERSION = {
         for processor, system in [parts(target)]
     ),
 }
+WASM = "wasm32-wasip2"  # the folder of a component (layered standard fmi-ls-wasm)
 TITLES = {platform.folder: platform.title for rows in OF_VERSION.values() for platform in rows}
+TITLES[WASM] = "WebAssembly (a component by the draft of fmi-ls-wasm: experimental)"
 
 
 def here(fmi: Fmi = Fmi.TWO) -> Platform | None:

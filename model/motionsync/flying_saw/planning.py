@@ -8,6 +8,7 @@ from math import isfinite
 
 from .. import var
 from ..laws import Quintic
+from ..limits import SHORTEST, computable
 from ..motion import Motion, acceleration_limit
 from .checks import TOLERANCE, violated_dynamics, violated_position, violated_velocity
 from .constant_velocity import ConstantVelocity
@@ -37,9 +38,10 @@ class AxisState:
     acceleration: float = 0.0
 
     def put(self, position: float, velocity: float, acceleration: float) -> None:
+        """Set the state, as far as it can be computed with: an axis of almost no velocity stands."""
         self.position = position
-        self.velocity = velocity
-        self.acceleration = acceleration
+        self.velocity = computable(velocity)
+        self.acceleration = computable(acceleration)
 
     def is_standing(self) -> bool:
         return self.velocity == 0.0 and self.acceleration == 0.0
@@ -271,7 +273,7 @@ class Plan:
 
     def is_computable(self, duration: float) -> bool:
         """Whether the duration and the rates that it requires are well above rounding error."""
-        if not 0.0 < duration < LARGEST:
+        if not SHORTEST <= duration < LARGEST:
             return False
         speed = abs(self.slave.velocity) + abs(self.synchronous)
         steepest = speed / duration + abs(self.acceleration)

@@ -6,6 +6,7 @@ Source: TS5055, section 7.
 
 from math import sqrt
 
+from ..limits import SHORTEST
 from .profile import Profile, ProfileKind
 
 SAME_DISTANCE = 1e-12  # of the change of velocity: the mean velocity lies in the middle of both ends, but for rounding
@@ -13,15 +14,15 @@ JERK_TOLERANCE = 1e-9  # of the jerk limit: a ramp as short as the limit allows 
 
 
 def add_straight(profile: Profile, duration: float, velocity: float) -> None:
-    """P1: append constant velocity; nothing for a duration of 0 or less."""
-    if duration > 0.0:
+    """P1: append constant velocity; nothing for a duration that is too short to be computed with, or negative."""
+    if duration >= SHORTEST:
         profile.add(duration, profile.joint, velocity * duration, 0.0, 0.0, 0.0, 0.0)
         profile.joint = profile.joint + velocity * duration
 
 
 def add_ramp(profile: Profile, duration: float, velocity: float, end_velocity: float) -> None:
-    """Append v + (v_e - v) (3 u^2 - 2 u^3), unaccelerated at both ends; nothing for a duration of 0 or less."""
-    if duration > 0.0:
+    """Append v + (v_e - v) (3 u^2 - 2 u^3), unaccelerated at both ends; nothing for a duration as in `add_straight`."""
+    if duration >= SHORTEST:
         change = (end_velocity - velocity) * duration
         profile.add(duration, profile.joint, velocity * duration, 0.0, change, -0.5 * change, 0.0)
         profile.joint = profile.joint + 0.5 * (velocity + end_velocity) * duration

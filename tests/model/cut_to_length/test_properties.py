@@ -16,9 +16,10 @@ from motionsync.cut_to_length.block import CutToLength
 from motionsync.cut_to_length.interface import LateMode, PieceKind, State, ToolMode
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
-from motionsync_fmu.interface.variables import cells, variables
+from motionsync_fmu.interface.variables import variables
 from tests.model.cut_to_length.harness import CutToLengthHarness
 from tests.model.cut_to_length.strategies import machine, runs, tool
+from tests.support.finite import finite_steps
 from tests.support.harness import MOTION, Row
 from tests.support.runs import Run
 
@@ -421,28 +422,11 @@ def test_a_state_that_is_restored_goes_on_with_the_same_bits(run: Run) -> None:
 @settings(repeatable, max_examples=25, suppress_health_check=list(HealthCheck))
 @given(runs(steps=300))
 def test_whatever_comes_all_numbers_are_finite(run: Run) -> None:
-    block = CutToLength()
-    by_name = {c.name: c for c in cells(block)}
-    ranges = [v for v in variables(block) if v.judged]
-    settable = {v.name for v in variables(block) if v.settable}
-    own = [c for c in by_name.values() if c.type is float and c.name not in settable]
-    for name, value in run.start.items():
-        by_name[name].set(value)
-    assert not block.initialize()
-    for h, values in run.steps:
-        before = {name: by_name[name].get() for name in values}
-        for name, value in values.items():
-            by_name[name].set(value)
-        if not 0.0 < h <= 1e6 or not all(v.allows(v.cell.get()) for v in ranges):
-            for name, value in before.items():
-                by_name[name].set(value)
-            continue
-        if not block.step(h):
-            assert all(math.isfinite(c.get()) for c in own)
-            assert 0.0 <= block.local.progress <= 1.0
-            assert block.state_code == block.state
-            assert block.error == (block.error_id != 0)
-            assert block.running or block.state in (State.OFF, State.FAULT)
-            assert block.line.stop_request == (block.state == State.FAULT)
-            assert block.piece.length >= 0.0
-            assert block.limits.min_length >= 0.0
+    for block in finite_steps(CutToLength(), run):
+        assert 0.0 <= block.local.progress <= 1.0
+        assert block.state_code == block.state
+        assert block.error == (block.error_id != 0)
+        assert block.running or block.state in (State.OFF, State.FAULT)
+        assert block.line.stop_request == (block.state == State.FAULT)
+        assert block.piece.length >= 0.0
+        assert block.limits.min_length >= 0.0

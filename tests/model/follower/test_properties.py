@@ -14,11 +14,10 @@ from motionsync.follower.block import Follower
 from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from motionsync.master import MasterInput
-from motionsync_fmu.interface.variables import LONGEST_STEP, cells, variables
 from tests.model.follower import strategies as drive_follower
 from tests.model.follower.harness import FollowerHarness
+from tests.support.finite import finite_steps
 from tests.support.harness import MOTION
-from tests.support.numbers import numbers_in
 from tests.support.runs import Run
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
@@ -378,26 +377,9 @@ def test_the_unit_of_the_slave_does_not_matter(machine: Machine, rng: Random, fa
 @given(drive_follower.runs(60))
 def test_no_command_and_no_master_leads_to_a_number_that_is_none(run: Run) -> None:
     """But for parameters that are set to none."""
-    block = Follower()
-    by_name = {cell.name: cell for cell in cells(block)}
-    judged = [v for v in variables(block) if v.judged]
-    outputs = [v.cell for v in variables(block) if v.causality in ("output", "local")]
-    for name, value in run.start.items():
-        by_name[name].set(value)
-    assert not block.initialize()
-    for h, values in run.steps:
-        before = {name: by_name[name].get() for name in values}
-        for name, value in values.items():
-            by_name[name].set(value)
-        if not 0.0 < h <= LONGEST_STEP or any(v.refusal(v.cell.get()) for v in judged):
-            for name, value in before.items():
-                by_name[name].set(value)
-        elif not block.step(h):
-            owned = (block.slave, block.local, block.current, block.motion, block.master, block.candidate)
-            assert all(math.isfinite(x) for part in owned for x in numbers_in(part))
-            assert all(math.isfinite(cell.get()) for cell in outputs)
-            assert block.state in State
-            assert block.error == (block.error_id != 0)
-            assert (block.state == State.M_IN_ALARM) == (block.error_id >= 2)
-            if block.slave_cycle > 0.0:
-                assert 0.0 <= block.slave.position < block.slave_cycle
+    for block in finite_steps(Follower(), run):
+        assert block.state in State
+        assert block.error == (block.error_id != 0)
+        assert (block.state == State.M_IN_ALARM) == (block.error_id >= 2)
+        if block.slave_cycle > 0.0:
+            assert 0.0 <= block.slave.position < block.slave_cycle

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from motionsync.gearing.block import Gearing
 from motionsync.gearing.interface import StartMode, State, StopMode, Transition
 from motionsync.master import MasterInput
-from motionsync_fmu.interface.variables import cells, variables
 from tests.model.gearing.harness import GearingHarness
 from tests.model.gearing.strategies import runs
+from tests.support.finite import finite_steps
 from tests.support.harness import MOTION, Row, moved
 from tests.support.runs import Run
 
@@ -325,28 +325,11 @@ def test_mirrored_axes_do_the_mirrored(rng: Random, mode: MasterInput) -> None:
 @settings(repeatable, max_examples=25, suppress_health_check=list(HealthCheck))
 @given(runs(steps=300))
 def test_whatever_comes_all_numbers_are_finite(run: Run) -> None:
-    block = Gearing()
-    by_name = {c.name: c for c in cells(block)}
-    inputs = [v for v in variables(block) if v.judged]
-    given_names = {v.name for v in variables(block) if v.settable}
-    own = [c for c in by_name.values() if c.type is float and c.name not in given_names]
-    for name, value in run.start.items():
-        by_name[name].set(value)
-    assert not block.initialize()
-    for h, values in run.steps:
-        before = {name: by_name[name].get() for name in values}
-        for name, value in values.items():
-            by_name[name].set(value)
-        if not 0.0 < h <= 1e6 or not all(v.allows(v.cell.get()) for v in inputs):
-            for name, value in before.items():
-                by_name[name].set(value)
-            continue
-        if not block.step(h):
-            assert all(math.isfinite(c.get()) for c in own)
-            assert 0.0 <= block.local.progress <= 1.0
-            assert block.state_code == block.state
-            assert block.in_gear == (block.state == State.ACTIVE)
-            assert block.error == (block.error_id != 0)
+    for block in finite_steps(Gearing(), run):
+        assert 0.0 <= block.local.progress <= 1.0
+        assert block.state_code == block.state
+        assert block.in_gear == (block.state == State.ACTIVE)
+        assert block.error == (block.error_id != 0)
 
 
 @repeatable

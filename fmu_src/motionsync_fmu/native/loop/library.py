@@ -32,10 +32,12 @@ from .plan import Cause
 
 LOOP = Path(__file__).with_name("loop.c")
 MADE_FROM = (Path(str(var.__file__)).parent, LOOP.parents[1])  # the folders of the model and of all that compiles it
-VISIBLE = "-fvisibility=default"  # to this process; an FMU shows nothing but the functions of FMI
-COMPILERS = ("cc", "gcc", "clang")  # of the machine
+# After zig's flags for a library in an FMU, which is to be small, and shows nothing but the functions of FMI.
+ZIG_FLAGS = "-O2 -fvisibility=default"
+COMPILERS = ("cc", "gcc", "clang")  # of the machine itself
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno -fPIC -shared -g0"  # of these
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+UNKEPT = (OSError, RuntimeError)  # the cache cannot be read or written, or nobody knows where it is
 
 _libraries: dict[type[Any], CDLL] = {}
 _compiling = Lock()
@@ -61,14 +63,15 @@ def _kept(block_type: type[Any]) -> CDLL:
 
     The name of a library's file says from what it was made, and ends with the hash of its contents: what has been
     damaged is not loaded."""
-    folder, name = places.cache() / "blocks", block_type.__name__
+    name = block_type.__name__
     begin = f"{name}-{_made_from()[:16]}-"
-    with suppress(OSError):
-        for file in folder.glob(f"{begin}*{SUFFIX}"):
+    with suppress(*UNKEPT):
+        for file in _folder().glob(f"{begin}*{SUFFIX}"):
             if file.name == _file_name(begin, file.read_bytes()):
                 return CDLL(str(file))
     made = _compiled(block_type)
-    with suppress(OSError):
+    with suppress(*UNKEPT):
+        folder = _folder()
         folder.mkdir(parents=True, exist_ok=True)
         for old in folder.glob(f"{name}-*{SUFFIX}"):
             with suppress(OSError):  # another process has loaded it, on Windows
@@ -77,6 +80,10 @@ def _kept(block_type: type[Any]) -> CDLL:
         part.write_bytes(made)
         return CDLL(str(part.replace(folder / _file_name(begin, made))))
     return _loaded(made)
+
+
+def _folder() -> Path:
+    return places.cache() / "blocks"
 
 
 def _made_from() -> str:
@@ -131,7 +138,7 @@ def _compiled_by_zig(work: Path) -> bytes:
     platform = here(Fmi.THREE)
     assert platform
     ((target, flags),) = platform.targets.items()
-    return compiled(target, f"{flags} {VISIBLE}", f"{target}/block{SUFFIX}", work)
+    return compiled(target, f"{flags} {ZIG_FLAGS}", f"{target}/block{SUFFIX}", work)
 
 
 def _compiled_by_machine(work: Path) -> bytes:

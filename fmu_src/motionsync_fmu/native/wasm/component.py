@@ -13,6 +13,7 @@ from typing import Any
 from ...archive import Files
 from ...interface.recipe import Fmi
 from ..libraries import FREESTANDING, zig_cc
+from ..platforms import WASM
 from ..unit_sources import c_sources
 
 HERE = Path(__file__).parent
@@ -23,7 +24,6 @@ FLAGS = (
 )
 SOURCES = ("wit.c", "unit.c", "decimal.c", "block.c", "freestanding.c")  # wit.c includes fmi3.c
 CORE_MODULE = 1  # the kind of section
-FOLDER = "binaries/wasm32-wasip2"
 
 MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiLayeredStandardManifest xmlns="http://fmi-standard.org/fmi-ls-manifest"
@@ -50,7 +50,7 @@ def component_files(block: Any, guid: str, turned: Mapping[str, str] | None = No
             (work / name).write_bytes(text)
         core = zig_cc(TARGET, [*FLAGS.split(), "-I.", *SOURCES], "core.wasm", work)
     return {
-        f"{FOLDER}/{type(block).__name__}.wasm": around(core),
+        f"binaries/{WASM}/{type(block).__name__}.wasm": around(core),
         "extra/org.modelica.fmi-ls-wasm/manifest.xml": MANIFEST.encode(),
     }
 

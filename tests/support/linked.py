@@ -1,9 +1,8 @@
-"""Runs of a block as calls of FMI 2.0: for a C host that has the unit linked in (`tests/fmu/replayed.c`), and what it has
-to answer by a built FMU."""
+"""Runs of a block as calls of FMI 2.0, for a C host that has the unit linked in (`tests/fmu/linked_run.c`), and what a
+built FMU answers to them."""
 
 import struct
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -16,18 +15,11 @@ from motionsync_fmu.scenario.run import inputs, schedule
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
+from tests.support.runs import Run
 
 EVERY, MOST = 20, 400  # of a block's scenarios every so many; so many steps of each
 LETTERS = {"Real": "R", "Boolean": "B", "Integer": "I", "Enumeration": "I"}
 WORD = 2**64 - 1
-
-
-@dataclass(frozen=True)
-class Run:
-    """Start values, and for each step its size and what is set before it."""
-
-    start: dict[str, Any]
-    steps: list[tuple[float, dict[str, Any]]]
 
 
 def runs(name: str) -> list[Run]:
@@ -42,7 +34,7 @@ def _run(s: Scenario) -> Run:
 
 
 def header(name: str, of: Sequence[Run]) -> str:
-    """run.h for `replayed.c`."""
+    """run.h for `linked_run.c`."""
     recipe = Recipe(name)
     kinds = "".join(LETTERS[v.kind] for v in recipe.variables.values())
     rows = "".join(f"    {{'{what}', {r}, {bits:#x}u}},\n" for what, r, bits in _calls(recipe, of))

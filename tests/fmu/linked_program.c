@@ -1,11 +1,11 @@
-/* A program of several units: prints what each one's `replayed.c` answers, a line each.
+/* A program of several units: prints what each one's `linked_run.c` answers, a line each.
  *
- * replays.h, which is generated, has a line REPLAY(name) for each. With BARE there is no C library: Linux starts the
+ * linked.h, which is generated, has a line REPLAY(name) for each. With BARE there is no C library: Linux starts the
  * program at _start, and a system call writes. */
 #include <stdint.h>
 
 #define REPLAY(name) uint64_t replay_##name(void);
-#include "replays.h"
+#include "linked.h"
 #undef REPLAY
 
 #ifdef BARE
@@ -42,7 +42,7 @@ static void print(uint64_t hash) {
 
 static void print_all(void) {
 #define REPLAY(name) print(replay_##name());
-#include "replays.h"
+#include "linked.h"
 }
 
 #ifdef BARE
