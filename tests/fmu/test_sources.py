@@ -26,7 +26,7 @@ from motionsync_fmu.commands import build as command
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.libraries import FREESTANDING
 from motionsync_fmu.native.platforms import here
-from motionsync_fmu.native.unit_sources import c_names, c_sources, source_files
+from motionsync_fmu.native.unit_sources import c_names, source_files
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.command_line import Command
@@ -52,7 +52,9 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not i
 
 @cache
 def files_of(name: str, fmi: Fmi = Fmi.TWO) -> dict[str, bytes]:
-    return c_sources(BLOCKS[name](), Recipe(name, fmi=fmi).guid(), fmi=fmi)
+    """What lies in the folder `sources` of an FMU."""
+    files = source_files(BLOCKS[name](), Recipe(name, fmi=fmi).guid(), fmi=fmi)
+    return {path.removeprefix("sources/"): text for path, text in files.items()}
 
 
 def objects(name: str, folder: Path, compiler: list[str]) -> None:
@@ -193,7 +195,7 @@ def test_no_function_calls_itself_and_the_stack_is_as_told(gcc: Path) -> None:
     """The README beside the sources tells how deep it is."""
     for name in BLOCKS:
         found = depths(*graph(gcc / name))
-        text = source_files(BLOCKS[name](), Recipe(name).guid())["sources/README.md"].decode()
+        text = files_of(name)["README.md"].decode()
         step, any_call = (1000 * int(kb) for kb in re.findall(r"(\d+) kB in (?:a step|any call)", text))
         assert 0.5 * step < found[f"{name}_fmi2DoStep"] <= step
         deepest = max(depth for function, depth in found.items() if function.startswith(f"{name}_fmi2"))
@@ -318,7 +320,7 @@ def test_the_command_builds_anew_what_lacks_the_sources_or_should(
     """What is built is another test's."""
     built = []
 
-    def build(flavour: Flavour, recipe: Recipe, target: Path, *_: object, with_sources: bool) -> Path:
+    def build(flavour: Flavour, recipe: Recipe, target: Path, *_: object, with_sources: bool, **__: object) -> Path:
         built.append((flavour, with_sources))
         held = {"modelDescription.xml": f'<fmiModelDescription guid="{recipe.guid()}"/>'.encode()}
         write(target, held | ({"sources/unit.c": b""} if with_sources else {}))
