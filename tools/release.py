@@ -3,7 +3,7 @@
 | file | what it is |
 | --- | --- |
 | motionsync-<version>-py3-none-any.whl, motionsync-<version>.tar.gz | the package, as wheel and as source |
-| motionsync-<version>-fmus.zip | the FMUs of all blocks (FMI 2.0 and 3.0, in several units), pages of them all |
+| motionsync-<version>-fmus.zip | the FMUs of all blocks (FMI 2.0 and 3.0, in several units), pages, pages to explore |
 | RELEASE_NOTES.md | what CHANGELOG.md says of this version |
 | SHA256SUMS | the other files' checksums, for `sha256sum --check` |
 

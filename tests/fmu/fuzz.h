@@ -610,7 +610,6 @@ static Value random_word(size_t place) {
 
 /* The twin takes such a state over, and steps: it may answer what it likes, but in time and within its memory. */
 static void forge_state(Slot *s) {
-    if (!in(s, STEPPING)) return;
     Byte *bytes = malloc(size);
     memcpy(bytes, s->bytes, size);
     for (size_t i = 1 + below(4); i; i--) {

@@ -24,6 +24,7 @@ from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.scenario.settings import Setting
 from tests import ROOT
 from tests.support.fmus import Fmus
 
@@ -244,6 +245,17 @@ def test_what_reactions_set_is_told_with_its_time(cyclic_cut: Run, tmp_path: Pat
         told = s.recipe.variables[name].text(value)
         assert f"{number} {setting.at:.10g} s {name} {told}" in text
         assert f"{name} = {told}" in marks["customdata"][number - 1]
+
+
+def test_of_very_many_settings_the_table_lists_the_first_thousand(runs: dict[str, Run], tmp_path: Path) -> None:
+    s, recording = runs["Synchronizer/polynomial"]
+    given = [Setting(0.001 * i, {"rest_value": 10000.0 + i}) for i in range(1, 1502)]
+    run = s, replace(recording, settings=given)
+    text = words(page(run, tmp_path / "report.html"))
+    assert "1501 times at which something was set" in text
+    assert "1000 1 s rest_value 11000 and 501 times more, which the chart shows" in text
+    (marks,) = named(run_charts(*run)["lanes"], "set")
+    assert len(marks["x"]) == 1501
 
 
 def test_what_a_scenario_says_is_escaped(reacting: Run, tmp_path: Path) -> None:

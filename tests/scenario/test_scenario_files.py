@@ -4,10 +4,13 @@ import csv
 import shlex
 import subprocess
 import sys
+from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import accumulate
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,12 +21,14 @@ from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.scenario.crosscheck import command_line, inputs_file
+from motionsync_fmu.scenario import run
+from motionsync_fmu.scenario.crosscheck import command_line, inputs_csv, inputs_file
 from motionsync_fmu.scenario.cuts import CutSpec, find_cuts
+from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.judge import check, compare
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import schedule, simulate
+from motionsync_fmu.scenario.run import run_in_process, schedule, simulate
 from motionsync_fmu.scenario.scenario import AtTime, Scenario, When, Within
 from motionsync_fmu.scenario.script import Script, Segment
 from tests import ROOT, regenerate
@@ -556,6 +561,65 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
             load(file)
         assert str(told.value).startswith(f"{file}: cannot be read: ")
     assert "utf-8" in str(told.value)
+
+
+# --- many settings ---
+
+MANY = 'title = "many"\nfmu = "Synchronizer"\nstop_time = 200.0\nstep_size = 100.0\n[master]\nvelocity = 1.0\n'
+
+
+def many(folder: Path, count: int) -> Path:
+    """A scenario with so many tables [[set]], each at a time of its own."""
+    tables = [f"[[set]]\nat = {1.0 + 100.0 * i / count:.6f}\nrest_value = {i}.0\n" for i in range(count)]
+    file = folder / f"{count}.toml"
+    file.write_text(MANY + "".join(tables), "utf-8")
+    return file
+
+
+def calls(action: Callable[[], object]) -> int:
+    """How many functions of Python an action calls."""
+    found = 0
+
+    def see(frame: object, event: str, arg: object) -> None:
+        nonlocal found
+        found += event == "call"
+
+    sys.setprofile(see)
+    try:
+        action()
+    finally:
+        sys.setprofile(None)
+    return found
+
+
+@pytest.mark.parametrize(
+    "act", [load, lambda file: run_in_process(load(file), 100.0), lambda file: inputs_csv(load(file))]
+)
+def test_twice_the_settings_are_at_most_twice_the_work(act: Callable[[Path], object], tmp_path: Path) -> None:
+    few, more = many(tmp_path, 200), many(tmp_path, 1600)
+    act(few)  # what is read once for all scenarios
+    assert calls(lambda: act(more)) <= 8 * calls(lambda: act(few))
+
+
+def test_a_step_sets_and_gets_all_variables_of_a_type_in_one_call(fmu: Path, tmp_path: Path) -> None:
+    """Of the master alone three Reals are set in each step, and one more that changes."""
+    file = many(tmp_path, 50)
+    scenario = load(file)
+    points = len(list(schedule(scenario, 100.0)))
+    called: Counter[str] = Counter()
+
+    class Counted(FmuInstance):
+        def call(self, function: Any, *arguments: Any, **options: Any) -> Any:
+            called[function.__name__] += 1
+            return super().call(function, *arguments, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run, "FmuInstance", Counted)
+        simulate(scenario, fmu, 100.0)
+    initial = 1
+    assert called["setReal"] == points + initial
+    assert called["doStep"] == points
+    assert called["getReal"] == called["getInteger"] == called["getBoolean"] == points + initial
 
 
 # --- what a scenario means between its points ---

@@ -27,8 +27,10 @@ function round(x) {
  * the value; of a value 0 as far as `usual` to both sides. It never leaves the declared range.
  */
 function sliderRange({min = -Infinity, max = Infinity, kind}, x, usual) {
-  const narrow = max - min <= WIDE, far = Math.abs(x) * 2.5 || usual;
-  const low = narrow ? min : Math.max(x > 0 ? 0 : -far, min), high = narrow ? max : Math.min(x < 0 ? 0 : far, max);
+  const narrow = max - min <= WIDE,
+    far = Math.abs(x) * 2.5 || usual;
+  const low = narrow ? min : Math.max(x > 0 ? 0 : -far, min),
+    high = narrow ? max : Math.min(x < 0 ? 0 : far, max);
   const step = kind === "Real" ? round((high - low) / GRADES) : 1;
   return {min: step * Math.ceil(low / step - 1e-9), max: high, step};
 }
@@ -40,7 +42,8 @@ function sliderRange({min = -Infinity, max = Infinity, kind}, x, usual) {
  * that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value.
  */
 function control(about, values, name, {first, usual, changed}) {
-  const label = about.label ?? name, text = made("span", {className: "name"}, ...breakable(label));
+  const label = about.label ?? name,
+    text = made("span", {className: "name"}, ...breakable(label));
   const row = made("div", {className: "knob", title: [about.description, about.range].filter(Boolean).join("\n")});
   const show = () => row.classList.toggle("moved", values[name] !== first);
   const put = (x) => {
@@ -67,7 +70,9 @@ function tick(label, value, put) {
 }
 
 function choice(label, choices, value, put) {
-  const options = choices.map(([n, text, meaning]) => made("option", {value: n, title: meaning, selected: n === value}, text));
+  const options = choices.map(([n, text, meaning]) =>
+    made("option", {value: n, title: meaning, selected: n === value}, text),
+  );
   const select = made("select", {"aria-label": label}, ...options);
   select.oninput = () => put(Number(select.value));
   return select;

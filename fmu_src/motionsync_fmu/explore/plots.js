@@ -10,15 +10,22 @@ const colour = (name) => () => getComputedStyle(document.documentElement).getPro
 /** A list of plots, each with a label, a unit and the columns of a run: `slave`, and perhaps `other`. */
 function plotsOf(block, another) {
   const declared = new Map(block.variables.map((v) => [v.name, v]));
-  const of = (name, other) => ({label: name.replace("slave.", ""), unit: declared.get(name)?.unit, stepped: false, columns: (course) => (
-    {slave: course.column(name), other: other?.(course)})});
-  const found = block.roles.CYCLE_INDEX ? remotePlots(of) : [
-    of("slave.position", (course) => positions(course, block)),
-    of("slave.velocity", (course) => course.axis(1)),
-    of("slave.acceleration", (course) => course.axis(2)),
-    ...(declared.has("slave.jerk") ? [of("slave.jerk")] : []),
-  ];
-  if (declared.has(another)) found.push({...of(another), label: another, stepped: declared.get(another).kind !== "Real"});
+  const of = (name, other) => ({
+    label: name.replace("slave.", ""),
+    unit: declared.get(name)?.unit,
+    stepped: false,
+    columns: (course) => ({slave: course.column(name), other: other?.(course)}),
+  });
+  const found = block.roles.CYCLE_INDEX
+    ? remotePlots(of)
+    : [
+        of("slave.position", (course) => positions(course, block)),
+        of("slave.velocity", (course) => course.axis(1)),
+        of("slave.acceleration", (course) => course.axis(2)),
+        ...(declared.has("slave.jerk") ? [of("slave.jerk")] : []),
+      ];
+  if (declared.has(another))
+    found.push({...of(another), label: another, stepped: declared.get(another).kind !== "Real"});
   return found;
 }
 
@@ -27,8 +34,16 @@ function remotePlots(of) {
   const errors = (course) => (course.errors ??= errorsOf(course));
   const late = (values) => [null, ...values];
   return [
-    {label: "off by", unit: "POSITION", columns: (course) => ({slave: late(errors(course).corrected_position), other: late(errors(course).position)})},
-    {label: "index off by", unit: "NONE", columns: (course) => ({slave: late(errors(course).corrected_index), other: late(errors(course).index)})},
+    {
+      label: "off by",
+      unit: "POSITION",
+      columns: (course) => ({slave: late(errors(course).corrected_position), other: late(errors(course).position)}),
+    },
+    {
+      label: "index off by",
+      unit: "NONE",
+      columns: (course) => ({slave: late(errors(course).corrected_index), other: late(errors(course).index)}),
+    },
     of("slave.velocity", (course) => course.axis(1)),
     of("slave.acceleration", (course) => course.axis(2)),
   ];
@@ -36,20 +51,31 @@ function remotePlots(of) {
 
 /** What the slave's position is compared with: the next mark or cut on the material where there is one, else the master. */
 function positions(course, block) {
-  const master = course.axis(0), {cuts, start} = course.scenario, slave = course.column("slave.position");
-  const room = 0.25 * span(slave), low = least(slave) - room, high = greatest(slave) + room;
+  const master = course.axis(0),
+    {cuts, start} = course.scenario,
+    slave = course.column("slave.position");
+  const room = 0.25 * span(slave),
+    low = least(slave) - room,
+    high = greatest(slave) + room;
   const near = (x) => (low <= x && x <= high ? x : null);
   if (cuts.while) {
-    const {length, offset = 0, ratio = 1} = cuts, first = Math.ceil(low / ratio / length);
+    const {length, offset = 0, ratio = 1} = cuts,
+      first = Math.ceil(low / ratio / length);
     return Array.from(master, (m) => near(ratio * (modulo(m - offset - first * length, length) + first * length)));
   }
   if (block.roles.PIECES) {
-    const known = course.column("next_cut.known"), place = course.column("next_cut.position");
+    const known = course.column("next_cut.known"),
+      place = course.column("next_cut.position");
     const factor = course.column(block.books.coupling_factor);
     return Array.from(master, (m, k) => (known[k] ? near((factor[k] || 1) * (m - place[k])) : null));
   }
   const period = start["master.period"] ?? 0;
-  return period ? broken(master.map((m) => modulo(m, period)), period) : master;
+  return period
+    ? broken(
+        master.map((m) => modulo(m, period)),
+        period,
+      )
+    : master;
 }
 
 /** A line that does not cross the picture where a period ends. */
@@ -63,7 +89,9 @@ class Plots {
   constructor(box, block, chosen) {
     Object.assign(this, {box, block, chosen, drawn: [], zoom: null, course: null, before: null, another: NONE});
     new ResizeObserver(() => this.#resize()).observe(box);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.drawn.forEach(({plot}) => plot.redraw(false)));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () =>
+      this.drawn.forEach(({plot}) => plot.redraw(false)),
+    );
   }
 
   /** Show a run, and the one before anything was changed. */
@@ -98,21 +126,30 @@ class Plots {
   }
 
   #rows(of) {
-    const {slave, other} = of.columns(this.course), empty = () => new Array(this.course.count).fill(null);
+    const {slave, other} = of.columns(this.course),
+      empty = () => new Array(this.course.count).fill(null);
     return [this.course.time, slave, other ?? empty(), this.before === this.course ? empty() : this.#beforehand(of)];
   }
 
   /** The same of the run before, at the points of this one. */
   #beforehand(of) {
-    const {slave} = of.columns(this.before), {time} = this.before;
-    return this.course.time.map((t) => (t <= time.at(-1) + CLOSE ? slave[Math.max(bisect(time, t + CLOSE, true) - 1, 0)] : null));
+    const {slave} = of.columns(this.before),
+      {time} = this.before;
+    return this.course.time.map((t) =>
+      t <= time.at(-1) + CLOSE ? slave[Math.max(bisect(time, t + CLOSE, true) - 1, 0)] : null,
+    );
   }
 
   #make(units) {
     plotsOf(this.block, this.another).forEach((of, i, all) => {
-      const frame = made("div", {className: "plot"}), line = made("div", {className: "now"});
+      const frame = made("div", {className: "plot"}),
+        line = made("div", {className: "now"});
       this.box.append(frame);
-      const plot = new uPlot(this.#options(of, units[of.unit] ?? "", HEIGHTS[Math.min(i, 3)], i === all.length - 1), [[0], [0], [0], [0]], frame);
+      const plot = new uPlot(
+        this.#options(of, units[of.unit] ?? "", HEIGHTS[Math.min(i, 3)], i === all.length - 1),
+        [[0], [0], [0], [0]],
+        frame,
+      );
       plot.over.append(line);
       plot.over.addEventListener("click", (event) => this.chosen(plot.posToVal(event.offsetX, "x")));
       plot.over.addEventListener("dblclick", () => this.stretch(null));
@@ -121,15 +158,32 @@ class Plots {
   }
 
   #options(of, unit, height, final) {
-    const axis = {stroke: colour("--muted"), grid: {stroke: colour("--grid"), width: 1}, ticks: {stroke: colour("--grid"), width: 1}, font: "11px system-ui"};
-    const label = `${of.label}${unit ? ` ${unit}` : ""}`, line = (name, more) => ({stroke: colour(name), points: {show: false}, ...more});
+    const axis = {
+      stroke: colour("--muted"),
+      grid: {stroke: colour("--grid"), width: 1},
+      ticks: {stroke: colour("--grid"), width: 1},
+      font: "11px system-ui",
+    };
+    const label = `${of.label}${unit ? ` ${unit}` : ""}`,
+      line = (name, more) => ({stroke: colour(name), points: {show: false}, ...more});
     const paths = of.stepped ? {paths: uPlot.paths.stepped({align: -1})} : {};
     return {
-      width: Math.max(this.box.clientWidth, 200), height: height + (final ? AXIS : 0), legend: {show: false}, padding: [8, 12, final ? 0 : 8, 0],
+      width: Math.max(this.box.clientWidth, 200),
+      height: height + (final ? AXIS : 0),
+      legend: {show: false},
+      padding: [8, 12, final ? 0 : 8, 0],
       cursor: {drag: {x: true, y: false}, points: {show: false}, sync: {key: "run"}},
       scales: {x: {time: false}},
-      axes: [{...axis, size: final ? AXIS : 0, values: final ? undefined : (_, ticks) => ticks.map(() => "")}, {...axis, size: 62, label, labelSize: 18, labelFont: "12px system-ui"}],
-      series: [{}, line("--slave", {width: 2, ...paths}), line("--master", {width: 1.3}), line("--reference", {width: 1.2, dash: [4, 3], ...paths})],
+      axes: [
+        {...axis, size: final ? AXIS : 0, values: final ? undefined : (_, ticks) => ticks.map(() => "")},
+        {...axis, size: 62, label, labelSize: 18, labelFont: "12px system-ui"},
+      ],
+      series: [
+        {},
+        line("--slave", {width: 2, ...paths}),
+        line("--master", {width: 1.3}),
+        line("--reference", {width: 1.2, dash: [4, 3], ...paths}),
+      ],
       hooks: {drawClear: [(plot) => this.#shade(plot)], setSelect: [(plot) => this.#selected(plot)]},
     };
   }
@@ -142,11 +196,13 @@ class Plots {
 
   #shade(plot) {
     if (!this.course || !this.block.shaded) return;
-    const {ctx, bbox} = plot, x = (t) => Math.min(Math.max(plot.valToPos(t, "x", true), bbox.left), bbox.left + bbox.width);
+    const {ctx, bbox} = plot,
+      x = (t) => Math.min(Math.max(plot.valToPos(t, "x", true), bbox.left), bbox.left + bbox.width);
     ctx.save();
     ctx.fillStyle = colour("--cut")();
     for (const [first, after] of intervals(this.course.column(this.block.shaded))) {
-      const begin = x(this.course.time[first]), end = x(this.course.time[after - 1]);
+      const begin = x(this.course.time[first]),
+        end = x(this.course.time[after - 1]);
       if (end > begin) ctx.fillRect(begin, bbox.top, end - begin, bbox.height);
     }
     ctx.restore();

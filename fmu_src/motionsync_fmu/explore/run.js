@@ -6,7 +6,8 @@ const CLOSE = 1e-9; // of a step: communication points nearer to one another are
 const LOOK = 1 / 128; // of a scan: how long before it the outputs are looked at
 const MARGIN = 1e-9; // of a value, at least of 1: by so much it is beyond another, or else it is equal
 const DECIMALS = 12; // of a scan's time in s
-const START_OF_STEP = 1, END_OF_STEP = 2; // master.input_mode
+const START_OF_STEP = 1,
+  END_OF_STEP = 2; // master.input_mode
 const CYCLE_CLOSE = 1e-6; // of a cycle: a time that follows an instant by less is taken for that instant
 const FARTHEST = 0.45; // of the shorter cycle: jitter moves no instant farther
 const BEFORE = 2; // telegrams sent before time 0
@@ -31,7 +32,10 @@ class Unit {
     this.list = this.base + 16; // behind one value and one reference: all references, then a row
     this.row = this.list + 8 * Math.ceil(variables.length / 2);
     this.#look();
-    this.integers.set(this.names.map((name) => this.kinds.get(name).reference), this.list / 4);
+    this.integers.set(
+      this.names.map((name) => this.kinds.get(name).reference),
+      this.list / 4,
+    );
   }
 
   /** Instantiate compiled code: `bytes` of the module, or the module. */
@@ -77,7 +81,8 @@ class Unit {
   }
 
   #put(name, value) {
-    const {kind, reference} = this.#known(name), {base, code} = this;
+    const {kind, reference} = this.#known(name),
+      {base, code} = this;
     this.#look();
     this.integers[base / 4 + 2] = reference;
     if (kind === "Real") this.reals[base / 8] = value;
@@ -93,7 +98,10 @@ class Unit {
   }
 
   get(name) {
-    const {kind, reference} = this.#known(name), {base} = this, real = kind === "Real" ? 1 : 0, boolean = kind === "Boolean" ? 1 : 0;
+    const {kind, reference} = this.#known(name),
+      {base} = this,
+      real = kind === "Real" ? 1 : 0,
+      boolean = kind === "Boolean" ? 1 : 0;
     this.#look();
     this.integers[base / 4 + 2] = reference;
     this.code.get(base + 8, real, 1 - real - boolean, boolean, base);
@@ -112,7 +120,8 @@ class Unit {
 
 /** How many of the sorted `times` are not after t (`right`), or before t. */
 function bisect(times, t, right) {
-  let low = 0, high = times.length;
+  let low = 0,
+    high = times.length;
   while (low < high) {
     const middle = (low + high) >> 1;
     if (right ? times[middle] <= t : times[middle] < t) low = middle + 1;
@@ -133,7 +142,7 @@ class Script {
     this.motions = [];
     let ending = [position, velocity, acceleration, 0];
     for (const s of segments) {
-      const begun = s.jerk === undefined ? s.acceleration ?? 0 : ending[2];
+      const begun = s.jerk === undefined ? (s.acceleration ?? 0) : ending[2];
       const begin = [ending[0], s.velocity ?? ending[1], begun, s.jerk ?? 0];
       this.motions.push(begin);
       this.breaks.push(this.breaks.at(-1) + s.duration);
@@ -213,24 +222,33 @@ class Telegrams {
   }
 
   sent(index) {
-    const counted = index - this.remote.first_index, i = Math.max(bisect(this.begun, counted, true) - 1, 0);
+    const counted = index - this.remote.first_index,
+      i = Math.max(bisect(this.begun, counted, true) - 1, 0);
     return this.at[i] + (counted - this.begun[i]) * this.lengths[i];
   }
 
   #received(normals) {
-    const {jitter, first_index: first, lost} = this.remote, scale = jitter * this.cycle;
+    const {jitter, first_index: first, lost} = this.remote,
+      scale = jitter * this.cycle;
     const limit = FARTHEST * Math.min(this.cycle, ...this.lengths);
     const noise = (side, i) => (normals ? Math.min(Math.max(scale * normals[side][i], -limit), limit) : 0);
-    const final = Math.trunc(this.trueIndex(this.cycles * this.cycle)) + BEFORE, index = [], sends = [];
+    const final = Math.trunc(this.trueIndex(this.cycles * this.cycle)) + BEFORE,
+      index = [],
+      sends = [];
     if (normals && (normals[0].length < this.cycles || normals[1].length < final - first + BEFORE)) {
-      throw new Error(`the jitter of seed ${this.remote.seed} is known for ${normals[0].length} cycles, not ${this.cycles}`);
+      throw new Error(
+        `the jitter of seed ${this.remote.seed} is known for ${normals[0].length} cycles, not ${this.cycles}`,
+      );
     }
     for (let i = first - BEFORE; i < final; i++) {
       if (lost.some(([from, to]) => from <= i && i <= to)) continue;
       index.push(i);
       sends.push(this.sent(i) + noise(1, i - first + BEFORE));
     }
-    return Array.from({length: this.cycles}, (_, i) => index[Math.max(bisect(sends, i * this.cycle + noise(0, i), true) - 1, 0)]);
+    return Array.from(
+      {length: this.cycles},
+      (_, i) => index[Math.max(bisect(sends, i * this.cycle + noise(0, i), true) - 1, 0)],
+    );
   }
 
   /** Index, and motion, of the telegram of a cycle. */
@@ -240,10 +258,13 @@ class Telegrams {
   }
 
   inputs(begin, end) {
-    const [index, motion] = this.telegram(this.shown(begin, end)), part = this.remote.part;
+    const [index, motion] = this.telegram(this.shown(begin, end)),
+      part = this.remote.part;
     return {
       [this.remote.cycle_index]: index,
-      [`${part}.position`]: motion[0], [`${part}.velocity`]: motion[1], [`${part}.acceleration`]: motion[2],
+      [`${part}.position`]: motion[0],
+      [`${part}.velocity`]: motion[1],
+      [`${part}.acceleration`]: motion[2],
     };
   }
 }
@@ -258,7 +279,8 @@ function scansOf(scenario) {
 }
 
 function holds({comparison, value}, output) {
-  const beyond = output - value, margin = MARGIN * Math.max(1, Math.abs(value));
+  const beyond = output - value,
+    margin = MARGIN * Math.max(1, Math.abs(value));
   return comparison === "<" ? beyond < -margin : comparison === ">" ? beyond > margin : Math.abs(beyond) <= margin;
 }
 
@@ -292,14 +314,17 @@ class Program {
   }
 
   look(unit) {
-    const scan = this.scans[this.next++], {drive, step_size, stop_time, reactions} = this.scenario;
+    const scan = this.scans[this.next++],
+      {drive, step_size, stop_time, reactions} = this.scenario;
     if (drive) {
-      const velocity = this.axis.until(scan)[1], needed = (unit.get(drive.follows) - velocity) * drive.gain / step_size;
+      const velocity = this.axis.until(scan)[1],
+        needed = ((unit.get(drive.follows) - velocity) * drive.gain) / step_size;
       const most = drive.max_acceleration ?? Infinity;
       this.axis.goOn(scan, Math.min(Math.max(needed, -most), most));
     }
     reactions.forEach((r, i) => {
-      const held = this.held[i], at = rounded(scan + r.after);
+      const held = this.held[i],
+        at = rounded(scan + r.after);
       this.held[i] = holds(r, unit.get(r.name));
       if (this.held[i] && !held && this.happened[i] !== r.times && at < stop_time) {
         this.happened[i]++;
@@ -312,7 +337,8 @@ class Program {
   take(until) {
     const values = {};
     while (this.nextSetting <= until) {
-      const due = this.waiting.shift(), given = {...due.set};
+      const due = this.waiting.shift(),
+        given = {...due.set};
       for (const [name, more] of Object.entries(due.add)) given[name] = this.present[name] + more;
       for (const name of Object.keys(given)) if (name in this.present) this.present[name] = given[name];
       this.set.push({at: due.at, values: given});
@@ -331,9 +357,11 @@ class Program {
 
 /** The communication points that are known before the run. */
 function points(scenario, axis, scans) {
-  const h = scenario.step_size, stop = scenario.stop_time;
+  const h = scenario.step_size,
+    stop = scenario.stop_time;
   const extra = [...scenario.settings.map((s) => s.at), ...scans, ...axis.breaks.slice(1), stop];
-  const breaks = new Set(scenario.drive ? scans : axis.breaks), exact = new Set(extra);
+  const breaks = new Set(scenario.drive ? scans : axis.breaks),
+    exact = new Set(extra);
   const grid = Array.from({length: Math.floor((stop / h) * (1 + 1e-12)) + 1}, (_, i) => i * h);
   const kept = [];
   for (const t of [...grid, ...extra.filter((at) => at <= stop)].sort((a, b) => a - b)) {
@@ -349,7 +377,8 @@ function points(scenario, axis, scans) {
 
 /** What the scripted axis gives for a step: the motion of the master, wrapped if it is a rotary one. */
 function masterInputs(scenario, axis, t, end) {
-  const period = scenario.start["master.period"] ?? 0, mode = scenario.start["master.input_mode"] ?? START_OF_STEP;
+  const period = scenario.start["master.period"] ?? 0,
+    mode = scenario.start["master.input_mode"] ?? START_OF_STEP;
   const [p, v, a] = mode === END_OF_STEP && end > t ? axis.until(end) : axis.at(t);
   return {"master.position": period ? modulo(p, period) : p, "master.velocity": v, "master.acceleration": a};
 }
@@ -371,7 +400,8 @@ class Course {
   }
 
   add(t, values, motion) {
-    const at = this.count * this.width, end = at + this.width;
+    const at = this.count * this.width,
+      end = at + this.width;
     if (end > this.rows.length) {
       const more = new Float64Array(2 * this.rows.length);
       more.set(this.rows);
@@ -419,7 +449,9 @@ function run(unit, scenario, {cycle = null, normals = {}, room = null} = {}) {
   const starts = (name) => scenario.start[name] ?? unit.kinds.get(name).start;
   const remote = scenario.remote && new Telegrams(scenario.remote, axis, starts, stop, normals);
   const inputs = (t, end) => (remote ? remote.inputs(t, end) : masterInputs(scenario, axis, t, end));
-  const program = new Program(scenario, axis, starts), course = new Course(unit, room), begun = performance.now();
+  const program = new Program(scenario, axis, starts),
+    course = new Course(unit, room),
+    begun = performance.now();
   Object.assign(course, {scenario, script: axis, telegrams: remote, program, refused: false, given: []});
   const hear = (t) => course.lines.push(...unit.lines.splice(0).map((line) => ({t, ...line})));
   unit.begin();
@@ -441,7 +473,8 @@ function onlyBegin({position = 0, velocity = 0}) {
 
 /** The steps, one by one. Where a step ends depends on what the program sees at the end of the one before. */
 function walk(unit, scenario, {axis, program, course, inputs, cycle, hear}) {
-  const close = CLOSE * scenario.step_size, known = points(scenario, axis, program.scans);
+  const close = CLOSE * scenario.step_size,
+    known = points(scenario, axis, program.scans);
   const watched = cycle && watching(unit, course);
   for (let t = known[0], i = 1; i < known.length;) {
     const changed = program.take(t + close);
@@ -481,7 +514,8 @@ function watching(unit, course) {
 
 /** SHA-256 of these variables at all points of a run, point by point. */
 async function fingerprint(course, names) {
-  const places = names.map((name) => course.places.get(name)), kept = new Float64Array(course.count * places.length);
+  const places = names.map((name) => course.places.get(name)),
+    kept = new Float64Array(course.count * places.length);
   for (let k = 0, at = 0; k < course.count; k++) {
     for (const place of places) kept[at++] = course.rows[k * course.width + place];
   }

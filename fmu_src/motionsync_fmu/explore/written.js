@@ -21,7 +21,10 @@ function valueOf(v, x) {
 
 /** The file of a scenario; `variables`: those of the block, by name; `remarks`: comments at its beginning. */
 function toml(scenario, block, variables, remarks) {
-  const rows = (values) => Object.entries(values).map(([name, x]) => `${key(name)} = ${x === "cuts.length" ? quoted(x) : valueOf(variables.get(name), x)}`);
+  const rows = (values) =>
+    Object.entries(values).map(
+      ([name, x]) => `${key(name)} = ${x === "cuts.length" ? quoted(x) : valueOf(variables.get(name), x)}`,
+    );
   const braces = (values) => `{ ${rows(values).join(", ")} }`;
   const lines = [...remarks.map((remark) => `# ${remark}`), `title = ${quoted(scenario.title)}`];
   if (scenario.source) lines.push(`source = ${quoted(scenario.source)}`);
@@ -30,10 +33,15 @@ function toml(scenario, block, variables, remarks) {
   lines.push(`stop_time = ${written(scenario.stop_time)}`, `step_size = ${written(scenario.step_size)}`);
   if (scenario.step_bound) lines.push(`step_bound = ${quoted(scenario.step_bound)}`);
   if (Object.keys(scenario.interface).length) {
-    lines.push("", "[interface]", ...Object.entries(scenario.interface).map(([name, patterns]) => `${name} = ${JSON.stringify(patterns)}`));
+    lines.push(
+      "",
+      "[interface]",
+      ...Object.entries(scenario.interface).map(([name, patterns]) => `${name} = ${JSON.stringify(patterns)}`),
+    );
   }
   lines.push("", "[start]", ...rows(scenario.start), "", ...axisTable(scenario));
-  for (const s of [...scenario.settings].sort((a, b) => a.at - b.at)) lines.push("", "[[set]]", `at = ${written(s.at)}`, ...rows(s.values));
+  for (const s of [...scenario.settings].sort((a, b) => a.at - b.at))
+    lines.push("", "[[set]]", `at = ${written(s.at)}`, ...rows(s.values));
   for (const r of scenario.reactions) {
     lines.push("", "[[on]]", `when = ${quoted(conditionOf(r, variables.get(r.name)))}`);
     if (r.after) lines.push(`after = ${written(r.after)}`);
@@ -43,7 +51,13 @@ function toml(scenario, block, variables, remarks) {
     if (r.required) lines.push("required = true");
   }
   if (Object.keys(scenario.cuts).length) {
-    lines.push("", "[cuts]", ...Object.entries(scenario.cuts).map(([name, x]) => `${name} = ${typeof x === "string" ? quoted(x) : written(x)}`));
+    lines.push(
+      "",
+      "[cuts]",
+      ...Object.entries(scenario.cuts).map(
+        ([name, x]) => `${name} = ${typeof x === "string" ? quoted(x) : written(x)}`,
+      ),
+    );
   }
   return `${lines.join("\n")}\n`;
 }
@@ -54,9 +68,15 @@ function conditionOf(r, v) {
 }
 
 function axisTable({axis, drive, remote}) {
-  const lines = [remote ? "[remote]" : "[master]", ...SCRIPTED.filter((name) => name in axis).map((name) => `${name} = ${written(axis[name])}`)];
+  const lines = [
+    remote ? "[remote]" : "[master]",
+    ...SCRIPTED.filter((name) => name in axis).map((name) => `${name} = ${written(axis[name])}`),
+  ];
   if (axis.segments?.length) {
-    const table = (segment) => `    { ${Object.entries(segment).map(([name, x]) => `${name} = ${written(x)}`).join(", ")} },`;
+    const table = (segment) =>
+      `    { ${Object.entries(segment)
+        .map(([name, x]) => `${name} = ${written(x)}`)
+        .join(", ")} },`;
     lines.push("segments = [", ...axis.segments.map(table), "]");
   }
   if (drive) {

@@ -47,10 +47,11 @@ class Interface:
         Raises:
             TurnError: no variable matches, a variable cannot be turned so, or is turned to two causalities.
         """
-        declared = {v.name: v for v in variables(block)}
+        patterns = list(self.patterns())
+        declared = {v.name: v for v in variables(block)} if patterns else {}  # to read them takes 10 ms
         axis = remote_axis(declared.values())
         found: dict[str, str] = {}
-        for causality, pattern in self.patterns():
+        for causality, pattern in patterns:
             for v in _matching(declared, causality, pattern, type(block).__name__):
                 if (other := found.setdefault(v.name, causality)) != causality:
                     raise TurnError(causality, f"{v.name} is already turned to {NAMES[other]}")

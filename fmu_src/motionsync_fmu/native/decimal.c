@@ -3,7 +3,7 @@
  * Source: G. L. Steele, J. L. White, "How to print floating-point numbers accurately", PLDI 1990. Here the digits end at
  * one of four lengths, and the last digit is rounded to the nearest, to an even one from the middle. */
 #include "decimal.h"
-#include "cold.h"
+#include "heat.h"
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>

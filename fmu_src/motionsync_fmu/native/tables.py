@@ -21,11 +21,12 @@ from .memory_layout import dtype, offset
 MASTER = ("master.position", "master.velocity", "master.acceleration")
 INPUT_MODE = "master.input_mode"
 SLAVE = ("slave.position", "slave.velocity", "slave.acceleration")
+BEFORE_STEPS = "INSTANTIATED | INITIALIZING"
 MISSING = -1  # in place of a variable's index
 
 Row = tuple[Any, ...]  # the members of a C struct
 LAST_MESSAGE: Row = (0, 0, 0)
-LAST_CODED: Row = (-1, 0)
+LAST_CODED: Row = (-1, 0, 0)
 LAST_COUNT: Row = (-1, 0)
 
 
@@ -42,7 +43,7 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
     messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
     for v in vs:
         if v.declaration.codes:
-            coded.append((index[v.name], len(messages)))
+            coded.append((offset(layout, v.name), pool.text(v.name), len(messages)))
             messages += [*_messages(v.declaration.codes, index, pool, v.name), LAST_MESSAGE]
     return TEMPLATE.render(
         guid=guid,
@@ -97,9 +98,10 @@ class Pool:
 
 
 def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
-    access = {"input": "INPUT", "parameter": v.variability.upper()}.get(v.causality, "OUTPUT")
     texts = pool.text(v.name), pool.text(f"{v.variability} {v.causality}")
-    return *texts, offset(layout, v.name), allowed, v.kind.upper(), access, str(v.judged).lower()
+    modes = "0" if not v.settable else BEFORE_STEPS if v.variability == "fixed" else f"{BEFORE_STEPS} | STEPPING"
+    flags = (str(flag).lower() for flag in (v.causality == "input", v.judged))
+    return *texts, offset(layout, v.name), allowed, v.kind.upper(), modes, *flags
 
 
 def _range(v: Variable, pool: Pool) -> Row:
@@ -113,7 +115,7 @@ def _range(v: Variable, pool: Pool) -> Row:
 
 def _time(pool: Pool) -> Row:
     """The row of the time, which lies in the unit and not in the block; since it is never set, no range is its own."""
-    return pool.text(TIME), pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "OUTPUT", "false"
+    return pool.text(TIME), pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "0", "false", "false"
 
 
 def _distances(offsets: Iterable[int]) -> list[int]:

@@ -2,14 +2,12 @@
  *
  * This file is the same for all blocks: model.h, which is generated, holds the tables. */
 #include "unit.h"
-#include "cold.h"
+#include "heat.h"
 #include "decimal.h"
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
-
-typedef enum { OUTPUT, INPUT, TUNABLE, FIXED } Access; /* OUTPUT is never set, FIXED only before stepping */
 
 /* Texts and lists of numbers are given by their places in TEXTS and NUMBERS. Pointers would need a relocation whenever
  * the library is loaded, and the table of these relocations would be as large as all other tables together. */
@@ -24,7 +22,9 @@ typedef struct {
     uint16_t name, role; /* `role`: such as "fixed parameter" */
     int16_t offset; /* in the model's memory; or TIME_OFFSET */
     uint16_t range; /* in RANGES */
-    uint8_t kind, access; /* a Kind and an Access */
+    uint8_t kind; /* a Kind */
+    uint8_t modes; /* those in which it can be set */
+    bool input;
     bool judged; /* a Real whose range each step checks */
 } Variable;
 
@@ -35,7 +35,8 @@ typedef struct {
 } Message;
 
 typedef struct {
-    int16_t variable; /* -1 in the last row */
+    int16_t offset; /* in the model's memory; -1 in the last row */
+    uint16_t name; /* of the variable that holds the code */
     uint16_t messages; /* where in MESSAGES the list of what its values mean begins */
 } Coded;
 
@@ -78,6 +79,7 @@ MUST_HOLD(a_state_has_no_gaps, sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 4
 struct Unit {
     State now;
     int unfit; /* the number of judged Reals outside their ranges; a step needs 0 */
+    int64_t codes[sizeof CODED / sizeof *CODED]; /* as the last step left them */
     int logged; /* a set of Category */
     Status refused; /* what a refused step answers */
     Memory memory;
@@ -178,7 +180,7 @@ COLD bool unit_may(const Unit *u, int modes, const char *call) {
 }
 
 /* The same for the functions that are called most: this one can be inlined, and calls only to report an error. */
-static bool may(const Unit *u, int modes, const char *call) {
+static HOT bool may(const Unit *u, int modes, const char *call) {
     return (u && u->now.mode & modes) || unit_may(u, modes, call);
 }
 
@@ -189,9 +191,9 @@ COLD bool unit_given(const Unit *u, const void *pointer, const char *call) {
 
 /* --- one value --- */
 
-static void *at(State *s, const Variable *v) { return (uint8_t *)s + (offsetof(State, model) + v->offset); }
-static double *real(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
-static int64_t *integer(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
+static HOT void *at(State *s, const Variable *v) { return (uint8_t *)s + (offsetof(State, model) + v->offset); }
+static HOT double *real(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
+static HOT int64_t *integer(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
 
 COLD static void append_value(Text *text, Unit *u, const Variable *v) {
     append_text(text, words(v->name));
@@ -203,12 +205,12 @@ COLD static void append_value(Text *text, Unit *u, const Variable *v) {
     }
 }
 
-static bool is_finite(double x) { return fabs(x) <= DBL_MAX; }
+static HOT bool is_finite(double x) { return fabs(x) <= DBL_MAX; }
 
-static const Range *range_of(const Variable *v) { return RANGES + v->range; }
+static HOT const Range *range_of(const Variable *v) { return RANGES + v->range; }
 
 /* Whether a number is in its variable's range; NaN fails every comparison. */
-static bool fits(const Variable *v, double x) {
+static HOT bool fits(const Variable *v, double x) {
     const Range *range = range_of(v);
     return (x >= range->min) & (x <= range->max) & ((fabs(x) >= range->smallest) | ((x == 0.0) & range->zero));
 }
@@ -236,16 +238,20 @@ COLD static bool judge(Unit *u, const Variable *v, Status status) {
     append_value(&text, u, v);
     append_text(&text, " is not allowed: it must be ");
     append_text(&text, words(range_of(v)->text));
-    if (v->access == INPUT && is_zero(u, v)) append_text(&text, "; an unwired input gives 0");
+    if (v->input && is_zero(u, v)) append_text(&text, "; an unwired input gives 0");
     unit_say(u, status, text.bytes);
     return false;
 }
 
 /* No step is done while a Real is unfit that each step checks. Unfit Reals are counted where they are set, so that a
  * step need not look at each. */
-static bool unfit(const Variable *v, double x) { return v->judged && !fits(v, x); }
+static HOT bool unfit(const Variable *v, double x) { return v->judged && !fits(v, x); }
 
-COLD static void count_unfit(Unit *u) {
+static HOT int64_t code_of(Unit *u, int i) { return *(int64_t *)(u->now.model.bytes + CODED[i].offset); }
+
+/* Find out what the unit knows of its state beside it. */
+COLD static void look(Unit *u) {
+    for (int i = 0; CODED[i].offset >= 0; i++) u->codes[i] = code_of(u, i);
     u->unfit = 0;
     for (int i = 0; i < COUNT; i++)
         if (VARIABLES[i].kind == REAL) u->unfit += unfit(VARIABLES + i, *real(u, i));
@@ -304,7 +310,7 @@ COLD void unit_reset(Unit *u) {
     u->now.mode = INSTANTIATED;
     u->now.stop = INFINITY;
     memcpy(u->now.model.bytes, &START, MODEL_SIZE);
-    count_unfit(u);
+    look(u);
 }
 
 Mode unit_mode(const Unit *u) { return (Mode)u->now.mode; }
@@ -324,7 +330,7 @@ void unit_terminate(Unit *u) { u->now.mode = TERMINATED; }
 
 COLD static Status initialize(Unit *u) {
     for (const Variable *v = VARIABLES; v < VARIABLES + COUNT; v++)
-        if (v->access != OUTPUT && !judge(u, v, UNIT_ERROR)) return UNIT_ERROR;
+        if (v->modes && !judge(u, v, UNIT_ERROR)) return UNIT_ERROR;
     Model before = u->now.model;
     bool failed = false;
     int64_t refusal = block_initialize((Block *)&u->now.model, &failed);
@@ -346,6 +352,7 @@ COLD static void follow(Unit *u) {
 COLD Status unit_exit_initialization(Unit *u) {
     if (initialize(u)) return UNIT_ERROR;
     u->now.mode = STEPPING;
+    look(u);
     return UNIT_OK;
 }
 
@@ -375,7 +382,7 @@ COLD static void put_back(Unit *u, const Replaced *inputs) {
 
 /* A refused step has changed nothing: the block guarantees that, so no copy is made. After an arithmetic error, which
  * no block should have, the state is undefined: the unit must be reset. */
-static Status run(Unit *u, double h) {
+static HOT Status run(Unit *u, double h) {
     bool failed = false;
     int64_t refusal = block_step((Block *)&u->now.model, h, &failed);
     if (failed) {
@@ -389,7 +396,7 @@ static Status run(Unit *u, double h) {
 /* By how much of itself a step may end past the stop time: importers add up times, and these sums are inexact. */
 static const double PAST_STOP = 0.01;
 
-static bool in_time(const Unit *u, double time, double h) {
+static HOT bool in_time(const Unit *u, double time, double h) {
     return (h > 0.0) & (h <= LONGEST_STEP) & is_finite(time) & (time + h <= u->now.stop + PAST_STOP * h);
 }
 
@@ -408,7 +415,7 @@ COLD static bool judge_all(Unit *u) {
     return true;
 }
 
-static bool ready(Unit *u, double time, double h) {
+static HOT bool ready(Unit *u, double time, double h) {
     if (!in_time(u, time, h)) {
         tell_time(u, time, h);
         return false;
@@ -425,21 +432,21 @@ COLD static Status run_with_derivatives(Unit *u, double h) {
     return status;
 }
 
+COLD static void tell_code(Unit *u, int i) {
+    int64_t code = u->codes[i] = code_of(u, i);
+    if (code) explain(u, UNIT_WARNING, words(CODED[i].name), CODED[i].messages, code);
+}
+
 Status unit_step(Unit *u, double time, double h, const char *call) {
     if (!may(u, STEPPING, call)) return UNIT_ERROR;
     if (!ready(u, time, h)) return u->refused;
-    int64_t codes[sizeof CODED / sizeof *CODED];
-    for (int i = 0; CODED[i].variable >= 0; i++) codes[i] = *integer(u, CODED[i].variable);
     bool derived = has_derivatives() && u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
     Status status = derived ? run_with_derivatives(u, h) : run(u, h);
     if (status) return status;
     u->now.given = 0;
     u->now.time = time + h;
-    for (int i = 0; CODED[i].variable >= 0; i++) {
-        int64_t code = *integer(u, CODED[i].variable);
-        if (code && code != codes[i])
-            explain(u, UNIT_WARNING, words(VARIABLES[CODED[i].variable].name), CODED[i].messages, code);
-    }
+    for (int i = 0; CODED[i].offset >= 0; i++)
+        if (code_of(u, i) != u->codes[i]) tell_code(u, i);
     return UNIT_OK;
 }
 
@@ -455,16 +462,11 @@ COLD static const char *kind_names(int kinds) {
     }
 }
 
-static bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds & VARIABLES[r].kind; }
+static HOT bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds & VARIABLES[r].kind; }
 
 COLD static bool none_has(const Unit *u, uint32_t r, int kinds) {
     unit_fail(u, "no %s has the value reference %d", kind_names(kinds), (int64_t)r);
     return false;
-}
-
-static bool can_be_set(const Unit *u, uint32_t r) {
-    Access access = (Access)VARIABLES[r].access;
-    return access != OUTPUT && !(access == FIXED && u->now.mode == STEPPING);
 }
 
 COLD static bool cannot_be_set(const Unit *u, uint32_t r) {
@@ -472,29 +474,36 @@ COLD static bool cannot_be_set(const Unit *u, uint32_t r) {
     return false;
 }
 
-static bool may_get(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
+static HOT bool may_get(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
     if (n && !(r && values)) return unit_given(u, NULL, call);
     for (size_t i = 0; i < n; i++)
         if (!is_one(r[i], kinds)) return none_has(u, r[i], kinds);
     return true;
 }
 
-static bool may_set(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
+static HOT bool may_set(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
     if (n && !(r && values)) return unit_given(u, NULL, call);
     for (size_t i = 0; i < n; i++) {
         if (!is_one(r[i], kinds)) return none_has(u, r[i], kinds);
-        if (!can_be_set(u, r[i])) return cannot_be_set(u, r[i]);
+        if (!(VARIABLES[r[i]].modes & u->now.mode)) return cannot_be_set(u, r[i]);
     }
     return true;
 }
 
-static void put_real(Unit *u, const Variable *v, double x) {
+COLD static void put_unfit(Unit *u, const Variable *v, double x) {
     double *place = at(&u->now, v);
-    u->unfit += unfit(v, x) - (u->unfit && unfit(v, *place));
+    u->unfit += unfit(v, x) - unfit(v, *place);
     *place = x;
 }
-static void put_integer(Unit *u, const Variable *v, int64_t x) { *(int64_t *)at(&u->now, v) = x; }
-static void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(&u->now, v) = x != 0; }
+
+static HOT void put_real(Unit *u, const Variable *v, double x) {
+    const Range *range = range_of(v);
+    bool fit = x >= range->min && x <= range->max && fabs(x) >= range->smallest; /* as mostly, but for some zeros */
+    if (fit && !u->unfit) *(double *)at(&u->now, v) = x;
+    else put_unfit(u, v, x);
+}
+static HOT void put_integer(Unit *u, const Variable *v, int64_t x) { *(int64_t *)at(&u->now, v) = x; }
+static HOT void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(&u->now, v) = x != 0; }
 
 /* A getter and a setter. FURTHER: a further parameter, `kinds`, or nothing; Given and Held: the type of the values for the
  * importer, and in the model's memory. */
@@ -527,7 +536,7 @@ COLD static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n
     for (size_t i = 0; i < n; i++) {
         if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL);
         const Variable *v = VARIABLES + r[i];
-        if (v->access != INPUT) {
+        if (!v->input) {
             unit_fail(u, "%s: %s (%s) is no input", call, words(v->name), words(v->role));
             return false;
         }
@@ -610,7 +619,7 @@ COLD Status unit_save(const Unit *u, void **state, const char *call) {
 COLD Status unit_restore(Unit *u, const void *state, const char *call) {
     if (!ours(u, state, call)) return UNIT_ERROR;
     memcpy(&u->now, state, sizeof(State));
-    count_unfit(u);
+    look(u);
     return UNIT_OK;
 }
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from shlex import quote
 from typing import Any
 
-from ..interface.variables import Variable
 from .run import schedule
 from .scenario import Scenario
 
@@ -17,10 +16,13 @@ def inputs_csv(scenario: Scenario) -> str:
     by_name = scenario.recipe.variables
     names = list(dict.fromkeys(name for s in scenario.settings for name in s.values))
     values: dict[str, Any] = {name: scenario.start.get(name, by_name[name].start) for name in names}
+    columns: list[tuple[str, type[float | int]]] = []
     rows = []
     for t, _, changed in schedule(scenario, scenario.step_size):
         values |= changed
-        rows.append([t, *(_number(by_name[n], v) for n, v in sorted(values.items()))])
+        if len(values) > len(columns):
+            columns = [(name, float if by_name[name].kind == "Real" else int) for name in sorted(values)]
+        rows.append([t, *(number(values[name]) for name, number in columns)])
     return csv_text(["time", *sorted(values)], rows)
 
 
@@ -59,7 +61,3 @@ def command_line(scenario: Scenario, fmu: Path, inputs: Path) -> str:
         f"--input-file {quote(str(inputs))} --output-file {scenario.recipe.name}_out.csv",
     ]
     return " ".join(filter(None, parts))
-
-
-def _number(v: Variable, value: Any) -> float | int:
-    return float(value) if v.kind == "Real" else int(value)

@@ -61,6 +61,10 @@ def _interface(declared: Mapping[str, Variable], description: Any) -> Interface:
     return Interface(**turned)
 
 
+Groups = list[tuple[str, list[str], list[int]]]
+"""Variables by the type of FMI's functions: the type, names, value references."""
+
+
 class FmuError(Exception):
     """An FMI call failed. The text is what the FMU logged, or the call's own name and status."""
 
@@ -93,6 +97,7 @@ class FmuInstance:
         self.kinds = {v.name: (v.valueReference, types[v.type]) for v in self.description.modelVariables}
         self.messages: list[str] = []
         self.time = 0.0
+        self._groups: dict[tuple[str, ...], Groups] = {}
         self.folder = fmpy.extract(str(fmu))
         self._check_path(Path(self.folder))
         slave = fmi3.FMU3Slave if self.fmi == Fmi.THREE else fmi2.FMU2Slave
@@ -149,10 +154,18 @@ class FmuInstance:
         """The value references of variables."""
         return [self.kinds[name][0] for name in names]
 
+    def groups(self, names: tuple[str, ...]) -> Groups:
+        """These variables by type, so that one call sets or gets all of a type; kept, since steps ask for the same."""
+        if names not in self._groups:
+            by_kind: dict[str, list[str]] = {kind: [] for kind in TYPES[self.fmi].values()}
+            for name in names:
+                by_kind[self.kinds[name][1]].append(name)
+            self._groups[names] = [(kind, group, self.references(group)) for kind, group in by_kind.items() if group]
+        return self._groups[names]
+
     def set(self, values: Mapping[str, Any]) -> None:
-        for name, value in values.items():
-            reference, kind = self.kinds[name]
-            self.call(getattr(self.unit, f"set{kind}"), [reference], [value])
+        for kind, group, references in self.groups(tuple(values)):
+            self.call(getattr(self.unit, f"set{kind}"), references, [values[name] for name in group])
 
     def step(self, h: float, values: Mapping[str, Any] | None = None) -> None:
         """Set the inputs that belong to the present time, then step on by h seconds."""
@@ -162,13 +175,9 @@ class FmuInstance:
 
     def get(self, names: Iterable[str] | None = None) -> dict[str, Any]:
         """The values of these variables, of all if none are named; Booleans and enumerations as numbers."""
-        wanted: dict[str, list[str]] = {kind: [] for kind in TYPES[self.fmi].values()}
-        for name in self.kinds if names is None else names:
-            wanted[self.kinds[name][1]].append(name)
         found: dict[str, Any] = {}
-        for kind, group in wanted.items():
-            if group:
-                found |= zip(group, self.call(getattr(self.unit, f"get{kind}"), self.references(group)), strict=True)
+        for kind, group, references in self.groups(tuple(self.kinds if names is None else names)):
+            found |= zip(group, self.call(getattr(self.unit, f"get{kind}"), references), strict=True)
         return found
 
     def call(self, function: Any, *arguments: Any, **options: Any) -> Any:

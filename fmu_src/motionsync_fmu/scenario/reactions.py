@@ -8,28 +8,18 @@ master that follows a velocity takes it at each scan.
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from itertools import count
+from operator import attrgetter
 from typing import Any
 
 from .scenario import Scenario
 from .script import Script
-from .settings import Condition, Setting, Unmet
+from .settings import Condition, Reaction, Setting, Unmet
 
 LOOK = 1.0 / 128.0  # of a scan: how long before it the outputs are looked at
 MARGIN = 1e-9  # of a value, at least of 1: by so much it is beyond another, or else it is equal
 DECIMALS = 12  # of a scan's time in s: then a time that is typed is the same number
-
-
-@dataclass(order=True, frozen=True)
-class _Waiting:
-    """What is to be set at a time; of the same time, in this order."""
-
-    at: float
-    order: int
-    set: Mapping[str, Any] = field(compare=False)
-    add: Mapping[str, Any] = field(compare=False)
 
 
 class Program:
@@ -57,10 +47,10 @@ class Program:
         declared = scenario.recipe.variables
         added = {name for r in self._reactions for name in r.add}
         self._present = {name: scenario.start.get(name, declared[name].start) for name in added}
+        self._known = sorted(scenario.settings, key=attrgetter("at"))
+        self._taken = 0  # of these
         self._order = count()
-        self._waiting: list[_Waiting] = []
-        for setting in scenario.settings:
-            self._wait(setting.at, setting.values, {})
+        self._waiting: list[tuple[float, int, Reaction]] = []  # what sets when; of the same time, in this order
 
     @property
     def next_look(self) -> float:
@@ -70,7 +60,15 @@ class Program:
     @property
     def next_setting(self) -> float:
         """The earliest time, in s, at which something is set, as far as it is known; infinite: there is nothing."""
-        return self._waiting[0].at if self._waiting else math.inf
+        return min(self._next_known, self._next_reaction)
+
+    @property
+    def _next_known(self) -> float:
+        return self._known[self._taken].at if self._taken < len(self._known) else math.inf
+
+    @property
+    def _next_reaction(self) -> float:
+        return self._waiting[0][0] if self._waiting else math.inf
 
     @property
     def unmet(self) -> list[Unmet]:
@@ -94,21 +92,27 @@ class Program:
             at = round(scan + r.after, DECIMALS)
             if self._held[i] and not held and self._happened[i] != r.times and at < self._stop_time:
                 self._happened[i] += 1
-                self._wait(at, r.set, r.add)
+                heappush(self._waiting, (at, next(self._order), r))
 
     def take(self, until: float) -> dict[str, Any]:
         """The values that are set up to a time, in s; they count as set from now on."""
         values: dict[str, Any] = {}
         while self.next_setting <= until:
-            due = heappop(self._waiting)
-            given = {**due.set, **{name: self._present[name] + more for name, more in due.add.items()}}
-            self._present |= {name: value for name, value in given.items() if name in self._present}
-            self.settings.append(Setting(due.at, given))
-            values |= given
+            setting = self._take_known() if self._next_known <= self._next_reaction else self._take_reaction()
+            self._present |= {name: value for name, value in setting.values.items() if name in self._present}
+            self.settings.append(setting)
+            values |= setting.values
         return values
 
-    def _wait(self, at: float, values: Mapping[str, Any], add: Mapping[str, Any]) -> None:
-        heappush(self._waiting, _Waiting(at, next(self._order), values, add))
+    def _take_known(self) -> Setting:
+        """What the scenario sets next."""
+        self._taken += 1
+        return self._known[self._taken - 1]
+
+    def _take_reaction(self) -> Setting:
+        """What a reaction sets next."""
+        at, _, due = heappop(self._waiting)
+        return Setting(at, {**due.set, **{name: self._present[name] + more for name, more in due.add.items()}})
 
 
 def scans(scenario: Scenario) -> Iterator[float]:

@@ -32,8 +32,9 @@ from .plan import Cause
 
 LOOP = Path(__file__).with_name("loop.c")
 MADE_FROM = (Path(str(var.__file__)).parent, LOOP.parents[1])  # the folders of the model and of all that compiles it
-VISIBLE = "-fvisibility=default"  # to this process; an FMU shows nothing but the functions of FMI
-COMPILERS = ("cc", "gcc", "clang")  # of the machine
+# After zig's flags for a library in an FMU, which is to be small, and shows nothing but the functions of FMI.
+ZIG_FLAGS = "-O2 -fvisibility=default"
+COMPILERS = ("cc", "gcc", "clang")  # of the machine itself
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno -fPIC -shared -g0"  # of these
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 UNKEPT = (OSError, RuntimeError)  # the cache cannot be read or written, or nobody knows where it is
@@ -137,7 +138,7 @@ def _compiled_by_zig(work: Path) -> bytes:
     platform = here(Fmi.THREE)
     assert platform
     ((target, flags),) = platform.targets.items()
-    return compiled(target, f"{flags} {VISIBLE}", f"{target}/block{SUFFIX}", work)
+    return compiled(target, f"{flags} {ZIG_FLAGS}", f"{target}/block{SUFFIX}", work)
 
 
 def _compiled_by_machine(work: Path) -> bytes:

@@ -27,6 +27,9 @@ from .motion import error_chart, motion_chart
 from .origin import here, now, origin
 from .pieces import kinds_of, list_chart, piece_chart
 
+Settings = list[tuple[float, list[tuple[str, str]]]]
+"""What is set during a run: times, each with names and values as texts."""
+
 BUNDLE = HERE / "pages" / "vendor" / "plotly-basic.min.js"
 
 
@@ -52,7 +55,8 @@ def write_report(
     scenario, asked = happened(scenario, recording), scenario
     found = figures(scenario, recording)
     lanes = find_lanes(scenario, recording)
-    charts = {name: chart.html() for name, chart in _charts(scenario, recording, found, lanes).items()}
+    given = settings(scenario)
+    charts = {name: chart.html() for name, chart in _charts(scenario, recording, found, lanes, given).items()}
     text = TEMPLATES.get_template("report.html.j2").render(
         scenario=scenario,
         script=scenario.file.read_text("utf-8"),
@@ -70,7 +74,7 @@ def write_report(
         kinds=[("kind", kinds_of(scenario, found.production))] if found.production else [],
         unit=unit_name(Unit.POSITION, scenario.unit),
         by_name=scenario.recipe.variables,
-        settings=settings(scenario),
+        settings=given,
         step_size=step_size,
         points=len(recording.time),
         version=__version__,
@@ -110,8 +114,8 @@ def _told(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
     return reaction.condition.text, after, ", ".join(given), often
 
 
-def settings(scenario: Scenario) -> list[tuple[float, list[tuple[str, str]]]]:
-    """What was set during the run: times, each with names and values as texts."""
+def settings(scenario: Scenario) -> Settings:
+    """What was set during the run."""
     by_name = scenario.recipe.variables
     return [(s.at, [(n, by_name[n].text(value)) for n, value in s.values.items()]) for s in scenario.settings]
 
@@ -125,12 +129,14 @@ def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
     """The charts of a run: "cuts" (if there is a table [cuts]), "list" and "pieces" (of a block that tells its pieces),
     "errors" (of a remote axis), "motion" and "lanes"."""
     scenario = happened(scenario, recording)
-    return _charts(scenario, recording, figures(scenario, recording), find_lanes(scenario, recording))
+    lanes = find_lanes(scenario, recording)
+    return _charts(scenario, recording, figures(scenario, recording), lanes, settings(scenario))
 
 
-def _charts(scenario: Scenario, recording: Recording, found: Figures, lanes: list[Lane]) -> dict[str, Chart]:
-    """The same of a scenario with all that was set in its run, whose figures and lanes are known."""
-    given = settings(scenario)
+def _charts(
+    scenario: Scenario, recording: Recording, found: Figures, lanes: list[Lane], given: Settings
+) -> dict[str, Chart]:
+    """The same of a scenario with all that was set in its run, `given`, whose figures and lanes are known."""
     times = [at for at, _ in given]
     texts = [", ".join(f"{name} = {text}" for name, text in values) for _, values in given]
     kept = changes(recording, lanes, times)
