@@ -138,7 +138,12 @@ def test_the_fmu_is_small_and_says_what_it_holds(block_native: Path, folder: Pat
     assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
     page = (folder / "documentation" / "index.html").read_text()
     assert all(text in page for platform in ROWS for text in (platform.folder, platform.title))
-    assert {p.name for p in (folder / "documentation").iterdir()} == {"index.html", "example.svg", "licenses"}
+    assert {p.name for p in (folder / "documentation").iterdir()} == {
+        "index.html",
+        "example.svg",
+        "fmi-ls-ref.txt",
+        "licenses",
+    }
     assert all(p.stat().st_size > 500 for p in (folder / "documentation" / "licenses").iterdir())
     assert (folder / "model.png").stat().st_size < 20_000
     assert not (folder / "resources").exists()
