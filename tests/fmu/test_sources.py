@@ -26,7 +26,7 @@ from motionsync_fmu.commands import build as command
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.libraries import FREESTANDING
 from motionsync_fmu.native.platforms import here
-from motionsync_fmu.native.unit_sources import c_names, c_sources, source_files
+from motionsync_fmu.native.unit_sources import c_names, source_files
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.command_line import Command
@@ -45,14 +45,16 @@ TARGETS = {
     "arm-linux-musleabihf": ("qemu-arm", ["-rtlib=compiler-rt"]),
     "riscv64-linux-musl": ("qemu-riscv64", []),
 }
-FEW = ["Gearing", "RemoteSync"]  # compiled for these targets
+FEW = ["Synchronizer", "RemoteSync"]  # compiled for these targets
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 
 
 @cache
 def files_of(name: str, fmi: Fmi = Fmi.TWO) -> dict[str, bytes]:
-    return c_sources(BLOCKS[name](), Recipe(name, fmi=fmi).guid(), fmi=fmi)
+    """What lies in the folder `sources` of an FMU."""
+    files = source_files(BLOCKS[name](), Recipe(name, fmi=fmi).guid(), fmi=fmi)
+    return {path.removeprefix("sources/"): text for path, text in files.items()}
 
 
 def objects(name: str, folder: Path, compiler: list[str]) -> None:
@@ -193,7 +195,7 @@ def test_no_function_calls_itself_and_the_stack_is_as_told(gcc: Path) -> None:
     """The README beside the sources tells how deep it is."""
     for name in BLOCKS:
         found = depths(*graph(gcc / name))
-        text = source_files(BLOCKS[name](), Recipe(name).guid())["sources/README.md"].decode()
+        text = files_of(name)["README.md"].decode()
         step, any_call = (1000 * int(kb) for kb in re.findall(r"(\d+) kB in (?:a step|any call)", text))
         assert 0.5 * step < found[f"{name}_fmi2DoStep"] <= step
         deepest = max(depth for function, depth in found.items() if function.startswith(f"{name}_fmi2"))
@@ -205,11 +207,11 @@ def test_no_function_calls_itself_and_the_stack_is_as_told(gcc: Path) -> None:
 
 @pytest.fixture(scope="module", params=Fmi)
 def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The Gearing's FMU with sources, for this machine alone, in both versions of FMI."""
+    """The Synchronizer's FMU with sources, for this machine alone, in both versions of FMI."""
     if (platform := here(request.param)) is None:
         pytest.skip("no native FMU runs on this machine")
-    target = tmp_path_factory.mktemp("sources") / "Gearing.fmu"
-    return build_native(Recipe("Gearing", fmi=request.param), target, platforms=[platform], with_sources=True)
+    target = tmp_path_factory.mktemp("sources") / "Synchronizer.fmu"
+    return build_native(Recipe("Synchronizer", fmi=request.param), target, platforms=[platform], with_sources=True)
 
 
 def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_importer(fmu: Path) -> None:
@@ -218,7 +220,7 @@ def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_import
     (configuration,) = description.buildConfigurations
     (sources,) = configuration.sourceFileSets
     three = description.fmiVersion != "2.0"
-    assert configuration.modelIdentifier == "Gearing"
+    assert configuration.modelIdentifier == "Synchronizer"
     assert sources.language == ("C99" if three else None)
     with zipfile.ZipFile(fmu) as z:
         held = {name.removeprefix("sources/") for name in z.namelist() if name.startswith("sources/")}
@@ -245,12 +247,12 @@ def test_fmpy_compiles_the_sources_by_itself(
     shutil.rmtree(folder / "binaries")
     build_platform_binary(folder, all_warnings=True)
     (library,) = (file for file in (folder / "binaries").rglob("*") if file.is_file())
-    assert library.stem == "Gearing"
+    assert library.stem == "Synchronizer"
     held = {file.relative_to(folder).as_posix(): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
-    write(tmp_path / "Gearing.fmu", held)
+    write(tmp_path / "Synchronizer.fmu", held)
     two = read_model_description(str(fmu)).fmiVersion == "2.0"
-    right = expected("Gearing") if two else answer(fmus.fmi3("Gearing"), runs("Gearing"))
-    assert answer(tmp_path / "Gearing.fmu", runs("Gearing")) == right
+    right = expected("Synchronizer") if two else answer(fmus.fmi3("Synchronizer"), runs("Synchronizer"))
+    assert answer(tmp_path / "Synchronizer.fmu", runs("Synchronizer")) == right
 
 
 @needs_gcc
@@ -318,7 +320,7 @@ def test_the_command_builds_anew_what_lacks_the_sources_or_should(
     """What is built is another test's."""
     built = []
 
-    def build(flavour: Flavour, recipe: Recipe, target: Path, *_: object, with_sources: bool) -> Path:
+    def build(flavour: Flavour, recipe: Recipe, target: Path, *_: object, with_sources: bool, **__: object) -> Path:
         built.append((flavour, with_sources))
         held = {"modelDescription.xml": f'<fmiModelDescription guid="{recipe.guid()}"/>'.encode()}
         write(target, held | ({"sources/unit.c": b""} if with_sources else {}))
