@@ -250,7 +250,6 @@ def own_program(visit: Visit) -> None:
 @pytest.mark.parametrize(
     ("name", "change"),
     [
-        ("FlyingSaw/cyclic_cut", nothing),
         ("FlyingSaw/cyclic_cut", shorter_cuts),
         ("FlyingSaw/program", nothing),
         ("CutToLength/cyclic_orders", stop_in_between),
@@ -297,11 +296,8 @@ def test_a_line_that_follows_is_the_same_with_another_scan(open_block: OpenBlock
     "name",
     [
         "FlyingSaw/cyclic_cut",
-        "FlyingSaw/rotary_master",
         "CutToLength/sample_and_waste",
-        "CutToLength/rotary_master_marks",
         "Follower/linear_wait_in_park",
-        "Follower/cyclic_park",
         "Gearing/rotary_axes",
         "Synchronizer/polynomial",
         "RemoteSync/slow_sender",
@@ -408,17 +404,17 @@ def test_arrows_move_a_slider_and_space_plays(open_block: OpenBlock) -> None:
 
 
 def test_a_time_in_a_plot_is_a_time_of_the_machine(open_block: OpenBlock) -> None:
-    """33 s over the width of the plot: its middle is at 16.5 s."""
-    visit = open_block("FlyingSaw", "cyclic_cut")
+    """10 s over the width of the plot: its middle is at 5 s."""
+    visit = open_block("Synchronizer", "changing_master")
     box = visit.page.locator(".plot .u-over").first.bounding_box()
     visit.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    assert visit.time == pytest.approx(16.5, abs=0.1)
+    assert visit.time == pytest.approx(5.0, abs=0.05)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_texts_stand_out_from_their_ground(open_block: OpenBlock, scheme: str) -> None:
     """WCAG 2.2, 1.4.3: 4.5 to 1."""
-    visit = open_block("FlyingSaw", "cyclic_cut", color_scheme=scheme)
+    visit = open_block("Synchronizer", color_scheme=scheme)
     ground = visit.colours("body")[1]
     badge(visit, "same bits")
     seen = [

@@ -139,7 +139,7 @@ def _axis(s: Scenario) -> str:
 
 
 def _drive(s: Scenario) -> dict[str, Any] | None:
-    """`gain`: that of the scan in the file; since `expm1` is not exact, the page would compute another last bit."""
+    """`gain`: that of the scan in the file; `expm1` is not exact, so the page might compute another last bit."""
     if not s.drive:
         return None
     d = s.drive
