@@ -5,10 +5,8 @@ import math
 import re
 import sys
 import zipfile
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 from xml.etree.ElementTree import fromstring
 
 import numpy as np
@@ -25,6 +23,7 @@ from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.variants import RAW, through
 from motionsync_fmu.scenario.clocks import Rate
 from tests.line.conftest import Examined, examined
+from tests.support.command_line import Command
 from tests.support.fmus import Fmus, Shared
 from tests.support.lines import LINES, MACHINE, SAW, SYNCHRONIZER, copied, integrated, replaced
 
@@ -229,40 +228,17 @@ def short(file: Path, *changes: tuple[str, str]) -> Path:
     return file
 
 
-@dataclass(frozen=True)
-class Outcome:
-    status: Any
-    out: str
-    err: str
-
-
-Command = Callable[..., Outcome]
-
-
 @pytest.fixture
-def motionsync(
-    saw: Examined, output: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Command:
+def run_line(saw: Examined, output: Path, motionsync: Command) -> Command:
     """`motionsync line`, with FMUs that are up to date."""
-
-    def call(*arguments: str | Path) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["motionsync", "line", *map(str, arguments), "--output", str(output)])
-        status: Any = 0
-        try:
-            cli.main()
-        except SystemExit as e:
-            status = e.code or 0
-        captured = capsys.readouterr()
-        return Outcome(status, captured.out, captured.err)
-
-    return call
+    return lambda *arguments: motionsync("line", *arguments, "--output", output)
 
 
 def test_the_command_tells_figures_and_writes_package_and_report(
-    motionsync: Command, output: Path, tmp_path: Path
+    run_line: Command, output: Path, tmp_path: Path
 ) -> None:
     file = short(tmp_path / "line.toml")
-    done = motionsync(file)
+    done = run_line(file)
     assert done.status == 0
     told = [line for line in done.err.splitlines() if not line.startswith("  ")]
     assert {line.rstrip(".") for line in told} <= {"line: its FMUs ", "line: its runs "}
@@ -283,10 +259,10 @@ def test_the_command_tells_figures_and_writes_package_and_report(
 
 
 def test_without_libcosim_it_says_so_and_runs_the_package(
-    motionsync: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    run_line: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setitem(sys.modules, "libcosimpy.CosimEnums", None)
-    done = motionsync(short(tmp_path / "line.toml"), "--no-report")
+    done = run_line(short(tmp_path / "line.toml"), "--no-report")
     assert done.status == 0
     assert "not run in libcosim: libcosimpy is not installed (pip install '.[line]'" in done.out
     assert "agree" not in done.out
@@ -301,9 +277,9 @@ def test_without_libcosim_it_says_so_and_runs_the_package(
     ],
 )
 def test_what_is_not_as_expected_is_told(
-    motionsync: Command, tmp_path: Path, change: tuple[str, str], broken: str
+    run_line: Command, tmp_path: Path, change: tuple[str, str], broken: str
 ) -> None:
-    done = motionsync(short(tmp_path / "line.toml", change), "--json", "--no-report")
+    done = run_line(short(tmp_path / "line.toml", change), "--json", "--no-report")
     assert done.status == 1
     (result,) = json.loads(done.out)
     texts = [f"{c['expected']}: found {c['found']}" for c in result["expectations"] if not c["passed"]]
@@ -311,8 +287,8 @@ def test_what_is_not_as_expected_is_told(
     assert result["report"] is None
 
 
-def test_contradictory_start_values_are_told_with_the_fmu_s_words(motionsync: Command, tmp_path: Path) -> None:
-    done = motionsync(
+def test_contradictory_start_values_are_told_with_the_fmu_s_words(run_line: Command, tmp_path: Path) -> None:
+    done = run_line(
         short(tmp_path / "line.toml", ('estimator = "PHASE"', 'estimator = "PHASE"\ndata_cycle_time = 0.004'))
     )
     assert done.status == 2
@@ -354,9 +330,9 @@ def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> 
     assert stands in file.read_text().splitlines()[int(found[1]) - 1]
 
 
-def test_a_path_without_lines_is_told(motionsync: Command, tmp_path: Path) -> None:
+def test_a_path_without_lines_is_told(run_line: Command, tmp_path: Path) -> None:
     for path, told in ((tmp_path, "no line*.toml below it"), (tmp_path / "nowhere", "no such file or folder")):
-        done = motionsync(path)
+        done = run_line(path)
         assert (done.status, done.err.count("\n")) == (2, 1)
         assert told in done.err
 
@@ -371,10 +347,10 @@ def test_they_are_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
         assert load_line(file).follower.title in told
 
 
-def test_two_lines_of_a_name_are_refused(motionsync: Command, tmp_path: Path) -> None:
+def test_two_lines_of_a_name_are_refused(run_line: Command, tmp_path: Path) -> None:
     for folder in ("one", "other"):
         (tmp_path / folder).mkdir()
         short(tmp_path / folder / "line.toml")
-    done = motionsync(tmp_path)
+    done = run_line(tmp_path)
     assert done.status == 2
     assert "would write to the same package line.ssp" in done.err

@@ -28,6 +28,7 @@ from tests.oracle.cut_to_length_sequence import (
     Snapshot,
 )
 from tests.oracle.master import mp, stretches
+from tests.oracle.sets import gathered
 
 COLUMNS = (
     "slave.position",
@@ -180,7 +181,7 @@ def _run(script: Mapping[str, Any], horizon: float) -> tuple[list[Course], Machi
     place = float(pieces[0].start.position)
     shift = -floor(place / period) * period if period > 0 else 0.0
     courses = [Course.of(piece, shift) for piece in pieces]
-    sets = _gathered(script.get("set", ()))
+    sets = gathered(script.get("set", ()), DEFAULTS, _as_number)
     initial = float(inputs["axis.initial_position"])
     return courses, Machine(inputs, courses, _points(script), sets, period, initial)
 
@@ -283,15 +284,6 @@ def _points(script: Mapping[str, Any]) -> list[float]:
     return [p for p in sorted({*points, stop}) if p <= stop]
 
 
-def _gathered(tables: Sequence[Mapping[str, Any]]) -> dict[float, dict[str, Any]]:
-    """The values that are set at each time, enumerations as numbers."""
-    gathered: dict[float, dict[str, Any]] = {}
-    for table in sorted(tables, key=lambda table: float(table["at"])):
-        values = {name: value for name, value in table.items() if name != "at"}
-        if unknown := sorted(values.keys() - DEFAULTS.keys()):
-            raise ValueError(f"{', '.join(unknown)} cannot be set; inputs and tunable parameters can")
-        if table["at"] <= 0:
-            raise ValueError(f"a set is given at {table['at']}; a set at 0 or before is never an edge")
-        values = {n: MEMBERS[n].index(v) + 1 if isinstance(v, str) else v for n, v in values.items()}
-        gathered.setdefault(float(table["at"]), {}).update(values)
-    return gathered
+def _as_number(name: str, value: Any) -> Any:
+    """A value that is set, an enumeration's member as its number."""
+    return MEMBERS[name].index(value) + 1 if isinstance(value, str) else value

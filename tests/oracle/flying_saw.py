@@ -55,6 +55,7 @@ from tests.oracle.flying_saw_plan import (
     velocity_ramp,
 )
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.sets import gathered
 
 COLUMNS = (
     "slave.position",
@@ -257,7 +258,8 @@ class _Run:
         self.snapshots: list[Snapshot] = []
         self._snap(-mp.inf)
         self.grid = _points(script)
-        self._run(_gathered(script.get("set", ())), horizon)
+        sets = gathered(script.get("set", ()), DEFAULTS)
+        self._run([(mp.mpf(at), values) for at, values in sets.items()], horizon)
         self.pulses = sorted((p for c in self.commands.values() for p in c.pulses), key=lambda p: p.time)
 
     # --- the course of events -------------------------------------------------------------------------------------
@@ -880,16 +882,3 @@ def _points(script: Mapping[str, Any]) -> list[Number]:
         end += float(segment["duration"])
         points.append(end)
     return [mp.mpf(p) for p in sorted({*points, stop}) if p <= stop]
-
-
-def _gathered(tables: Sequence[Mapping[str, Any]]) -> list[tuple[Number, dict[str, Any]]]:
-    """The sets in the order of time, those of the same time together."""
-    gathered: dict[float, dict[str, Any]] = {}
-    for table in sorted(tables, key=lambda table: float(table["at"])):
-        values = {name: value for name, value in table.items() if name != "at"}
-        if unknown := sorted(values.keys() - DEFAULTS.keys()):
-            raise ValueError(f"{', '.join(unknown)} cannot be set; inputs and tunable parameters can")
-        if table["at"] <= 0:
-            raise ValueError(f"a set is given at {table['at']}; a set at 0 or before is never an edge")
-        gathered.setdefault(float(table["at"]), {}).update(values)
-    return [(mp.mpf(at), values) for at, values in gathered.items()]

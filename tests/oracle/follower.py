@@ -88,6 +88,7 @@ from tests.oracle.follower_cycle import (
     way_to_park,
 )
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.sets import gathered
 
 COLUMNS = (
     "slave.position",
@@ -220,7 +221,8 @@ class _Run:
 
     def _run(self, script: Mapping[str, Any], horizon: Number) -> None:
         """All stretches, step by step; what the path does at the time of a set comes before it."""
-        sets = {_snapped(at, self.begins): values for at, values in _gathered(script.get("set", ()))}
+        known = gathered(script.get("set", ()), SETTABLE)
+        sets = {_snapped(mp.mpf(at), self.begins): values for at, values in known.items()}
         points = _points(script, horizon) if _limited(script) else []
         grid = sorted({_snapped(point, self.begins) for point in points} | sets.keys())
         for stretch in self.master[1:]:
@@ -802,16 +804,3 @@ def _points(script: Mapping[str, Any], horizon: Number) -> list[Number]:
     points += [float(table[key]) for table in script.get("expect", ()) for key in ("at", "from", "to") if key in table]
     breaks = accumulate(mp.mpf(segment["duration"]) for segment in script["master"].get("segments", ()))
     return [end for end in {*(mp.mpf(point) for point in {*points, stop}), *breaks} if 0 < end <= horizon]
-
-
-def _gathered(tables: Sequence[Mapping[str, Any]]) -> list[tuple[Number, dict[str, Any]]]:
-    """The sets in the order of time, those of the same time together."""
-    gathered: dict[float, dict[str, Any]] = {}
-    for table in sorted(tables, key=lambda table: float(table["at"])):
-        values = {name: value for name, value in table.items() if name != "at"}
-        if unknown := sorted(values.keys() - SETTABLE.keys()):
-            raise ValueError(f"{', '.join(unknown)} cannot be set; inputs and tunable parameters can")
-        if table["at"] <= 0:
-            raise ValueError(f"a set is given at {table['at']}; a set at 0 or before is never an edge")
-        gathered.setdefault(float(table["at"]), {}).update(values)
-    return [(mp.mpf(at), values) for at, values in gathered.items()]

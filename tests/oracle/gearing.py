@@ -61,6 +61,7 @@ from tests.oracle.gearing_laws import (
     zero_of,
 )
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.sets import gathered
 
 COLUMNS = (
     "slave.position",
@@ -260,7 +261,8 @@ class _Run:
         self.snapshots: list[Snapshot] = []
         self._note()
         self.snapshots[0] = replace(self.snapshots[0], time=-mp.inf)
-        self._run(_gathered(script.get("set", ())), horizon)
+        sets = gathered(script.get("set", ()), DEFAULTS, _number)
+        self._run([(mp.mpf(at), values) for at, values in sets.items()], horizon)
 
     # --- the course of events -------------------------------------------------------------------------------------
 
@@ -796,16 +798,3 @@ def _wrapped_start(pieces: list[Stretch], period: Number) -> list[Stretch]:
 def _number(name: str, value: Any) -> Any:
     """A member's number for its name; other values as they are."""
     return MEMBERS[name].index(value) + 1 if isinstance(value, str) else value
-
-
-def _gathered(tables: Sequence[Mapping[str, Any]]) -> list[tuple[Number, dict[str, Any]]]:
-    """The sets in the order of time, those of the same time together."""
-    gathered: dict[float, dict[str, Any]] = {}
-    for table in sorted(tables, key=lambda table: float(table["at"])):
-        values = {name: _number(name, value) for name, value in table.items() if name != "at"}
-        if unknown := sorted(values.keys() - DEFAULTS.keys()):
-            raise ValueError(f"{', '.join(unknown)} cannot be set; inputs and tunable parameters can")
-        if table["at"] <= 0:
-            raise ValueError(f"a set is given at {table['at']}; a set at 0 or before is never an edge")
-        gathered.setdefault(float(table["at"]), {}).update(values)
-    return [(mp.mpf(at), values) for at, values in gathered.items()]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.sets import gathered
 
 COLUMNS = (
     "slave.position",
@@ -176,7 +177,8 @@ class _Path:
         self.log: list[tuple[Number, str]] = []
         self.master = stretches(scenario["master"], horizon)
         self.begins = [stretch.begin for stretch in self.master]
-        self._run(_gathered(scenario.get("set", ())), horizon)
+        sets = gathered(scenario.get("set", ()), DEFAULTS)
+        self._run([(mp.mpf(at), values) for at, values in sets.items()], horizon)
 
     # --- the course of events -------------------------------------------------------------------------------------
 
@@ -402,16 +404,3 @@ def _progress(state: State, master: Number) -> Number:
         return state.progress
     travelled = (state.ramp.d * master - state.ramp.begin) / state.ramp.distance
     return min(max(travelled, ZERO), mp.mpf(1)) if state.armed else ZERO
-
-
-def _gathered(tables: Sequence[Mapping[str, Any]]) -> list[tuple[Number, dict[str, Any]]]:
-    """The sets in the order of time, those of the same time together."""
-    gathered: dict[float, dict[str, Any]] = {}
-    for table in sorted(tables, key=lambda table: float(table["at"])):
-        values = {name: value for name, value in table.items() if name != "at"}
-        if unknown := sorted(values.keys() - DEFAULTS.keys()):
-            raise ValueError(f"{', '.join(unknown)} cannot be set; only {', '.join(DEFAULTS)} can")
-        if table["at"] <= 0:
-            raise ValueError(f"a set is given at {table['at']}; a set at 0 or before is never an edge")
-        gathered.setdefault(float(table["at"]), {}).update(values)
-    return [(mp.mpf(at), values) for at, values in gathered.items()]

@@ -24,21 +24,9 @@ from motionsync_fmu.scenario.run import run_in_process, simulate
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
+from tests.support.scenario_texts import FREE_SAW, written
 
-FREE = """\
-title = "The line follows a free saw, which moves at 100 mm/s"
-fmu = "FlyingSaw"
-stop_time = 2.0
-step_size = 0.01
-
-[start]
-"axis.initial_velocity" = 100.0
-"move_velocity.velocity" = 100.0
-
-[master]
-follows = "slave.velocity"
-time_constant = 0.3
-"""
+FREE = FREE_SAW + 'follows = "slave.velocity"\ntime_constant = 0.3\n'
 COUPLED = """\
 title = "The line follows a slave that goes half as fast as the line itself"
 fmu = "Gearing"
@@ -63,12 +51,6 @@ start = true
 STEP_SIZES = (0.01, 0.001, 0.007, 0.0333, 0.3)  # s
 Q = math.exp(-0.01 / 0.3)
 LOOK = 0.01 / 128.0  # s
-
-
-def written(text: str, folder: Path) -> Path:
-    file = folder / "scenario.toml"
-    file.write_text(text, "utf-8")
-    return file
 
 
 def ran(text: str, folder: Path, step_size: float = 0.01) -> Recording:

@@ -23,28 +23,11 @@ from motionsync_fmu.scenario.run import run_in_process, simulate
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
+from tests.support.scenario_texts import FREE_SAW, written
 
-MOVING = """\
-title = "A free saw at 100 mm/s"
-fmu = "FlyingSaw"
-stop_time = 2.0
-step_size = 0.01
-
-[start]
-"axis.initial_velocity" = 100.0
-"move_velocity.velocity" = 100.0
-
-[master]
-velocity = 500.0
-"""
+MOVING = FREE_SAW + "velocity = 500.0\n"
 FINE = 0.001
 STEP_SIZES = (0.01, FINE, 0.007, 0.0333, 0.3)  # s
-
-
-def written(text: str, folder: Path) -> Path:
-    file = folder / "scenario.toml"
-    file.write_text(text, "utf-8")
-    return file
 
 
 def ran(text: str, folder: Path, step_size: float = 0.01) -> Recording:
