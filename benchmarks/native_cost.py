@@ -320,7 +320,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--block", choices=BLOCKS, help="all of them, if none is named")
     parser.add_argument("--steps", type=int, default=20_000, help=f"steps a round; {IN_C} times that in C")
-    parser.add_argument("--cold", action="store_true", help="also build with an empty zig cache: minutes")
+    parser.add_argument("--cold", action="store_true", help="also build with an empty zig cache")
     options = parser.parse_args()
     if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
         parser.error("this benchmark is for Linux on x86-64")

@@ -274,6 +274,22 @@ def test_a_run_written_down_has_the_same_bits_in_python(
     assert sum_of(run_in_process(loaded, loaded.step_size), block) == told
 
 
+def test_a_line_that_follows_is_the_same_with_another_scan(open_block: OpenBlock, tmp_path: Path) -> None:
+    """The lag's gain for another cycle is the page's own: `expm1` may differ in the last bit, and the pieces do not."""
+    visit = open_block("CutToLength", "cyclic_orders")
+    visit.page.locator("summary", has_text="The run").click()
+    visit.page.get_by_label("step_size", exact=True).fill("0.008")
+    settle(visit)
+    file, _ = written(visit, tmp_path)
+    loaded = load(file)
+    assert loaded.scan == 0.008
+    recording = run_in_process(loaded, loaded.step_size)
+    assert pieces_at_the_end(visit, loaded.stop_time) == recording.values["statistics.cuts"][-1]
+    shown_position = visit.number(".carriage", "slave-position")
+    assert shown_position == pytest.approx(recording.values["slave.position"][-1], abs=1e-6)
+    assert visit.number(".stock", "master-position") == pytest.approx(recording.master[-1, 0], abs=1e-6)
+
+
 # --- the picture ---
 
 

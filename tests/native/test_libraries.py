@@ -290,7 +290,7 @@ def test_a_slow_compilation_is_told_target_by_target(monkeypatch: pytest.MonkeyP
     told: list[str] = []
     monkeypatch.setattr(libraries, "PATIENCE", 0.0)
     libraries.libraries(RECIPE.block(), RECIPE.guid(), progress=told.append)
-    assert told[0] == libraries.FIRST_USE
+    assert told[0] == libraries.SLOW
     assert sorted(told[1:]) == sorted(f"compiled for {target}" for row in ROWS for target in row.targets)
 
 

@@ -10,6 +10,7 @@ import shutil
 import struct
 import subprocess
 import sys
+from ctypes import c_char
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -21,6 +22,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.native.libraries import ZIG
+from motionsync_fmu.native.loop.library import library
+from motionsync_fmu.native.memory_layout import image
 from motionsync_fmu.native.translator import c_source
 from tests.support.compiled import Compiled, Layout
 from tests.support.random_programs import HEAD, module, programs
@@ -333,6 +336,11 @@ def test_the_text_is_the_same_in_another_process_with_another_seed_for_hashes() 
 @cache
 def c_of(name: str) -> dict[str, bytes]:
     return c_source(BLOCKS[name]())
+
+
+def test_the_start_image_has_each_field_where_python_and_numpy_see_it(block: str) -> None:
+    memory = image(BLOCKS[block]())
+    assert (c_char * memory.nbytes).in_dll(library(BLOCKS[block]), "START").raw == memory.tobytes()
 
 
 # --- what C compilers say ---

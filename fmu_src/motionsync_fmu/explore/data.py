@@ -139,13 +139,14 @@ def _axis(s: Scenario) -> str:
 
 
 def _drive(s: Scenario) -> dict[str, Any] | None:
-    """`gain`: what the page cannot compute with the same bits."""
+    """`gain`: that of the scan in the file; since `expm1` is not exact, the page would compute another last bit."""
     if not s.drive:
         return None
     d = s.drive
     limit = d.max_acceleration if d.limited else None
     gain = -math.expm1(-s.scan / d.time_constant)
-    return {"follows": d.follows, "time_constant": d.time_constant, "max_acceleration": limit, "gain": gain}
+    drive = {"follows": d.follows, "time_constant": d.time_constant, "max_acceleration": limit}
+    return drive | {"scan": s.scan, "gain": gain}
 
 
 def _remote(remote: Remote) -> dict[str, Any]:

@@ -318,7 +318,8 @@ class Program {
       {drive, step_size, stop_time, reactions} = this.scenario;
     if (drive) {
       const velocity = this.axis.until(scan)[1],
-        needed = ((unit.get(drive.follows) - velocity) * drive.gain) / step_size;
+        gain = drive.scan === step_size ? drive.gain : -Math.expm1(-step_size / drive.time_constant),
+        needed = ((unit.get(drive.follows) - velocity) * gain) / step_size;
       const most = drive.max_acceleration ?? Infinity;
       this.axis.goOn(scan, Math.min(Math.max(needed, -most), most));
     }

@@ -22,12 +22,12 @@ from .unit_sources import c_sources
 HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
-    "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
-    "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none "
+    "-Os -Xclang -Oz -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize "
+    "-fomit-frame-pointer -ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none "
     "-DOWN_MEMORY"
 )
-PATIENCE = 15.0  # s; a compilation that takes longer is the first one of this zig on the machine
-FIRST_USE = "zig compiles its own libraries first: this takes a minute or two, once; later builds take seconds"
+PATIENCE = 15.0  # s
+SLOW = "compiling takes longer than usual"
 
 
 def _package(name: str) -> Path:
@@ -74,7 +74,7 @@ def libraries(
                 for target, flags in platform.targets.items()
             }
             if wait(jobs.values(), PATIENCE, FIRST_EXCEPTION).not_done:
-                progress(FIRST_USE)
+                progress(SLOW)
                 targets = {job: target for target, job in jobs.items()}
                 for job in as_completed(targets):
                     progress(f"compiled for {targets[job]}")

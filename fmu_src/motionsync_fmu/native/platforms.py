@@ -13,9 +13,9 @@ from .macho import universal
 # Flags for zig's compiler beside those that all platforms have. What can be left out of a library is left out: an FMU
 # holds one library for each platform. No library of zig's is linked, nor a C library: freestanding.c has what is then
 # missing. zig would have to compile these libraries first, which takes minutes.
-UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for C++ exceptions
+UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for exceptions: none passes through
 LINUX = f"-nostdlib -Wl,--gc-sections,--hash-style=gnu {UNWINDING}"
-WINDOWS = "-nostdlib -lkernel32 -Wl,-e,library_main"
+WINDOWS = f"-nostdlib -lkernel32 -Wl,-e,library_main {UNWINDING}"
 MACOS = f"-nostdlib {UNWINDING}"  # zig links libSystem nevertheless: every library of macOS has to name it
 ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, but it compresses worse
 

@@ -75,7 +75,7 @@ def _steps(
             "master.velocity": velocity,
             "master.acceleration": acceleration,
         }
-        for group in held:
+        for group in sorted(held):
             if r.random() < 0.5:
                 values[f"{group}.execute"] = False
         held -= {name.split(".")[0] for name in values}
