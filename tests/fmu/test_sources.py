@@ -1,6 +1,7 @@
 """FMUs with sources: any C99 compiler makes units of them that have the bits of the binaries, and several go into one
 program; FMPy compiles them by itself."""
 
+import platform
 import re
 import shutil
 import subprocess
@@ -94,7 +95,7 @@ def gcc(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a program with the units of all blocks, compiled by gcc; it may fuse operations if it can."""
     folder = tmp_path_factory.mktemp("gcc")
     fused = ["-mfma", "-ffp-contract=fast"] if " fma " in Path("/proc/cpuinfo").read_text() else []
-    linked(list(BLOCKS), folder, ["gcc", *STRICT, "-O1", *fused, "-fcallgraph-info=su"], "-lm")
+    linked(list(BLOCKS), folder, ["gcc", *STRICT, "-O2", *fused, "-fcallgraph-info=su"], "-lm")
     return folder
 
 
@@ -103,6 +104,19 @@ def test_gcc_makes_of_the_sources_what_the_binaries_are(gcc: Path, expected: Cal
     """In C99 without a warning, with fused operations allowed, six units in one program. Each asks for memory once."""
     told = subprocess.run([gcc / "program"], check=True, capture_output=True, text=True).stdout.split()
     assert dict(zip(BLOCKS, told, strict=True)) == {name: expected(name) for name in BLOCKS}
+
+
+@needs_gcc
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="the options are for x86-64")
+def test_gcc_fuses_no_operations_of_a_block_whatever_it_may(tmp_path: Path) -> None:
+    """Without the pragma in the text gcc fuses hundreds in this block, and with -ffp-contract=off alone still some."""
+    for file, text in files_of("Follower").items():
+        (tmp_path / file).write_bytes(text)
+    command = ["gcc", "-O3", "-march=haswell", "-ffp-contract=fast", "-S", "block.c"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    operations = re.findall(r"^\tv(\w+)", (tmp_path / "block.s").read_text(), re.M)
+    assert len(operations) > 1000
+    assert [name for name in operations if re.match("fn?m(add|sub)", name)] == []
 
 
 @pytest.mark.parametrize("target", TARGETS)
@@ -233,7 +247,8 @@ def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_import
             for header in re.findall(r'#include "(.*?)"', z.read(f"sources/{name}").decode())
         }
         assert included - held == {"fmi3Functions.h" if three else "fmi2Functions.h"}
-        assert "README.md" in held
+        told = z.read("sources/README.md").decode()
+        assert held - {"README.md", "buildDescription.xml"} <= set(re.findall(r"`([\w.]+\.[ch])`", told))
         assert "<code>sources</code>" in z.read("documentation/index.html").decode()
     assert ("buildDescription.xml" in held) == three
 

@@ -65,7 +65,7 @@ HEAD = """\
 #if defined __clang__
 #pragma STDC FP_CONTRACT OFF
 #elif defined __GNUC__
-#pragma GCC optimize("fp-contract=off")
+#pragma GCC optimize("fp-contract=off", "no-tree-slp-vectorize") /* that pass fuses operations nevertheless */
 #elif defined _MSC_VER
 #pragma fp_contract(off)
 #endif
