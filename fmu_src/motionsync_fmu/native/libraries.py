@@ -22,9 +22,8 @@ from .unit_sources import c_sources
 HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
 FLAGS = (
-    "-Os -Xclang -Oz -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize "
-    "-fomit-frame-pointer -ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none "
-    "-DOWN_MEMORY"
+    "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
+    "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -DOWN_MEMORY"
 )
 PATIENCE = 15.0  # s
 SLOW = "compiling takes longer than usual"
