@@ -133,7 +133,13 @@ def _texts(line: Line) -> dict[str, bytes]:
         },
         "units": _units(line),
         "values": [
-            {"name": f"{name}.{n}", "kind": blocks[name][n].kind, "value": blocks[name][n].literal(value)}
+            {
+                "name": f"{name}.{n}",
+                "component": name,
+                "variable": n,
+                "kind": blocks[name][n].kind,
+                "value": blocks[name][n].literal(value),
+            }
             for name, given in line.parameters.items()
             for n, value in given.items()
         ],
