@@ -91,9 +91,9 @@ def through_ctypes(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int
     return steps
 
 
-def compile_c(source: Path, target: Path, *flags: str) -> Path:
-    """Compile a C program or library with zig; the FMI headers are in its include path."""
-    command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", *flags, "-I", str(HEADERS)]
+def compile_c(source: Path, target: Path) -> Path:
+    """Compile a C program with zig; the FMI headers are in its include path."""
+    command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", "-I", str(HEADERS)]
     subprocess.run([*command, str(source), "-o", str(target)], check=True)
     return target
 

@@ -48,12 +48,12 @@ from motionsync_fmu.archive import write
 from motionsync_fmu.build import build_native, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.native.libraries import FLAGS, FREESTANDING, zig_cc
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 
 HERE = Path(__file__).parent
 PLATFORM = PLATFORMS["linux64"]
-SHARED = ("-target", *PLATFORM.targets, "-fPIC", "-shared", "-fvisibility=hidden", "-s")
 IN_C = 100  # a round of a C host has so many times the steps, since they are short
 WORST = ("median_ns", "p999_ns", "slowest_ns", "undisturbed_ns")
 NOTHING, NATIVE, PYTHON = "do-nothing FMU", "native", "python"
@@ -268,6 +268,14 @@ def target_table(
     return table
 
 
+def do_nothing(folder: Path) -> Path:
+    """The library of a do-nothing FMU, compiled as that of an FMU is."""
+    ((target, flags),) = PLATFORM.targets.items()
+    sources = map(str, (HERE / "idle.c", FREESTANDING / "freestanding.c"))
+    zig_cc(target, [*FLAGS.split(), *flags.split(), "-I", str(FREESTANDING), *sources], "idle.so", folder)
+    return folder / "idle.so"
+
+
 def report(block: str, n: int, program: Path, folder: Path, console: Console, *, cold: bool) -> None:
     """Build a block's FMUs, measure them, print the tables."""
     recipe, cases = Recipe(block), cases_of(block)
@@ -276,7 +284,7 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
         NATIVE: build_native(recipe, folder / "native.fmu", console.print),
         PYTHON: build_python(recipe, folder / "python.fmu"),
     }
-    nothing = compile_c(HERE / "idle.c", folder / "idle.so", *SHARED)
+    nothing = do_nothing(folder)
     native = extracted(fmus[NATIVE], block, folder)
     flavours = {NOTHING: idle(fmus[NATIVE], block, nothing, folder / "idle.fmu"), **fmus}
     with ExitStack() as stack:
