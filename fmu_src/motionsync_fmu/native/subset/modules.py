@@ -38,7 +38,7 @@ class Module(Expressions):
     def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
         names = [alias.name for alias in node.names]
         origin = self.package.origin(self.file, node)
-        if node.level:
+        if node.level or origin is not None:
             allowed = origin is not None and (node.module or [str(origin / name) for name in names] == ["var"])
         else:
             declarations = node.module == f"{MODEL}.var" or (node.module == MODEL and names == ["var"])

@@ -107,10 +107,14 @@ class Package:
 
     @staticmethod
     def origin(file: str, node: ast.ImportFrom) -> PurePosixPath | None:
-        """The module (without suffix) or folder of a relative import; None if it lies outside the package."""
+        """The module (without suffix) or folder of an import from the package, or from the model by its full name,
+        as another package's block has it; None if it lies outside both, or is that of the declarations."""
+        path = (node.module or "").split(".")
+        if not node.level and path[0] == MODEL and path[1:] not in ([], ["var"]):
+            return PurePosixPath(*path[1:])
         parents = PurePosixPath(file).parents
         inside = 0 < node.level <= len(parents)
-        return parents[node.level - 1].joinpath(*(node.module or "").split(".")) if inside else None
+        return parents[node.level - 1].joinpath(*path) if inside else None
 
     @staticmethod
     def module_names(tree: ast.Module) -> Iterator[tuple[str, tuple[ast.stmt, str]]]:

@@ -12,7 +12,7 @@ from ..memory_layout import dtype
 from ..subset import order
 from ..subset.effects import Effects
 from ..subset.modules import read_block
-from ..subset.package import Kind, Package, Reading, name_of
+from ..subset.package import MODEL, Kind, Package, Reading, name_of
 from .expressions import TYPES
 from .functions import Function
 from .helpers import texts
@@ -127,9 +127,8 @@ class Program:
 
     def running(self, node: ast.ClassDef) -> Any:
         """The class itself, as it runs."""
-        file = self.package.homes[node]
-        parts = PurePosixPath(file).with_suffix("").parts
-        inside = () if file == f"{self.root}.py" else (self.root,)
+        parts = PurePosixPath(self.package.homes[node]).with_suffix("").parts
+        inside = () if parts[0] == self.root else (MODEL,)
         return getattr(importlib.import_module(".".join((*inside, *parts))), node.name)
 
     def needed(self) -> list[Reading]:
@@ -190,7 +189,7 @@ class Program:
         if file in found or file in above:
             return
         for node in self.package.trees[file].body:
-            if isinstance(node, ast.ImportFrom) and node.level:
+            if isinstance(node, ast.ImportFrom):
                 other = f"{self.package.origin(file, node)}.py"
                 if other in self.package.trees:
                     self.follow(other, found, (*above, file))
@@ -238,7 +237,16 @@ class Program:
 
 
 def texts_of(module: str) -> dict[str, str]:
-    """The text of a module, and of those of its package that it imports."""
-    if "." in module:
+    """The text of a module, and of those of its package and of the model that it imports, by their paths.
+
+    Paths of the model begin inside its package; those of another package begin with its name."""
+    root = module.partition(".")[0]
+    if root == MODEL:
         return {name: text.decode() for name, text in sources(module).items()}
-    return {f"{module}.py": Path(str(importlib.import_module(module).__file__)).read_text("utf-8")}
+    if "." in module:
+        own = {f"{root}/{name}": text.decode() for name, text in sources(module).items()}
+    else:
+        own = {f"{root}.py": Path(str(importlib.import_module(module).__file__)).read_text("utf-8")}
+    imports = [node for text in own.values() for node in ast.parse(text).body if isinstance(node, ast.ImportFrom)]
+    of_model = {str(node.module) for node in imports if not node.level and f"{node.module}".startswith(f"{MODEL}.")}
+    return {name: text for other in sorted(of_model) for name, text in texts_of(other).items()} | own
