@@ -15,6 +15,10 @@ def typeset(text: str) -> str:
 
 
 TEMPLATES = jinja2.Environment(
-    loader=jinja2.PackageLoader("motionsync_fmu.pages"), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    loader=jinja2.PackageLoader("motionsync_fmu.pages"),
+    undefined=jinja2.StrictUndefined,
+    autoescape=True,
+    trim_blocks=True,
+    lstrip_blocks=True,
 )
 TEMPLATES.filters["typeset"] = typeset
