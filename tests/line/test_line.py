@@ -228,13 +228,19 @@ def short(file: Path, *changes: tuple[str, str]) -> Path:
 
 
 @pytest.fixture
-def run_line(saw: Examined, output: Path, motionsync: Command) -> Command:
-    """`motionsync line`, with FMUs that are up to date."""
-    return lambda *arguments: motionsync("line", *arguments, "--output", output)
+def written(shared: Shared, fmus: Fmus, tmp_path: Path) -> Path:
+    """Where `run_line` writes: a folder of this test, with FMUs that are up to date."""
+    return copied(shared, fmus, tmp_path / "written")
+
+
+@pytest.fixture
+def run_line(written: Path, motionsync: Command) -> Command:
+    """`motionsync line`."""
+    return lambda *arguments: motionsync("line", *arguments, "--output", written)
 
 
 def test_the_command_tells_figures_and_writes_package_and_report(
-    run_line: Command, output: Path, tmp_path: Path
+    run_line: Command, written: Path, tmp_path: Path
 ) -> None:
     file = short(tmp_path / "line.toml")
     done = run_line(file)
@@ -243,7 +249,7 @@ def test_the_command_tells_figures_and_writes_package_and_report(
     assert {line.rstrip(".") for line in told} <= {"line: its FMUs ", "line: its runs "}
     for text in ("as expected", "RemoteSync, PHASE", RAW, "FMPy and libcosim agree", "worst", "line.ssp"):
         assert text in done.out
-    page = (output / "reports" / "line" / "line" / "report.html").read_text("utf-8")
+    page = (written / "reports" / "line" / "line" / "report.html").read_text("utf-8")
     for text in (
         "Agreement of FMPy and libcosim",
         "Errors before",
@@ -252,7 +258,7 @@ def test_the_command_tells_figures_and_writes_package_and_report(
     ):
         assert text in page
     assert not re.search(r"<(script|link|img)[^>]+(src|href)=", page)
-    result = (output / "reports" / "line" / "line" / "line_out.csv").read_text().splitlines()
+    result = (written / "reports" / "line" / "line" / "line_out.csv").read_text().splitlines()
     assert len(result) == 1 + 2550
     assert result[0].startswith('"time","RemoteSync.slave.position",')
 
