@@ -41,7 +41,8 @@ def points(scenario: Scenario, step_size: float) -> Reals:
 def _points(
     step_size: float, stop_time: float, scan: float, extra: tuple[float, ...], breaks: tuple[float, ...] | None
 ) -> Reals:
-    """As `points`; `breaks`: those of the script, None: the scans. They are kept, since many runs have the same ones."""
+    """As `points`, kept for the next one who asks; `extra`: what has its own time; `breaks`: of the script, None: the
+    scans."""
     scanned = scans(scan, stop_time)
     named = np.concatenate([extra, scanned])
     named = named[named <= stop_time]
@@ -62,8 +63,9 @@ def _kept(times: Reals, exact: Flags, breaks: Flags, close: float) -> Flags:
     crowd = np.diff(begins, append=len(times))
     pairs = begins[crowd == 2]
     kept[pairs + np.where(exact[pairs + 1] & ~breaks[pairs], 0, 1)] = False
-    for last, size in zip(begins[crowd > 2].tolist(), crowd[crowd > 2].tolist(), strict=True):
-        for i in range(last + 1, last + size):
+    for first, size in zip(begins[crowd > 2].tolist(), crowd[crowd > 2].tolist(), strict=True):
+        last = first
+        for i in range(first + 1, first + size):
             if times[i] - times[last] <= close:
                 replaced = exact[i] and not breaks[last]
                 kept[last if replaced else i] = False
