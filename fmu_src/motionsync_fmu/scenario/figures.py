@@ -19,7 +19,7 @@ from .cuts import Cut, CutSpec
 from .production import Production
 from .recording import Reals, Recording, greatest_position
 from .scenario import Scenario
-from .work import work
+from .work import Work
 
 NOWHERE = 1e9  # u; an end position this far away bounds nothing
 MOST_MARKS = 10_000  # that passed uncut; more are not told apart
@@ -162,7 +162,7 @@ class Figures:
 def figures(scenario: Scenario, recording: Recording) -> Figures:
     """The figures of a run of a scenario."""
     spec = scenario.cuts
-    made = work(scenario, recording)
+    made = Work(scenario, recording)
     return Figures(
         tuple(peaks(scenario, recording)),
         made.production,

@@ -20,7 +20,7 @@ from .recording import Recording, greatest_position
 from .scenario import AtTime, Expectation, Scenario, When, Within
 from .settings import COMPARISONS
 from .telegrams import Remote, errors
-from .work import Work, work
+from .work import Work
 
 
 @dataclass(frozen=True)
@@ -96,11 +96,12 @@ def _expected(e: Expectation) -> Iterable[str]:
 def check(scenario: Scenario, recording: Recording) -> list[Check]:
     """What was found for every expectation of the scenario; then for the reactions that it requires and that did not
     happen, its cuts and its remote axis."""
-    return check_work(scenario, recording, work(scenario, recording))
+    return check_work(Work(scenario, recording))
 
 
-def check_work(scenario: Scenario, recording: Recording, made: Work) -> list[Check]:
-    """The same of a run of which it is known already what was cut or made."""
+def check_work(made: Work) -> list[Check]:
+    """The same of a run whose cuts or pieces are asked for elsewhere, too."""
+    scenario, recording = made.scenario, made.recording
     found: list[Check] = []
     texts = {name: v.text for name, v in scenario.recipe.variables.items()}
     for e in scenario.expectations:

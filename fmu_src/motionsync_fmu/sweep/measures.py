@@ -36,9 +36,9 @@ def checked(asked: Mapping[str, str | Sequence[str]], recipe: Recipe) -> dict[st
     for measure in measures(recipe.variables, asked, recipe.name):
         v = measure.variable
         if v.settable:
-            raise UserError(f"{v.name} is a {v.variability} {v.causality}: only outputs and local variables are measured")
+            raise UserError(f"{v.name} is a {v.variability} {v.causality}: outputs and local variables are measured")
         if measure.of == "every":
-            raise UserError(f"{v.name}: the measure {measure.kind!r} is many numbers, but a row has one for each measure")
+            raise UserError(f"{v.name}: the measure {measure.kind!r} is many numbers, and a row has one a measure")
     return {name: (kinds,) if isinstance(kinds, str) else tuple(kinds) for name, kinds in asked.items()}
 
 
