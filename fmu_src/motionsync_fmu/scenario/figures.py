@@ -25,14 +25,6 @@ NOWHERE = 1e9  # u; an end position this far away bounds nothing
 MOST_MARKS = 10_000  # that passed uncut; more are not told apart
 SLAVE = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 TOLD_MARKS = 4  # uncut marks that a text names; of more it names the first two
-_LIMITS = (
-    Role.MIN_POSITION,
-    Role.MAX_POSITION,
-    Role.MAX_VELOCITY,
-    Role.MAX_ACCELERATION,
-    Role.MAX_DECELERATION,
-    Role.MAX_JERK,
-)
 
 
 @dataclass(frozen=True)
@@ -175,11 +167,6 @@ def figures(scenario: Scenario, recording: Recording) -> Figures:
 
 
 # --- peaks ---
-
-
-def is_limited(scenario: Scenario) -> bool:
-    """Whether the slave's axis has limits."""
-    return any(v.declaration.role in _LIMITS for v in scenario.recipe.variables.values())
 
 
 def peaks(scenario: Scenario, recording: Recording) -> list[Peak]:

@@ -18,7 +18,7 @@ from .cuts import Cut, CutSpec, PieceSpec
 from .production import Production
 from .recording import Recording, greatest_position
 from .scenario import AtTime, Expectation, Scenario, When, Within
-from .settings import COMPARISONS
+from .settings import COMPARISONS, Unmet
 from .telegrams import Remote, errors
 from .work import Work
 
@@ -112,7 +112,7 @@ def check_work(made: Work) -> list[Check]:
                 found.append(_when(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
             case Within():
                 found += _within(e, recording)
-    found += [Check(u.expected, u.found, False) for u in recording.unmet if u.reaction.required]
+    found += missing(recording.unmet)
     unit = unit_name(Unit.POSITION, scenario.unit)
     if scenario.cuts:
         found += _cuts(scenario.cuts, made.cuts, recording, unit)
@@ -121,6 +121,11 @@ def check_work(made: Work) -> list[Check]:
     if scenario.remote:
         found += _accuracy(scenario.remote, recording, unit)
     return found
+
+
+def missing(unmet: Iterable[Unmet]) -> list[Check]:
+    """The reactions that the scenario requires and that did not happen."""
+    return [Check(u.expected, u.found, False) for u in unmet if u.reaction.required]
 
 
 def _at_time(e: AtTime, recording: Recording, texts: Mapping[str, Callable[[float], str]]) -> Iterator[Check]:
