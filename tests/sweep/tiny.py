@@ -2,8 +2,10 @@
 
 import os
 import time
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import pyarrow as pa
 
@@ -23,8 +25,16 @@ class Tiny:
     pace: float = 0.0
     trap: str = ""
 
+    @classmethod
+    def read(cls, folder: Path) -> Self:
+        said = tomllib.loads((folder / "plan.toml").read_text("utf-8"))
+        return cls(said["runs"], said["chunk"], said["seed"])
+
     def write(self, folder: Path) -> None:
         (folder / "plan.toml").write_text(f"runs = {self.runs}\nchunk = {self.chunk}\nseed = {self.seed}\n", "utf-8")
+
+    def differs(self, other: "Tiny") -> str:
+        return "" if self.seed == other.seed else f"seed = {self.seed}, not {other.seed}"
 
 
 def squares(plan: Tiny, first: int, last: int) -> pa.Table:

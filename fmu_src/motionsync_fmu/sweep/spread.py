@@ -12,9 +12,8 @@ from hashlib import sha256
 from math import ceil
 from os import cpu_count
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
 from uuid import uuid4
 
 from .. import __version__
@@ -45,8 +44,15 @@ class Plan(Protocol):
     def chunk(self) -> int:
         """How many runs a chunk has; 0: as many as take some seconds."""
 
+    @classmethod
+    def read(cls, folder: Path) -> Self:
+        """The plan in a folder."""
+
     def write(self, folder: Path) -> None:
-        """Write it to a folder, as plan.toml."""
+        """Write the plan to a folder, as plan.toml."""
+
+    def differs(self, other: Self) -> str:
+        """What this plan has otherwise than the other one; empty if both give the same rows."""
 
 
 AnyPlan = TypeVar("AnyPlan", bound=Plan)
@@ -218,61 +224,23 @@ def _settled(plan: AnyPlan, folder: Path, rows: Rows, workers: int) -> AnyPlan:
         UserError: there is another plan, or parts without one; or the plan cannot be written.
     """
     if (folder / PLAN).exists():
-        there = _read(folder)
-        plan = plan if plan.chunk else replace(plan, chunk=int(there["chunk"]))
-        if differences := list(_differences(there, _as_written(plan))):
-            more = f" and {len(differences) - 3} more" if len(differences) > 3 else ""
-            raise UserError(f"{folder} has another sweep: {'; '.join(differences[:3])}{more}; choose another folder")
-        return plan
+        there = type(plan).read(folder)
+        if differs := plan.differs(there):
+            raise UserError(f"{folder} has another sweep: {differs}; choose another folder")
+        if plan.chunk not in (0, there.chunk):
+            raise UserError(f"{folder} has chunks of {there.chunk} runs, not {plan.chunk}; choose another folder")
+        return replace(plan, chunk=there.chunk)
     if any(folder.glob("part-*.parquet")):
         raise UserError(f"{folder} has parts of a sweep, but no {PLAN}: choose another folder")
-    if not plan.chunk:
-        plan = replace(plan, chunk=_size(plan, rows, workers))
-    try:
-        with TemporaryDirectory(dir=folder) as aside:
-            plan.write(Path(aside))
-            (Path(aside) / PLAN).replace(folder / PLAN)
-    except OSError as e:
-        raise UserError(f"{folder} cannot be written: {e.strerror or e}") from None
+    plan = plan if plan.chunk else replace(plan, chunk=_size(plan, rows, workers))
+    plan.write(folder)
     return plan
-
-
-def _read(folder: Path) -> dict[str, Any]:
-    """What the plan's file says.
-
-    Raises:
-        UserError: it is damaged.
-    """
-    file = folder / PLAN
-    try:
-        return tomllib.loads(file.read_text("utf-8"))
-    except (OSError, ValueError) as e:
-        raise UserError(f"{file} cannot be read ({e}): nothing can be added to its parts; choose another folder") from e
-
-
-def _as_written(plan: Plan) -> dict[str, Any]:
-    with TemporaryDirectory() as aside:
-        plan.write(Path(aside))
-        return _read(Path(aside))
 
 
 def _digest(folder: Path) -> str:
     """A hash of what the plan's file says."""
-    return sha256(json.dumps(_read(folder), sort_keys=True, default=str).encode()).hexdigest()
-
-
-def _differences(there: Any, here: Any, name: str = "") -> Iterator[str]:
-    """What differs between two plans, a text each."""
-    if isinstance(there, dict) and isinstance(here, dict):
-        for key in there | here:
-            yield from _differences(there.get(key), here.get(key), f"{name}.{key}".lstrip("."))
-    elif there != here:
-        yield f"{name} is {_shown(there)} there and {_shown(here)} here"
-
-
-def _shown(value: object) -> str:
-    text = "missing" if value is None else str(value)
-    return text if len(text) <= 40 else f"{text[:37]}..."
+    said = tomllib.loads((folder / PLAN).read_text("utf-8"))
+    return sha256(json.dumps(said, sort_keys=True, default=str).encode()).hexdigest()
 
 
 def _size(plan: Plan, rows: Rows, workers: int) -> int:
