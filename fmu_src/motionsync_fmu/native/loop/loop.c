@@ -1,16 +1,11 @@
 /* The loop of a batch: it initializes each instance; then, step by step, it sets and judges the inputs, steps the
- * instance and reads the outputs.
+ * instance, and reads or reduces the outputs.
  *
  * One loop serves all blocks and every choice of variables: tables of addresses, strides and offsets, all in bytes, say
- * what is set and what is read. plan.py tells what they mean, and its Cause has the numbers CAUSE_NONE and so on. */
+ * what is set and what is read. plan.py tells what they mean. */
 #include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
 
-/* What block.c has. Both functions return the refusal, and set `failed` where Python would raise. */
-typedef struct Block Block;
-int64_t block_initialize(Block *self, bool *failed);
-int64_t block_step(Block *self, double h, bool *failed);
+#include "reduce.h"
 
 typedef struct { /* values for each instance and step */
     int64_t address, per_instance, per_step;
@@ -51,10 +46,10 @@ typedef struct {
     const Limit *limits; /* of the Reals */
     Sinks out_reals, out_words, out_flags;
     Array target;
+    const Reductions *reductions;
+    int64_t first; /* the number of the first instance there */
     Report *reports;
 } Plan;
-
-#define AT(Type, address) (*(Type *)(intptr_t)(address))
 
 static int64_t place(const Array *a, int64_t i, int64_t t) {
     return a->address + i * a->per_instance + t * a->per_step;
@@ -97,6 +92,8 @@ static Report carried(const Plan *p, int64_t i) {
     bool failed = false;
     int64_t refusal = block_initialize(self, &failed);
     if (failed || refusal) return (Report){failed ? CAUSE_RAISED : CAUSE_REFUSED, -1, refusal};
+    if (p->reductions) reduce_begin(p->reductions, p->first + i, block);
+    double time = 0.0;
     for (int64_t t = 0; t < p->steps; t++) {
         const double h = AT(const double, place(&p->step_sizes, i, t));
         if (!(0.0 < h && h <= p->longest)) return (Report){CAUSE_STEP_SIZE, t, 0};
@@ -105,6 +102,8 @@ static Report carried(const Plan *p, int64_t i) {
         refusal = block_step(self, h, &failed);
         if (failed || refusal) return (Report){failed ? CAUSE_RAISED : CAUSE_REFUSED, t, refusal};
         put(p, block, place(&p->target, i, t));
+        time += h;
+        if (p->reductions) reduce_step(p->reductions, p->first + i, block, time, h);
     }
     return (Report){CAUSE_NONE, 0, 0};
 }
