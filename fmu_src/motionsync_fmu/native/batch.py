@@ -323,6 +323,7 @@ class _Task:
         self.first = first
         self.target = target
         self.reductions = reductions
+        self.samples = reductions.samples()
         self.memory = batch.memory(first, last)
         self.step_sizes = batch.step_sizes.piece(first, last, np.float64)
         self.values = Groups(*(self.pieces(group, last) for group in batch.varying))
@@ -345,6 +346,7 @@ class _Task:
             sinks=Groups(self.sinks("Real"), self.sinks("Integer", "Enumeration"), self.sinks("Boolean")),
             target=np.array([target.ctypes.data, *target.strides[:2]]),
             reductions=self.reductions if self.reductions.measures else None,
+            samples=self.samples,
             first=self.first,
             reports=self.reports,
         )

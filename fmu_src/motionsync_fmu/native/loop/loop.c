@@ -41,6 +41,7 @@ typedef struct {
     Sinks out_reals, out_words, out_flags;
     Array target;
     const Reductions *reductions;
+    double *samples; /* for the reductions: their rows */
     int64_t first; /* the number of the first instance there */
     Report *reports;
 } Plan;
@@ -75,13 +76,13 @@ static void put(const Plan *p, int64_t block, int64_t row) {
 }
 
 /* Carry one instance from start to end. Why, at which step, and at which input or refusal it stopped. */
-static Report carried(const Plan *p, int64_t i) {
+static Report carried(const Plan *p, int64_t i, Samples *samples) {
     const int64_t block = p->blocks + i * p->size;
     Block *self = (Block *)(intptr_t)block;
     bool failed = false;
     int64_t refusal = block_initialize(self, &failed);
     if (failed || refusal) return (Report){failed ? CAUSE_RAISED : CAUSE_REFUSED, -1, refusal};
-    if (p->reductions) reduce_begin(p->reductions, p->first + i, block);
+    if (p->reductions) reduce_begin(p->reductions, samples, p->first + i, block);
     double time = 0.0;
     for (int64_t t = 0; t < p->steps; t++) {
         const double h = AT(const double, place(&p->step_sizes, i, t));
@@ -92,13 +93,17 @@ static Report carried(const Plan *p, int64_t i) {
         if (failed || refusal) return (Report){failed ? CAUSE_RAISED : CAUSE_REFUSED, t, refusal};
         put(p, block, place(&p->target, i, t));
         time += h;
-        if (p->reductions) reduce_step(p->reductions, p->first + i, block, time, h);
+        if (p->reductions) reduce_step(p->reductions, samples, p->first + i, block, time, h);
     }
     return (Report){CAUSE_NONE, 0, 0};
 }
 
 /* Carry out a plan. An instance whose report has a cause already is left alone. */
 void batch_run(const Plan *p) {
-    for (int64_t i = 0; i < p->instances; i++)
-        if (p->reports[i].cause == CAUSE_NONE) p->reports[i] = carried(p, i);
+    for (int64_t i = 0; i < p->instances; i++) {
+        if (p->reports[i].cause != CAUSE_NONE) continue;
+        Samples samples = {p->samples, 0, 0.0};
+        p->reports[i] = carried(p, i, &samples);
+        if (p->reductions) reduce_end(p->reductions, &samples, p->first + i);
+    }
 }
