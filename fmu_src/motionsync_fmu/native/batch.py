@@ -9,6 +9,10 @@
     )
     result["slave.position"]  # (10000, steps)
 
+Measures are figures over a whole run. They are kept while it runs, so that memory does not grow with the steps:
+
+    reduce={"slave.velocity": ("max", "max_time"), "slave.acceleration": "above:500"}
+
 An instance behaves as the block's FMU does, to the last bit, and fails where the FMU would; the other instances go on.
 """
 
@@ -39,7 +43,8 @@ from ..interface.variables import (
 )
 from .loop.library import library
 from .loop.plan import CAUSE, Cause, Groups, Plan, run
-from .memory_layout import image, offset
+from .loop.reductions import Reduce, Reductions
+from .memory_layout import field, image, offset
 
 Array = NDArray[Any]
 Reals = NDArray[np.float64]
@@ -71,11 +76,14 @@ class BatchResult:
         values: the outputs at the end of each step, of shape (instances, steps, names); Booleans, integers and
             enumerations as numbers. NaN, whatever the type, from the step on at which the instance failed.
         failures: one for each instance that failed, in the order of the instances.
+        measures: by name, `slave.velocity.max` say, of shape (instances,), NaN for an instance that failed;
+            `every:N` is of shape (instances, steps // N), NaN from the step on at which the instance failed.
     """
 
     names: tuple[str, ...]
     values: Reals
     failures: tuple[Failure, ...]
+    measures: Mapping[str, Reals]
 
     def __getitem__(self, name: str) -> Reals:
         """One output, of shape (instances, steps): a view.
@@ -91,8 +99,9 @@ def simulate_many(
     block: str | type[Any],
     step_size: ArrayLike,
     inputs: Inputs,
-    outputs: str | Sequence[str],
+    outputs: str | Sequence[str] = (),
     *,
+    reduce: Reduce | None = None,
     start: Mapping[str, ArrayLike] | None = None,
     interface: Interface | None = None,
     steps: int | None = None,
@@ -121,7 +130,11 @@ def simulate_many(
         inputs: inputs and tunable parameters by name. The values of a step are set before the step. Those of the first
             step are also set before the initialization, except for variables in `start`. So a command that is true in
             the first step has a rising edge there only if `start` sets it to false.
-        outputs: the name of any variable of the block, or several.
+        outputs: the name of any variable of the block, or several, whose values at the end of each step are wanted.
+        reduce: the measures that are wanted: one kind or several for any variable of the block, as
+            `{"slave.velocity": ("max", "max_time"), "state": "last"}`. The kinds are `last`, `min`, `max`, `min_time`,
+            `max_time`, `mean`, `rms`, `rises`, `above:LIMIT` and `every:N`; `loop/reductions.py` tells what they mean.
+            They have the bits that reducing the values of all steps would have.
         start: start values by name, each a scalar or of shape (instances,), for parameters and inputs.
         interface: the variables with another causality than the block declares, as in the FMU.
         steps: the number of steps, where no array has that axis.
@@ -135,17 +148,19 @@ def simulate_many(
         parameters and inputs at initialization, Real inputs and the step size at each step, and what the block refuses.
 
     Raises:
-        UserError: before anything runs: an unknown block or variable, a variable that cannot be set or turned so, a
-            shape that does not fit, or a value of the wrong kind (text that names no member; 0.5 for a Boolean); or
-            there is no C compiler.
+        UserError: before anything runs: an unknown block, variable or measure, a variable that cannot be set or turned
+            so, a shape that does not fit, a value of the wrong kind (text that names no member; 0.5 for a Boolean), or
+            an array that does not fit into memory; or there is no C compiler.
     """
     outputs = [outputs] if isinstance(outputs, str) else outputs
     batch = _Batch(block, step_size, inputs, start or {}, outputs, interface or Interface(), steps, instances)
+    reductions = Reductions(batch.type, reduce or {}, batch.instances, batch.steps)
     out = batch.target(out)
     if threads is not None and threads < 1:
         raise UserError(f"threads = {threads} is not allowed: it must be >= 1")
-    failures = batch.run(out, threads or os.cpu_count() or 1, progress)
-    return BatchResult(tuple(outputs), out, tuple(sorted(failures, key=lambda f: f.instance)))
+    failures = batch.run(out, reductions, threads or os.cpu_count() or 1, progress)
+    failures.sort(key=lambda f: f.instance)
+    return BatchResult(tuple(outputs), out, tuple(failures), reductions.results(f.instance for f in failures))
 
 
 @dataclass(frozen=True)
@@ -251,12 +266,15 @@ class _Batch:
         for first in range(0, self.instances, size):
             yield first, min(first + size, self.instances)
 
-    def run(self, out: Reals, workers: int, progress: Callable[[float], None]) -> list[Failure]:
+    def run(self, out: Reals, reductions: Reductions, workers: int, progress: Callable[[float], None]) -> list[Failure]:
         """Run all instances, in tasks for that many threads; the failures are in the order in which tasks end."""
         failures: list[Failure] = []
         done = 0
         with ThreadPoolExecutor(workers, "motionsync") as pool:
-            tasks = {pool.submit(self.run_some, first, last, out): last - first for first, last in self.tasks(workers)}
+            tasks = {
+                pool.submit(self.run_some, first, last, out, reductions): last - first
+                for first, last in self.tasks(workers)
+            }
             try:
                 for task in as_completed(tasks):
                     failures += task.result()
@@ -267,9 +285,9 @@ class _Batch:
                 raise
         return failures
 
-    def run_some(self, first: int, last: int, out: Reals) -> list[Failure]:
+    def run_some(self, first: int, last: int, out: Reals, reductions: Reductions) -> list[Failure]:
         """Run some instances from start to end."""
-        task = _Task(self, first, last, out[first:last])
+        task = _Task(self, first, last, out[first:last], reductions)
         run(self.library, task.plan())
         return task.failures()
 
@@ -277,16 +295,16 @@ class _Batch:
         """The memory of some instances, with their start values and the inputs of the first step."""
         memory = np.full(last - first, self.image)
         for c in self.starts:
-            field = _field(memory, c.name)
+            values = field(memory, c.name)
             if c.values.shape[1]:  # without steps there is no first step
-                field[...] = c.piece(first, last, field.dtype)[:, 0]
+                values[...] = c.piece(first, last, values.dtype)[:, 0]
         return memory
 
     def judge(self, memory: Array) -> dict[int, str]:
         """The instances that cannot be initialized, each with the message for its first bad variable."""
         refused: dict[int, str] = {}
         for v in self.judged:
-            values = _field(memory, v.name)
+            values = field(memory, v.name)
             for i in np.flatnonzero(~allowed(v, values)).tolist():
                 refused.setdefault(i, v.refusal(values[i].item()))
         return refused
@@ -297,12 +315,15 @@ class _Task:
 
     Attributes:
         target: where these instances' values are put.
+        reductions: the measures of all instances.
     """
 
-    def __init__(self, batch: _Batch, first: int, last: int, target: Reals) -> None:
+    def __init__(self, batch: _Batch, first: int, last: int, target: Reals, reductions: Reductions) -> None:
         self.batch = batch
         self.first = first
         self.target = target
+        self.reductions = reductions
+        self.samples = reductions.samples()
         self.memory = batch.memory(first, last)
         self.step_sizes = batch.step_sizes.piece(first, last, np.float64)
         self.values = Groups(*(self.pieces(group, last) for group in batch.varying))
@@ -312,7 +333,7 @@ class _Task:
 
     def pieces(self, group: _Varying, last: int) -> list[tuple[str, Array]]:
         """These instances' values of each variable of a group, in the type of the block's memory."""
-        return [(v.name, c.piece(self.first, last, _field(self.memory, v.name).dtype)) for v, c in group]
+        return [(v.name, c.piece(self.first, last, field(self.memory, v.name).dtype)) for v, c in group]
 
     def plan(self) -> Plan:
         memory, target, batch = self.memory, self.target, self.batch
@@ -321,9 +342,12 @@ class _Task:
             step_sizes=np.array(_source(self.step_sizes)),
             longest=LONGEST_STEP,
             sources=Groups(*(self.sources(group) for group in self.values)),
-            limits=np.array([_limits(v) for v, _ in batch.varying.reals]).reshape(-1, 4),
+            limits=np.array([limits(v) for v, _ in batch.varying.reals]).reshape(-1, 4),
             sinks=Groups(self.sinks("Real"), self.sinks("Integer", "Enumeration"), self.sinks("Boolean")),
             target=np.array([target.ctypes.data, *target.strides[:2]]),
+            reductions=self.reductions if self.reductions.measures else None,
+            samples=self.samples,
+            first=self.first,
             reports=self.reports,
         )
 
@@ -374,22 +398,16 @@ def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
     return fits & np.where(values == 0.0, d.zero, np.abs(values) >= d.smallest)
 
 
-def _limits(v: Variable) -> tuple[float, float, float, float]:
+def limits(v: Variable) -> tuple[float, float, float, float]:
     """The range of a Real, as the plan's `limits` have it."""
     d = v.declaration
     least, greatest = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
     return least, greatest, d.smallest or (0.0 if d.zero else nextafter(0.0, 1.0)), float(d.zero)
 
 
-def _field(memory: Array, name: str) -> Array:
-    for part in name.split("."):
-        memory = memory[part]
-    return memory
-
-
 def _value(memory: Array, name: str) -> Any:
     """The value of one variable of one instance."""
-    return _field(memory, name)[0].item()
+    return field(memory, name)[0].item()
 
 
 def _source(values: Array) -> list[int]:

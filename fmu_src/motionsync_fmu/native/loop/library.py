@@ -1,4 +1,4 @@
-"""The library of a block for this process: its C text and the loop of batches, compiled for this machine.
+"""The library of a block for this process: its C text and the C of this folder, compiled for this machine.
 
 zig compiles it, as it compiles the library in an FMU, if it is installed (the extra `native`); otherwise the machine's
 own C compiler does. The libraries of the project's own blocks are kept in the user's cache, so that the next process
@@ -30,8 +30,8 @@ from ..platforms import here
 from ..translator import c_source
 from .plan import Cause
 
-LOOP = Path(__file__).with_name("loop.c")
-MADE_FROM = (Path(str(var.__file__)).parent, LOOP.parents[1])  # the folders of the model and of all that compiles it
+LOOP = Path(__file__).parent  # whose C is compiled with every block
+MADE_FROM = (Path(str(var.__file__)).parent, LOOP.parent)  # the folders of the model and of all that compiles it
 # After zig's flags for a library in an FMU, which is to be small, and shows nothing but the functions of FMI.
 ZIG_FLAGS = "-O2 -fvisibility=default"
 COMPILERS = ("cc", "gcc", "clang")  # of the machine itself
@@ -120,8 +120,10 @@ def _compiled(block_type: type[Any]) -> bytes:
         work = Path(folder)
         for name, text in c_source(block_type()).items():
             (work / name).write_bytes(text)
+        for file in LOOP.glob("*.[ch]"):
+            (work / file.name).write_bytes(file.read_bytes())
         causes = "".join(f"#define CAUSE_{cause.name} {cause.value}\n" for cause in Cause)
-        (work / LOOP.name).write_text(causes + LOOP.read_text("utf-8"), "utf-8")
+        (work / "causes.h").write_text(causes, "utf-8")
         return _compiled_by_zig(work) if _has_zig() else _compiled_by_machine(work)
 
 

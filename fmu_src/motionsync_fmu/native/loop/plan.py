@@ -2,13 +2,15 @@
 
 One loop (`loop.c`) serves every choice of variables. The structures here have the layout of those in C."""
 
-from ctypes import CDLL, Structure, byref, c_double, c_int64, c_void_p
+from ctypes import CDLL, Structure, addressof, byref, c_double, c_int64, c_void_p
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .reductions import Reductions
 
 T = TypeVar("T")
 Whole = NDArray[np.int64]
@@ -51,6 +53,9 @@ class Plan:
         sinks: the values to read: Reals; Integers and enumerations; Booleans. A row for each variable: offset in the
             block, offset in the target.
         target: the array for the values that are read: address, stride over instances, stride over steps.
+        reductions: what is reduced, if anything is.
+        samples: room for the samples of the reductions.
+        first: the number of the first instance there.
         reports: a row for each instance: the cause for which it stopped, at which step (-1: at initialization), which
             input or refusal it was. An instance that must not begin has its cause already before the loop.
     """
@@ -62,6 +67,9 @@ class Plan:
     limits: NDArray[np.float64]
     sinks: Groups[Whole]
     target: Whole
+    reductions: Reductions | None
+    samples: NDArray[np.float64]
+    first: int
     reports: Whole
 
 
@@ -78,6 +86,9 @@ class _Plan(Structure):
         ("limits", c_void_p),
         ("sinks", _Table * 3),
         ("target", c_int64 * 3),
+        ("reductions", c_void_p),
+        ("samples", c_void_p),
+        ("first", c_int64),
         ("reports", c_void_p),
     )
 
@@ -97,6 +108,9 @@ def _in_c(plan: Plan) -> Any:
         limits=plan.limits.ctypes.data,
         sinks=_tables(plan.sinks),
         target=tuple(plan.target.tolist()),
+        reductions=addressof(plan.reductions.in_c) if plan.reductions else None,
+        samples=plan.samples.ctypes.data,
+        first=plan.first,
         reports=plan.reports.ctypes.data,
     )
 

@@ -1,0 +1,238 @@
+"""Measures: figures of a block's variables over whole runs, which are kept while the loop runs (`reduce.c`).
+
+Measures need memory for each instance, not for each step. The values at the ends of steps count, not those after the
+initialization. The time is that of the end of a step, 0 where the run begins; h is the length of a step.
+
+| kind | meaning |
+| --- | --- |
+| `initial` | the value after the initialization |
+| `last` | the value at the end of the last step |
+| `min`, `max` | the least, the greatest value; of equal ones the first |
+| `min_time`, `max_time` | when it was there first |
+| `first`, `first_time` | the first value that is not 0, or 0; when it was there, or NaN |
+| `mean`, `rms` | sum(x h) / sum(h); the root of sum(x x h) / sum(h); summed in the order of the steps |
+| `rises` | the number of steps at whose end x > 0.5 while it was not before the step |
+| `above:LIMIT` | sum(h) of the steps at whose end x > LIMIT |
+| `every:N` | the values at the end of each N-th step |
+
+The structures here have the layout of those in `reduce.h`."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from ctypes import Structure, addressof, c_double, c_int64, c_void_p
+from math import isfinite, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import UserError, choose
+from ...interface.variables import Variable, variables
+from ..memory_layout import dtype, offset
+
+Reals = NDArray[np.float64]
+Reduce = Mapping[str, str | Sequence[str]]  # variable to kinds
+
+PLAIN = ("initial", "last", "min", "max", "min_time", "max_time", "first", "first_time", "mean", "rms", "rises")
+NUMBERED = {"above": "above:LIMIT", "every": "every:N"}
+
+SAMPLES = 256  # as in C
+FIRST_ROWS = ("times", "lengths")  # of the samples
+
+
+class Measure(NamedTuple):
+    """One kind of measure of one variable.
+
+    Attributes:
+        kind: the kind as it was given, `above:500` say.
+        of: the kind without its number.
+        number: of `above` and `every`; else NaN.
+    """
+
+    variable: Variable
+    kind: str
+    of: str
+    number: float
+
+    @property
+    def name(self) -> str:
+        return f"{self.variable.name}.{self.kind}"
+
+
+def measures(known: Mapping[str, Variable], reduce: Reduce, block_name: str) -> list[Measure]:
+    """What is asked for, in that order.
+
+    Raises:
+        UserError: an unknown variable or kind, a number that is missing or not allowed, or the same measure twice.
+    """
+    found: dict[str, Measure] = {}
+    for name, kinds in reduce.items():
+        variable = choose(known, name, f"variable of {block_name}")
+        for kind in [kinds] if isinstance(kinds, str) else kinds:
+            measure = _measure(variable, kind)
+            if measure.name in found:
+                raise UserError(f"{name}: the measure {kind} is given 2 times: it must be given once")
+            found[measure.name] = measure
+    return list(found.values())
+
+
+def _measure(variable: Variable, kind: str) -> Measure:
+    of, _, number = kind.partition(":")
+    if kind in PLAIN:
+        return Measure(variable, kind, of, nan)
+    if of not in NUMBERED:
+        there_is = ", ".join([*PLAIN, *NUMBERED.values()])
+        raise UserError(f"{variable.name}: no measure is named {kind!r}; there is {there_is}")
+    try:
+        value = float(number)
+    except ValueError:
+        value = nan
+    if not isfinite(value) or (of == "every" and not (value >= 1.0 and value.is_integer())):
+        allowed = "a whole number >= 1, as in every:10" if of == "every" else "a finite number, as in above:500"
+        raise UserError(f"{variable.name}: the measure {kind!r} is not allowed: after the colon it must have {allowed}")
+    return Measure(variable, kind, of, value)
+
+
+class _Table(Structure):
+    _fields_ = (("rows", c_void_p), ("count", c_int64))
+
+
+class _Reading(Structure):
+    _fields_ = (("offset", c_int64), ("to", c_int64))
+
+
+class _Figure(Structure):
+    _fields_ = (("row", c_int64), ("to", c_int64), ("also", c_int64), ("limit", c_double))
+
+
+class _Series(Structure):
+    _fields_ = tuple((name, c_int64) for name in ("row", "address", "per_instance", "n", "steps", "count"))
+
+
+class _Reductions(Structure):
+    _fields_ = (
+        ("initial", _Table * 3),
+        ("sampled", _Table * 3),
+        ("last", _Table),
+        ("minima", _Table),
+        ("maxima", _Table),
+        ("first", _Table),
+        ("sums", _Table),
+        ("squares", _Table),
+        ("above", _Table),
+        ("elapsed", c_int64),
+        ("rises", _Table),
+        ("series", _Table),
+    )
+
+
+class Reductions:
+    """The measures of some instances of a block, while they run and afterwards.
+
+    Attributes:
+        measures: what is asked for.
+        in_c: the tables that the functions of `reduce.h` read; they hold the addresses of this object's arrays.
+    """
+
+    def __init__(self, block_type: type[Any], reduce: Reduce, instances: int, steps: int = 0) -> None:
+        """`steps`: their number, which `every` alone needs.
+
+        Raises:
+            UserError: `reduce` is not as it must be, as `measures` tells.
+        """
+        block = block_type()
+        self.measures = measures({v.name: v for v in variables(block)}, reduce, block_type.__name__)
+        self._layout = dtype(block)
+        self._instances, self._steps = instances, steps
+        self._sampled = {m.variable.name: m.variable for m in self.measures if m.of != "initial"}
+        self._rows = {name: row for row, name in enumerate(self._sampled, len(FIRST_ROWS))}
+        self._columns: dict[str, Reals] = {}
+        self._tables: list[Any] = []  # keeps them alive
+        self.in_c = self._in_c()
+
+    def samples(self) -> Reals:
+        """Room for the samples of one instance at a time: each thread needs one of its own."""
+        return np.empty((len(FIRST_ROWS) + len(self._rows), SAMPLES))
+
+    def results(self, failed: Iterable[int] = ()) -> dict[str, Reals]:
+        """The measures by `variable.kind`, each of shape (instances,), or (instances, steps // N) for `every:N`.
+
+        Without a step, `rises`, `above` and `first` are 0, and all others but `initial` are NaN. `failed`: the
+        instances that failed. Their measures are NaN; `every` has NaN from the step on at which they failed."""
+        places = list(failed)
+        results = {m.name: self._result(m) for m in self.measures}
+        for m in self.measures:
+            if m.of != "every":
+                results[m.name][places] = nan
+        return results
+
+    def _result(self, m: Measure) -> Reals:
+        column = self._columns[m.name]
+        if m.of not in ("mean", "rms"):
+            return column
+        elapsed = self._columns["elapsed"]
+        mean: Reals = np.divide(column, elapsed, out=np.full(self._instances, nan), where=elapsed > 0.0)
+        return np.sqrt(mean, out=mean) if m.of == "rms" else mean
+
+    def _in_c(self) -> Any:
+        sampled = ((v, self._rows[name]) for name, v in self._sampled.items())
+        return _Reductions(
+            initial=self._readings(self._initial()),
+            sampled=self._readings(sampled),
+            last=self._figures("last"),
+            minima=self._timed("min"),
+            maxima=self._timed("max"),
+            first=self._timed("first", begin=0.0),
+            sums=self._figures("mean", begin=-0.0),  # -0.0 + x is x, also for -0.0
+            squares=self._figures("rms", begin=-0.0),
+            above=self._figures("above", begin=0.0),
+            elapsed=self._column("elapsed", 0.0) if self._of("mean", "rms") else 0,
+            rises=self._figures("rises", begin=0.0, also="before"),
+            series=self._table(_Series, map(self._series, self._of("every"))),
+        )
+
+    def _of(self, *kinds: str) -> list[Measure]:
+        return [m for m in self.measures if m.of in kinds]
+
+    def _column(self, name: str, begin: float = nan) -> int:
+        """The address of the column of that name, whose numbers begin with that value."""
+        if name not in self._columns:
+            self._columns[name] = np.full(self._instances, begin)
+        return self._columns[name].ctypes.data
+
+    def _initial(self) -> Iterator[tuple[Variable, int]]:
+        """The variables whose values after the initialization are wanted, and the columns for these values."""
+        for kind, what in (("initial", "initial"), ("rises", "before")):
+            for m in self._of(kind):
+                yield m.variable, self._column(f"{m.variable.name}.{what}")
+
+    def _readings(self, chosen: Iterable[tuple[Variable, int]]) -> tuple[_Table, ...]:
+        """What to read of the block, and where it goes: Reals; Integers and enumerations; Booleans."""
+        rows = [(v.kind, (offset(self._layout, v.name), to)) for v, to in chosen]
+        groups = ("Real",), ("Integer", "Enumeration"), ("Boolean",)
+        return tuple(self._table(_Reading, (row for kind, row in rows if kind in group)) for group in groups)
+
+    def _figures(self, of: str, begin: float = nan, also: str = "") -> _Table:
+        """The measures of a kind; `also`: the name of the column beside theirs."""
+        rows = (
+            (m.variable.name, self._column(m.name, begin), also and self._column(f"{m.variable.name}.{also}"), m.number)
+            for m in self._of(of)
+        )
+        return self._table(_Figure, ((self._rows[name], to, beside or 0, limit) for name, to, beside, limit in rows))
+
+    def _timed(self, kind: str, begin: float = nan) -> _Table:
+        """A figure with its time, for each variable of which one of the two is asked for."""
+        names = dict.fromkeys(m.variable.name for m in self._of(kind, f"{kind}_time"))
+        columns = ((name, self._column(f"{name}.{kind}", begin), self._column(f"{name}.{kind}_time")) for name in names)
+        return self._table(_Figure, ((self._rows[name], to, also, nan) for name, to, also in columns))
+
+    def _series(self, m: Measure) -> tuple[int, ...]:
+        n = int(m.number)
+        values = self._columns[m.name] = np.full((self._instances, self._steps // n), nan)
+        counts = (self._column(f"{m.name}.{what}", 0.0) for what in ("steps", "count"))
+        return self._rows[m.variable.name], values.ctypes.data, values.strides[0], n, *counts
+
+    def _table(self, kind: type[Structure], rows: Iterable[tuple[Any, ...]]) -> _Table:
+        table = [kind(*row) for row in rows]
+        array = (kind * len(table))(*table)
+        self._tables.append(array)
+        return _Table(addressof(array), len(table))
