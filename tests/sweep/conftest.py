@@ -16,7 +16,7 @@ FAR = """\
 import sys
 
 def refuse(event, arguments):
-    if any(isinstance(a, (str, bytes)) and {folder!r} in str(a) for a in arguments):
+    if event.startswith(("open", "os.")) and {folder!r} in str(arguments[0]):
         raise FileNotFoundError(2, "No such file or directory", {folder!r})
 
 sys.addaudithook(refuse)  # for this process, the folder does not exist
@@ -40,7 +40,7 @@ class Computers:
 
 @pytest.fixture(scope="session")
 def computers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Computers]:
-    from distributed import LocalCluster  # noqa: PLC0415 (a second that other tests need not wait)
+    from distributed import Client, LocalCluster  # noqa: PLC0415 (a second that other tests need not wait)
 
     homes = tmp_path_factory.mktemp("near"), tmp_path_factory.mktemp("far")
     seen = tmp_path_factory.mktemp("seen")
@@ -49,6 +49,8 @@ def computers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Computers]:
     with LocalCluster(n_workers=0, host=HERE, dashboard_address=f"{HERE}:0") as cluster:
         address = cluster.scheduler_address
         with worker(address, homes[0]), worker(address, homes[1], "--preload", str(hidden)):
+            with Client(cluster) as client:
+                client.wait_for_workers(2, timeout=60)
             yield Computers(address, seen, (homes[0] / "cache", homes[1] / "cache"))
 
 

@@ -4,6 +4,7 @@ import errno
 import os
 import socket
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -132,12 +133,18 @@ def test_a_chunk_that_ends_its_workers_does_not_stop_the_others(tmp_path: Path) 
     assert_squares(folder, plan)
 
 
-def test_two_computers_work_and_one_does_not_see_the_folder(computers: Computers) -> None:
+def test_two_computers_work_and_one_does_not_see_the_folder(
+    computers: Computers, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What the far one makes is sent back, and is written by the client; the near one writes its parts itself."""
     plan = Tiny(80, 10, pace=0.01)
     told: list[str] = []
+    sent_back: list[int] = []
+    write = Parts.write
+    monkeypatch.setattr(Parts, "write", lambda s, number, text: (sent_back.append(number), write(s, number, text)))
     go(plan, computers.seen / "out", squares, scheduler=computers.address, tell=told.append)
     assert_squares(computers.seen / "out", plan)
+    assert 0 < len(sent_back) < 8
     assert len([line for line in told if line.startswith("dashboard: http://127.0.0.1:")]) == 1
 
 
@@ -148,12 +155,13 @@ def test_a_worker_of_another_version_is_refused(computers: Computers, tmp_path: 
 
     with worker(computers.address, tmp_path, "--preload", str(other)):
         with Client(computers.address) as client:
-            client.wait_for_workers(3)
+            client.wait_for_workers(3, timeout=60)
         with pytest.raises(UserError, match=rf"has motionsync 0\.0\.1, and this computer has {__version__}$"):
             go(Tiny(40, 10), tmp_path / "out", squares, scheduler=computers.address)
     with Client(computers.address) as client:
-        while len(client.nthreads()) > 2:  # the worker that was ended above
-            pass
+        deadline = time.monotonic() + 60.0
+        while len(client.nthreads()) > 2 and time.monotonic() < deadline:  # the worker that was ended above
+            time.sleep(0.05)
 
 
 def test_an_interruption_keeps_what_is_done(tmp_path: Path) -> None:
