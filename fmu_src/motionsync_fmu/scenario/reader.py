@@ -34,6 +34,7 @@ SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_si
 TABLES = ("interface", "start", "master", "remote", "set", "on", "expect", "cuts", "picture")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 HELD = ("velocity", "acceleration", "jerk")  # what a segment may keep constant
+BRACED = ("segments", *LISTS)  # lists of tables in braces
 MOST_STEPS = 1_000_000  # their results still fit into memory
 
 
@@ -43,7 +44,15 @@ def load(file: Path) -> Scenario:
     Raises:
         UserError: the first mistake in it, with file, line and key.
     """
-    top = read_file(file)
+    return read_scenario(read_file(file))
+
+
+def read_scenario(top: Table) -> Scenario:
+    """Check the top level of a scenario file.
+
+    Raises:
+        UserError: the first mistake in it, with file, line and key.
+    """
     top.allow_only(*SCALARS, *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
@@ -51,7 +60,7 @@ def load(file: Path) -> Scenario:
     reader.check_axis()
     start, script, settings = reader.start(), reader.script(), tuple(reader.settings())
     return Scenario(
-        file,
+        top.file,
         top.string("title"),
         top.string("source", ""),
         reader.recipe,
@@ -77,7 +86,7 @@ def load(file: Path) -> Scenario:
 
 def read_file(file: Path) -> Table:
     """The top level of a scenario file, or of a file with the same tables."""
-    return read_toml(file, ("segments", *LISTS))
+    return read_toml(file, BRACED)
 
 
 def read_block(top: Table) -> tuple[str, str, str]:

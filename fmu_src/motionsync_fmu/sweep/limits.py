@@ -1,7 +1,7 @@
 """Whether the slave can have exceeded a limit of its axis, told by how far its values went in a run.
 
-Only the whole course tells it for certain (`scenario/figures.py`): a limit may change during a run, and acceleration and
-deceleration are told apart point by point. But values that stayed within the tightest limit have exceeded none."""
+Only the whole course tells it for certain (`scenario/figures.py`): a limit may change during a run, and acceleration
+and deceleration are told apart point by point. But values that stayed within the tightest limit have exceeded none."""
 
 import math
 from collections.abc import Iterable, Mapping

@@ -45,3 +45,9 @@ def checked(asked: Mapping[str, str | Sequence[str]], recipe: Recipe) -> dict[st
 def columns(asked: Measures) -> list[str]:
     """The names of the columns of the rows: `slave.velocity.max`."""
     return [f"{name}.{kind}" for name, kinds in asked.items() for kind in kinds]
+
+
+def joined(*several: Measures) -> dict[str, tuple[str, ...]]:
+    """All measures together, each once."""
+    names = dict.fromkeys(name for some in several for name in some)
+    return {name: tuple(dict.fromkeys(kind for some in several for kind in some.get(name, ()))) for name in names}

@@ -29,7 +29,7 @@ ALWAYS = {
 }
 CUTS = {"cuts": pa.int64(), "cut_error": pa.float64()}
 PIECES = {"late": pa.int64(), "skipped": pa.int64(), "length_error": pa.float64()}
-LIMITS = {"limits_broken": pa.string()}
+LIMITS_BROKEN = "limits_broken"
 FAULTS = {"fault": pa.int64(), "faulted_at": pa.float64()}
 
 Row = dict[str, Any]
@@ -50,17 +50,21 @@ class Results:
         self._limits = Limits(variables.values())
         self._faults = FAULT in variables
         self.columns = ALWAYS | (CUTS if scenario.cuts or tells_pieces else {}) | (PIECES if tells_pieces else {})
-        self.columns |= (LIMITS if self._limits else {}) | (FAULTS if self._faults else {})
+        self.columns |= ({LIMITS_BROKEN: pa.string()} if self._limits else {}) | (FAULTS if self._faults else {})
         judged = judged_outputs(scenario)
         self.outputs = sorted({*judged, *SLAVE}) if judged else []
         self.reduce: dict[str, tuple[str, ...]] = {FAULT: ("initial", "first", "first_time")} if self._faults else {}
         if self._limits:
             self.reduce |= dict.fromkeys(SLAVE, ("initial", "min", "max"))
 
+    def lacks_limits(self, row: Row) -> bool:
+        """Whether a recording of the slave has to tell yet which limits were broken."""
+        return bool(self._limits) and not row["refusal"] and LIMITS_BROKEN not in row
+
     def row(self, scenario: Scenario, run: ScriptedRun) -> Row:
-        """The row of a run; without `limits_broken` if it takes a recording, and there is none."""
+        """The row of a run; without the limits that it broke if this takes a recording, and there is none."""
         if run.failure:
-            return refused(run.failure, run.failed_at)
+            return refused(run.failure.removeprefix(f"at {run.failed_at:g} s "), run.failed_at)
         work = Work(scenario, run.recording) if run.recording else None
         broken = [found for found in (check_work(work) if work else missing(run.unmet)) if not found.passed]
         row = {
@@ -75,7 +79,7 @@ class Results:
         if not self._limits:
             return {}
         if not self._limits.may_be_exceeded(scenario, {name: _extent(name, run.measures) for name in SLAVE}):
-            return {"limits_broken": ""}
+            return {LIMITS_BROKEN: ""}
         return limits_broken(scenario, run.recording) if run.recording else {}
 
     def _fault(self, measures: Mapping[str, float]) -> Row:
@@ -94,7 +98,7 @@ def refused(text: str, at: float) -> Row:
 
 def limits_broken(scenario: Scenario, recording: Recording) -> Row:
     """The limits of the axis that the slave exceeded, by the whole course of its values."""
-    return {"limits_broken": ", ".join(peak.name for peak in peaks(scenario, recording) if peak.exceeded)}
+    return {LIMITS_BROKEN: ", ".join(peak.name for peak in peaks(scenario, recording) if peak.exceeded)}
 
 
 def _extent(name: str, measures: Mapping[str, float]) -> Extent:

@@ -80,6 +80,7 @@ typedef struct {
     double longest, closest; /* step size; of a cycle: a time that follows an instant by less is taken for that one */
     const Reductions *reductions;
     Run *runs;
+    int64_t run_count;
 } Scenarios;
 
 #define ROWS(Type, address) ((Type *)(intptr_t)(address))
@@ -296,8 +297,8 @@ static void carry(const Scenarios *s, Run *r, int64_t i) {
     }
 }
 
-/* Carry some of the runs. One that has a cause already is left alone. */
-void script_run(const Scenarios *s, int64_t first, int64_t last) {
-    for (int64_t i = first; i < last; i++)
+/* Carry the runs. One that has a cause already is left alone. */
+void script_run(const Scenarios *s) {
+    for (int64_t i = 0; i < s->run_count; i++)
         if (s->runs[i].cause == CAUSE_NONE && try_begin(s, s->runs + i, i)) carry(s, s->runs + i, i);
 }

@@ -81,6 +81,7 @@ class Scenarios(Structure):
         ("closest", c_double),
         ("reductions", c_void_p),
         ("runs", c_void_p),
+        ("run_count", c_int64),
     )
 
 

@@ -32,7 +32,7 @@ from .plan import Cause
 from .reductions import Reduce, Reductions
 from .script_tables import LIMITED, RUN, RunTables, Scenarios, address, block_memory
 
-TASKS = 4  # of each thread: so none waits long for the last one
+MOST_RUNS = 64  # in one call of compiled code: their tables are in memory at the same time
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def run_scenarios(
     """Run scenarios at their own step sizes, with compiled code, without the interpreter's lock.
 
     All results are in memory at the same time: 8 bytes for each output, and 40 bytes more, for each communication point
-    of each run. Without outputs the memory does not grow with the points.
+    of each run. Without outputs the results do not grow with the points.
 
     Args:
         scenarios: of one recipe; all else may differ.
@@ -80,17 +80,29 @@ def run_scenarios(
         a step size is not allowed.
 
     Raises:
-        UserError: an unknown variable or measure; or there is no C compiler.
+        UserError: an unknown variable or measure, or a number of threads below 1; or there is no C compiler.
     """
-    if not scenarios:
-        return []
-    runs = _Runs(scenarios, outputs, reduce or {})
-    runs.carry(threads or os.cpu_count() or 1)
+    if threads is not None and threads < 1:
+        raise UserError(f"threads = {threads} is not allowed: it must be >= 1")
+    workers = threads or os.cpu_count() or 1
+    size = max(1, min(MOST_RUNS, -(-len(scenarios) // workers)))
+    pieces = [scenarios[first : first + size] for first in range(0, len(scenarios), size)]
+    some = partial(_run_some, outputs=outputs, reduce=reduce or {})
+    if workers == 1 or len(pieces) == 1:
+        return [run for piece in pieces for run in some(piece)]
+    with ThreadPoolExecutor(workers, "motionsync") as pool:
+        return [run for runs in pool.map(some, pieces) for run in runs]
+
+
+def _run_some(scenarios: Sequence[Scenario], outputs: Sequence[str], reduce: Reduce) -> list[ScriptedRun]:
+    """As `run_scenarios`, in this thread; at least one."""
+    runs = _Runs(scenarios, outputs, reduce)
+    runs.carry()
     return runs.results()
 
 
 class _Runs:
-    """Runs of the scenarios of one recipe."""
+    """Some runs of the scenarios of one recipe, which are carried in one call of compiled code."""
 
     def __init__(self, scenarios: Sequence[Scenario], outputs: Sequence[str], reduce: Reduce) -> None:
         self.scenarios, self.outputs = scenarios, outputs
@@ -145,8 +157,8 @@ class _Runs:
                 refused.setdefault(i, v.refusal(values[i].item()))
         return refused
 
-    def carry(self, threads: int) -> None:
-        """Carry all runs, on so many threads."""
+    def carry(self) -> None:
+        """Carry all runs, without the interpreter's lock."""
         places = [self.block.places[name].offset for name in self.axis]
         table = Scenarios(
             axis=(*places, *[0] * (4 - len(places))),
@@ -161,16 +173,9 @@ class _Runs:
             closest=clocks.CLOSE,
             reductions=addressof(self.reductions.in_c) if self.reductions.measures else None,
             runs=address(self.runs),
+            run_count=len(self.runs),
         )
-        run, count = partial(self.library.script_run, byref(table)), len(self.runs)
-        size = -(-count // (TASKS * threads)) if threads > 1 else count
-        pieces = [(first, min(first + size, count)) for first in range(0, count, size)]
-        if len(pieces) == 1:
-            run(0, count)
-            return
-        with ThreadPoolExecutor(threads, "motionsync") as pool:
-            for done in [pool.submit(run, first, last) for first, last in pieces]:
-                done.result()
+        self.library.script_run(byref(table))
 
     def results(self) -> list[ScriptedRun]:
         """What came of each run."""
