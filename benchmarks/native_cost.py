@@ -1,4 +1,8 @@
-"""What a step of the native flavour costs, beside a do-nothing C FMU of the same interface and the python flavour.
+"""What a step of the native flavour costs, beside do-nothing FMUs and the python flavour.
+
+There are two do-nothing FMUs. The *bare* one has FMI's functions only, which store nothing and check nothing. The other
+one has the *same interface*: it is the block's own FMU, which takes, checks and answers the same variables, but its
+block does nothing. The difference to the first is what the interface costs, the difference to the second the block.
 
 All are measured in one run, in turns, so that the ratios hold on a busy machine. A plain C host, without any Python,
 drives the native unit and the do-nothing one; FMPy, and bare ctypes, drive both flavours as well. The worst steps are
@@ -48,15 +52,20 @@ from motionsync_fmu.archive import write
 from motionsync_fmu.build import build_native, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.native.libraries import FLAGS, FREESTANDING, zig_cc
+from motionsync_fmu.native.libraries import FLAGS, FREESTANDING, compiled, zig_cc
 from motionsync_fmu.native.platforms import PLATFORMS
+from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 
 HERE = Path(__file__).parent
 PLATFORM = PLATFORMS["linux64"]
 IN_C = 100  # a round of a C host has so many times the steps, since they are short
 WORST = ("median_ns", "p999_ns", "slowest_ns", "undisturbed_ns")
-NOTHING, NATIVE, PYTHON = "do-nothing FMU", "native", "python"
+NOTHING, IDLE, NATIVE, PYTHON = "do-nothing FMU, bare", "do-nothing FMU, same interface", "native", "python"
+IDLE_BLOCK = """
+int64_t block_initialize(Block *self, bool *failed) { return 0; }
+int64_t block_step(Block *self, double h, bool *failed) { return 0; }
+"""
 IN_C_HOST, FMPY, CTYPES = "C host: ", "FMPy: ", "ctypes: "
 NEVER_BUILT = {  # a start value to be changed
     "Synchronizer": "rest_value",
@@ -249,7 +258,8 @@ def target_table(
     table = Table("target", "reading", "found", "undisturbed", box=None)
     natives = [f"{IN_C_HOST}{NATIVE}, {case.name}" for case in cases]
     rows = [
-        *(("at most 10", f"{native} / {NOTHING}", native, IN_C_HOST + NOTHING) for native in natives),
+        *(("at most 10", f"{native} / {IDLE}", native, IN_C_HOST + IDLE) for native in natives),
+        *(("", f"{native} / {NOTHING}", native, IN_C_HOST + NOTHING) for native in natives),
         ("at least 50", "python through FMPy / native by a C host", FMPY + PYTHON, natives[0]),
         ("", "python through bare ctypes / native by a C host", CTYPES + PYTHON, natives[0]),
         ("", "python / native, both through bare ctypes", CTYPES + PYTHON, CTYPES + NATIVE),
@@ -281,6 +291,22 @@ def do_nothing(folder: Path) -> Path:
     return folder / "idle.so"
 
 
+def idle_block(recipe: Recipe, folder: Path) -> Path:
+    """The library of the block's FMU, compiled as the FMU's own, but its block does nothing."""
+    ((target, flags),) = PLATFORM.targets.items()
+    files = c_sources(recipe.block(), recipe.guid())
+    both = ("block_initialize", "block_step")
+    away = "".join(f"#define {name} {name}_of_the_block\n" for name in both).encode()
+    back = "".join(f"#undef {name}\n" for name in both).encode()
+    files["block.c"] = away + files["block.c"] + back + IDLE_BLOCK.encode()
+    work = folder / "idle_block"
+    work.mkdir()
+    for file, text in ({f.name: f.read_bytes() for f in FREESTANDING.glob("*.[ch]")} | files).items():
+        (work / file).write_bytes(text)
+    compiled(target, flags, f"library/{recipe.name}.so", work)
+    return work / "library" / f"{recipe.name}.so"
+
+
 def report(block: str, n: int, program: Path, folder: Path, console: Console, *, cold: bool) -> None:
     """Build a block's FMUs, measure them, print the tables."""
     recipe, cases = Recipe(block), cases_of(block)
@@ -301,9 +327,12 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
             return begun(stack.enter_context(FmuInstance(fmu)), first, axis)
 
         in_c = {f"{IN_C_HOST}{NATIVE}, {case.name}": SteadySteps(by_c(native), case) for case in cases.steady}
-        by_nothing = SteadySteps(by_c(nothing), first)
+        doing_nothing = {
+            IN_C_HOST + NOTHING: SteadySteps(by_c(nothing), first),
+            IN_C_HOST + IDLE: SteadySteps(by_c(idle_block(recipe, folder)), first),
+        }
         subjects = {
-            IN_C_HOST + NOTHING: by_nothing,
+            **doing_nothing,
             **in_c,
             **{CTYPES + name: timed(through_ctypes(host(fmu), first, axis)) for name, fmu in flavours.items()},
             **{FMPY + name: timed(through_fmpy(host(fmu), first, axis)) for name, fmu in flavours.items()},
@@ -316,8 +345,7 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
         for checked in (*in_c.values(), *planners):
             checked.check()
     quietest = {name: min(times) for name, times in steady.items()}
-    quietest |= {name: steps.undisturbed for name, steps in in_c.items()}
-    quietest[IN_C_HOST + NOTHING] = by_nothing.undisturbed
+    quietest |= {name: steps.undisturbed for name, steps in (in_c | doing_nothing).items()}
     for table in (
         cost_table(steady, IN_C_HOST + NOTHING, f"of the {NOTHING}"),
         worst_table(planners),

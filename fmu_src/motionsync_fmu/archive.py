@@ -8,16 +8,17 @@ import struct
 import sys
 import time
 import zlib
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+from deflate import deflate_compress
 
 from .errors import UserError
 
 HERE = Path(__file__).parent
 Files = dict[str, bytes]
-Deflate = Callable[[bytes], bytes]  # packs bytes as raw deflate (RFC 1951)
+SMALLEST = 12  # libdeflate's level
 FIRST_INSTANT = 315532800  # s since 1970, the first that a zip file can hold
 
 
@@ -62,10 +63,11 @@ def runtime() -> Files:
 
 
 def compilers() -> Files:
-    """The part of this package that determines the native code: the compiler with its modules, the C files and the
-    template of the tables."""
+    """The part of this package that determines the native code: what makes the C and compiles it, with its modules, the
+    C files and the template of the tables."""
     native = HERE / "native"
-    modules = {name for name in sources(f"{__package__}.native.libraries") if name.startswith("native/")}
+    makers = (sources(f"{__package__}.native.{module}") for module in ("unit_sources", "libraries"))
+    modules = {name for names in makers for name in names if name.startswith("native/")}
     files = (file for folder in (native, native / "freestanding") for file in folder.iterdir())
     others = (file.relative_to(HERE).as_posix() for file in files if file.suffix in (".c", ".h", ".j2"))
     return _own(*modules, *others)
@@ -97,41 +99,38 @@ def build_time() -> int | None:
     return max(int(text), FIRST_INSTANT)
 
 
-def quick(data: bytes) -> bytes:
-    """Raw deflate by zlib: the usual compressor."""
-    return zlib.compress(data, 9, -zlib.MAX_WBITS)
+def packed(data: bytes) -> bytes:
+    """The data as raw deflate (RFC 1951), by libdeflate: some 4 % smaller than zlib's."""
+    return bytes(deflate_compress(data, SMALLEST))
 
 
-def write(target: Path, files: Files, deflate: Deflate = quick) -> None:
-    """Write a zip file of the sorted files, each with the build's time; `deflate` is called by several threads.
+def write(target: Path, files: Files) -> None:
+    """Write a zip file of the sorted files, each with the build's time.
 
     Without such a time each file has the first that a zip file can hold. The zip file appears at `target` only when it
     is complete."""
-    whole = zipped(files, time.gmtime(build_time() or FIRST_INSTANT), deflate)
+    whole = zipped(files, time.gmtime(build_time() or FIRST_INSTANT))
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_suffix(f".{os.getpid()}.part")
     part.write_bytes(whole)
     part.replace(target)
 
 
-def zipped(files: Files, stamp: time.struct_time, deflate: Deflate) -> bytes:
+def zipped(files: Files, stamp: time.struct_time) -> bytes:
     """The zip file (PKWARE's APPNOTE, 4.3), below 4 GiB. Python's zipfile would allow no other compressor than zlib.
 
     Raises:
         struct.error: it would be larger.
     """
-    names = sorted(files)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        packed = dict(zip(names, pool.map(deflate, (files[name] for name in names)), strict=True))
     clock = stamp.tm_hour << 11 | stamp.tm_min << 5 | stamp.tm_sec // 2
     date = stamp.tm_year - 1980 << 9 | stamp.tm_mon << 5 | stamp.tm_mday
     body, directory = bytearray(), bytearray()
-    for name in names:
-        path, utf8 = name.encode(), 0 if name.isascii() else 0x800
-        sizes = zlib.crc32(files[name]), len(packed[name]), len(files[name]), len(path)
+    for name, contents in sorted(files.items()):
+        path, utf8, small = name.encode(), 0 if name.isascii() else 0x800, packed(contents)
+        sizes = zlib.crc32(contents), len(small), len(contents), len(path)
         both = struct.pack("<5H3I2H", 20, utf8, 8, clock, date, *sizes, 0)  # zip 2.0, method 8: deflate; nothing extra
         mode = 0o644 << 16  # a Unix file (3)
         directory += struct.pack("<4s2B26s3H2I", b"PK\1\2", 20, 3, both, 0, 0, 0, mode, len(body)) + path
-        body += b"PK\3\4" + both + path + packed[name]
-    sizes_of_all = len(names), len(names), len(directory), len(body)
+        body += b"PK\3\4" + both + path + small
+    sizes_of_all = len(files), len(files), len(directory), len(body)
     return bytes(body + directory + struct.pack("<4s4H2IH", b"PK\5\6", 0, 0, *sizes_of_all, 0))

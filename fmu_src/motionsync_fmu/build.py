@@ -2,15 +2,16 @@
 
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from enum import StrEnum
 from importlib import metadata
 from importlib.resources import files as package_files
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import ParseError, fromstring
 
-from .archive import Deflate, Files, build_time, digest, quick, runtime, sources, write
+from .archive import Files, build_time, digest, runtime, sources, write
 from .errors import UserError
 from .extras import how_to_install
 from .interface.fmi2_xml import OWN_MEMORY, SOURCES, complete, content, describe
@@ -37,6 +38,7 @@ else:
 """
 
 LICENCES = "documentation/licenses"
+NO_COMPONENT = "--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3"
 NO_PYTHON = "the python flavour is of FMI 2.0 only: for --fmi 3 take --flavour native"
 
 
@@ -96,10 +98,12 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     files |= {f"resources/motionsync_fmu_{tag}/{n}": text for n, text in runtime().items()}
     pythonfmu = Path(str(package_files("pythonfmu")))
     files |= {f"resources/pythonfmu/{p.name}": p.read_bytes() for p in pythonfmu.glob("*.py")}
-    for library in (pythonfmu / "resources" / "binaries").glob("*/*"):
+    libraries = list((pythonfmu / "resources" / "binaries").glob("*/*"))
+    for library in libraries:
         files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
     files |= {f"{LICENCES}/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
-    return _write(target, recipe, Flavour.PYTHON, files, quick, OWN_MEMORY)
+    files |= _documents(recipe, Flavour.PYTHON, (library.parent.name for library in libraries), ())
+    return _write(target, recipe, files, OWN_MEMORY, ())
 
 
 def build_native(
@@ -113,34 +117,38 @@ def build_native(
 ) -> Path:
     """Build the FMU with a library for each of these platforms (none: for all), without Python.
 
-    An FMU for all platforms is packed as small as can be, which takes seconds. `progress` is called with lines of text
-    if compiling takes long. `with_sources`: the C that the libraries are compiled from is in the FMU, too;
-    `with_component`: so is the unit of FMI 3.0 as a WebAssembly component.
+    `progress` is called with lines of text if compiling takes long. `with_sources`: the C that the libraries are
+    compiled from is in the FMU, too; `with_component`: so is the unit as a WebAssembly component, of FMI 3.0 only.
 
     Raises:
-        UserError: what builds it is not installed or failed, or the block is outside the kernel subset.
+        UserError: what builds it is not installed or failed, the block is outside the kernel subset, or an FMU of this
+            version has no component.
     """
-    block, every = recipe.block(), OF_VERSION[recipe.fmi]
+    block, fmi = recipe.block(), recipe.fmi
+    if with_component and fmi != Fmi.THREE:
+        raise UserError(NO_COMPONENT)
     check_kernel(type(block).__module__)
     try:
-        # Zopfli is installed for this flavour only.
-        from .native import libraries, packing, tables, unit_sources  # noqa: PLC0415
+        from .native import libraries, tables, unit_sources  # noqa: PLC0415 (it asks where zig is)
         from .native.wasm import component  # noqa: PLC0415
     except ModuleNotFoundError as e:
-        other = "; or take --flavour python" if recipe.fmi == Fmi.TWO else ""
+        other = "; or take --flavour python" if fmi == Fmi.TWO else ""
         raise UserError(
             f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
         ) from None
-    files = libraries.libraries(block, recipe.guid(), platforms or every, progress, recipe.turned, recipe.fmi)
-    texts = licences("motionsync") | libraries.linked_licences(recipe.fmi)
-    files |= {f"{LICENCES}/{n}": text for n, text in texts.items()}
+    unit, rows = unit_sources.c_sources(block, recipe.guid(), recipe.turned, fmi), platforms or OF_VERSION[fmi]
+    c_files = unit_sources.c_names(unit) if with_sources else ()
+    with ThreadPoolExecutor(1) as pool:  # zig's processes compile meanwhile
+        documents = pool.submit(_documents, recipe, Flavour.NATIVE, (row.folder for row in rows), c_files)
+        files = libraries.libraries(recipe.name, unit, rows, progress)
+        if with_component:
+            files |= component.component_files(recipe.name, unit)
+    texts = licences("motionsync") | libraries.linked_licences(fmi)
+    files |= documents.result() | {f"{LICENCES}/{n}": text for n, text in texts.items()}
     if with_sources:
-        files |= unit_sources.source_files(block, recipe.guid(), recipe.turned, recipe.fmi)
-    if with_component:
-        files |= component.component_files(block, recipe.guid(), recipe.turned)
-    deflate = packing.smallest if all(row in (platforms or every) for row in every) else quick
+        files |= unit_sources.source_files(block, unit, fmi)
     memory = {} if with_sources else OWN_MEMORY
-    return _write(target, recipe, Flavour.NATIVE, files, deflate, tables.abilities(block) | memory)
+    return _write(target, recipe, files, tables.abilities(block) | memory, c_files)
 
 
 def check_kernel(module: str) -> None:
@@ -154,16 +162,10 @@ def check_kernel(module: str) -> None:
         raise UserError("\n".join(f"{package}/{violation}" for violation in found))
 
 
-def _write(
-    target: Path,
-    recipe: Recipe,
-    flavour: Flavour,
-    files: Files,
-    deflate: Deflate,
-    abilities: Mapping[str, str],
-) -> Path:
-    """Write the FMU with these files and with what both flavours hold: documentation, picture, example,
-    modelDescription."""
+def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_files: Sequence[str]) -> Files:
+    """What both flavours hold beside libraries, licences and modelDescription: documentation, picture, example.
+
+    `platforms`: the names of the libraries' folders; `c_files`: the C files among the sources in the FMU."""
     from .pages.block_page import pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
     from .pages.pictures import icon  # noqa: PLC0415
     from .pages.related_files import related_files  # noqa: PLC0415
@@ -171,19 +173,20 @@ def _write(
 
     build_time()  # refuses a bad SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
     block, example = recipe.block(), example_of(recipe.name)
-    platforms = sorted({name.split("/")[1] for name in files if name.startswith("binaries/")})
     related = {} if recipe.starts or recipe.turned else related_files(example)  # of the block as it is declared
-    c_files = sorted(PurePosixPath(name).name for name in files if name.startswith(SOURCES) and name.endswith(".c"))
     told = bool(related), recipe.fmi, bool(c_files)
-    texts = pages(block, example, recipe.unit, flavour, platforms, recipe.slave_unit, recipe.turned, *told)
-    files = files | related | {f"documentation/{n}": text for n, text in texts.items()}
+    texts = pages(block, example, recipe.unit, flavour, sorted(platforms), recipe.slave_unit, recipe.turned, *told)
     picture = icon(example)
+    files = related | {f"documentation/{n}": text for n, text in texts.items()}
     files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(block, recipe.turned)}
+    return files if recipe.fmi == Fmi.THREE else files | {"model.png": picture}
+
+
+def _write(target: Path, recipe: Recipe, files: Files, abilities: Mapping[str, str], c_files: Sequence[str]) -> Path:
+    """Write the FMU with these files and with its descriptions."""
     if recipe.fmi == Fmi.THREE:
         files[f"{LICENCES}/license.txt"] = files.pop(f"{LICENCES}/motionsync.txt")  # FMI 3.0 demands this name
-    else:
-        files["model.png"] = picture
-    write(target, files | _descriptions(recipe, abilities, c_files), deflate)
+    write(target, files | _descriptions(recipe, abilities, c_files))
     return target
 
 

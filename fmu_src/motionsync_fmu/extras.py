@@ -7,12 +7,12 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 HERE = Path(__file__).parent
-NATIVE = ("ziglang", "zopfli")
+COMPILER = "ziglang"  # builds the native flavour
 
 
 def missing_for_native() -> str:
-    """The first package that builds the native flavour and is not installed; empty if all are."""
-    return next((name for name in NATIVE if find_spec(name) is None), "")
+    """The package that builds the native flavour, if it is not installed; else empty."""
+    return "" if find_spec(COMPILER) else COMPILER
 
 
 def how_to_install(extra: str) -> str:

@@ -10,7 +10,7 @@ from motionsync.blocks import BLOCKS
 
 from .. import places
 from ..archive import build_time
-from ..build import Flavour, fmu_path, has_component, has_sources, outdated
+from ..build import NO_COMPONENT, Flavour, fmu_path, has_component, has_sources, outdated
 from ..build import build as build_fmu
 from ..builds import chosen
 from ..errors import UserError, spelled
@@ -99,7 +99,7 @@ def build(
     if sources and Flavour.NATIVE not in flavours:
         raise UserError("--sources: the python flavour has no C; take --flavour native")
     if wasm and fmi != Fmi.THREE:
-        raise UserError("--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3")
+        raise UserError(NO_COMPONENT)
     for recipe in recipes:
         for one in flavours:
             target = fmu_path(recipe, folder, one)

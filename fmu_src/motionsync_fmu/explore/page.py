@@ -8,7 +8,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from ..archive import quick
+from ..archive import packed
 from ..interface.recipe import Recipe
 from ..pages.machine.fragment import live_machine
 from ..pages.style import TEMPLATES
@@ -61,7 +61,7 @@ def write_page(
 
 
 def _packed(data: bytes) -> str:
-    return base64.b64encode(quick(data)).decode()
+    return base64.b64encode(packed(data)).decode()
 
 
 @cache

@@ -45,7 +45,7 @@ from .loop.library import library
 from .loop.plan import CAUSE, Cause, Groups, Plan, run
 from .loop.reductions import Reduce, Reductions
 from .loop.room import new_array
-from .memory_layout import offset
+from .memory_layout import field, offset
 
 Array = NDArray[Any]
 Reals = NDArray[np.float64]
@@ -299,16 +299,16 @@ class _Batch:
         """The memory of some instances, with their start values and the inputs of the first step."""
         memory = np.full(last - first, self.image)
         for c in self.starts:
-            field = _field(memory, c.name)
+            values = field(memory, c.name)
             if c.values.shape[1]:  # without steps there is no first step
-                field[...] = c.piece(first, last, field.dtype)[:, 0]
+                values[...] = c.piece(first, last, values.dtype)[:, 0]
         return memory
 
     def judge(self, memory: Array) -> dict[int, str]:
         """The instances that cannot be initialized, each with the message for its first bad variable."""
         refused: dict[int, str] = {}
         for v in self.judged:
-            values = _field(memory, v.name)
+            values = field(memory, v.name)
             for i in np.flatnonzero(~allowed(v, values)).tolist():
                 refused.setdefault(i, v.refusal(values[i].item()))
         return refused
@@ -337,7 +337,7 @@ class _Task:
 
     def pieces(self, group: _Varying, last: int) -> list[tuple[str, Array]]:
         """These instances' values of each variable of a group, in the type of the block's memory."""
-        return [(v.name, c.piece(self.first, last, _field(self.memory, v.name).dtype)) for v, c in group]
+        return [(v.name, c.piece(self.first, last, field(self.memory, v.name).dtype)) for v, c in group]
 
     def plan(self) -> Plan:
         memory, target, batch = self.memory, self.target, self.batch
@@ -346,7 +346,7 @@ class _Task:
             step_sizes=np.array(_source(self.step_sizes)),
             longest=LONGEST_STEP,
             sources=Groups(*(self.sources(group) for group in self.values)),
-            limits=np.array([_limits(v) for v, _ in batch.varying.reals]).reshape(-1, 4),
+            limits=np.array([limits(v) for v, _ in batch.varying.reals]).reshape(-1, 4),
             sinks=Groups(self.sinks("Real"), self.sinks("Integer", "Enumeration"), self.sinks("Boolean")),
             target=np.array([target.ctypes.data, *target.strides[:2]]),
             reductions=self.reductions if self.reductions.measures else None,
@@ -407,22 +407,16 @@ def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
     return fits & np.where(values == 0.0, d.zero, np.abs(values) >= d.smallest)
 
 
-def _limits(v: Variable) -> tuple[float, float, float, float]:
+def limits(v: Variable) -> tuple[float, float, float, float]:
     """The range of a Real, as the plan's `limits` have it."""
     d = v.declaration
     least, greatest = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
     return least, greatest, d.smallest or (0.0 if d.zero else nextafter(0.0, 1.0)), float(d.zero)
 
 
-def _field(memory: Array, name: str) -> Array:
-    for part in name.split("."):
-        memory = memory[part]
-    return memory
-
-
 def _value(memory: Array, name: str) -> Any:
     """The value of one variable of one instance."""
-    return _field(memory, name)[0].item()
+    return field(memory, name)[0].item()
 
 
 def _source(values: Array) -> list[int]:

@@ -7,17 +7,16 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, as_completed, wait
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 from ..archive import Files
 from ..errors import UserError
 from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
-from .unit_sources import c_sources
 
 HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
@@ -46,38 +45,41 @@ ZIG = _package("ziglang")
 
 
 def libraries(
-    block: Any,
-    guid: str,
+    name: str,
+    unit: Files,
     platforms: Sequence[Platform] = ROWS,
     progress: Callable[[str], None] = lambda text: None,
-    turned: Mapping[str, str] | None = None,
-    fmi: Fmi = Fmi.TWO,
 ) -> Files:
     """The library of each platform, by its path in the FMU; `progress` gets lines of text if this takes long.
 
-    `turned`: as for `variables`; `fmi`: the version, to which the platforms belong.
+    `name`: the block's; `unit`: the C of its unit (`c_sources`), of the platforms' version of FMI.
 
     Raises:
         UserError: zig failed.
     """
-    name = type(block).__name__
+    with workplace(unit) as work, ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = {
+            target: pool.submit(compiled, target, flags, f"{target}/{name}.{platform.suffix}", work)
+            for platform in platforms
+            for target, flags in platform.targets.items()
+        }
+        if wait(jobs.values(), PATIENCE, FIRST_EXCEPTION).not_done:
+            progress(SLOW)
+            targets = {job: target for target, job in jobs.items()}
+            for job in as_completed(targets):
+                progress(f"compiled for {targets[job]}")
+        return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
+
+
+@contextmanager
+def workplace(files: Files) -> Iterator[Path]:
+    """A folder for a while that holds these C files and headers, and what stands in for a C library."""
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        files = {source.name: source.read_bytes() for source in FREESTANDING.glob("*.[ch]")}
-        for file, text in (files | c_sources(block, guid, turned, fmi)).items():
-            (work / file).write_bytes(text)
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            jobs = {
-                target: pool.submit(compiled, target, flags, f"{target}/{name}.{platform.suffix}", work)
-                for platform in platforms
-                for target, flags in platform.targets.items()
-            }
-            if wait(jobs.values(), PATIENCE, FIRST_EXCEPTION).not_done:
-                progress(SLOW)
-                targets = {job: target for target, job in jobs.items()}
-                for job in as_completed(targets):
-                    progress(f"compiled for {targets[job]}")
-            return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
+        stand_ins = {source.name: source.read_bytes() for source in FREESTANDING.glob("*.[ch]")}
+        for name, text in (stand_ins | files).items():
+            (work / name).write_bytes(text)
+        yield work
 
 
 def compiled(target: str, flags: str, path: str, work: Path) -> bytes:

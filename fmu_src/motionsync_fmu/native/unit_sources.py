@@ -33,10 +33,8 @@ def c_names(files: Files) -> list[str]:
     return sorted(name for name in files if name.endswith(".c"))
 
 
-def source_files(block: Any, guid: str, turned: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> Files:
-    """What an FMU holds as its sources, by the paths in it: the C, and how to compile it. The arguments are those of
-    `c_sources`."""
-    files = c_sources(block, guid, turned, fmi)
+def source_files(block: Any, files: Files, fmi: Fmi = Fmi.TWO) -> Files:
+    """What an FMU holds as its sources, by the paths in it: the C (`files`: those of `c_sources`), how to compile it."""
     name, state = type(block).__name__, dtype(block).itemsize + STATE
     text = ENVIRONMENT.get_template("sources.md.j2").render(name=name, files=c_names(files), fmi=str(fmi), state=state)
     return {f"{SOURCES}{name}": content for name, content in (files | {"README.md": text.encode()}).items()}

@@ -112,11 +112,10 @@ class Clocks:
     def telegrams(self, axis: Script, cycles: int) -> Telegrams:
         """What the receiver sees of an axis in its first cycles."""
         index = self.received(cycles)
-        motions = [axis.at(t) for t in self.sent(index).tolist()]
         return Telegrams(
             index,
             index % self.wraps_at,
-            np.array([(m.position, m.velocity, m.acceleration) for m in motions]),
+            axis.motions_at(self.sent(index))[:, :3],
             self.true_index(np.arange(float(cycles)) * self.task_cycle),
         )
 

@@ -60,6 +60,13 @@ class Piece:
         """Whether its length was ordered."""
         return self.name == PRODUCT
 
+    @property
+    def gap(self) -> float | None:
+        """How far its cut is from where the block tells it, in u; None: the cut was shorter than a step."""
+        if self.cut is None:
+            return None
+        return max(self.wander, abs(self.measured - self.length) if self.measured is not None else 0.0)
+
 
 def find_pieces(scenario: Scenario, recording: Recording) -> list[Piece]:
     """The pieces of a run in the order in which they were cut off; none for a block that does not tell them.

@@ -106,13 +106,9 @@ def errors(remote: Remote, recording: Recording) -> Errors:
         received,
         _wrapped(telegrams.cycle_index[shown] - true_index, clocks.wraps_at),
         _wrapped(corrected - true_index, clocks.wraps_at),
-        received[:, 0] - _positions(remote.axis, instant),
-        recording.values["slave.position"][1:] - _positions(remote.axis, instant + delay - behind),
+        received[:, 0] - remote.axis.motions_at(instant)[:, 0],
+        recording.values["slave.position"][1:] - remote.axis.motions_at(instant + delay - behind)[:, 0],
     )
-
-
-def _positions(axis: Script, times: Reals) -> Reals:
-    return np.array([axis.at(t).position for t in times.tolist()])
 
 
 def _wrapped(difference: Reals, wraps_at: int) -> Reals:

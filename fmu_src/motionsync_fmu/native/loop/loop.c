@@ -3,8 +3,6 @@
  *
  * One loop serves all blocks and every choice of variables: tables of addresses, strides and offsets, all in bytes, say
  * what is set and what is read. plan.py tells what they mean. */
-#include <math.h>
-
 #include "reduce.h"
 
 typedef struct { /* values for each instance and step */
@@ -15,10 +13,6 @@ typedef struct { /* the values of a variable, and where it lies in the block */
     Array values;
     int64_t offset;
 } Source;
-
-typedef struct { /* what a Real is allowed to be; `zero`: 1 if it may be 0, else 0 */
-    double least, greatest, smallest, zero;
-} Limit;
 
 typedef struct { /* where a variable lies in the block, and where its value goes in a row of the target */
     int64_t offset, to;
@@ -54,11 +48,6 @@ typedef struct {
 
 static int64_t place(const Array *a, int64_t i, int64_t t) {
     return a->address + i * a->per_instance + t * a->per_step;
-}
-
-static bool allows(const Limit *limit, double x) { /* NaN fails every comparison */
-    bool sized = fabs(x) >= limit->smallest || (x == 0.0 && limit->zero != 0.0);
-    return limit->least <= x && x <= limit->greatest && sized;
 }
 
 /* Set the inputs of a step until a Real is not allowed. Its number; -1 if all are allowed. */

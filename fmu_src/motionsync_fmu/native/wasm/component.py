@@ -5,24 +5,14 @@ same.
 interface (`wasm-tools component embed wit --world co-simulation-fmu`, `wasm-tools component new`).
 """
 
-import tempfile
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from ...archive import Files
-from ...interface.recipe import Fmi
-from ..libraries import FREESTANDING, zig_cc
 from ..platforms import WASM
-from ..unit_sources import c_sources
+from .core import core_module
 
 HERE = Path(__file__).parent
-TARGET = "wasm32-wasi"  # "freestanding" would turn fabs and sqrt from instructions into unknown functions
-FLAGS = (
-    "-std=c11 -O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fvisibility=hidden -g0 -s "
-    "-rtlib=none -nostdlib -Wl,--no-entry -Wl,-z,stack-size=65536"
-)
-SOURCES = ("wit.c", "unit.c", "decimal.c", "block.c", "freestanding.c")  # wit.c includes fmi3.c
+COMPILED = ("wit.c", "unit.c", "decimal.c", "block.c")  # wit.c includes fmi3.c
 CORE_MODULE = 1  # the kind of section
 
 MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
@@ -34,23 +24,17 @@ MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def component_files(block: Any, guid: str, turned: Mapping[str, str] | None = None) -> Files:
+def component_files(name: str, unit: Files) -> Files:
     """What an FMU of FMI 3.0 holds more: the component, and the manifest of the layered standard.
 
-    `turned`: as for `variables`.
+    `name`: the block's; `unit`: the C of its unit (`c_sources`), of FMI 3.0.
 
     Raises:
         UserError: zig failed.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        work = Path(folder)
-        sources = [HERE / "wit.c", *FREESTANDING.glob("*.[ch]")]
-        files = {file.name: file.read_bytes() for file in sources} | c_sources(block, guid, turned, Fmi.THREE)
-        for name, text in files.items():
-            (work / name).write_bytes(text)
-        core = zig_cc(TARGET, [*FLAGS.split(), "-I.", *SOURCES], "core.wasm", work)
+    core = core_module(unit | {"wit.c": (HERE / "wit.c").read_bytes()}, COMPILED)
     return {
-        f"binaries/{WASM}/{type(block).__name__}.wasm": around(core),
+        f"binaries/{WASM}/{name}.wasm": around(core),
         "extra/org.modelica.fmi-ls-wasm/manifest.xml": MANIFEST.encode(),
     }
 

@@ -1,0 +1,95 @@
+"""A chunk of a sweep's runs: run, judged, and told in a table, a row a run.
+
+A run that fails is a row, too: what was refused stands in it."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+
+import pyarrow as pa
+
+from ..errors import UserError
+from ..native.loop.scripted import run_scenarios
+from ..scenario.figures import SLAVE
+from ..scenario.scenario import Scenario
+from .measures import Measures, columns, joined
+from .plan import SweepPlan
+from .results import Results, Row, limits_broken, refused
+
+MOST_MEMORY = 64e6  # bytes of the recordings that are in memory at a time
+MOST_RUNS = 512  # whose scenarios are in memory at a time
+POINT = 40  # bytes of a communication point: the time, and the master's motion
+VALUE = 8  # bytes of an output at a point
+PLACE = re.compile(r"^.*?:\d+: ")  # run, file and line of a refused value; the file has another value there
+
+
+def schema(plan: SweepPlan) -> pa.Schema:
+    """The columns of the rows: the run's number, factors and derived values, what became of the run, and measures."""
+    values = {name: pa.array(of_run).type for name, of_run in plan.values(0, 1).items()}
+    measured = dict.fromkeys(columns(plan.measures), pa.float64())
+    return pa.schema({"run": pa.int64()} | values | Results(plan.varied.scenario).columns | measured)
+
+
+def rows(plan: SweepPlan, first: int, last: int, threads: int = 1) -> pa.Table:
+    """The rows of the runs from `first` up to, but not including, `last`.
+
+    `threads`: how many run at the same time.
+
+    Raises:
+        UserError: there are no such runs; or there is no C compiler.
+    """
+    given = {"run": range(first, last), **plan.values(first, last)}
+    told: list[Row] = []
+    for begin in range(first, last, MOST_RUNS):
+        scenarios = plan.scenarios(begin, min(begin + MOST_RUNS, last))
+        told += run_and_judge(plan.varied.scenario, scenarios, plan.measures, threads)
+    arrays = [
+        pa.array(given[f.name] if f.name in given else [row.get(f.name) for row in told], f.type, from_pandas=True)
+        for f in schema(plan)
+    ]
+    return pa.Table.from_arrays(arrays, schema=schema(plan))
+
+
+def run_and_judge(
+    base: Scenario, scenarios: Sequence[Scenario | UserError], measures: Measures, threads: int = 1
+) -> list[Row]:
+    """What the rows tell of runs: their results and measures by the names of the columns, without those that a run does
+    not have. A run that a UserError stands for was refused by it.
+
+    Recordings of 64 MB are in memory at a time, or that of one run. If nothing has to be judged from the whole course
+    there are none, and the memory does not grow with the steps.
+
+    `base`: a scenario of which the others differ in values alone."""
+    results = Results(base)
+    told: list[Row] = [refused(PLACE.sub("", str(s)), 0.0) if isinstance(s, UserError) else {} for s in scenarios]
+    accepted = [(i, s) for i, s in enumerate(scenarios) if isinstance(s, Scenario)]
+    reduce = joined(measures, results.reduce)
+    for batch in _batches(accepted, len(results.outputs)):
+        runs = run_scenarios([s for _, s in batch], results.outputs, reduce, threads)
+        for (i, s), run in zip(batch, runs, strict=True):
+            told[i] = {**run.measures, **results.row(s, run)}
+    unknown = [(i, s) for i, s in accepted if results.lacks_limits(told[i])]
+    for batch in _batches(unknown, len(SLAVE)):
+        for (i, s), run in zip(batch, run_scenarios([s for _, s in batch], SLAVE, {}, threads), strict=True):
+            assert run.recording
+            told[i] |= limits_broken(s, run.recording)
+    return told
+
+
+def _batches(runs: Iterable[tuple[int, Scenario]], outputs: int) -> Iterator[list[tuple[int, Scenario]]]:
+    """The runs in batches whose recordings of so many outputs fit into memory together."""
+    batch: list[tuple[int, Scenario]] = []
+    size = 0.0
+    for i, s in runs:
+        needed = _points(s) * (POINT + VALUE * outputs if outputs else VALUE)
+        if batch and size + needed > MOST_MEMORY:
+            yield batch
+            batch, size = [], 0.0
+        batch.append((i, s))
+        size += needed
+    if batch:
+        yield batch
+
+
+def _points(scenario: Scenario) -> float:
+    """About how many communication points a run has."""
+    return scenario.stop_time / scenario.step_size + (scenario.stop_time / scenario.scan if scenario.reacts else 0.0)
