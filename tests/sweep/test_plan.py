@@ -165,6 +165,7 @@ def test_a_value_that_the_reader_refuses_is_told_with_its_run() -> None:
         (["axis.max_jerk=1e4,9e4"], {"samples": 9}, "--samples 9: no factor has a range to be sampled"),
         (["axis.max_jerk=1e4..9e4"], {"samples": 0}, "--samples 0 is not allowed: it must be >= 1"),
         (["axis.max_jerk=1e4..9e4"], {"samples": 5, "seed": -1}, "--seed -1 is not allowed"),
+        (["axis.max_jerk=1e4..9e4"], {"samples": 5, "seed": 2**53 + 1}, "--seed 9007199254740993 is not allowed"),
         (["axis.max_jerk=1e4..9e4"], {"samples": 10**8}, "a Latin hypercube of 100,000,000 samples does not fit"),
         (["axis.max_jerk=1e4"], {"chunk": -1}, "a chunk of -1 runs is not allowed"),
         (["axis.max_jerk=1e4", "axis.max_jerk=2e4"], {}, "axis.max_jerk is given twice, as axis.max_jerk=1e4"),
