@@ -150,11 +150,22 @@ class SweepPlan:
         if self._ranges:
             shares = self._shares(first, last)
             found |= {name: r.at(shares[:, i]) for i, (name, r) in enumerate(self._ranges.items())}
+        return self._completed(found, len(runs))
+
+    def completed(self, given: Mapping[str, Array]) -> dict[str, Array]:
+        """The values of runs with other values of the factors than those of the plan; each of shape (runs,).
+
+        `given`: those of all factors; of what follows by expressions they are computed anew."""
+        own = {name: values for name, values in given.items() if name not in self._order}
+        return self._completed(own, len(next(iter(given.values()))))
+
+    def _completed(self, found: dict[str, Array], runs: int) -> dict[str, Array]:
+        """The values of all factors; `found`: of those that do not follow by expressions."""
         for name in self._order:
             expression, sources = self._values[name], self._sources[name]
             assert isinstance(expression, Expression)
             given = {n: found[s] if isinstance(s, str) else s for n, s in sources.items()}
-            found[name] = np.array(np.broadcast_to(expression.values(given), runs.shape))
+            found[name] = np.array(np.broadcast_to(expression.values(given), runs))
         return {factor.name: found[factor.name] for factor in self.factors}
 
     def scenario(self, run: int) -> Scenario:
@@ -171,14 +182,19 @@ class SweepPlan:
     def scenarios(self, first: int, last: int) -> list[Scenario | UserError]:
         """The scenarios of the runs from `first` to below `last`; for a run whose values the scenario's reader refuses,
         what it said."""
-        columns = {name: values.tolist() for name, values in self.values(first, last).items()}
-        targets = [self._targets[name] for name in columns]
+        found = self.scenarios_with(self.values(first, last))
+        return [UserError(f"run {i}: {s}") if isinstance(s, UserError) else s for i, s in enumerate(found, first)]
+
+    def scenarios_with(self, values: Mapping[str, Array]) -> list[Scenario | UserError]:
+        """The scenarios of runs with these values, those of all factors; for a run whose values the scenario's reader
+        refuses, what it said."""
+        targets = [self._targets[name] for name in values]
         found: list[Scenario | UserError] = []
-        for run, values in enumerate(zip(*columns.values(), strict=True), first):
+        for of_run in zip(*(column.tolist() for column in values.values()), strict=True):
             try:
-                found.append(self.varied.varied(zip(targets, values, strict=True)))
+                found.append(self.varied.varied(zip(targets, of_run, strict=True)))
             except UserError as e:
-                found.append(UserError(f"run {run}: {e}"))
+                found.append(e)
         return found
 
     def differs(self, other: "SweepPlan") -> str:
@@ -196,14 +212,14 @@ class SweepPlan:
                 said.append(_not(WORDS.get(what, what), _shown(own), _shown(its)))
         return "; ".join(said)
 
-    def write(self, folder: Path) -> None:
-        """Write `plan.toml` and a copy of the scenario's file.
+    def write(self, folder: Path, more: str = "") -> None:
+        """Write `plan.toml` and a copy of the scenario's file; `more`: the text of further tables.
 
         Raises:
             UserError: they cannot be written.
         """
         try:
-            for name, text in ((SCENARIO, self.text), (FILE, self._toml())):  # who finds the plan finds both
+            for name, text in ((SCENARIO, self.text), (FILE, self._toml() + more)):  # who finds the plan finds both
                 part = folder / f"{name}.tmp"
                 part.write_text(text, "utf-8", newline="\n")
                 part.replace(folder / name)
@@ -211,14 +227,14 @@ class SweepPlan:
             raise UserError(f"{folder}: the plan cannot be written: {e}") from None
 
     @classmethod
-    def read(cls, folder: Path) -> Self:
-        """The plan in a folder.
+    def read(cls, folder: Path, *others: str) -> Self:
+        """The plan in a folder; `others`: the names of further tables in its file, which are not read.
 
         Raises:
             UserError: there is none, or it is damaged.
         """
         top = read_toml(folder / FILE)
-        top.allow_only(*KEYS)
+        top.allow_only(*KEYS, *others)
         try:
             text = (folder / SCENARIO).read_text("utf-8")
         except (OSError, UnicodeDecodeError) as e:

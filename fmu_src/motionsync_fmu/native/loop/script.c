@@ -79,6 +79,7 @@ typedef struct {
     double *begins;
     double longest, closest; /* step size; of a cycle: a time that follows an instant by less is taken for that one */
     const Reductions *reductions;
+    double *samples; /* for the reductions: their rows */
     Run *runs;
     int64_t run_count;
 } Scenarios;
@@ -255,7 +256,7 @@ static bool stop(Run *r, int64_t cause, int64_t number) {
 }
 
 /* One step, from t to `end`. False: the run has failed. */
-static bool try_step(const Scenarios *s, Run *r, int64_t i, double t, double end) {
+static bool try_step(const Scenarios *s, Run *r, Samples *samples, int64_t i, double t, double end) {
     const double h = end - t;
     bool failed = false;
     r->step = h;
@@ -266,25 +267,25 @@ static bool try_step(const Scenarios *s, Run *r, int64_t i, double t, double end
     const int64_t refusal = block_step((Block *)(intptr_t)r->block, h, &failed);
     if (failed || refusal) return stop(r, failed ? CAUSE_RAISED : CAUSE_REFUSED, refusal);
     record(s, r, end, until(r, end));
-    if (s->reductions) reduce_step(s->reductions, i, r->block, end, h);
+    if (s->reductions) reduce_step(s->reductions, samples, i, r->block, end, h);
     if (next_look(r) <= end + r->close) look(r);
     return true;
 }
 
 /* Begin a run. False: it has failed. */
-static bool try_begin(const Scenarios *s, Run *r, int64_t i) {
+static bool try_begin(const Scenarios *s, Run *r, Samples *samples, int64_t i) {
     bool failed = false;
     const int64_t refusal = block_initialize((Block *)(intptr_t)r->block, &failed);
     if (failed || refusal) return stop(r, failed ? CAUSE_RAISED : CAUSE_REFUSED, refusal);
     keep_begin(s, i, r->block);
-    if (s->reductions) reduce_begin(s->reductions, i, r->block);
+    if (s->reductions) reduce_begin(s->reductions, samples, i, r->block);
     record(s, r, 0.0, at(r, 0.0));
     hold(r);
     return true;
 }
 
 /* The steps, one by one. Where a step ends depends on what the reactions see at the end of the one before. */
-static void carry(const Scenarios *s, Run *r, int64_t i) {
+static void carry(const Scenarios *s, Run *r, Samples *samples, int64_t i) {
     const double *points = ROWS(const double, r->points);
     double t = points[0];
     for (int64_t known = 1; known < r->point_count;) {
@@ -292,13 +293,18 @@ static void carry(const Scenarios *s, Run *r, int64_t i) {
         const double seen = next_look(r), set = next_setting(r);
         double end = set < seen ? set : seen;
         if (end >= points[known] - r->close) end = points[known++];
-        if (!try_step(s, r, i, t, end)) return;
+        if (!try_step(s, r, samples, i, t, end)) return;
         t = end;
     }
 }
 
 /* Carry the runs. One that has a cause already is left alone. */
 void script_run(const Scenarios *s) {
-    for (int64_t i = 0; i < s->run_count; i++)
-        if (s->runs[i].cause == CAUSE_NONE && try_begin(s, s->runs + i, i)) carry(s, s->runs + i, i);
+    for (int64_t i = 0; i < s->run_count; i++) {
+        Run *r = s->runs + i;
+        Samples samples = {s->samples, 0, 0.0};
+        if (r->cause != CAUSE_NONE) continue;
+        if (try_begin(s, r, &samples, i)) carry(s, r, &samples, i);
+        if (s->reductions) reduce_end(s->reductions, &samples, i);
+    }
 }

@@ -65,6 +65,7 @@ class Scenarios(Structure):
         begun: the variables whose values after the initialization are kept, PLACE; `begins`: a row of them a run.
         longest: the greatest allowed step size, in s.
         closest: of a cycle: a time that follows an instant by less is taken for that instant.
+        samples: room for the samples of the reductions.
         runs: RUN.
     """
 
@@ -80,6 +81,7 @@ class Scenarios(Structure):
         ("longest", c_double),
         ("closest", c_double),
         ("reductions", c_void_p),
+        ("samples", c_void_p),
         ("runs", c_void_p),
         ("run_count", c_int64),
     )

@@ -69,7 +69,7 @@ def run_scenarios(
 
     Args:
         scenarios: of one recipe; all else may differ.
-        outputs: the outputs and local variables that are recorded; `scenario.judged.judged_outputs` names those that
+        outputs: the outputs and local variables that are recorded; `scenario.judge.judged_outputs` names those that
             judging needs.
         reduce: the measures, as for `simulate_many`; all kinds but `every:N`.
         threads: the greatest number of threads; by default the number of cores.
@@ -160,6 +160,7 @@ class _Runs:
     def carry(self) -> None:
         """Carry all runs, without the interpreter's lock."""
         places = [self.block.places[name].offset for name in self.axis]
+        samples = self.reductions.samples()
         table = Scenarios(
             axis=(*places, *[0] * (4 - len(places))),
             limits=address(self.limits),
@@ -172,6 +173,7 @@ class _Runs:
             longest=LONGEST_STEP,
             closest=clocks.CLOSE,
             reductions=addressof(self.reductions.in_c) if self.reductions.measures else None,
+            samples=address(samples),
             runs=address(self.runs),
             run_count=len(self.runs),
         )
