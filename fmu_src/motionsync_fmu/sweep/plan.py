@@ -314,6 +314,15 @@ class SweepPlan:
         return found
 
     @property
+    def independent(self) -> tuple[str, ...]:
+        """The names of the factors that vary by themselves, with more than one value."""
+        return tuple(
+            name
+            for name, values in self._values.items()
+            if isinstance(values, Range) or (isinstance(values, Linear | Listed) and values.count > 1)
+        )
+
+    @property
     def _grids(self) -> dict[str, Linear | Listed]:
         return {name: v for name, v in self._values.items() if isinstance(v, Linear | Listed)}
 
