@@ -1,7 +1,9 @@
 """Scenarios with other values than their files have: equal to those of edited files."""
 
+from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import pytest
@@ -61,6 +63,34 @@ count = 0
 """
 
 
+EDITS = [
+    ("axis.max_acceleration", 3000.5, '"axis.max_acceleration" = 2500.0', '"axis.max_acceleration" = 3000.5', 1),
+    ("start.axis.max_acceleration", 99.0, '_acceleration" = 2500.0', '_acceleration" = 99.0', 1),
+    ("axis.max_velocity", 800.0, "[start]", '[start]\n"axis.max_velocity" = 800.0', 1),
+    ("master.period", 0.0, "[start]", '[start]\n"master.period" = 0.0', 1),
+    ("move_absolute.velocity", 700.0, "= 600.0", "= 700.0", 2),
+    ("set.1.gear_in_pos.velocity", 350.0, "= 400.0", "= 350.0", 1),
+    ("set.0.gear_in_pos.execute", False, "execute\" = true", "execute\" = false", 1),
+    ("set.0.at", 0.3, "at = 0.2", "at = 0.3", 1),
+    ("move_absolute.position", 6.0, "= 5.0 }", "= 6.0 }", 1),
+    ("on.0.after", 0.2, "after = 0.1", "after = 0.2", 1),
+    ("on.0.times", 3.0, "after = 0.1", "after = 0.1\ntimes = 3", 1),
+    ("on.0.repeat", True, "after = 0.1", "after = 0.1\nrepeat = true", 1),
+    ("master.velocity", 300.0, "velocity = 250\n", "velocity = 300\n", 1),
+    ("master.acceleration", 7.5, "velocity = 250\n", "velocity = 250\nacceleration = 7.5\n", 1),
+    ("master.segments.1.acceleration", -60.0, "-50.0", "-60.0", 1),
+    ("master.segments.0.duration", 1.0, "duration = 2.0", "duration = 1.0", 1),
+    ("cuts.length", 600.0, "length = 500.0", "length = 600.0", 1),
+    ("length", 600.0, "length = 500.0", "length = 600.0", 1),
+    ("cuts.offset", 5.0, "[cuts]", "[cuts]\noffset = 5.0", 1),
+    ("stop_time", 5.0, "stop_time = 4.4", "stop_time = 5.0", 1),
+    ("step_size", 0.01, "step_size = 0.02", "step_size = 0.01", 1),
+    ("expect.0.slave.velocity", 240.0, "slave.velocity\" = 250.0", "slave.velocity\" = 240.0", 1),
+    ("expect.0.tolerance", 1e-3, "at = 1.5", "at = 1.5\ntolerance = 1e-3", 1),
+]  # fmt: skip
+"""A name, its value, and the same as an edit of the file: a text, what stands there instead, how often."""
+
+
 def plain(thing: Any) -> Any:
     """All that a scenario has in it, as something that can be compared."""
     if isinstance(thing, Script):
@@ -84,40 +114,41 @@ def edited(text: str, folder: Path, old: str, new: str, times: int = 1) -> Scena
     return load(file)
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "old", "new", "times"),
-    [
-        ("axis.max_acceleration", 3000.5, '"axis.max_acceleration" = 2500.0', '"axis.max_acceleration" = 3000.5', 1),
-        ("start.axis.max_acceleration", 99.0, '_acceleration" = 2500.0', '_acceleration" = 99.0', 1),
-        ("axis.max_velocity", 800.0, "[start]", '[start]\n"axis.max_velocity" = 800.0', 1),
-        ("master.period", 0.0, "[start]", '[start]\n"master.period" = 0.0', 1),
-        ("move_absolute.velocity", 700.0, "= 600.0", "= 700.0", 2),
-        ("set.1.gear_in_pos.velocity", 350.0, "= 400.0", "= 350.0", 1),
-        ("set.0.gear_in_pos.execute", False, "execute\" = true", "execute\" = false", 1),
-        ("set.0.at", 0.3, "at = 0.2", "at = 0.3", 1),
-        ("move_absolute.position", 6.0, "= 5.0 }", "= 6.0 }", 1),
-        ("on.0.after", 0.2, "after = 0.1", "after = 0.2", 1),
-        ("on.0.times", 3.0, "after = 0.1", "after = 0.1\ntimes = 3", 1),
-        ("on.0.repeat", True, "after = 0.1", "after = 0.1\nrepeat = true", 1),
-        ("master.velocity", 300.0, "velocity = 250\n", "velocity = 300\n", 1),
-        ("master.acceleration", 7.5, "velocity = 250\n", "velocity = 250\nacceleration = 7.5\n", 1),
-        ("master.segments.1.acceleration", -60.0, "-50.0", "-60.0", 1),
-        ("master.segments.0.duration", 1.0, "duration = 2.0", "duration = 1.0", 1),
-        ("cuts.length", 600.0, "length = 500.0", "length = 600.0", 1),
-        ("length", 600.0, "length = 500.0", "length = 600.0", 1),
-        ("cuts.offset", 5.0, "[cuts]", "[cuts]\noffset = 5.0", 1),
-        ("stop_time", 5.0, "stop_time = 4.4", "stop_time = 5.0", 1),
-        ("step_size", 0.01, "step_size = 0.02", "step_size = 0.01", 1),
-        ("expect.0.slave.velocity", 240.0, "slave.velocity\" = 250.0", "slave.velocity\" = 240.0", 1),
-        ("expect.0.tolerance", 1e-3, "at = 1.5", "at = 1.5\ntolerance = 1e-3", 1),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "value", "old", "new", "times"), EDITS)
 def test_a_varied_scenario_is_that_of_an_edited_file(
     tmp_path: Path, name: str, value: Any, old: str, new: str, times: int
 ) -> None:
     varied = of(SAW, tmp_path)
     found = varied.varied([(varied.target(name), value)])
     assert plain(found) == plain(edited(SAW, tmp_path, old, new, times))
+
+
+def test_what_was_read_before_makes_no_difference(tmp_path: Path) -> None:
+    varied = of(SAW, tmp_path)
+    wanted = [plain(edited(SAW, tmp_path, old, new, times)) for _, _, old, new, times in EDITS]
+    for order in (range(len(EDITS)), reversed(range(len(EDITS))), range(0, len(EDITS), 3)):
+        for i in order:
+            name, value, *_ = EDITS[i]
+            assert plain(varied.varied([(varied.target(name), value)])) == wanted[i]
+            with pytest.raises(UserError):
+                varied.varied([(varied.target(name), value), (varied.target("step_size"), -1.0)])
+
+
+def test_a_varied_scenario_costs_a_part_of_reading_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "scenario.toml"
+    file.write_text(SAW)
+    varied = of(SAW, tmp_path)
+    target = varied.target("axis.max_acceleration")
+
+    def cost(act: Callable[[float], Any]) -> float:
+        times = []
+        for i in range(30):
+            begin = process_time()
+            act(1000.0 + i)
+            times.append(process_time() - begin)
+        return sorted(times)[10]
+
+    assert cost(lambda value: varied.varied([(target, value)])) < 0.5 * cost(lambda _: load(file))
 
 
 def test_several_values_change_together_and_the_first_scenario_stays(tmp_path: Path) -> None:

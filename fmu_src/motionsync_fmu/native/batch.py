@@ -35,16 +35,16 @@ from ..interface.variables import (
     LONGEST_STEP,
     Variable,
     explained,
-    refusals,
     shown,
     spoken_of,
     step_size_refusal,
     variables,
 )
+from .loop.described import described
 from .loop.library import library
 from .loop.plan import CAUSE, Cause, Groups, Plan, run
 from .loop.reductions import Reduce, Reductions
-from .memory_layout import field, image, offset
+from .memory_layout import field, offset
 
 Array = NDArray[Any]
 Reals = NDArray[np.float64]
@@ -153,7 +153,7 @@ def simulate_many(
             an array that does not fit into memory; or there is no C compiler.
     """
     outputs = [outputs] if isinstance(outputs, str) else outputs
-    batch = _Batch(block, step_size, inputs, start or {}, outputs, interface or Interface(), steps, instances)
+    batch = _Batch(block, step_size, inputs, start or {}, outputs, interface, steps, instances)
     reductions = Reductions(batch.type, reduce or {}, batch.instances, batch.steps)
     out = batch.target(out)
     if threads is not None and threads < 1:
@@ -190,13 +190,14 @@ class _Batch:
         inputs: Inputs,
         start: Mapping[str, ArrayLike],
         outputs: Sequence[str],
-        interface: Interface,
+        interface: Interface | None,
         steps: int | None,
         instances: int | None,
     ) -> None:
         self.type: type[Any] = choose(BLOCKS, block, "block") if isinstance(block, str) else block
-        self.image = image(self.type())
-        self.variables = {v.name: v for v in variables(self.type(), interface.causalities(self.type()))}
+        known = described(self.type)
+        self.image = known.memory
+        self.variables = known.variables if interface is None else _turned(self.type(), interface)
         self.outputs = [choose(self.variables, name, f"variable of {self.type.__name__}") for name in outputs]
         self.step_sizes = _column("step_size", step_size)
         running = [self.checked(c, "inputs") for c in _split({n: self.numbered(n, x) for n, x in inputs.items()})]
@@ -209,7 +210,7 @@ class _Batch:
         self.starts = starts + [c for c in running if c.name not in start]
         self.varying = self.grouped(c for c in running if c.values.shape[1] > 1 or c.name in start)
         self.judged = self.to_judge({c.name for c in self.starts})
-        self.refusals = {member.value: member for member in refusals(self.type)}
+        self.refusals = known.refusals
         self.library = library(self.type)
 
     def numbered(self, name: Any, values: ArrayLike) -> ArrayLike:
@@ -384,6 +385,11 @@ class _Task:
                 return explained(refusal, spoken_of(refusal, self.batch.variables), value)
             case _:
                 return NO_RESULT
+
+
+def _turned(block: Any, interface: Interface) -> dict[str, Variable]:
+    """The variables of a block by name, with the causalities that an FMU of this interface has."""
+    return {v.name: v for v in variables(block, interface.causalities(block))}
 
 
 def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:

@@ -11,19 +11,22 @@ change. If its values differ, the name alone would overwrite what the scenario d
 place (`set.2.gear_in_pos.velocity`) is meant instead.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, Self, TypeVar, cast
 
 from ..errors import UserError, choose
 from ..interface.variables import Variable
 from ..scenario.reader import BRACED, Reader, read_scenario
 from ..scenario.scenario import Scenario
-from ..scenario.toml_tables import read_text
+from ..scenario.toml_tables import Table, read_text
+from ..scenario.variable_tables import Subject
 from .factors import Kind
 
+T = TypeVar("T")
 Place = tuple[str | int, ...]
 """Keys and indices that lead from the top of a scenario file to a value."""
 
@@ -72,8 +75,8 @@ class Varied:
             UserError: the first mistake in it, with file, line and key.
         """
         self._top = read_text(text, file, BRACED)
-        self.scenario = read_scenario(self._top)
-        self._block = Reader(self._top, self.scenario.recipe.name, self.scenario.stop_time).block
+        self._reader: _Rereader | None = None
+        self.scenario = self.varied(())
 
     def target(self, name: str) -> Target:
         """What a name means.
@@ -101,7 +104,18 @@ class Varied:
             UserError: the reader refuses it; the message has file, line and key.
         """
         changes = [(place, target.fitted(value)) for target, value in values for place in target.places]
-        return read_scenario(self._top.with_values(_changed(self._top.values, changes)))
+        return read_scenario(self._top.with_values(_Asked(_changed(self._top.values, changes))), self._reader_of)
+
+    def _reader_of(self, top: Table, name: str, stop_time: float) -> Reader:
+        """The same reader for every scenario: block and interface, which are texts, never vary."""
+        if self._reader is None:
+            self._reader = _Rereader(top, name, stop_time)
+        return self._reader.of(top, stop_time)
+
+    @property
+    def _block(self) -> Subject:
+        assert self._reader
+        return self._reader.block
 
     def _variable(self, v: Variable) -> Target:
         """A variable, at all places at which the scenario gives it a value."""
@@ -122,7 +136,7 @@ class Varied:
         """All names that may vary; a variable of the block has no place here."""
         names: dict[str, Place] = {n: () for n, v in self._block.variables.items() if v.settable}
         names = {name: place for name, place in names.items() if not self._block.scripts(self._block.variables[name])}
-        values = _Watched(self._top.values)
+        values = _watched(self._top.values)
         read_scenario(self._top.with_values(values))
         for place, value in _leaves(values):
             key = str(place[-1])
@@ -132,11 +146,11 @@ class Varied:
         return names
 
 
-class _Watched(dict[str, Any]):
-    """A table of a file, with the keys for which the reader has asked: those that it may have."""
+class _Asked(dict[str, Any]):
+    """A table of a file, and the keys for which the reader has asked: what it depends on, and what it may have."""
 
     def __init__(self, values: dict[str, Any]) -> None:
-        super().__init__({key: _watched(value) for key, value in values.items()})
+        super().__init__(values)
         self.asked: set[str] = set()
 
     def __contains__(self, key: object) -> bool:
@@ -149,14 +163,73 @@ class _Watched(dict[str, Any]):
 
 
 def _watched(value: Any) -> Any:
+    """The value with all tables in it as tables that tell what is asked for."""
     if isinstance(value, list):
         return [_watched(inner) for inner in value]
-    return _Watched(value) if isinstance(value, dict) else value
+    return _Asked({key: _watched(inner) for key, inner in value.items()}) if isinstance(value, dict) else value
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part of a scenario as it was read, and all that it depends on: tables, arguments and the stop time."""
+
+    tables: Mapping[str, Any]
+    arguments: tuple[Any, ...]
+    stop_time: float
+    found: Any
+
+
+def _kept(read: Callable[..., T]) -> Callable[..., T]:
+    """A method of the reader that reads only if something has changed of what it asked for the last time."""
+
+    @wraps(read)
+    def kept(reader: "_Rereader", *arguments: Any) -> T:
+        values = reader.top.values
+        assert isinstance(values, _Asked)
+        part = reader.parts.get(read.__name__)
+        if (
+            part is None
+            or part.stop_time != reader.stop_time
+            or any(a is not b for a, b in zip(part.arguments, arguments, strict=True))
+            or any(dict.get(values, key) is not table for key, table in part.tables.items())
+        ):
+            values.asked.clear()
+            found = read(reader, *arguments)
+            tables = {key: dict.get(values, key) for key in values.asked}
+            part = reader.parts[read.__name__] = _Part(tables, arguments, reader.stop_time, found)
+        return cast("T", part.found)
+
+    return kept
+
+
+class _Rereader(Reader):
+    """Reads the same scenario again and again, with other values in some of its tables."""
+
+    def __init__(self, top: Table, name: str, stop_time: float) -> None:
+        super().__init__(top, name, stop_time)
+        self.parts: dict[str, _Part] = {}
+
+    def of(self, top: Table, stop_time: float) -> Self:
+        """The reader of the same scenario with another top level; what was read is known to all of them."""
+        other = copy(self)
+        other.top, other.stop_time = top, stop_time
+        return other
+
+    start = _kept(Reader.start)
+    script = _kept(Reader.script)
+    remote = _kept(Reader.remote)
+    drive = _kept(Reader.drive)
+    settings = _kept(Reader.settings)
+    reactions = _kept(Reader.reactions)
+    expectations = _kept(Reader.expectations)
+    cuts = _kept(Reader.cuts)
+    pieces = _kept(Reader.pieces)
+    picture = _kept(Reader.picture)
 
 
 def _leaves(value: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
     """All values of a watched table that are no tables or lists, and as None those that it may have and has not."""
-    if isinstance(value, _Watched):
+    if isinstance(value, _Asked):
         for key, inner in value.items():
             yield from _leaves(inner, (*place, key))
         yield from (((*place, key), None) for key in sorted(value.asked - {*value}))

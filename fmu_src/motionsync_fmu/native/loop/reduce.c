@@ -4,7 +4,6 @@
 #define COLUMN(column) AT(double, (column) + i * (int64_t)sizeof(double))
 #define EACH(Type, row, table) const Type *row = (table).rows, *end = row + (table).count; row < end; row++
 
-enum { TIMES, LENGTHS }; /* the first rows */
 enum { LANES = 4 }; /* sums that are added up side by side: one alone would wait for each addition */
 
 typedef enum { PLAIN, SQUARED, ABOVE } Summand;
@@ -104,12 +103,14 @@ static void keep_series(const Samples *s, const Series *f, int64_t i) {
 /* --- all of them --- */
 
 void reduce_begin(const Reductions *r, Samples *s, int64_t i, int64_t block) {
-    read_values(&r->initial, block, i * (int64_t)sizeof(double), 1);
     s->count = 0;
     s->elapsed = 0.0;
+    read_sample(r, block, s->rows + FIRST_VALUES * SAMPLES);
+    for (EACH(Figure, f, r->initial)) COLUMN(f->to) = *values_of(s, f->row);
 }
 
-void reduce_end(const Reductions *r, Samples *s, int64_t i) {
+void reduce_samples(const Reductions *r, Samples samples, int64_t i) {
+    const Samples *s = &samples;
     if (!s->count) return;
     for (EACH(Figure, f, r->last)) COLUMN(f->to) = values_of(s, f->row)[s->count - 1];
     for (EACH(Figure, f, r->minima)) take_extreme(s, f, i, false);
@@ -121,5 +122,4 @@ void reduce_end(const Reductions *r, Samples *s, int64_t i) {
     if (r->elapsed) COLUMN(r->elapsed) = s->elapsed;
     for (EACH(Figure, f, r->rises)) count_rises(s, f, i);
     for (EACH(Series, f, r->series)) keep_series(s, f, i);
-    s->count = 0;
 }

@@ -9,16 +9,13 @@
 #include "loop.h"
 
 enum { SAMPLES = 256 }; /* of a row; reductions.py has the same number */
+enum { TIMES, LENGTHS, FIRST_VALUES }; /* the first rows */
 
 typedef struct { /* rows of SAMPLES numbers: the times, the lengths of the steps, and the values of each variable */
     double *rows;
     int64_t count; /* of the samples that are collected */
     double elapsed; /* the sum of all lengths */
 } Samples;
-
-typedef struct { /* where a variable lies in the block, and the row or column for its value */
-    int64_t offset, to;
-} Reading;
 
 typedef struct { /* what is kept of the values in a row: the column where it is kept, and a second one beside it */
     int64_t row, to, also;
@@ -29,10 +26,10 @@ typedef struct { /* each n-th of the values in a row: the array for them, and co
     int64_t row, address, per_instance, n, steps, count;
 } Series;
 
-typedef struct {
-    const Reading *rows;
+typedef struct { /* where variables lie in the block */
+    const int64_t *rows;
     int64_t count;
-} Readings;
+} Offsets;
 
 typedef struct {
     const Figure *rows;
@@ -45,12 +42,8 @@ typedef struct {
 } AllSeries;
 
 typedef struct {
-    Readings reals, words, flags; /* words: all else of 8 bytes; flags: Booleans */
-} Values;
-
-typedef struct {
-    Values initial; /* the values after the initialization, into columns */
-    Values sampled; /* the values at the end of a step, into rows */
+    Offsets reals, words, flags; /* words: all else of 8 bytes; flags: Booleans. Their rows are in this order */
+    Figures initial; /* the value after the initialization */
     Figures last;
     Figures minima, maxima; /* also: the time */
     Figures first; /* the first value that is not 0; also: the time */
@@ -64,25 +57,37 @@ typedef struct {
 /* Begin the figures of instance i, whose block is initialized. */
 void reduce_begin(const Reductions *r, Samples *s, int64_t i, int64_t block);
 
-/* Reduce what is collected of instance i; to be called at the end of each run. */
-void reduce_end(const Reductions *r, Samples *s, int64_t i);
+/* Take samples into the figures of instance i. */
+void reduce_samples(const Reductions *r, Samples s, int64_t i);
 
-/* Bring variables into columns or rows, as doubles; the first is at `address`, and they are `size` bytes long. */
-static inline void read_values(const Values *v, int64_t block, int64_t address, int64_t size) {
-    for (const Reading *x = v->reals.rows, *end = x + v->reals.count; x < end; x++)
-        AT(double, address + x->to * size) = AT(const double, block + x->offset);
-    for (const Reading *x = v->words.rows, *end = x + v->words.count; x < end; x++)
-        AT(double, address + x->to * size) = (double)AT(const int64_t, block + x->offset);
-    for (const Reading *x = v->flags.rows, *end = x + v->flags.count; x < end; x++)
-        AT(double, address + x->to * size) = (double)AT(const uint8_t, block + x->offset);
+/* Read the variables as doubles, into one place of each row. */
+static inline void read_sample(const Reductions *r, int64_t block, double *to) {
+    const int64_t *x = r->reals.rows, *end = x + r->reals.count;
+    for (; end - x >= 4; x += 4, to += 4 * SAMPLES) { /* the loop would take as long as what it does */
+        to[0] = AT(const double, block + x[0]);
+        to[SAMPLES] = AT(const double, block + x[1]);
+        to[2 * SAMPLES] = AT(const double, block + x[2]);
+        to[3 * SAMPLES] = AT(const double, block + x[3]);
+    }
+    for (; x < end; x++, to += SAMPLES) *to = AT(const double, block + *x);
+    for (x = r->words.rows, end = x + r->words.count; x < end; x++, to += SAMPLES)
+        *to = (double)AT(const int64_t, block + *x);
+    for (x = r->flags.rows, end = x + r->flags.count; x < end; x++, to += SAMPLES)
+        *to = (double)AT(const uint8_t, block + *x);
+}
+
+/* Reduce what is collected of instance i; to be called at the end of each run. */
+static inline void reduce_end(const Reductions *r, Samples *s, int64_t i) {
+    reduce_samples(r, *s, i); /* a copy, so that a loop can keep its samples in registers */
+    s->count = 0;
 }
 
 /* Collect the values at the end of a step of instance i; `time`: of the step's end. */
 static inline void reduce_step(const Reductions *r, Samples *s, int64_t i, int64_t block, double time, double h) {
     double *sample = s->rows + s->count;
-    sample[0] = time;
-    sample[SAMPLES] = h;
-    read_values(&r->sampled, block, (int64_t)(intptr_t)sample, SAMPLES * (int64_t)sizeof(double));
+    sample[TIMES * SAMPLES] = time;
+    sample[LENGTHS * SAMPLES] = h;
+    read_sample(r, block, sample + FIRST_VALUES * SAMPLES);
     s->elapsed += h;
     if (++s->count == SAMPLES) reduce_end(r, s, i);
 }

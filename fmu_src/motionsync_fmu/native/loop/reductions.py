@@ -17,8 +17,9 @@ initialization. The time is that of the end of a step, 0 where the run begins; h
 
 The structures here have the layout of those in `reduce.h`."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from ctypes import Structure, addressof, c_double, c_int64, c_void_p
+from itertools import chain
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
@@ -26,8 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UserError, choose
-from ...interface.variables import Variable, variables
-from ..memory_layout import dtype, offset
+from ...interface.variables import Variable
+from ..memory_layout import offset
+from .described import described
 
 Reals = NDArray[np.float64]
 Reduce = Mapping[str, str | Sequence[str]]  # variable to kinds
@@ -36,6 +38,7 @@ PLAIN = ("initial", "last", "min", "max", "min_time", "max_time", "first", "firs
 NUMBERED = {"above": "above:LIMIT", "every": "every:N"}
 
 SAMPLES = 256  # as in C
+GROUPS = ("Real",), ("Integer", "Enumeration"), ("Boolean",)  # read in different ways
 FIRST_ROWS = ("times", "lengths")  # of the samples
 
 
@@ -96,10 +99,6 @@ class _Table(Structure):
     _fields_ = (("rows", c_void_p), ("count", c_int64))
 
 
-class _Reading(Structure):
-    _fields_ = (("offset", c_int64), ("to", c_int64))
-
-
 class _Figure(Structure):
     _fields_ = (("row", c_int64), ("to", c_int64), ("also", c_int64), ("limit", c_double))
 
@@ -110,8 +109,8 @@ class _Series(Structure):
 
 class _Reductions(Structure):
     _fields_ = (
-        ("initial", _Table * 3),
-        ("sampled", _Table * 3),
+        ("offsets", _Table * 3),
+        ("initial", _Table),
         ("last", _Table),
         ("minima", _Table),
         ("maxima", _Table),
@@ -139,12 +138,13 @@ class Reductions:
         Raises:
             UserError: `reduce` is not as it must be, as `measures` tells.
         """
-        block = block_type()
-        self.measures = measures({v.name: v for v in variables(block)}, reduce, block_type.__name__)
-        self._layout = dtype(block)
+        known = described(block_type)
+        self.measures = measures(known.variables, reduce, block_type.__name__)
+        self._layout = known.memory.dtype
         self._instances, self._steps = instances, steps
-        self._sampled = {m.variable.name: m.variable for m in self.measures if m.of != "initial"}
-        self._rows = {name: row for row, name in enumerate(self._sampled, len(FIRST_ROWS))}
+        asked = {m.variable.name: m.variable.kind for m in self.measures}
+        self._groups = [[name for name, kind in asked.items() if kind in group] for group in GROUPS]
+        self._rows = {name: row for row, name in enumerate(chain(*self._groups), len(FIRST_ROWS))}
         self._columns: dict[str, Reals] = {}
         self._tables: list[Any] = []  # keeps them alive
         self.in_c = self._in_c()
@@ -174,10 +174,9 @@ class Reductions:
         return np.sqrt(mean, out=mean) if m.of == "rms" else mean
 
     def _in_c(self) -> Any:
-        sampled = ((v, self._rows[name]) for name, v in self._sampled.items())
         return _Reductions(
-            initial=self._readings(self._initial()),
-            sampled=self._readings(sampled),
+            offsets=tuple(map(self._offsets, self._groups)),
+            initial=self._initial(),
             last=self._figures("last"),
             minima=self._timed("min"),
             maxima=self._timed("max"),
@@ -199,17 +198,20 @@ class Reductions:
             self._columns[name] = np.full(self._instances, begin)
         return self._columns[name].ctypes.data
 
-    def _initial(self) -> Iterator[tuple[Variable, int]]:
-        """The variables whose values after the initialization are wanted, and the columns for these values."""
-        for kind, what in (("initial", "initial"), ("rises", "before")):
-            for m in self._of(kind):
-                yield m.variable, self._column(f"{m.variable.name}.{what}")
+    def _offsets(self, names: Iterable[str]) -> _Table:
+        """Where these variables lie in the block."""
+        return self._table(c_int64, ((offset(self._layout, name),) for name in names))
 
-    def _readings(self, chosen: Iterable[tuple[Variable, int]]) -> tuple[_Table, ...]:
-        """What to read of the block, and where it goes: Reals; Integers and enumerations; Booleans."""
-        rows = [(v.kind, (offset(self._layout, v.name), to)) for v, to in chosen]
-        groups = ("Real",), ("Integer", "Enumeration"), ("Boolean",)
-        return tuple(self._table(_Reading, (row for kind, row in rows if kind in group)) for group in groups)
+    def _initial(self) -> _Table:
+        """What is wanted of the values after the initialization: they themselves, or whether there is an edge then."""
+        wanted = [
+            (m.variable.name, what)
+            for kind, what in (("initial", "initial"), ("rises", "before"))
+            for m in self._of(kind)
+        ]
+        return self._table(
+            _Figure, ((self._rows[name], self._column(f"{name}.{what}"), 0, nan) for name, what in wanted)
+        )
 
     def _figures(self, of: str, begin: float = nan, also: str = "") -> _Table:
         """The measures of a kind; `also`: the name of the column beside theirs."""
@@ -231,7 +233,7 @@ class Reductions:
         counts = (self._column(f"{m.name}.{what}", 0.0) for what in ("steps", "count"))
         return self._rows[m.variable.name], values.ctypes.data, values.strides[0], n, *counts
 
-    def _table(self, kind: type[Structure], rows: Iterable[tuple[Any, ...]]) -> _Table:
+    def _table(self, kind: Any, rows: Iterable[tuple[Any, ...]]) -> _Table:
         table = [kind(*row) for row in rows]
         array = (kind * len(table))(*table)
         self._tables.append(array)
