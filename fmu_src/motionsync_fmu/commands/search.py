@@ -8,8 +8,10 @@ import typer
 from rich.markup import escape
 
 from ..errors import UserError
-from ..pages.console import err
-from ..pages.progress import doing
+from ..extras import need
+from ..pages.console import out
+from ..pages.progress import counting
+from ..scenario.shipped import called, find_one
 
 
 def _share(text: str) -> float:
@@ -20,7 +22,7 @@ def _share(text: str) -> float:
 
 
 def search(
-    scenario: Annotated[Path, typer.Argument(help="A scenario file, or the name of one that comes with motionsync.")],
+    path: Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario's file or folder, or its short name.")],
     vary: Annotated[str, typer.Option(metavar="NAME=LOW..HIGH", help="What is varied, and between which values.")],
     until: Annotated[
         str,
@@ -34,6 +36,9 @@ def search(
         typer.Option("--set", metavar="NAME=VALUES", help="The grid, as of motionsync sweep; may be repeated."),
     ] = None,
     samples: Annotated[int | None, typer.Option(help="How often the ranges in --set are sampled.")] = None,
+    method: Annotated[
+        str, typer.Option(metavar="lhs|sobol", help="How ranges are sampled: Latin hypercube, or Sobol points.")
+    ] = "lhs",
     seed: Annotated[int, typer.Option(help="Which samples: the same seed gives the same ones.")] = 0,
     measure: Annotated[
         list[str] | None,
@@ -68,36 +73,37 @@ def search(
 
         motionsync search CutToLength/any_length --vary master.velocity=100..1400 --until "late == 0 and skipped == 0"
     """
+    need("sweep", "distributed", "pyarrow", "scipy")
+    from ..errors import choose
     from ..scenario.reader import load
-    from ..scenario.shipped import find
     from ..sweep.found import print_found, records, write_csv
     from ..sweep.measures import parsed
+    from ..sweep.samples import Method
     from ..sweep.search import search as find_boundaries
 
-    files = find(scenario)
-    if len(files) > 1:
-        raise UserError(f"{scenario}: there are {len(files)} scenarios; name one of them")
-    with doing(f"searching {vary.partition('=')[0]}", at_once=False) as part:
+    file = find_one(path)
+    with counting(f"searching {called(file)}", "points") as count:
         found = find_boundaries(
-            files[0],
+            file,
             vary,
             until,
             setting or [],
             output=output,
             scheduler=scheduler,
             workers=workers,
-            progress=lambda done, points: part(f"{done:,} of {points:,} points"),
-            tell=part,
+            progress=count,
+            tell=count.tell,
             relative=relative,
             samples=samples,
+            method=choose({str(m): m for m in Method}, method, "method"),
             seed=seed,
-            measures=parsed(measure or [], load(files[0]).recipe),
+            measures=parsed(measure or [], load(file).recipe),
             yes=yes,
         )
+    table = write_csv(found, output) if output else None
     if as_json:
         print(json.dumps(records(found), indent=2))
-    else:
-        print_found(found)
-    if output:
-        table = write_csv(found, output)
-        err.print(f"rows: {escape(str(table))}")
+        return
+    print_found(found)
+    if table:
+        out.print(f"rows: {escape(str(table))}")

@@ -78,26 +78,27 @@ class Found:
         return self.velocity[order], self.predicted[order]
 
 
-def greater(found: Found, predictions: Found) -> tuple[Reals, Reals]:
-    """By what share lengths are greater than the predictions of the same line velocity and limit; the velocities, in
-    mm/s, and the shares, shape (rows,) of those in both."""
-    known = {
-        (v, a): p for v, a, p in zip(predictions.velocity, predictions.acceleration, predictions.predicted, strict=True)
-    }
-    places = zip(found.velocity, found.acceleration, found.length, strict=True)
-    shares = [(v, length / known[v, a] - 1.0) for v, a, length in places if (v, a) in known]
-    return np.array([v for v, _ in shares]), np.array([share for _, share in shares])
+def beside(found: Found, other: Found) -> Found:
+    """The first one's rows at the points at which the other one has a boundary, too, with its lengths as predictions."""
+    places = zip(other.velocity, other.acceleration, strict=True)
+    lengths = dict(zip(places, other.length, strict=True))
+    own = list(zip(found.velocity, found.acceleration, strict=True))
+    both = np.array([place in lengths for place in own])
+    predicted = np.array([lengths[place] for place in own if place in lengths])
+    columns = (found.velocity, found.acceleration, found.length, found.beside)
+    velocity, acceleration, length, next_to_it = (values[both] for values in columns)
+    return Found(velocity, acceleration, length, next_to_it, predicted, found.runs)
 
 
 def svg(machine: Found, saw: Found) -> bytes:
-    """The picture: the curves, and beside them by how much the lengths are greater than predicted.
+    """The picture: the shortest lengths, and how much longer those of the saw are.
 
     `machine`: what the search found for CutToLength; `saw`: for FlyingSaw."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(7.6, 4.2), layout="constrained")
-        curves, shares = figure.subplots(1, 2, width_ratios=(3, 2))
+        curves, shares = figure.subplots(1, 2, width_ratios=(3, 2), sharex=True)
         _curves(curves, machine, saw)
-        _shares(shares, machine, saw)
+        _shares(shares, beside(saw, machine))
         for axes in (curves, shares):
             axes.set_xlabel("line velocity in m/min")
         out = io.BytesIO()
@@ -124,15 +125,13 @@ def _curves(axes: Axes, machine: Found, saw: Found) -> None:
     axes.legend(frameon=False, fontsize="small")
 
 
-def _shares(axes: Axes, machine: Found, saw: Found) -> None:
-    for found, colour, label in ((saw, SLAVE, "FlyingSaw"), (machine, MASTER, "CutToLength")):
-        velocity, share = greater(found, machine)
-        each = np.unique(velocity)
-        most = np.array([np.abs(share[velocity == v]).max() for v in each])
-        axes.plot(TO_METRES_A_MINUTE * each, most, color=colour, linewidth=1.6, label=label)
-    axes.set_yscale("log")
-    axes.set_title("found less foretold: the greatest share", fontsize="medium")
-    axes.legend(frameon=False, fontsize="small", loc="center right")
+def _shares(axes: Axes, saw: Found) -> None:
+    for acceleration, shade in zip(DRAWN, SHADES, strict=True):
+        velocity, length = saw.curve(acceleration)
+        _, other = saw.prediction(acceleration)
+        axes.plot(TO_METRES_A_MINUTE * velocity, 100.0 * (length / other - 1.0), color=shade, linewidth=1.6)
+    axes.axhline(0.0, color=MASTER, linewidth=0.8)
+    axes.set_ylabel("FlyingSaw's length beside CutToLength's in %")
 
 
 def main() -> None:

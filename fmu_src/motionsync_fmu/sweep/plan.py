@@ -32,7 +32,6 @@ SCENARIO = "scenario.toml"  # beside it: the scenario's file as it was
 KEYS = ("motionsync", "guid", "scenario", "sha256", "samples", "method", "seed", "sampler", "chunk", "set", "measures")
 MOST_RUNS = 10**9  # that need no confirmation
 LARGEST = 2**62  # runs whose numbers fit into an int64
-CHUNK = 1000
 WORDS = {  # for what is told of a difference
     "version": "motionsync",
     "guid": "the FMU's GUID",
@@ -72,7 +71,7 @@ class SweepPlan:
         method: how the ranges are sampled.
         seed: the seed of the samples.
         measures: the kinds of measures by the names of outputs.
-        chunk: how many runs a part file has.
+        chunk: how many runs a part file has; 0: this is not settled yet.
         version: the version of motionsync.
         guid: that of the FMU for which the runs stand.
         sampler: the version of scipy, which makes the samples; empty without ranges.
@@ -85,7 +84,7 @@ class SweepPlan:
     method: Method = Method.LHS
     seed: int = 0
     measures: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    chunk: int = CHUNK
+    chunk: int = 0
     version: str = __version__
     guid: str = ""
     sampler: str = ""
@@ -100,7 +99,7 @@ class SweepPlan:
         method: Method = Method.LHS,
         seed: int = 0,
         measures: Mapping[str, Sequence[str]] | None = None,
-        chunk: int = CHUNK,
+        chunk: int = 0,
         yes: bool = False,
     ) -> Self:
         """The plan for a scenario's file and settings `NAME=VALUES`.
@@ -315,6 +314,15 @@ class SweepPlan:
         return found
 
     @property
+    def independent(self) -> tuple[str, ...]:
+        """The names of the factors that vary by themselves, with more than one value."""
+        return tuple(
+            name
+            for name, values in self._values.items()
+            if isinstance(values, Range) or (isinstance(values, Linear | Listed) and values.count > 1)
+        )
+
+    @property
     def _grids(self) -> dict[str, Linear | Listed]:
         return {name: v for name, v in self._values.items() if isinstance(v, Linear | Listed)}
 
@@ -378,8 +386,8 @@ class SweepPlan:
             raise UserError(f"--samples {samples} is not allowed: it must be >= 1")
         if self.seed < 0:
             raise UserError(f"--seed {self.seed} is not allowed: it must be >= 0")
-        if self.chunk < 1:
-            raise UserError(f"a chunk of {self.chunk} runs is not allowed: it must be >= 1")
+        if self.chunk < 0:
+            raise UserError(f"a chunk of {self.chunk} runs is not allowed: it must be >= 0")
         if refusal := Samples(self.method, self.samples, len(self._ranges), self.seed).refusal:
             raise UserError(f"--samples {samples}: {refusal}")
         if self.runs > LARGEST:
