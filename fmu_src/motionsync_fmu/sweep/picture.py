@@ -79,7 +79,7 @@ class Found:
 
 
 def beside(found: Found, other: Found) -> Found:
-    """The first one's rows at the points at which the other one has a boundary, too, with its lengths as predictions."""
+    """Rows at the points at which another search has a boundary, too, with its lengths as predictions."""
     places = zip(other.velocity, other.acceleration, strict=True)
     lengths = dict(zip(places, other.length, strict=True))
     own = list(zip(found.velocity, found.acceleration, strict=True))
