@@ -6,7 +6,7 @@ at together. Each round runs every point once, at the middle of what is left of 
 """
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -32,6 +32,7 @@ TABLE = "search"  # of plan.toml: what is no part of a sweep's
 POINT, BESIDE, HOLDS, REFUSAL, RUNS = "point", "beside", "holds", "refusal", "runs"
 ABOVE, BELOW, BOTH, NEITHER = "above", "below", "at both ends", "at neither end"
 RELATIVE = 1e-6
+TOGETHER = 100  # points, which this process looks at together
 FINEST = 1e-15  # relative: of finer values there are none
 ENDS = "NAME=low..high, as in: --vary length=300..3000"
 
@@ -171,10 +172,21 @@ def search(
         UserError: what is asked for is refused; or the folder, the scheduler or a worker cannot be used.
     """
     wanted = Search.of(file, vary, until, settings, **options)
+    few = wanted.runs <= TOGETHER and workers is None
+    if output is None and not scheduler and (few or workers == 1):  # no other process, no file
+        return pa.concat_tables(_here(wanted, progress))
     with TemporaryDirectory() as aside:
         folder = output or Path(aside)
         go(wanted, folder, boundaries, scheduler=scheduler, workers=workers, progress=progress, tell=tell)
-        return ds.dataset(sorted(str(p) for p in folder.glob("part-*.parquet"))).to_table()
+        return ds.dataset(sorted(folder.glob("part-*.parquet"))).to_table()
+
+
+def _here(wanted: Search, progress: Callable[[int, int], None]) -> Iterator[pa.Table]:
+    """The rows of all points, some at a time."""
+    for first in range(0, wanted.runs, TOGETHER):
+        last = min(first + TOGETHER, wanted.runs)
+        yield boundaries(wanted, first, last)
+        progress(last, wanted.runs)
 
 
 def boundaries(search: Search, first: int, last: int) -> pa.Table:
