@@ -20,7 +20,7 @@ MOST_MEMORY = 64e6  # bytes of the recordings that are in memory at a time
 MOST_RUNS = 512  # whose scenarios are in memory at a time
 POINT = 40  # bytes of a communication point: the time, and the master's motion
 VALUE = 8  # bytes of an output at a point
-PLACE = re.compile(r"^.*?:\d+: ")  # run, file and line of a refused value; the file has another value there
+PLACE = re.compile(r"^.*?:\d+: ((\S+): (?=\2 = ))?")  # of a refused value: run, file and line; its name if it follows
 
 
 def schema(plan: SweepPlan) -> pa.Schema:
