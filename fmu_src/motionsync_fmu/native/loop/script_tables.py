@@ -85,8 +85,7 @@ class Scenarios(Structure):
 
 def address(array: Array) -> int:
     """Where an array lies in memory."""
-    place: int = array.__array_interface__["data"][0]
-    return place
+    return array.ctypes.data
 
 
 class Place(NamedTuple):
