@@ -5,6 +5,7 @@ what a chunk is: that is the task's own affair."""
 
 import logging
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -145,9 +146,13 @@ class Workers:
         return next((line.strip() for line in reversed(lines) if line.strip()), "nothing")
 
     def end(self) -> None:
-        """End them at once; what they were working on is lost."""
+        """End them at once, and what they have started; what they were working on is lost."""
         for process in self.running:
-            process.kill()
+            if sys.platform == "win32":
+                process.kill()
+            else:
+                with suppress(ProcessLookupError):  # it has ended by itself
+                    os.killpg(process.pid, signal.SIGKILL)
         for process in self.running:
             process.wait()
 
