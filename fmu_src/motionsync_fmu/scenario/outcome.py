@@ -1,5 +1,6 @@
 """The outcome of a run: the record that `motionsync run` prints."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -15,6 +16,7 @@ class Outcome:
         scenario: the folder of the scenario.
         name: the scenario's short name, `<FMU>/<folder>`.
         fmu: the block's name.
+        given: what the scenario has in place of its file's values, by name; without any, no key of `--json`.
         step_size: the step size of this run, in s.
         figures: the cuts, and how far the slave went beside the limits of its axis.
         reference: how far the run is from the reference; empty without one.
@@ -30,6 +32,7 @@ class Outcome:
     name: str
     title: str
     fmu: str
+    given: Mapping[str, str]
     step_size: float
     figures: Figures
     expectations: list[Check]
@@ -73,5 +76,7 @@ class Outcome:
             for d in self.reference
         ]
         del found["unmet"]  # a part of the remarks
+        if not found["given"]:
+            del found["given"]
         kept = {key: figures[key] for key in ("cuts", "uncut", "production", "peaks")}
         return found | kept | {"reference": reference, "remarks": self.remarks}

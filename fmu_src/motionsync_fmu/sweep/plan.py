@@ -31,7 +31,7 @@ FILE = "plan.toml"
 SCENARIO = "scenario.toml"  # beside it: the scenario's file as it was
 KEYS = ("motionsync", "guid", "scenario", "sha256", "samples", "method", "seed", "sampler", "chunk", "set", "measures")
 MOST_RUNS = 10**9  # that need no confirmation
-LARGEST = 2**62  # runs whose numbers fit into an int64
+LARGEST = 2**53  # runs, and seeds: whole numbers that the plan's file keeps exactly
 WORDS = {  # for what is told of a difference
     "version": "motionsync",
     "guid": "the FMU's GUID",
@@ -71,7 +71,7 @@ class SweepPlan:
         method: how the ranges are sampled.
         seed: the seed of the samples.
         measures: the kinds of measures by the names of outputs.
-        chunk: how many runs a part file has; 0: this is not settled yet.
+        chunk: how many runs a part file has; 0: that is not decided yet.
         version: the version of motionsync.
         guid: that of the FMU for which the runs stand.
         sampler: the version of scipy, which makes the samples; empty without ranges.
@@ -384,14 +384,14 @@ class SweepPlan:
             raise UserError(f"--samples {samples}: no factor has a range to be sampled, as in NAME=low..high")
         if samples is not None and samples < 1:
             raise UserError(f"--samples {samples} is not allowed: it must be >= 1")
-        if self.seed < 0:
-            raise UserError(f"--seed {self.seed} is not allowed: it must be >= 0")
+        if not 0 <= self.seed <= LARGEST:
+            raise UserError(f"--seed {self.seed} is not allowed: it must be 0 to {LARGEST}")
         if self.chunk < 0:
-            raise UserError(f"a chunk of {self.chunk} runs is not allowed: it must be >= 0")
+            raise UserError(f"a chunk of {self.chunk} runs is not allowed: it must be >= 1, or 0 to be found out")
         if refusal := Samples(self.method, self.samples, len(self._ranges), self.seed).refusal:
             raise UserError(f"--samples {samples}: {refusal}")
         if self.runs > LARGEST:
-            raise UserError(f"the sweep has {self.runs:.3g} runs, and {LARGEST:.3g} are the most that can be numbered")
+            raise UserError(f"the sweep has more than {LARGEST:,} runs, which are the most that can be numbered")
         if self.runs > MOST_RUNS and not yes:
             raise UserError(f"the sweep has {self.runs:,} runs; more than {MOST_RUNS:,} need --yes")
         self._probe()

@@ -133,10 +133,8 @@ def _has_zig() -> bool:
 
 def _compiled_by_zig(work: Path) -> bytes:
     """The library of the C files in a folder, for any machine of this one's kind: machines may share a cache."""
-    from ..libraries import FREESTANDING, compiled  # noqa: PLC0415 (it needs zig)
+    from ..libraries import compiled  # noqa: PLC0415 (it needs zig)
 
-    for file in FREESTANDING.glob("*.[ch]"):
-        (work / file.name).write_bytes(file.read_bytes())
     platform = here(Fmi.THREE)
     assert platform
     ((target, flags),) = platform.targets.items()
