@@ -86,7 +86,9 @@ def _named(db: Database, column: Column, role: str, names: list[str], most: int)
         f" FROM (SELECT DISTINCT {column.sql} AS value FROM runs) WHERE value IS NOT NULL"
     )
     places = np.arange(len(names), dtype=float)
-    return Axis(column, np.arange(len(names) + 1, dtype=float) - 0.5, places, places, _looked_up(role, column.sql), names)
+    return Axis(
+        column, np.arange(len(names) + 1, dtype=float) - 0.5, places, places, _looked_up(role, column.sql), names
+    )
 
 
 def _evenly(db: Database, column: Column, cells: int) -> Axis:
