@@ -323,7 +323,12 @@ def test_without_outputs_there_are_measures_and_unmet_reactions_alone() -> None:
         (["slave.positon"], {}, 1, "no variable of FlyingSaw is named 'slave.positon'"),
         ([], {"slave.positon": "max"}, 1, "no variable of FlyingSaw is named 'slave.positon'"),
         ([], {"slave.position": "most"}, 1, "slave.position: no measure is named 'most'"),
-        ([], {"slave.position": "every:10"}, 1, "slave.position.every:10: a run of a scenario has no such measure"),
+        (
+            [],
+            {"slave.position": "every:10"},
+            1,
+            "slave.position: the measure 'every:10' is not allowed: the runs differ in their steps",
+        ),
         ([], {}, 0, "threads = 0 is not allowed: it must be >= 1"),
     ],
 )
