@@ -168,7 +168,7 @@ class RunTables:
         self._times = [_setting_times(scenario.scan, scenario.stop_time, r.after) for r in scenario.reactions]
         self.reactions = self._reactions()
         self.events = self._events()
-        self.breaks, self.motions = self._axis()
+        self.breaks, self.motions = self._axis(len(self.scans) + 1 if outputs else 2)
         self._seen = self._telegrams()
         # A step ends at a known point, at a look or at a setting, each of which is behind it then.
         room = len(self.points) + len(self.scans) + len(self.events)
@@ -213,12 +213,12 @@ class RunTables:
         events["what"][: len(self.known)] = np.arange(len(self.known))
         return events
 
-    def _axis(self) -> tuple[Reals, Reals]:
-        """The breaks and motions of the script; those of a master with a drive begin only, with room for the others."""
+    def _axis(self, room: int) -> tuple[Reals, Reals]:
+        """The breaks and motions of the script; of a master with a drive the first ones, with room for so many."""
         master = self.scenario.master
         if not self.scenario.drive:
             return np.array(master.breaks), master.table()
-        breaks, motions = np.empty(len(self.scans) + 1), np.empty((len(self.scans) + 1, 4))
+        breaks, motions = np.empty(room), np.empty((room, 4))
         begin = master.at(0.0)
         breaks[0], motions[0] = 0.0, (begin.position, begin.velocity, 0.0, 0.0)
         return breaks, motions
