@@ -84,6 +84,8 @@ def sweep(
     from .table import Rows  # noqa: PLC0415
 
     file = find_one(Path(scenario))
+    if both := [name for name in derived or {} if name in factors]:
+        raise UserError(f"{both[0]} is a factor: it cannot be derived, too")
     plan = SweepPlan.of(
         file,
         [f"{name}={_text(name, values)}" for name, values in {**factors, **(derived or {})}.items()],
