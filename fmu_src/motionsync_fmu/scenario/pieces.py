@@ -110,6 +110,7 @@ class _Finder:
         self._steady = bool(
             (self._readings == self._readings[0]).all()
         )  # in nearly all runs: it saves most of the time
+        self._changes = bool((self._readings != self._readings[0]).any())
         factor = recording.values[names.coupling_factor]
         self._places = recording.master[:, 0] - recording.values["slave.position"] / np.where(factor, factor, 1.0)
 
