@@ -1,5 +1,5 @@
-"""Runs of scenarios in compiled code: they have the bits of runs in Python, whatever reacts to what, and fail in the same
-words. Every scenario of the project is compared in tests/model/test_scenarios.py, which runs them in Python anyway."""
+"""Runs of scenarios in compiled code: they have the bits of runs in Python, whatever reacts to what, and fail in the
+same words. Every scenario of the project is compared in tests/model/test_scenarios.py, which runs them in Python."""
 
 import math
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
@@ -29,7 +29,13 @@ from tests.support.recordings import assert_as_in_python, assert_same, compiled,
 CYCLIC_CUT = ROOT / "scenarios/FlyingSaw/cyclic_cut/scenario.toml"
 DRIVEN = ROOT / "scenarios/CutToLength/cyclic_orders/scenario.toml"
 REMOTE = ROOT / "scenarios/RemoteSync/fast_sender_jitter/scenario.toml"
-ROTARY = ROOT / "scenarios/Synchronizer/end_of_step_inputs/scenario.toml"
+# Long runs: a failing one is reported as drawn, since to make it smaller would take minutes.
+LONG = settings(
+    deadline=None,
+    phases=[Phase.explicit, Phase.reuse, Phase.generate],
+    suppress_health_check=list(HealthCheck),
+    print_blob=True,
+)
 
 
 def of_block(block: str) -> Iterator[list[Scenario]]:
@@ -40,15 +46,15 @@ def of_block(block: str) -> Iterator[list[Scenario]]:
 
 
 def test_runs_together_are_what_each_is_alone(block: str) -> None:
-    """All scenarios of a block at once, also at a step that some of them do not allow."""
+    """All scenarios of a block at once, at a step that some of them do not allow."""
     for scenarios in of_block(block):
-        for chosen in (scenarios, [replace(s, step_size=0.007) for s in scenarios]):
-            for scenario, run in zip(chosen, compiled(*chosen, threads=2), strict=True):
-                (alone,) = compiled(scenario)
-                assert (run.failure, run.unmet) == (alone.failure, alone.unmet)
-                if alone.recording:
-                    assert run.recording
-                    assert_same(run.recording, alone.recording)
+        chosen = [replace(s, step_size=0.007) for s in scenarios]
+        for scenario, run in zip(chosen, compiled(*chosen, threads=2), strict=True):
+            (alone,) = compiled(scenario)
+            assert (run.failure, run.unmet) == (alone.failure, alone.unmet)
+            if alone.recording:
+                assert run.recording
+                assert_same(run.recording, alone.recording)
 
 
 def test_many_runs_on_many_threads_come_back_in_their_order() -> None:
@@ -167,13 +173,13 @@ def saws(draw: st.DrawFn) -> Scenario:
     )
 
 
-@settings(deadline=None, max_examples=60, suppress_health_check=list(HealthCheck))
+@settings(LONG, max_examples=50)
 @given(scenario=saws())
 def test_random_programs_give_the_bits_of_python(scenario: Scenario) -> None:
     assert_as_in_python(scenario)
 
 
-@settings(deadline=None, max_examples=15, suppress_health_check=list(HealthCheck))
+@settings(LONG, max_examples=15)
 @given(
     step_size=st.sampled_from([0.002, 0.0013, 0.0007]) | st.floats(3e-4, 0.002),
     cycle=st.floats(0.0005, 0.01),
@@ -181,7 +187,7 @@ def test_random_programs_give_the_bits_of_python(scenario: Scenario) -> None:
     program=reactions(
         0.2,
         {"slave.position": (0.0, 100.0), "slave.velocity": (0.0, 500.0)},
-        {"reset": st.booleans()},
+        {"enable": st.booleans()},
         {},
     ),
     segments=SEGMENTS,
@@ -200,3 +206,144 @@ def test_random_telegrams_give_the_bits_of_python(
             scenario, stop_time=0.2, step_size=step_size, master=axis, remote=seen, reactions=program, expectations=()
         )
     )
+
+
+# --- failures ---
+
+
+def test_a_refused_initialization_fails_in_the_words_of_python() -> None:
+    saw = load(CYCLIC_CUT)
+    run = assert_as_in_python(replace(saw, start={**saw.start, "axis.min_position": 10.0, "axis.max_position": -10.0}))
+    why = "the lower software end position must not lie above the upper one"
+    values = "axis.min_position = 10, axis.max_position = -10"
+    assert run.failure == f"at 0 s FlyingSaw refuses initialize(): {why} ({values})"
+    assert run.failed_at == 0.0
+
+
+def test_a_refused_step_fails_in_the_words_of_python_and_tells_when() -> None:
+    """A rotary master with turns of 1e-6 mm that jumps to 1e12 mm/s at 0.5 s would do 1e16 turns in a step."""
+    jumps = Script(0.0, 100.0, 0.0, [Segment(0.5), Segment(1.0, velocity=1e12)])
+    run = assert_as_in_python(replace(free_saw(), start={**FREE, "master.period": 1e-6}, master=jumps))
+    assert run.failure.startswith("at 0.5 s FlyingSaw refuses step(0.01")
+    assert run.failed_at == 0.5
+
+
+SET_TOO_FAR = (Setting(0.25, {"gear_in_pos.master_sync_position": 2e12}),)
+ADDED_TOO_FAR = (Reaction(Condition("", "slave.position", ">", 50.0), add={"gear_in_pos.master_sync_position": 2e12}),)
+
+
+@pytest.mark.parametrize(
+    ("changes", "text", "at"),
+    [
+        (
+            {"settings": SET_TOO_FAR},
+            "at 0.25 s gear_in_pos.master_sync_position = 2e+12 is not allowed: it must be -1e+12 to 1e+12",
+            0.25,
+        ),
+        (
+            {"reactions": ADDED_TOO_FAR},
+            "at 0.51 s gear_in_pos.master_sync_position = 2000000000300 is not allowed: it must be -1e+12 to 1e+12",
+            0.51,
+        ),
+        (
+            {"master": Script(0.0, 1e12, 0.0, [])},
+            "at 1.01 s master.position = 1.01e+12 is not allowed: it must be -1e+12 to 1e+12",
+            1.01,
+        ),
+        (
+            {"start": FREE | {"axis.max_velocity": -1.0}},
+            "at 0 s axis.max_velocity = -1 is not allowed: it must be 1e-12 to 1e+12",
+            0.0,
+        ),
+        (
+            {"step_size": 2e6, "stop_time": 3e6, "settings": ()},
+            "at 0 s step size = 2e+06 is not allowed: it must be > 0 and <= 1e+06",
+            0.0,
+        ),
+    ],
+)
+def test_what_the_fmu_does_not_allow_fails_in_its_words(changes: dict[str, Any], text: str, at: float) -> None:
+    """The saw moves at 100 mm/s, so the scan at 0.51 s sees it beyond 50 mm."""
+    scenario = replace(free_saw(), **changes)
+    (run,) = compiled(scenario)
+    assert run.failure.startswith(text)
+    assert run.failed_at == at
+    assert run.recording is None
+
+
+def free_saw() -> Scenario:
+    """A saw at 100 mm/s behind a line at 500 mm/s; nothing happens."""
+    master = Script(0.0, 500.0, 0.0, [])
+    bare = replace(load(CYCLIC_CUT), start=FREE, master=master, settings=(), reactions=(), expectations=(), cuts=None)
+    return replace(bare, stop_time=2.0, step_size=0.01, scan=0.01)
+
+
+def test_a_run_that_fails_leaves_the_others_alone() -> None:
+    good, bad = free_saw(), replace(free_saw(), settings=SET_TOO_FAR)
+    measures = {"slave.position": ("max", "last")}
+    one, two, three = run_scenarios([good, bad, good], ["slave.position"], measures, threads=1)
+    assert one.recording
+    assert three.recording
+    assert_same(one.recording, three.recording)
+    assert one.measures == three.measures == {"slave.position.max": 200.0, "slave.position.last": 200.0}
+    assert [*map(math.isnan, two.measures.values())] == [True, True]
+    assert [one.failure, three.failure] == ["", ""]
+    assert math.isnan(one.failed_at)
+
+
+# --- measures ---
+
+
+@pytest.mark.parametrize("file", [CYCLIC_CUT, DRIVEN, REMOTE], ids=lambda file: file.parent.name)
+def test_measures_are_those_of_the_recording(file: Path) -> None:
+    scenario, names = load(file), ["slave.velocity", "slave.position", "state_code"]
+    names = [name for name in names if name in scenario.recipe.variables]
+    (run,) = run_scenarios([scenario], names, dict.fromkeys(names, ("min", "max_time", "mean", "last")))
+    assert run.recording
+    time, lengths = run.recording.time, np.diff(run.recording.time)
+    for name in names:
+        values = run.recording.values[name][1:]
+        assert run.measures[f"{name}.min"] == values.min()
+        assert run.measures[f"{name}.last"] == values[-1]
+        assert run.measures[f"{name}.max_time"] == time[1:][np.argmax(values)]
+        assert run.measures[f"{name}.mean"] == np.cumsum(values * lengths)[-1] / np.cumsum(lengths)[-1]
+
+
+def test_without_outputs_there_are_measures_and_unmet_reactions_alone() -> None:
+    never = Reaction(Condition("slave.position > 1000", "slave.position", ">", 1000.0), set={"halt.execute": True})
+    (run,) = run_scenarios([replace(free_saw(), reactions=(never,))], [], {"slave.position": "last"})
+    assert (run.recording, run.failure) == (None, "")
+    assert run.measures == {"slave.position.last": 200.0}
+    assert [(u.reaction, u.happened) for u in run.unmet] == [(never, 0)]
+
+
+@pytest.mark.parametrize(
+    ("outputs", "measures", "threads", "text"),
+    [
+        (["slave.positon"], {}, 1, "no variable of FlyingSaw is named 'slave.positon'"),
+        ([], {"slave.positon": "max"}, 1, "no variable of FlyingSaw is named 'slave.positon'"),
+        ([], {"slave.position": "most"}, 1, "slave.position: no measure is named 'most'"),
+        ([], {"slave.position": "every:10"}, 1, "slave.position.every:10: a run of a scenario has no such measure"),
+        ([], {}, 0, "threads = 0 is not allowed: it must be >= 1"),
+    ],
+)
+def test_what_cannot_be_told_is_refused(outputs: list[str], measures: dict[str, str], threads: int, text: str) -> None:
+    with pytest.raises(UserError) as e:
+        run_scenarios([free_saw()], outputs, measures, threads)
+    assert str(e.value).startswith(text)
+
+
+def test_no_scenarios_give_no_runs() -> None:
+    assert run_scenarios([], ["slave.position"]) == []
+
+
+def test_baked_start_values_and_turned_variables_are_those_of_the_recipe() -> None:
+    """The same saw, whose velocity at the beginning is a part of its FMU."""
+    saw = free_saw()
+    start = {name: value for name, value in FREE.items() if name != "axis.initial_velocity"}
+    baked = replace(saw, recipe=replace(saw.recipe, starts={"axis.initial_velocity": "100"}), start=start)
+    run = assert_as_in_python(baked)
+    assert run.recording
+    recording, _ = interpreted(saw)
+    assert recording
+    assert_same(run.recording, recording)

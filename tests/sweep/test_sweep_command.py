@@ -104,8 +104,8 @@ def test_an_output_that_is_no_folder_is_one_line(motionsync: Command) -> None:
 
 def test_ctrl_c_ends_at_once_and_the_same_command_goes_on(motionsync: Command, tmp_path: Path) -> None:
     """The signal goes to the whole group, as a terminal sends it; none of the processes is left."""
-    many = ("sweep", SCENARIO, "--set", "master.velocity=80:100:41", "--set", "output_phasing=60:120:40")
-    options = (*many, "--chunk", "40")
+    many = ("sweep", SCENARIO, "--set", "master.velocity=80:100:41", "--set", "output_phasing=60:120:15")
+    options = (*many, "--chunk", "10")
     command = [sys.executable, "-m", "motionsync_fmu.cli", *options, "--workers", "2", "--output", "a"]
     path = os.pathsep.join([str(ROOT / "model"), str(ROOT / "fmu_src")])
     process = subprocess.Popen(
@@ -128,15 +128,15 @@ def test_ctrl_c_ends_at_once_and_the_same_command_goes_on(motionsync: Command, t
     assert (process.returncode, out) == (130, "")
     last = err.splitlines()[-1]
     assert last.startswith("motionsync: interrupted: ")
-    assert last.endswith(f" of 1,640 runs are in {tmp_path / 'a'}, and the same command goes on with the rest")
+    assert last.endswith(f" of 615 runs are in {tmp_path / 'a'}, and the same command goes on with the rest")
     assert "Traceback" not in err
     assert took < 10.0  # within 2 s, on a machine that does nothing else
-    assert len(workers) == 2
-    assert not any(worker.is_running() for worker in workers)
-    done = len(list(tmp_path.glob("a/part-*.parquet")))
-    assert 0 < done < 41
+    assert len(workers) >= 2  # and a compiler, if it is the first sweep
+    assert not any(worker.is_running() and worker.status() != psutil.STATUS_ZOMBIE for worker in workers)
+    parts = list(tmp_path.glob("a/part-*.parquet"))
+    assert 0 < len(parts) < 62
     again = json.loads(motionsync(*many, "--workers", "1", "--output", "a", "--json").out)
-    assert again["now"] == (41 - done) * 40
+    assert again["now"] == 615 - sum(pq.read_metadata(part).num_rows for part in parts)
     assert motionsync(*options, "--workers", "1", "--output", "b").status == 0
     assert contents(Path("a")) == contents(Path("b"))
 

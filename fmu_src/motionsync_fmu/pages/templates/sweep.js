@@ -188,7 +188,7 @@
     element("p", `Run ${grouped(runs.numbers(chosen.pick))} ${verdict}${why ? `: ${why}` : ""}`, panel, verdict === "passed" ? "good" : "bad");
     const list = element("dl", "", panel);
     for (const c of runs.columns.filter((c) => !["passed", "refusal", "first_broken"].includes(c.name))) {
-      const row = element("div", "", list);
+      const row = element("div", "", list, c.varied ? "varied" : "");
       element("dt", c.name, row);
       const value = c.at(chosen.pick);
       element("dd", c.kind === "number" ? withUnit(value === null ? "none" : short(value), value === null ? "" : c.unit) : value || "none", row);

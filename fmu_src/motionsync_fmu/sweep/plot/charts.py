@@ -30,7 +30,7 @@ TEXTS = (
 OTHER, NO_VALUE = "--muted", "--band-0"
 LINES = 8  # colours of lines
 HEIGHT = 430
-TOP = 92  # px above a map, with its scale of colours
+TOP = 108  # px above a map, with its scale of colours
 DECADES = 3.0  # values > 0 over more decades are drawn by their logarithms
 
 
@@ -68,7 +68,7 @@ def map_chart(
     low, high = (0.0, 1.0) if told.name == "share" else _ends(values)
     scale = SHARE if told.name == "share" else HEAT
     chart.layout["meta"] |= {"role": "map", "scale": [list(stop) for stop in scale], "none": NO_VALUE}
-    chart.layout["margin"]["t"] = TOP
+    chart.layout["margin"] |= {"t": TOP, "autoexpand": False}
     chart.layout["height"] += TOP - 58
     chart.add(1, "scale", _scale(low, high, scale, scale_title, logarithmic=logarithmic, share=told.name == "share"))
     return chart, {"low": low, "high": high, "logarithmic": logarithmic}
@@ -108,10 +108,13 @@ def boundary_line(chart: Chart, x: Axis, found: Boundary) -> None:
         chart.traces[-1] |= {"hoverinfo": "skip", "hovertemplate": ""}
 
 
-def beside_lines(chart: Chart, x: Axis, lines: Sequence[tuple[str, Reals]], unit: str) -> None:
-    """Draw further columns over x, beside what the chart shows."""
-    for i, (name, values) in enumerate(lines):
-        chart.curve(1, name, x.middle, values, Style(INK, 2.0, ("dash", "dot", "dashdot")[i % 3]), unit=unit)
+def beside_lines(chart: Chart, x: Axis, lines: Sequence[tuple[Column, Answer]], groups: Axis | None) -> None:
+    """Draw the means of further columns over x beside what the chart shows, in the colours of the same groups."""
+    for i, (column, found) in enumerate(lines):
+        for line in _lines(x, found, groups):
+            style = Style(f"--line-{line.colour}", 2.0, ("dash", "dot", "dashdot")[i % 3])
+            said = f"{line.label}, {column.name}" if line.label else column.name
+            chart.curve(1, column.name, line.x, line.of("mean"), style, said, column.unit)
 
 
 def front_line(chart: Chart, points: Answer, picks: Picks) -> None:

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...scenario.recording import Reals
 from .cells import Axis
 from .database import Answer, Column, Database
 
@@ -72,11 +71,3 @@ def boundary(db: Database, x: Axis, y: Column, groups: Axis | None) -> Boundary 
             coalesce(arg_min(run, (-u, run)) FILTER (NOT ok), -1) AS failed
         FROM placed JOIN cells USING (cx, g) GROUP BY cx, g ORDER BY g, cx""")
     return Boundary(sign > 0, points)
-
-
-def beside(db: Database, x: Axis, column: Column) -> Reals:
-    """The mean of a further column in each cell of x; shape (cells,), NaN where there is none."""
-    found = curves(db, x, column, None)
-    mean = np.full(len(x), np.nan)
-    mean[found["cx"].astype(int)] = found["mean"]
-    return mean

@@ -104,13 +104,13 @@ def _sections(view: View) -> tuple[list[Section], dict[str, Any]]:
     if view.boundary:
         title, text, what = words.of_boundary(view)
         chart = boundary_chart(title, x, y, view.boundary, view.groups, view.picks)
-        beside_lines(chart, x, view.lines, y.unit)
+        beside_lines(chart, x, view.lines, view.groups)
         made.append(_section(chart, title, text, what, y.unit))
     if view.curves and view.curved:
         title, text, what = words.of_curves(view)
         chart = curves_chart(title, x, view.curved, view.curves, view.curve_groups, view.picks)
         if view.curved == y:
-            beside_lines(chart, x, view.lines, y.unit)
+            beside_lines(chart, x, view.lines, view.groups)
         made.append(_section(chart, title, text, what, view.curved.unit))
     if view.cells and view.map_y:
         title, text = words.of_map(view)

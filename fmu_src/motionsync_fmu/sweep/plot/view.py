@@ -7,16 +7,17 @@ from math import sqrt
 import numpy as np
 
 from ...errors import UserError
-from ...scenario.recording import Reals
 from .cells import FEWEST, Amount, Axis, amount, divided, plane
-from .curves import PASSED, Boundary, beside, boundary, curves
+from .curves import PASSED, Boundary, boundary, curves
 from .database import Answer, Column, Database, Kind
 from .front import better, front
+from .packing import SEVERAL
 from .picks import Picks
 
 MOST_X, MOST_Y = 160, 120  # cells of a map
-MOST_BYTES = 1_400_000  # of the runs and cells of a page
-CELL_BYTES, VALUE_BYTES = 60, 11  # of a cell with its texts, and of each value of its run
+MOST_BYTES = 1_500_000  # of the runs and cells of a page
+CELL_BYTES = 90  # of a cell, and of its run without the values that vary
+PLACE_BYTES, FULL_BYTES = 3, 11  # of a value that varies: its place in a list, or all its bits
 MOST_GROUPS, CLASSES = 8, 5  # lines of a chart; of a column with more values, as many classes
 MOST_SECTIONS = 6  # lines through a map
 MOST_FRONT = 400  # points of a front that are drawn
@@ -52,7 +53,7 @@ class View:
         curves: y over x; or, where y is varied, the coloured result over x.
         curved: the column that `curves` show.
         curve_groups: what the lines of `curves` are for.
-        lines: results that are drawn beside y over x, each with its values in the cells of x.
+        lines: results that are drawn beside y over x, as `curves` are.
         runs: how many `runs` there are; how many of them `passed`, are `refused`, have `no_x`, `no_y`, `no_value`.
         picks: the runs that stand for cells and points.
     """
@@ -72,7 +73,7 @@ class View:
     front: Answer | None = None
     front_size: int = 0
     better: Mapping[str, str] = field(default_factory=dict)
-    lines: list[tuple[str, Reals]] = field(default_factory=list)
+    lines: list[tuple[Column, Answer]] = field(default_factory=list)
     picks: Picks = field(default_factory=Picks)
 
     @property
@@ -109,7 +110,7 @@ def look(db: Database, question: Question) -> View:
         _front(db, view, question.better)
     for name in question.beside:
         column = _number(db, "--beside", name)
-        view.lines.append((name, beside(db, along, column)))
+        view.lines.append((column, curves(db, along, column, groups)))
     return view
 
 
@@ -135,8 +136,11 @@ def _most(db: Database) -> tuple[int, int]:
 
     The runs of the page stand for cells, for three lines of each group, and for the front; the sides of the map are
     `share` of the greatest ones, so that their number is cells share^2 + points share + MOST_FRONT."""
-    varied = sum(column.varied for column in db.columns.values())
-    runs = max(0.0, MOST_BYTES / (CELL_BYTES + VALUE_BYTES * (varied + 4)) - MOST_FRONT)
+    varied = [column.sql for column in db.columns.values() if column.varied]
+    counts = ", ".join(f"approx_count_distinct({name}) AS n{i}" for i, name in enumerate(varied))
+    different = db.one(f"SELECT {counts} FROM runs")
+    each = sum(FULL_BYTES if many >= SEVERAL else PLACE_BYTES for many in different.values())
+    runs = max(0.0, MOST_BYTES / (CELL_BYTES + each) - MOST_FRONT)
     cells, points = MOST_X * MOST_Y, 3 * MOST_GROUPS * MOST_X
     share = (sqrt(points**2 + 4.0 * cells * runs) - points) / (2.0 * cells)
     return max(FEWEST, int(MOST_X * min(1.0, share))), max(FEWEST, int(MOST_Y * min(1.0, share)))

@@ -71,6 +71,7 @@ def of_boundary(view: View) -> tuple[str, str, str]:
         text += f" No run {other} it did."
     if not np.all(np.isfinite(surely)):
         text += f" Where a line has a gap or ends, no {y} of the sweep is enough for every run."
+    text += _beside(view)
     return f"The {which} {y} that passes, over {x}{_each(view.groups)}", text, f"{which} {y} from which on all pass "
 
 
@@ -82,7 +83,14 @@ def of_curves(view: View) -> tuple[str, str, str]:
         text = f"The line is the share of the runs {_true(view.curved.name)}, 1 being all of them."
     else:
         text = f"The line is the mean of the runs at a {x}; the band goes from the least to the greatest of them."
+    if view.curved == view.y:
+        text += _beside(view)
     return f"{view.curved.name} over {x}{_each(view.curve_groups)}", text, f"{view.curved.name} "
+
+
+def _beside(view: View) -> str:
+    names = " and of ".join(column.name for column, _ in view.lines)
+    return f" The broken lines are the means of {names}." if names else ""
 
 
 def of_map(view: View) -> tuple[str, str]:
