@@ -51,6 +51,7 @@ benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are l
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
+	$(BIN)/python benchmarks/sweeps.py
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/random_cuts.py
 	$(BIN)/python benchmarks/accuracy.py

@@ -52,7 +52,7 @@ from motionsync_fmu.archive import write
 from motionsync_fmu.build import build_native, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.native.libraries import FLAGS, FREESTANDING, compiled, zig_cc
+from motionsync_fmu.native.libraries import FLAGS, libraries, zig_cc
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
@@ -281,10 +281,9 @@ def target_table(
 def do_nothing(folder: Path) -> Path:
     """The library of a do-nothing FMU, compiled for speed: it fills arrays by itself, with no function for memory."""
     ((target, flags),) = PLATFORM.targets.items()
-    sources = map(str, (HERE / "idle.c", FREESTANDING / "freestanding.c"))
     zig_cc(
         target,
-        [*FLAGS.split(), "-O2", "-fno-builtin", *flags.split(), "-I", str(FREESTANDING), *sources],
+        [*FLAGS.split(), "-O2", "-fno-builtin", *flags.split(), str(HERE / "idle.c")],
         "idle.so",
         folder,
     )
@@ -293,18 +292,14 @@ def do_nothing(folder: Path) -> Path:
 
 def idle_block(recipe: Recipe, folder: Path) -> Path:
     """The library of the block's FMU, compiled as the FMU's own, but its block does nothing."""
-    ((target, flags),) = PLATFORM.targets.items()
     files = c_sources(recipe.block(), recipe.guid())
     both = ("block_initialize", "block_step")
     away = "".join(f"#define {name} {name}_of_the_block\n" for name in both).encode()
     back = "".join(f"#undef {name}\n" for name in both).encode()
     files["block.c"] = away + files["block.c"] + back + IDLE_BLOCK.encode()
-    work = folder / "idle_block"
-    work.mkdir()
-    for file, text in ({f.name: f.read_bytes() for f in FREESTANDING.glob("*.[ch]")} | files).items():
-        (work / file).write_bytes(text)
-    compiled(target, flags, f"library/{recipe.name}.so", work)
-    return work / "library" / f"{recipe.name}.so"
+    library = folder / "idle_block.so"
+    library.write_bytes(libraries(recipe.name, files, [PLATFORM])[PLATFORM.library(recipe.name)])
+    return library
 
 
 def report(block: str, n: int, program: Path, folder: Path, console: Console, *, cold: bool) -> None:

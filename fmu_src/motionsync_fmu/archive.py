@@ -9,7 +9,9 @@ import sys
 import time
 import zlib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from deflate import deflate_compress
@@ -62,7 +64,8 @@ def runtime() -> Files:
     return _own("interface/variables.py", "python/slave.py")
 
 
-def compilers() -> Files:
+@cache
+def compilers() -> MappingProxyType[str, bytes]:
     """The part of this package that determines the native code: what makes the C and compiles it, with its modules, the
     C files and the template of the tables."""
     native = HERE / "native"
@@ -70,7 +73,7 @@ def compilers() -> Files:
     modules = {name for names in makers for name in names if name.startswith("native/")}
     files = (file for folder in (native, native / "freestanding") for file in folder.iterdir())
     others = (file.relative_to(HERE).as_posix() for file in files if file.suffix in (".c", ".h", ".j2"))
-    return _own(*modules, *others)
+    return MappingProxyType(_own(*modules, *others))
 
 
 def _own(*names: str) -> Files:

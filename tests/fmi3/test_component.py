@@ -9,7 +9,8 @@ from lxml import etree
 from wasmtime import Engine, Store
 from wasmtime.component import Component, Linker
 
-from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.recipe import Fmi, Recipe
+from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.native.wasm.component import component_files
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests.fmi3.test_same_bits import saved
@@ -59,7 +60,7 @@ class Unit:
 
 @pytest.fixture(scope="module")
 def files() -> dict[str, bytes]:
-    return component_files(RECIPE.block(), RECIPE.guid())
+    return component_files(RECIPE.name, c_sources(RECIPE.block(), RECIPE.guid(), fmi=Fmi.THREE))
 
 
 @pytest.fixture(scope="module")

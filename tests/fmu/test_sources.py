@@ -27,7 +27,7 @@ from motionsync_fmu.commands import build as command
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.libraries import FREESTANDING
 from motionsync_fmu.native.platforms import here
-from motionsync_fmu.native.unit_sources import c_names, source_files
+from motionsync_fmu.native.unit_sources import c_names, c_sources, source_files
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.command_line import Command
@@ -54,7 +54,8 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not i
 @cache
 def files_of(name: str, fmi: Fmi = Fmi.TWO) -> dict[str, bytes]:
     """What lies in the folder `sources` of an FMU."""
-    files = source_files(BLOCKS[name](), Recipe(name, fmi=fmi).guid(), fmi=fmi)
+    block = BLOCKS[name]()
+    files = source_files(block, c_sources(block, Recipe(name, fmi=fmi).guid(), fmi=fmi), fmi)
     return {path.removeprefix("sources/"): text for path, text in files.items()}
 
 

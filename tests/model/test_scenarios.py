@@ -8,8 +8,7 @@ import pytest
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.scenario.figures import figures
-from motionsync_fmu.scenario.judge import check, compare
-from motionsync_fmu.scenario.judged import judged_outputs
+from motionsync_fmu.scenario.judge import check, compare, judged_outputs
 from motionsync_fmu.scenario.pieces import find_pieces
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
@@ -18,6 +17,7 @@ from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 from tests.regenerate import examples
+from tests.support.harness import MOTION
 from tests.support.recordings import assert_same, compiled
 
 SCENARIOS = pytest.mark.parametrize(
@@ -45,7 +45,8 @@ def test_the_block_does_what_its_scenario_expects(file: Path) -> None:
     assert found
     assert [judged for judged in found if not judged.passed] == []
     assert at_its_place(scenario, recording)
-    whole, narrow = compiled(scenario)[0].recording, compiled(scenario, names=judged_outputs(scenario))[0].recording
+    names = sorted(judged_outputs(scenario).union(MOTION))
+    whole, narrow = compiled(scenario)[0].recording, compiled(scenario, names=names)[0].recording
     assert whole
     assert_same(recording, whole)
     assert narrow

@@ -90,6 +90,7 @@ def test_what_is_no_value_is_an_expression(text: str) -> None:
         ("1:2:2.5", REAL, "'2.5' is no count"),
         ("1:2:0", REAL, "a count of 0 is not allowed: it must be >= 2"),
         ("1:2:-3", REAL, "a count of -3 is not allowed"),
+        ("1:2:9007199254740992", REAL, "a count of 9007199254740992 is not allowed"),
         ("1:2:1", REAL, "a count of 1 is not allowed: it must be >= 2; for one value write NAME=value"),
         ("2:1:5", REAL, "the range is reversed: write the lesser number first"),
         ("2:2:5", REAL, "the range is empty"),

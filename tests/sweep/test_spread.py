@@ -115,8 +115,9 @@ def test_a_worker_that_is_killed_costs_its_chunk_alone(tmp_path: Path) -> None:
 
 
 def test_a_chunk_that_ends_its_workers_does_not_stop_the_others(tmp_path: Path) -> None:
+    """Dask also gives up a chunk that waited for the worker that ended; none of those that came later."""
     (tmp_path / "trap-20").touch()
-    plan = Tiny(40, 10, trap=str(tmp_path))
+    plan = Tiny(100, 10, trap=str(tmp_path))
     folder = tmp_path / "out"
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
@@ -124,10 +125,10 @@ def test_a_chunk_that_ends_its_workers_does_not_stop_the_others(tmp_path: Path) 
         pytest.raises(UserError, match="chunks ended every worker that had them, the first one with the runs") as told,
     ):
         go(plan, folder, squares, workers=2)
-    assert "of 40 runs are in" in str(told.value)
+    assert "of 100 runs are in" in str(told.value)
     there = set(contents(folder))
     assert "part-000002.parquet" not in there
-    assert "part-000003.parquet" in there
+    assert there >= {f"part-{number:06}.parquet" for number in (6, 7, 8, 9)}
     (tmp_path / "trap-20").unlink()
     go(plan, folder, squares, workers=1)
     assert_squares(folder, plan)

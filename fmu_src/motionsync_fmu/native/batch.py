@@ -44,6 +44,7 @@ from .loop.described import described
 from .loop.library import library
 from .loop.plan import CAUSE, Cause, Groups, Plan, run
 from .loop.reductions import Reduce, Reductions
+from .loop.room import new_array
 from .memory_layout import field, offset
 
 Array = NDArray[Any]
@@ -140,7 +141,8 @@ def simulate_many(
         steps: the number of steps, where no array has that axis.
         instances: the number of instances, where no array has that axis.
         threads: the greatest number of threads; by default the number of cores.
-        out: the array for the values: float64, of shape (instances, steps, outputs), with any strides.
+        out: the array for the values: float64, of shape (instances, steps, outputs), with any strides. It may lie in a
+            file (`np.memmap`), for more values than fit into memory.
         progress: called with the share that is done, in the caller's thread.
 
     Returns:
@@ -255,7 +257,8 @@ class _Batch:
         """The array for the values: `out` if the caller gave one that fits, else a new one."""
         shape = (self.instances, self.steps, len(self.outputs))
         if out is None:
-            return np.empty(shape)
+            instead = "ask for measures (reduce=...), or give a file (out=np.memmap(...))"
+            return new_array("the array of all values", shape, instead)
         if out.dtype != np.float64 or out.shape != shape or not out.flags.behaved:
             wanted = f"float64 of shape {shape}, and writeable"
             raise UserError(f"out is {out.dtype} of shape {out.shape}: it must be {wanted}")

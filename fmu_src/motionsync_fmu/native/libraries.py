@@ -20,6 +20,7 @@ from .platforms import ROWS, Platform
 
 HERE = Path(__file__).parent
 FREESTANDING = HERE / "freestanding"  # what stands in for a C library
+OF_A_UNIT = {"unit.c"}  # it includes model.h, which belongs to one unit alone
 FLAGS = (
     "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
     "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -DOWN_MEMORY"
@@ -57,9 +58,10 @@ def libraries(
     Raises:
         UserError: zig failed.
     """
+    shared = [shared_file(file) for file in unit if is_shared(file) and file.endswith(".c")]
     with workplace(unit) as work, ThreadPoolExecutor(os.cpu_count()) as pool:
         jobs = {
-            target: pool.submit(compiled, target, flags, f"{target}/{name}.{platform.suffix}", work)
+            target: pool.submit(compiled, target, flags, f"{target}/{name}.{platform.suffix}", work, shared)
             for platform in platforms
             for target, flags in platform.targets.items()
         }
@@ -73,37 +75,48 @@ def libraries(
 
 @contextmanager
 def workplace(files: Files) -> Iterator[Path]:
-    """A folder for a while that holds these C files and headers, and what stands in for a C library."""
+    """A folder for a while that holds those of these C files and headers that are not shared."""
     with tempfile.TemporaryDirectory() as folder:
-        work = Path(folder)
-        stand_ins = {source.name: source.read_bytes() for source in FREESTANDING.glob("*.[ch]")}
-        for name, text in (stand_ins | files).items():
-            (work / name).write_bytes(text)
-        yield work
+        for name, text in files.items():
+            if not is_shared(name):
+                Path(folder, name).write_bytes(text)
+        yield Path(folder)
 
 
-def compiled(target: str, flags: str, path: str, work: Path) -> bytes:
-    """The library of the C files in a folder, compiled there into `path`, for one of zig's targets with its own flags.
+def is_shared(name: str) -> bool:
+    """Whether a C file or header is the same in all units. It is compiled where it lies: zig keeps what it has compiled
+    by the path of the source, so it is compiled for the first unit only."""
+    return name not in OF_A_UNIT and (HERE / name).is_file()
 
-    File names stay relative, so that the library does not depend on where this happens.
+
+def shared_file(name: str) -> str:
+    return str(HERE / name)
+
+
+def compiled(target: str, flags: str, path: str, work: Path, shared: Sequence[str] = ()) -> bytes:
+    """The library of the C files in a folder and of these shared ones, compiled in that folder into `path`, for one of
+    zig's targets with its own flags.
 
     Raises:
         UserError: zig failed.
     """
     (work / path).parent.mkdir()
     sources = sorted(source.name for source in work.glob("*.c"))
-    return zig_cc(target, [*FLAGS.split(), "-I.", *sources, *flags.split()], path, work)
+    return zig_cc(target, [*FLAGS.split(), *sources, *shared, *flags.split()], path, work)
 
 
 def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> bytes:
-    """What zig makes, in the folder `work`, for one of its targets; `path`: where it puts that, relative to the folder.
+    """What zig makes of C files and of what stands in for a C library, in the folder `work`, for one of its targets.
+
+    `path`: where it puts that, relative to the folder, in which headers are looked for first.
 
     Raises:
         UserError: zig failed.
     """
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-I", str(HEADERS)]
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target]
+    command += [f"-I{folder}" for folder in (".", HERE, FREESTANDING, HEADERS)]
     done = subprocess.run(
-        [*command, *arguments, "-o", path],
+        [*command, *arguments, str(FREESTANDING / "freestanding.c"), "-o", path],
         cwd=work,
         capture_output=True,
         text=True,

@@ -16,9 +16,9 @@ from .macho import universal
 UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for exceptions: none passes through
 LINUX = f"-nostdlib -Wl,--gc-sections,--hash-style=gnu {UNWINDING}"
 WINDOWS = f"-nostdlib -lkernel32 -Wl,-e,library_main {UNWINDING}"
-# zig links libSystem nevertheless: every library of macOS has to name it. -x: the names of inner functions, which -s
-# leaves in such a library, are left out.
-MACOS = f"-nostdlib -Wl,-x {UNWINDING}"
+MACOS = f"-nostdlib {UNWINDING}"  # zig links libSystem nevertheless: every library of macOS has to name it
+# Leaves out the names of inner functions, which -s keeps there. For arm64 zig would leave a table half unwritten.
+NAMELESS = "-Wl,-x"
 ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, but it compresses worse
 SMALL = "-Xclang -Oz"  # a step takes a tenth longer; Linux on x86-64, where most sweeps run, has the room
 
@@ -72,7 +72,7 @@ ROWS = (
     Platform(
         "darwin64",
         "dylib",
-        {"x86_64-macos.11.0": f"{MACOS} {SMALL}", "aarch64-macos.11.0": f"{MACOS} {ARM} {SMALL}"},
+        {"x86_64-macos.11.0": f"{MACOS} {NAMELESS} {SMALL}", "aarch64-macos.11.0": f"{MACOS} {ARM} {SMALL}"},
         universal,
     ),
 )

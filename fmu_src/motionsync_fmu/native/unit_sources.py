@@ -34,7 +34,7 @@ def c_names(files: Files) -> list[str]:
 
 
 def source_files(block: Any, files: Files, fmi: Fmi = Fmi.TWO) -> Files:
-    """What an FMU holds as its sources, by the paths in it: the C (`files`: those of `c_sources`), how to compile it."""
+    """What an FMU holds as its sources, by the paths in it: the C files of `c_sources`, and how to compile them."""
     name, state = type(block).__name__, dtype(block).itemsize + STATE
     text = ENVIRONMENT.get_template("sources.md.j2").render(name=name, files=c_names(files), fmi=str(fmi), state=state)
     return {f"{SOURCES}{name}": content for name, content in (files | {"README.md": text.encode()}).items()}

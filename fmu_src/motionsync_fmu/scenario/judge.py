@@ -2,7 +2,7 @@
 
 import csv
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,7 @@ from motionsync.var import Unit
 from ..errors import UserError
 from ..interface.roles import books
 from ..interface.units import unit_name
+from ..interface.variables import Variable
 from .amounts import engineering
 from .cuts import Cut, CutSpec, PieceSpec
 from .production import Production
@@ -103,11 +104,10 @@ def check_work(made: Work) -> list[Check]:
     """The same of a run whose cuts or pieces are asked for elsewhere, too."""
     scenario, recording = made.scenario, made.recording
     found: list[Check] = []
-    texts = {name: v.text for name, v in scenario.recipe.variables.items()}
     for e in scenario.expectations:
         match e:
             case AtTime():
-                found += _at_time(e, recording, texts)
+                found += _at_time(e, recording, scenario.recipe.variables)
             case When():
                 found.append(_when(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
             case Within():
@@ -128,11 +128,11 @@ def missing(unmet: Iterable[Unmet]) -> list[Check]:
     return [Check(u.expected, u.found, False) for u in unmet if u.reaction.required]
 
 
-def _at_time(e: AtTime, recording: Recording, texts: Mapping[str, Callable[[float], str]]) -> Iterator[Check]:
+def _at_time(e: AtTime, recording: Recording, variables: Mapping[str, Variable]) -> Iterator[Check]:
     i = int(np.argmin(np.abs(recording.time - e.at)))
     for name, wanted in e.values.items():
         value = float(recording.values[name][i])
-        text = texts[name]
+        text = variables[name].text
         allowed = f" ± {engineering(e.tolerance)}" if text(wanted) == f"{wanted:.10g}" else ""
         expected = f"{name} = {text(wanted)}{allowed} at {e.at:.10g} s"
         yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)

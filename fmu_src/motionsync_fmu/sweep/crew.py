@@ -5,11 +5,14 @@ what a chunk is: that is the task's own affair."""
 
 import logging
 import os
+import pickle
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from operator import methodcaller
 from pathlib import Path
 from pkgutil import resolve_name
 from queue import Empty, SimpleQueue
@@ -145,25 +148,32 @@ class Workers:
         return next((line.strip() for line in reversed(lines) if line.strip()), "nothing")
 
     def end(self) -> None:
-        """End them at once; what they were working on is lost."""
+        """End them at once, and what they have started; what they were working on is lost."""
         for process in self.running:
-            process.kill()
+            if sys.platform == "win32":
+                process.kill()
+            else:
+                with suppress(ProcessLookupError):  # it has ended by itself
+                    os.killpg(process.pid, signal.SIGKILL)
         for process in self.running:
             process.wait()
 
 
 class Cluster:
-    """The workers of a Dask scheduler, on this computer or others."""
+    """The workers of a Dask scheduler, on this computer or others.
+
+    The scheduler itself need not have motionsync: it sees the task as bytes. A worker unpacks it and hands it on to the
+    others, once; so what the task finds out for itself, it finds out once on each worker."""
 
     def __init__(self, client: "Client", task: Task, own: Workers | None, tell: Callable[[str], None]) -> None:
         self.client = client
-        self.task = task
         self.own = own
         self.tell = tell
         self.known: set[str] = set()
         self.threads = 0
         self.looked = -LOOK
         self.batch = uuid4().hex
+        self.task = client.submit(pickle.loads, pickle.dumps(task), key=f"task-{self.batch}", pure=False)
         self.numbers: dict[Future, int] = {}
         self.results: SimpleQueue[Future] = SimpleQueue()
 
@@ -172,7 +182,8 @@ class Cluster:
         return AHEAD * self.threads
 
     def begin(self, number: int) -> None:
-        future = self.client.submit(self.task, number, key=f"chunk-{self.batch}-{number}", pure=False)
+        work = methodcaller("__call__", number)
+        future = self.client.submit(work, self.task, key=f"chunk-{self.batch}-{number}", pure=False)
         self.numbers[future] = number
         future.add_done_callback(self.results.put)
 
@@ -237,8 +248,7 @@ def cluster(task: Task, scheduler: str, workers: int, tell: Callable[[str], None
     """
     from distributed import LocalCluster  # noqa: PLC0415
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
-    with ExitStack() as last:
+    with _quiet(), ExitStack() as last:
         own = None
         address = scheduler
         if not scheduler:
@@ -252,6 +262,20 @@ def cluster(task: Task, scheduler: str, workers: int, tell: Callable[[str], None
         last.callback(_close, client)
         tell(f"dashboard: {client.dashboard_link}")
         yield Cluster(client, task, own, tell)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep from the console what Dask logs meanwhile: what matters of it is told in one sentence."""
+    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    levels = {name: logging.getLogger(name).level for name in names}
+    for name in names:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
 
 
 def _client(address: str) -> "Client":

@@ -19,6 +19,7 @@ HELP = (
     "--set master.velocity=200:400:11"
 )
 BETWEEN = ".."
+EXACT = 2**53  # whole numbers below it are exact as Reals
 FLAGS = {"true": True, "false": False}
 
 
@@ -135,6 +136,8 @@ def _linear(text: str, kind: Kind) -> Linear:
         raise UserError(f"{parts[2].strip()!r} is no count") from None
     if count < 2:
         raise UserError(f"a count of {count} is not allowed: it must be >= 2; for one value write NAME=value")
+    if count >= EXACT:
+        raise UserError(f"a count of {parts[2].strip()} is not allowed: it must be < {EXACT}")
     whole = kind.name == "Integer"
     if whole and (stop - start) % (count - 1):
         raise UserError(f"{start + (stop - start) / (count - 1):g} is no Integer")
@@ -188,7 +191,7 @@ def _number(part: str, kind: Kind) -> float:
         raise UserError(f"{text} is not allowed: it must be finite")
     if kind.name != "Integer":
         return value
-    if not value.is_integer() or abs(value) >= 2.0**53:
+    if not value.is_integer() or abs(value) >= EXACT:
         raise UserError(f"{text} is no Integer")
     return int(value)
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from motionsync.var import Role
 
 from ..interface.variables import Variable
+from ..scenario.amounts import ROUNDING
 from ..scenario.scenario import Scenario
 
 ENDS = (Role.MIN_POSITION, Role.MAX_POSITION)  # all other limits are magnitudes, and 0 where there is none
@@ -47,11 +48,19 @@ class Limits:
         `extents`: those of the slave's position, velocity, acceleration and jerk."""
         if any(v.name in r.add for r in scenario.reactions for v in self._by_role.values()):
             return True
-        position = extents["slave.position"]
-        lower, upper = (self._values(scenario, role) for role in ENDS)
-        if position.least < max(lower, default=-math.inf) or position.greatest > min(upper, default=math.inf):
+        if self._is_outside(scenario, extents["slave.position"]):
             return True
-        return any(extents[name].magnitude > self._tightest(scenario, roles) for name, roles in MAGNITUDES.items())
+        return any(
+            extents[name].magnitude > self._tightest(scenario, roles) * (1.0 + ROUNDING)
+            for name, roles in MAGNITUDES.items()
+        )
+
+    def _is_outside(self, scenario: Scenario, position: Extent) -> bool:
+        """Whether the slave was beyond an end position, by more than rounding."""
+        lower, upper = (self._values(scenario, role) for role in ENDS)
+        allowed = ROUNDING * max(1.0, position.greatest - position.least, position.magnitude)
+        below = max(lower, default=-math.inf) - position.least
+        return below > allowed or position.greatest - min(upper, default=math.inf) > allowed
 
     def _tightest(self, scenario: Scenario, roles: Iterable[Role]) -> float:
         """The least of these limits at any time of a run; infinite: there is none."""

@@ -31,8 +31,7 @@ FILE = "plan.toml"
 SCENARIO = "scenario.toml"  # beside it: the scenario's file as it was
 KEYS = ("motionsync", "guid", "scenario", "sha256", "samples", "method", "seed", "sampler", "chunk", "set", "measures")
 MOST_RUNS = 10**9  # that need no confirmation
-LARGEST = 2**62  # runs whose numbers fit into an int64
-CHUNK = 1000
+LARGEST = 2**53  # runs, and seeds: whole numbers that the plan's file keeps exactly
 WORDS = {  # for what is told of a difference
     "version": "motionsync",
     "guid": "the FMU's GUID",
@@ -72,7 +71,7 @@ class SweepPlan:
         method: how the ranges are sampled.
         seed: the seed of the samples.
         measures: the kinds of measures by the names of outputs.
-        chunk: how many runs a part file has.
+        chunk: how many runs a part file has; 0: that is not decided yet.
         version: the version of motionsync.
         guid: that of the FMU for which the runs stand.
         sampler: the version of scipy, which makes the samples; empty without ranges.
@@ -85,7 +84,7 @@ class SweepPlan:
     method: Method = Method.LHS
     seed: int = 0
     measures: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    chunk: int = CHUNK
+    chunk: int = 0
     version: str = __version__
     guid: str = ""
     sampler: str = ""
@@ -100,7 +99,7 @@ class SweepPlan:
         method: Method = Method.LHS,
         seed: int = 0,
         measures: Mapping[str, Sequence[str]] | None = None,
-        chunk: int = CHUNK,
+        chunk: int = 0,
         yes: bool = False,
     ) -> Self:
         """The plan for a scenario's file and settings `NAME=VALUES`.
@@ -315,6 +314,15 @@ class SweepPlan:
         return found
 
     @property
+    def independent(self) -> tuple[str, ...]:
+        """The names of the factors that vary by themselves, with more than one value."""
+        return tuple(
+            name
+            for name, values in self._values.items()
+            if isinstance(values, Range) or (isinstance(values, Linear | Listed) and values.count > 1)
+        )
+
+    @property
     def _grids(self) -> dict[str, Linear | Listed]:
         return {name: v for name, v in self._values.items() if isinstance(v, Linear | Listed)}
 
@@ -376,14 +384,14 @@ class SweepPlan:
             raise UserError(f"--samples {samples}: no factor has a range to be sampled, as in NAME=low..high")
         if samples is not None and samples < 1:
             raise UserError(f"--samples {samples} is not allowed: it must be >= 1")
-        if self.seed < 0:
-            raise UserError(f"--seed {self.seed} is not allowed: it must be >= 0")
-        if self.chunk < 1:
-            raise UserError(f"a chunk of {self.chunk} runs is not allowed: it must be >= 1")
+        if not 0 <= self.seed <= LARGEST:
+            raise UserError(f"--seed {self.seed} is not allowed: it must be 0 to {LARGEST}")
+        if self.chunk < 0:
+            raise UserError(f"a chunk of {self.chunk} runs is not allowed: it must be >= 1, or 0 to be found out")
         if refusal := Samples(self.method, self.samples, len(self._ranges), self.seed).refusal:
             raise UserError(f"--samples {samples}: {refusal}")
         if self.runs > LARGEST:
-            raise UserError(f"the sweep has {self.runs:.3g} runs, and {LARGEST:.3g} are the most that can be numbered")
+            raise UserError(f"the sweep has more than {LARGEST:,} runs, which are the most that can be numbered")
         if self.runs > MOST_RUNS and not yes:
             raise UserError(f"the sweep has {self.runs:,} runs; more than {MOST_RUNS:,} need --yes")
         self._probe()

@@ -3,7 +3,7 @@
 A run that fails is a row, too: what was refused stands in it."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import pyarrow as pa
 
@@ -11,6 +11,7 @@ from ..errors import UserError
 from ..native.loop.scripted import run_scenarios
 from ..scenario.figures import SLAVE
 from ..scenario.scenario import Scenario
+from .expressions import Array
 from .measures import Measures, columns, joined
 from .plan import SweepPlan
 from .results import Results, Row, limits_broken, refused
@@ -37,16 +38,29 @@ def rows(plan: SweepPlan, first: int, last: int, threads: int = 1) -> pa.Table:
     Raises:
         UserError: there are no such runs; or there is no C compiler.
     """
-    given = {"run": range(first, last), **plan.values(first, last)}
+    values = plan.values(first, last)
+    numbered = rows_with(plan, values, schema(plan).names[1:], threads)
+    return numbered.add_column(0, schema(plan).field("run"), pa.array(range(first, last), pa.int64()))
+
+
+def rows_with(plan: SweepPlan, values: Mapping[str, Array], columns: Iterable[str], threads: int = 1) -> pa.Table:
+    """Some columns of the rows of runs that have other values than those of the plan.
+
+    `values`: of all factors, each of shape (runs,).
+
+    Raises:
+        UserError: there is no C compiler.
+    """
     told: list[Row] = []
-    for begin in range(first, last, MOST_RUNS):
-        scenarios = plan.scenarios(begin, min(begin + MOST_RUNS, last))
+    for begin in range(0, len(next(iter(values.values()))), MOST_RUNS):
+        scenarios = plan.scenarios_with({name: of_runs[begin : begin + MOST_RUNS] for name, of_runs in values.items()})
         told += run_and_judge(plan.varied.scenario, scenarios, plan.measures, threads)
+    fields = [schema(plan).field(name) for name in dict.fromkeys(columns)]
     arrays = [
-        pa.array(given[f.name] if f.name in given else [row.get(f.name) for row in told], f.type, from_pandas=True)
-        for f in schema(plan)
+        pa.array(values[f.name] if f.name in values else [row.get(f.name) for row in told], f.type, from_pandas=True)
+        for f in fields
     ]
-    return pa.Table.from_arrays(arrays, schema=schema(plan))
+    return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
 
 
 def run_and_judge(

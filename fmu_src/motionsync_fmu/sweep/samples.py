@@ -4,13 +4,13 @@ import warnings
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
+from importlib.metadata import version
 from threading import Lock
 from typing import Any
 
 import numpy as np
 
-from ..errors import UserError
-from ..extras import how_to_install
+from ..extras import need
 
 Points = np.ndarray[Any, np.dtype[np.float64]]
 """Shares of ranges, from 0 to below 1; shape (samples, ranges)."""
@@ -66,11 +66,8 @@ def sampler() -> str:
     Raises:
         UserError: it is not installed.
     """
-    try:
-        import scipy  # noqa: PLC0415 (an extra)
-    except ImportError:
-        raise UserError(f"ranges are sampled by scipy, which is not installed: {how_to_install('sweep')}") from None
-    return str(scipy.__version__)
+    need("sweep", "scipy")
+    return version("scipy")
 
 
 @lru_cache(maxsize=2)

@@ -85,17 +85,12 @@ class Varied:
             UserError: the scenario has nothing of that name that can vary, or its name alone does not tell which value
                 is meant.
         """
-        v = self._block.variables.get(name)
-        if v and v.settable and not self._block.scripts(v):
-            return self._variable(v)
-        if name == "length":
+        if name == "length" and name not in self._known:
             name = "cuts.length"
         place = choose(self._known, name, f"variable of {self._block.name} or number of the scenario")
         if not place:
             return self._variable(self._block.variables[name])
-        present = _at(self._top.values, place)
-        by_name = place[0] in NAMED and isinstance(place[-1], str)
-        return Target(name, (place,), self._block.variables.get(str(place[-1])) if by_name else None, present)
+        return Target(name, (place,), self._named(place), _at(self._top.values, place))
 
     def varied(self, values: Iterable[tuple[Target, Any]]) -> Scenario:
         """The scenario with other values.
@@ -133,17 +128,20 @@ class Varied:
 
     @cached_property
     def _known(self) -> dict[str, Place]:
-        """All names that may vary; a variable of the block has no place here."""
-        names: dict[str, Place] = {n: () for n, v in self._block.variables.items() if v.settable}
-        names = {name: place for name, place in names.items() if not self._block.scripts(self._block.variables[name])}
+        """All names that may vary, with their places; a variable of the block has several or none: ()."""
+        settable = (v for v in self._block.variables.values() if v.settable and not self._block.scripts(v))
+        names: dict[str, Place] = {v.name: () for v in settable}
         values = _watched(self._top.values)
         read_scenario(self._top.with_values(values))
         for place, value in _leaves(values):
-            key = str(place[-1])
-            v = self._block.variables.get(key) if place[0] in NAMED else None
+            v = self._named(place)
             if not isinstance(value, str) or (v and v.choices):
                 names.setdefault(_dotted(place), place)
         return names
+
+    def _named(self, place: Place) -> Variable | None:
+        """The variable that is the key of a value; None: the key is one of the script's."""
+        return self._block.variables.get(str(place[-1])) if place[0] in NAMED else None
 
 
 class _Asked(dict[str, Any]):

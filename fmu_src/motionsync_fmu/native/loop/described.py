@@ -6,7 +6,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from ...interface.variables import Variable, refusals, variables
+from ...interface.recipe import declared
+from ...interface.variables import Variable, refusals
 from ..memory_layout import image
 
 _described: dict[type[Any], "Described"] = {}
@@ -20,13 +21,13 @@ def described(block_type: type[Any]) -> "Described":
 class Described:
     """A block's class, of which nobody may change what is told here."""
 
-    def __init__(self, block_type: type[Any]) -> None:
+    def __init__(self, block_type: type) -> None:
         self._type = block_type
 
-    @cached_property
+    @property
     def variables(self) -> Mapping[str, Variable]:
         """The variables of a new block by name, in their order, with the causalities that are declared."""
-        return {v.name: v for v in variables(self._type())}
+        return declared(self._type)
 
     @cached_property
     def memory(self) -> NDArray[Any]:

@@ -30,6 +30,7 @@ from ...errors import UserError, choose
 from ...interface.variables import Variable
 from ..memory_layout import offset
 from .described import described
+from .room import new_array
 
 Reals = NDArray[np.float64]
 Reduce = Mapping[str, str | Sequence[str]]  # variable to kinds
@@ -132,11 +133,11 @@ class Reductions:
         in_c: the tables that the functions of `reduce.h` read; they hold the addresses of this object's arrays.
     """
 
-    def __init__(self, block_type: type[Any], reduce: Reduce, instances: int, steps: int = 0) -> None:
-        """`steps`: their number, which `every` alone needs.
+    def __init__(self, block_type: type[Any], reduce: Reduce, instances: int, steps: int | None = None) -> None:
+        """`steps`: of each instance, if they have the same number; `every` is not allowed otherwise.
 
         Raises:
-            UserError: `reduce` is not as it must be, as `measures` tells.
+            UserError: `reduce` is not as it must be, as `measures` tells, or what it asks for does not fit into memory.
         """
         known = described(block_type)
         self.measures = measures(known.variables, reduce, block_type.__name__)
@@ -185,7 +186,7 @@ class Reductions:
             squares=self._figures("rms", begin=-0.0),
             above=self._figures("above", begin=0.0),
             elapsed=self._column("elapsed", 0.0) if self._of("mean", "rms") else 0,
-            rises=self._figures("rises", begin=0.0, also="before"),
+            rises=self._rises(),
             series=self._table(_Series, map(self._series, self._of("every"))),
         )
 
@@ -195,7 +196,8 @@ class Reductions:
     def _column(self, name: str, begin: float = nan) -> int:
         """The address of the column of that name, whose numbers begin with that value."""
         if name not in self._columns:
-            self._columns[name] = np.full(self._instances, begin)
+            self._columns[name] = new_array(name, (self._instances,), "run fewer instances at a time")
+            self._columns[name].fill(begin)
         return self._columns[name].ctypes.data
 
     def _offsets(self, names: Iterable[str]) -> _Table:
@@ -204,32 +206,38 @@ class Reductions:
 
     def _initial(self) -> _Table:
         """What is wanted of the values after the initialization: they themselves, or whether there is an edge then."""
-        wanted = [
-            (m.variable.name, what)
-            for kind, what in (("initial", "initial"), ("rises", "before"))
-            for m in self._of(kind)
-        ]
+        wanted = [(m, "initial") for m in self._of("initial")] + [(m, "before") for m in self._of("rises")]
+        names = ((m.variable.name, what) for m, what in wanted)
+        return self._table(_Figure, (self._figure(name, f"{name}.{what}") for name, what in names))
+
+    def _figures(self, of: str, begin: float = nan) -> _Table:
+        """All measures of a kind."""
         return self._table(
-            _Figure, ((self._rows[name], self._column(f"{name}.{what}"), 0, nan) for name, what in wanted)
+            _Figure, (self._figure(m.variable.name, m.name, begin, limit=m.number) for m in self._of(of))
         )
 
-    def _figures(self, of: str, begin: float = nan, also: str = "") -> _Table:
-        """The measures of a kind; `also`: the name of the column beside theirs."""
-        rows = (
-            (m.variable.name, self._column(m.name, begin), also and self._column(f"{m.variable.name}.{also}"), m.number)
-            for m in self._of(of)
-        )
-        return self._table(_Figure, ((self._rows[name], to, beside or 0, limit) for name, to, beside, limit in rows))
+    def _rises(self) -> _Table:
+        names = (m.variable.name for m in self._of("rises"))
+        return self._table(_Figure, (self._figure(n, f"{n}.rises", 0.0, f"{n}.before") for n in names))
 
     def _timed(self, kind: str, begin: float = nan) -> _Table:
         """A figure with its time, for each variable of which one of the two is asked for."""
         names = dict.fromkeys(m.variable.name for m in self._of(kind, f"{kind}_time"))
-        columns = ((name, self._column(f"{name}.{kind}", begin), self._column(f"{name}.{kind}_time")) for name in names)
-        return self._table(_Figure, ((self._rows[name], to, also, nan) for name, to, also in columns))
+        return self._table(_Figure, (self._figure(n, f"{n}.{kind}", begin, f"{n}.{kind}_time") for n in names))
+
+    def _figure(
+        self, name: str, to: str, begin: float = nan, also: str = "", limit: float = nan
+    ) -> tuple[int, int, int, float]:
+        """What is kept of a variable in the column `to`, whose numbers begin with that value, and in `also`."""
+        return self._rows[name], self._column(to, begin), self._column(also) if also else 0, limit
 
     def _series(self, m: Measure) -> tuple[int, ...]:
-        n = int(m.number)
-        values = self._columns[m.name] = np.full((self._instances, self._steps // n), nan)
+        n, steps = int(m.number), self._steps
+        if steps is None:
+            raise UserError(f"{m.variable.name}: the measure {m.kind!r} is not allowed: the runs differ in their steps")
+        values = new_array(m.name, (self._instances, steps // n), "choose a greater N")
+        values.fill(nan)
+        self._columns[m.name] = values
         counts = (self._column(f"{m.name}.{what}", 0.0) for what in ("steps", "count"))
         return self._rows[m.variable.name], values.ctypes.data, values.strides[0], n, *counts
 

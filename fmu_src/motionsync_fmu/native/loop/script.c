@@ -74,9 +74,6 @@ typedef struct {
     int64_t limit_count;
     const Place *sinks; /* what is recorded */
     int64_t sink_count;
-    const Place *begun; /* the values after the initialization that are kept, a row for each run */
-    int64_t begun_count;
-    double *begins;
     double longest, closest; /* step size; of a cycle: a time that follows an instant by less is taken for that one */
     const Reductions *reductions;
     double *samples; /* for the reductions: their rows */
@@ -233,12 +230,6 @@ static void record(const Scenarios *s, Run *r, double time, Motion m) {
         ROWS(double, r->values + k * r->room)[i] = read(r->block, s->sinks[k].offset, s->sinks[k].kind);
 }
 
-/* Keep the values after the initialization that are asked for. */
-static void keep_begin(const Scenarios *s, int64_t i, int64_t block) {
-    for (int64_t k = 0; k < s->begun_count; k++)
-        s->begins[i * s->begun_count + k] = read(block, s->begun[k].offset, s->begun[k].kind);
-}
-
 /* The number of the first Real that is not allowed; -1 if all are. */
 static int64_t refused(const Scenarios *s, int64_t block) {
     for (int64_t k = 0; k < s->limit_count; k++) {
@@ -277,7 +268,6 @@ static bool try_begin(const Scenarios *s, Run *r, Samples *samples, int64_t i) {
     bool failed = false;
     const int64_t refusal = block_initialize((Block *)(intptr_t)r->block, &failed);
     if (failed || refusal) return stop(r, failed ? CAUSE_RAISED : CAUSE_REFUSED, refusal);
-    keep_begin(s, i, r->block);
     if (s->reductions) reduce_begin(s->reductions, samples, i, r->block);
     record(s, r, 0.0, at(r, 0.0));
     hold(r);

@@ -15,7 +15,6 @@ from motionsync.master import MasterInput
 
 from ...errors import choose
 from ...interface.recipe import Recipe
-from ...interface.variables import refusals
 from ...scenario.reactions import LOOK, MARGIN, rounded, scans
 from ...scenario.recording import Reals, Recording
 from ...scenario.run import CLOSE, points
@@ -23,6 +22,7 @@ from ...scenario.scenario import Scenario
 from ...scenario.script import Motion, Script
 from ...scenario.settings import Setting, Unmet
 from .. import memory_layout
+from .described import described
 from .plan import Cause
 
 Array = NDArray[Any]
@@ -62,7 +62,6 @@ class Scenarios(Structure):
             remote one.
         limits: the Reals to judge at each step, in the order of the variables; LIMITED.
         sinks: what is recorded; PLACE.
-        begun: the variables whose values after the initialization are kept, PLACE; `begins`: a row of them a run.
         longest: the greatest allowed step size, in s.
         closest: of a cycle: a time that follows an instant by less is taken for that instant.
         samples: room for the samples of the reductions.
@@ -75,9 +74,6 @@ class Scenarios(Structure):
         ("limit_count", c_int64),
         ("sinks", c_void_p),
         ("sink_count", c_int64),
-        ("begun", c_void_p),
-        ("begun_count", c_int64),
-        ("begins", c_void_p),
         ("longest", c_double),
         ("closest", c_double),
         ("reductions", c_void_p),
@@ -89,8 +85,7 @@ class Scenarios(Structure):
 
 def address(array: Array) -> int:
     """Where an array lies in memory."""
-    place: int = array.__array_interface__["data"][0]
-    return place
+    return array.ctypes.data
 
 
 class Place(NamedTuple):
@@ -117,14 +112,15 @@ class BlockMemory:
         block = recipe.block()
         self.type = type(block)
         self.variables = recipe.variables
-        self.image = memory_layout.image(block)
+        known = described(self.type)
+        self.image = memory_layout.image(block) if recipe.starts else known.memory
         layout = self.image.dtype
         self.places = {
             v.name: Place(memory_layout.offset(layout, v.name), KINDS[v.kind], v.judged)
             for v in self.variables.values()
         }
         self.unset = {v.name for v in self.variables.values() if v.settable and not v.allows(v.start)}
-        self.refusals = {member.value: member for member in refusals(self.type)}
+        self.refusals = known.refusals
 
     def table(self, names: Iterable[str]) -> Array:
         """The places of variables, as PLACE.

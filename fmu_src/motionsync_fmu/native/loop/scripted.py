@@ -44,7 +44,6 @@ class ScriptedRun:
         failure: why it failed; empty: it did not.
         failed_at: the latest communication point of a run that failed, in s; else NaN.
         measures: by name, `slave.velocity.max` say; NaN if the run failed.
-        begin: the values after the initialization of the variables that are measured; NaN if it failed.
         unmet: the reactions that happened less often than they could have.
     """
 
@@ -52,7 +51,6 @@ class ScriptedRun:
     failure: str
     failed_at: float
     measures: Mapping[str, float]
-    begin: Mapping[str, float]
     unmet: Sequence[Unmet]
 
 
@@ -111,9 +109,7 @@ class _Runs:
         self.reductions = Reductions(block.type, reduce, len(scenarios))
         if every := [m for m in self.reductions.measures if m.of == "every"]:
             raise UserError(f"{every[0].name}: a run of a scenario has no such measure: its steps differ in length")
-        self.reduced = [*reduce]
-        self.sinks, self.begun = block.table(outputs), block.table(self.reduced)
-        self.begins = np.full((len(scenarios), len(self.begun)), nan)
+        self.sinks = block.table(outputs)
         self.memory = np.full(len(scenarios), block.image)
         self.tables = [RunTables(s, block, len(outputs)) for s in scenarios]
         given = self._start()
@@ -167,9 +163,6 @@ class _Runs:
             limit_count=len(self.limits),
             sinks=address(self.sinks),
             sink_count=len(self.sinks),
-            begun=address(self.begun),
-            begun_count=len(self.begun),
-            begins=address(self.begins),
             longest=LONGEST_STEP,
             closest=clocks.CLOSE,
             reductions=addressof(self.reductions.in_c) if self.reductions.measures else None,
@@ -183,20 +176,17 @@ class _Runs:
         """What came of each run."""
         failed = np.flatnonzero(self.runs["cause"]).tolist()
         measured = self.reductions.results(failed)
-        begun = {name: self.begins[:, k] for k, name in enumerate(self.reduced)}
         messages = {i: f"at {self.runs['now'][i]:g} s {self._message(i)}" for i in failed}
         return [
-            self._result(
-                i, messages.get(i, ""), *({n: c[i].item() for n, c in columns.items()} for columns in (measured, begun))
-            )
+            self._result(i, messages.get(i, ""), {name: column[i].item() for name, column in measured.items()})
             for i in range(len(self.runs))
         ]
 
-    def _result(self, i: int, failure: str, measures: dict[str, float], begin: dict[str, float]) -> ScriptedRun:
+    def _result(self, i: int, failure: str, measures: dict[str, float]) -> ScriptedRun:
         tables = self.tables[i]
         recording = tables.recording(self.runs[i], self.outputs) if self.outputs and not failure else None
         failed_at = self.runs["now"][i].item() if failure else nan
-        return ScriptedRun(recording, failure, failed_at, measures, begin, tables.unmet)
+        return ScriptedRun(recording, failure, failed_at, measures, tables.unmet)
 
     def _message(self, i: int) -> str:
         """Why a run failed."""

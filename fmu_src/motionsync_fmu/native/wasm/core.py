@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from ...archive import Files
-from ..libraries import workplace, zig_cc
+from ..libraries import is_shared, shared_file, workplace, zig_cc
 
 TARGET = "wasm32-wasi"  # "freestanding" would turn fabs and sqrt from instructions into unknown functions
 FLAGS = (
@@ -20,5 +20,6 @@ def core_module(files: Files, compiled: Iterable[str]) -> bytes:
     Raises:
         UserError: zig failed.
     """
+    sources = [shared_file(name) if is_shared(name) else name for name in compiled]
     with workplace(files) as work:
-        return zig_cc(TARGET, [*FLAGS.split(), "-I.", *sorted({*compiled, "freestanding.c"})], "core.wasm", work)
+        return zig_cc(TARGET, [*FLAGS.split(), *sources], "core.wasm", work)
