@@ -13,6 +13,7 @@ import plotly.graph_objects as go
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from markupsafe import escape
 from numpy.typing import NDArray
 
 from motionsync_fmu.scenario.reader import load
@@ -393,3 +394,28 @@ def test_a_damaged_part_is_named(folder: Path, tmp_path: Path, motionsync: Comma
     done = motionsync("sweep-plot", "sweep", "--x", V, "--y", LENGTH)
     assert_one_line(done, part.name, "other columns" if damage == "other" else "damaged")
     assert not (tmp_path / "sweep" / "plot.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("condition", "holds"),
+    [
+        ("cut_error < 1e-9", lambda rows: rows["cut_error"] < 1e-9),
+        ("cut_error > 100", lambda rows: rows["cut_error"] > 100.0),
+        ("not passed", lambda rows: ~rows["passed"]),
+        ("passed and length != 3000", lambda rows: rows["passed"] & (rows[LENGTH] != 3000.0)),
+        ('refusal == ""', lambda rows: rows["refusal"] == ""),
+    ],
+)
+def test_a_condition_takes_the_place_of_the_expectations(
+    plotted: Callable[..., str], rows: Rows, condition: str, holds: Callable[[Rows], NDArray[Any]]
+) -> None:
+    """NaN, of refused runs, is neither less nor greater."""
+    page = plotted("--x", V, "--y", LENGTH, "--passed", condition).replace("\N{NARROW NO-BREAK SPACE}", "")
+    assert f"<small>{np.count_nonzero(holds(rows))} runs</small>" in page
+    assert f"A run passes if {escape(condition)}." in page
+
+
+def test_a_condition_that_is_none_is_told(folder: Path, motionsync: Command) -> None:
+    asked = ("--x", V, "--y", LENGTH, "--passed")
+    assert_one_line(motionsync("sweep-plot", folder, *asked, "lte == 0"), "'lte'")
+    assert_one_line(motionsync("sweep-plot", folder, *asked, "cut_error == fast"), "'fast'")

@@ -28,6 +28,7 @@ TEXTS = (
     "--band-7",
 )  # of the most frequent ones
 OTHER, NO_VALUE = "--muted", "--band-0"
+MARKED = 40  # points of a line at most that have markers
 LINES = 8  # colours of lines
 HEIGHT = 430
 BELOW = -22  # px from a map to what is written below it
@@ -148,7 +149,13 @@ def curves_chart(name: str, x: Axis, y: Column, found: Answer, groups: Axis | No
         _band(chart, line, line.of("least"), line.of("greatest"))
         for key in ("least", "greatest"):
             _draw(chart, line, line.of(key), y.unit, picks.places(line.of(f"pick_{key}")))
-            chart.traces[-1] |= {"line": {"width": 0}, "hoverinfo": "skip", "hovertemplate": "", "showlegend": False}
+            chart.traces[-1] |= {
+                "mode": "lines",
+                "line": {"width": 0},
+                "hoverinfo": "skip",
+                "hovertemplate": "",
+                "showlegend": False,
+            }
         _draw(chart, line, line.of("mean"), y.unit, picks.places(line.of("pick")))
     return chart
 
@@ -221,5 +228,7 @@ def _band(chart: Chart, line: _Line, low: Reals, high: Reals) -> None:
 def _draw(chart: Chart, line: _Line, values: Reals, unit: str, places: Sequence[int]) -> None:
     """Draw a line whose points tell how many runs they are of, and which run stands for them."""
     chart.curve(1, line.label, line.x, values, Style(f"--line-{line.colour}", 2.5), unit=unit)
+    if len(line.x) <= MARKED:
+        chart.traces[-1] |= {"mode": "lines+markers", "marker": {"size": 5, "color": f"--line-{line.colour}"}}
     told = zip(line.of("runs").tolist(), places, strict=True)
     chart.traces[-1] |= {"customdata": [list(t) for t in told], "showlegend": bool(line.label)}

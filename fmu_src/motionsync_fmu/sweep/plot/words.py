@@ -27,6 +27,13 @@ def title(view: View) -> str:
     return f"{view.y.name} over {view.x.column.name}"
 
 
+def passing(view: View) -> str:
+    """What makes a run pass."""
+    expected = "all expectations of its scenario are met, and nothing is refused"
+    what = view.condition.text if view.condition else expected
+    return f"A run passes if {what}."
+
+
 def figures(view: View) -> list[tuple[str, str, str]]:
     """Names, values and remarks: what the sweep says at a glance."""
     runs, passed = view.runs["runs"], view.runs["passed"]
