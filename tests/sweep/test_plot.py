@@ -419,3 +419,40 @@ def test_a_condition_that_is_none_is_told(folder: Path, motionsync: Command) -> 
     asked = ("--x", V, "--y", LENGTH, "--passed")
     assert_one_line(motionsync("sweep-plot", folder, *asked, "lte == 0"), "'lte'")
     assert_one_line(motionsync("sweep-plot", folder, *asked, "cut_error == fast"), "'fast'")
+
+
+@pytest.mark.parametrize(
+    ("condition", "said"), [("cut_error < 1e6", "Every run passed"), ("cut_error < 0", "No run passed")]
+)
+def test_a_sweep_without_a_boundary_says_so(motionsync: Command, tmp_path: Path, condition: str, said: str) -> None:
+    """One run, and the figures of one run: a cell each."""
+    plan = SweepPlan.of(made_up.EXAMPLE, [f"{V}=500", f"{A}=3000", f"{LENGTH}=1000", f"{TIME}=0.1"])
+    plan.write(tmp_path)
+    made_up.write(tmp_path, made_up.rows(plan), 1)
+    done = motionsync("sweep-plot", tmp_path, "--x", V, "--y", LENGTH, "--passed", condition)
+    assert (done.status, done.err) == (0, "")
+    page = (tmp_path / "plot.html").read_text("utf-8")
+    assert f"<li>{said}: there is no boundary" in page
+    assert list(charts(page)) == [f"The share of the runs that passed, over {V} and {LENGTH}"]
+
+
+def test_a_result_without_any_value_is_told(folder: Path, rows: Rows, motionsync: Command, tmp_path: Path) -> None:
+    shutil.copytree(folder, tmp_path / "sweep", ignore=shutil.ignore_patterns("part-*"))
+    made_up.write(tmp_path / "sweep", rows | {"cut_error": np.full(1080, np.nan)}, 500)
+    assert_one_line(motionsync("sweep-plot", "sweep", "--x", V, "--y", "cut_error"), "cut_error", "no value in any run")
+
+
+def test_a_changed_scenario_is_repeated_from_the_copy(tmp_path: Path, motionsync: Command) -> None:
+    """The command names the file as long as it is what the sweep ran."""
+    mine = tmp_path / "mine" / "scenario.toml"
+    mine.parent.mkdir()
+    mine.write_text(made_up.EXAMPLE.read_text("utf-8"), "utf-8")
+    plan = SweepPlan.of(mine, made_up.settings(2, 2, 3, 2))
+    (tmp_path / "sweep").mkdir()
+    plan.write(tmp_path / "sweep")
+    made_up.write(tmp_path / "sweep", made_up.rows(plan), 500)
+    for file in (mine.parent, tmp_path / "sweep" / "scenario.toml"):
+        assert motionsync("sweep-plot", "sweep", "--x", V, "--y", LENGTH).status == 0
+        page = (tmp_path / "sweep" / "plot.html").read_text("utf-8")
+        assert data(page)["command"] == f"motionsync run {file}"
+        mine.write_text("", "utf-8")

@@ -94,7 +94,7 @@ def repeated(folder: Path, plan: SweepPlan) -> str:
         same = plan.file.read_text("utf-8-sig") == plan.text
     except (OSError, UnicodeDecodeError):
         same = False
-    return called(plan.file.resolve()) if same else str(folder / SCENARIO)
+    return called(plan.file.resolve()) if same else str(folder.resolve() / SCENARIO)
 
 
 def _sections(view: View) -> tuple[list[Section], dict[str, Any]]:

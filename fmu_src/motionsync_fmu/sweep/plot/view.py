@@ -182,8 +182,10 @@ def _curve(db: Database, view: View, colour: Column) -> None:
         view.curved, view.curve_groups = colour, divided(db, view.y, "sections", MOST_SECTIONS, CLASSES)
     else:
         return
-    view.curves = curves(db, view.x, view.curved, view.curve_groups)
-    view.picks.add(*(view.curves[name] for name in ("pick", "pick_least", "pick_greatest")))
+    found = curves(db, view.x, view.curved, view.curve_groups)
+    if len(found["cx"]):
+        view.curves = found
+        view.picks.add(*(found[name] for name in ("pick", "pick_least", "pick_greatest")))
 
 
 def _front(db: Database, view: View, option: str) -> None:
