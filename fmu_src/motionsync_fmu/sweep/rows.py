@@ -16,7 +16,7 @@ from .measures import Measures, columns, joined
 from .plan import SweepPlan
 from .results import Results, Row, limits_broken, refused
 
-MOST_MEMORY = 32e6  # bytes of the recordings that are in memory at a time
+MOST_MEMORY = 16e6  # bytes of the recordings that are in memory at a time
 MOST_RUNS = 512  # whose scenarios are in memory at a time
 POINT = 40  # bytes of a communication point: the time, and the master's motion
 VALUE = 8  # bytes of an output at a point
@@ -76,7 +76,7 @@ def run_and_judge(
     """What the rows tell of runs: their results and measures by the names of the columns, without those that a run does
     not have. A run that a UserError stands for was refused by it.
 
-    Recordings of 32 MB are in memory at a time, or that of one run. If nothing has to be judged from the whole course
+    Recordings of 16 MB are in memory at a time, or that of one run. If nothing has to be judged from the whole course
     there are none, and the memory does not grow with the steps.
 
     `base`: a scenario of which the others differ in values alone."""
@@ -126,5 +126,6 @@ def _batches(runs: Iterable[tuple[int, Scenario]], outputs: int) -> Iterator[lis
 
 
 def _points(scenario: Scenario) -> float:
-    """About how many communication points a run has."""
-    return scenario.stop_time / scenario.step_size + (scenario.stop_time / scenario.scan if scenario.reacts else 0.0)
+    """For about how many communication points a run needs memory."""
+    scans = scenario.stop_time / scenario.scan if scenario.reacts else 0.0
+    return scenario.stop_time / scenario.step_size + scans * (1.0 + 0.5 * len(scenario.reactions))
