@@ -6,6 +6,7 @@ figures of its recording of all outputs."""
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from weakref import ref
 
 import numpy as np
 import pyarrow as pa
@@ -288,7 +289,9 @@ def test_only_so_many_recordings_are_in_memory(watched: Watched, monkeypatch: py
     assert table(of) == whole
 
 
-def test_runs_that_nobody_judges_are_not_recorded(tmp_path: Path, watched: Watched) -> None:
+def test_runs_that_nobody_judges_are_not_recorded(
+    tmp_path: Path, watched: Watched, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Limits, faults and measures are known nevertheless; who may have broken a limit is run once more."""
     of = plan(
         written(tmp_path, SMOOTH),
@@ -303,6 +306,27 @@ def test_runs_that_nobody_judges_are_not_recorded(tmp_path: Path, watched: Watch
     assert watched.calls[0] == (18, [])
     broken = sum(row["limits_broken"] != "" for row in found)
     assert watched.calls[1:] == [(broken, [*SLAVE])]
+    watched.calls.clear()
+    monkeypatch.setattr(of_sweep, "MOST_MEMORY", 3 * 8.0 * 300)  # without outputs: 8 bytes a step
+    assert table(of) == found
+    assert max(number for number, _ in watched.calls) == 3
+
+
+def test_scenarios_that_have_run_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A remote axis keeps its telegrams. Of the runs before, those of the last call may still be there."""
+    ran: list[ref[Scenario]] = []
+    alive: list[int] = []
+
+    def counted(scenarios: Sequence[Scenario], *others: Any) -> list[ScriptedRun]:
+        alive.append(sum(scenario() is not None for scenario in ran))
+        ran.extend(map(ref, scenarios))
+        return run_scenarios(scenarios, *others)
+
+    monkeypatch.setattr(of_sweep, "run_scenarios", counted)
+    monkeypatch.setattr(of_sweep, "MOST_MEMORY", 1.0)
+    table(plan(shipped() / "RemoteSync/no_drift/scenario.toml", "remote.phase=0:0.9:6"))
+    assert len(alive) == 6
+    assert max(alive) <= 1
 
 
 def test_a_required_reaction_is_judged_without_a_recording(tmp_path: Path) -> None:

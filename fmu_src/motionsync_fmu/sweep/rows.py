@@ -3,7 +3,9 @@
 A run that fails is a row, too: what was refused stands in it."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TypeVar
 
 import pyarrow as pa
 
@@ -20,7 +22,11 @@ MOST_MEMORY = 16e6  # bytes of the recordings that are in memory at a time
 MOST_RUNS = 512  # whose scenarios are in memory at a time
 POINT = 40  # bytes of a communication point: the time, and the master's motion
 VALUE = 8  # bytes of an output at a point
+TELEGRAM = 80  # bytes of a telegram that a remote axis sends
 PLACE = re.compile(r"^.*?:\d+: ((\S+): (?=\2 = ))?")  # of a refused value: run, file and line; its name if it follows
+
+Judgeable = Scenario | UserError
+AnyRun = TypeVar("AnyRun", Scenario, Judgeable)
 
 
 def schema(plan: SweepPlan) -> pa.Schema:
@@ -59,8 +65,8 @@ def rows_with(plan: SweepPlan, values: Mapping[str, Array], columns: Iterable[st
     """
     told: list[Row] = []
     for begin in range(0, len(next(iter(values.values()))), MOST_RUNS):
-        scenarios = plan.scenarios_with({name: of_runs[begin : begin + MOST_RUNS] for name, of_runs in values.items()})
-        told += run_and_judge(plan.varied.scenario, scenarios, plan.measures, threads)
+        some = {name: of_runs[begin : begin + MOST_RUNS] for name, of_runs in values.items()}
+        told += run_and_judge(plan.varied.scenario, _taken(deque(plan.scenarios_with(some))), plan.measures, threads)
     known = _schema(plan, values)
     fields = [known.field(name) for name in dict.fromkeys(columns)]
     arrays = [
@@ -70,9 +76,13 @@ def rows_with(plan: SweepPlan, values: Mapping[str, Array], columns: Iterable[st
     return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
 
 
-def run_and_judge(
-    base: Scenario, scenarios: Sequence[Scenario | UserError], measures: Measures, threads: int = 1
-) -> list[Row]:
+def _taken(scenarios: deque[Judgeable]) -> Iterator[Judgeable]:
+    """Take the scenarios out, one after the other: nobody keeps those that have run, whose telegrams need memory."""
+    while scenarios:
+        yield scenarios.popleft()
+
+
+def run_and_judge(base: Scenario, scenarios: Iterable[Judgeable], measures: Measures, threads: int = 1) -> list[Row]:
     """What the rows tell of runs: their results and measures by the names of the columns, without those that a run does
     not have. A run that a UserError stands for was refused by it.
 
@@ -81,8 +91,6 @@ def run_and_judge(
 
     `base`: a scenario of which the others differ in values alone."""
     results = Results(base)
-    told: list[Row] = [refused(PLACE.sub("", str(s)), 0.0) if isinstance(s, UserError) else {} for s in scenarios]
-    accepted = [(i, s) for i, s in enumerate(scenarios) if isinstance(s, Scenario)]
     reduce = joined(measures, results.reduce)
 
     def judged(batch: Sequence[Scenario]) -> list[Row]:
@@ -93,39 +101,38 @@ def run_and_judge(
         runs = run_scenarios(batch, SLAVE, {}, threads)
         return [limits_broken(s, run.recording) for s, run in zip(batch, runs, strict=True) if run.recording]
 
-    _tell(told, accepted, len(results.outputs), judged)
-    _tell(told, [(i, s) for i, s in accepted if results.lacks_limits(told[i])], len(SLAVE), limited)
+    told: list[Row] = []
+    for batch in _batches(scenarios, len(results.outputs)):
+        accepted = [s for s in batch if isinstance(s, Scenario)]
+        found = judged(accepted)
+        unknown = [i for i, row in enumerate(found) if results.lacks_limits(row)]
+        numbers = iter(unknown)
+        for some in _batches([accepted[i] for i in unknown], len(SLAVE)):
+            for row in limited(some):
+                found[next(numbers)] |= row
+        rows_of = iter(found)
+        told += [next(rows_of) if isinstance(s, Scenario) else refused(PLACE.sub("", str(s)), 0.0) for s in batch]
     return told
 
 
-def _tell(
-    told: list[Row],
-    runs: Iterable[tuple[int, Scenario]],
-    outputs: int,
-    rows_of: Callable[[Sequence[Scenario]], list[Row]],
-) -> None:
-    """Add to the rows with these numbers what is told of the runs; so many outputs of them are recorded."""
-    for batch in _batches(runs, outputs):
-        for (i, _), row in zip(batch, rows_of([s for _, s in batch]), strict=True):
-            told[i] |= row
-
-
-def _batches(runs: Iterable[tuple[int, Scenario]], outputs: int) -> Iterator[list[tuple[int, Scenario]]]:
-    """The runs in batches whose recordings of so many outputs fit into memory together."""
-    batch: list[tuple[int, Scenario]] = []
+def _batches(scenarios: Iterable[AnyRun], outputs: int) -> Iterator[list[AnyRun]]:
+    """The scenarios in batches whose recordings of so many outputs fit into memory together."""
+    batch: list[AnyRun] = []
     size = 0.0
-    for i, s in runs:
-        needed = _points(s) * (POINT + VALUE * outputs if outputs else VALUE)
+    for s in scenarios:
+        needed = _memory(s, outputs) if isinstance(s, Scenario) else 0.0
         if batch and size + needed > MOST_MEMORY:
             yield batch
             batch, size = [], 0.0
-        batch.append((i, s))
+        batch.append(s)
         size += needed
     if batch:
         yield batch
 
 
-def _points(scenario: Scenario) -> float:
-    """For about how many communication points a run needs memory."""
+def _memory(scenario: Scenario, outputs: int) -> float:
+    """About how much memory a run needs of which so many outputs are recorded, in bytes."""
     scans = scenario.stop_time / scenario.scan if scenario.reacts else 0.0
-    return scenario.stop_time / scenario.step_size + scans * (1.0 + 0.5 * len(scenario.reactions))
+    points = scenario.stop_time / scenario.step_size + scans * (1.0 + 0.5 * len(scenario.reactions))
+    telegrams = TELEGRAM * scenario.remote.cycles if scenario.remote else 0.0
+    return telegrams + points * (POINT + VALUE * outputs if outputs else VALUE)
