@@ -93,7 +93,7 @@ def test_a_curve_tells_the_run_at_it(open_page: Open, sweep: Path) -> None:
 
 
 def test_the_map_has_the_colours_of_the_screen(open_page: Open, sweep: Path) -> None:
-    """Above the boundary all pass, far below it none does: the ends of the scale, at first and when the screen changes."""
+    """Above the boundary all pass, far below it none does: the ends of the scale, also when the screen changes."""
     visit = open_page(sweep / "plot.html", color_scheme="light")
     visit.page.locator(f"{MAP} image").wait_for()
     assert (colour(visit, 0.5, 0.9), colour(visit, 0.9, 0.05)) == ([0x24, 0x74, 0xB0], [0xB8, 0x43, 0x1C])

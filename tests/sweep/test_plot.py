@@ -13,6 +13,7 @@ import plotly.graph_objects as go
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from markupsafe import escape
 from numpy.typing import NDArray
 
 from motionsync_fmu.scenario.reader import load
@@ -393,3 +394,65 @@ def test_a_damaged_part_is_named(folder: Path, tmp_path: Path, motionsync: Comma
     done = motionsync("sweep-plot", "sweep", "--x", V, "--y", LENGTH)
     assert_one_line(done, part.name, "other columns" if damage == "other" else "damaged")
     assert not (tmp_path / "sweep" / "plot.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("condition", "holds"),
+    [
+        ("cut_error < 1e-9", lambda rows: rows["cut_error"] < 1e-9),
+        ("cut_error > 100", lambda rows: rows["cut_error"] > 100.0),
+        ("not passed", lambda rows: ~rows["passed"]),
+        ("passed and length != 3000", lambda rows: rows["passed"] & (rows[LENGTH] != 3000.0)),
+        ('refusal == ""', lambda rows: rows["refusal"] == ""),
+    ],
+)
+def test_a_condition_takes_the_place_of_the_expectations(
+    plotted: Callable[..., str], rows: Rows, condition: str, holds: Callable[[Rows], NDArray[Any]]
+) -> None:
+    """NaN, of refused runs, is neither less nor greater."""
+    page = plotted("--x", V, "--y", LENGTH, "--passed", condition).replace("\N{NARROW NO-BREAK SPACE}", "")
+    assert f"<small>{np.count_nonzero(holds(rows))} runs</small>" in page
+    assert f"A run passes if {escape(condition)}." in page
+
+
+def test_a_condition_that_is_none_is_told(folder: Path, motionsync: Command) -> None:
+    asked = ("--x", V, "--y", LENGTH, "--passed")
+    assert_one_line(motionsync("sweep-plot", folder, *asked, "lte == 0"), "'lte'")
+    assert_one_line(motionsync("sweep-plot", folder, *asked, "cut_error == fast"), "'fast'")
+
+
+@pytest.mark.parametrize(
+    ("condition", "said"), [("cut_error < 1e6", "Every run passed"), ("cut_error < 0", "No run passed")]
+)
+def test_a_sweep_without_a_boundary_says_so(motionsync: Command, tmp_path: Path, condition: str, said: str) -> None:
+    """One run, and the figures of one run: a cell each."""
+    plan = SweepPlan.of(made_up.EXAMPLE, [f"{V}=500", f"{A}=3000", f"{LENGTH}=1000", f"{TIME}=0.1"])
+    plan.write(tmp_path)
+    made_up.write(tmp_path, made_up.rows(plan), 1)
+    done = motionsync("sweep-plot", tmp_path, "--x", V, "--y", LENGTH, "--passed", condition)
+    assert (done.status, done.err) == (0, "")
+    page = (tmp_path / "plot.html").read_text("utf-8")
+    assert f"<li>{said}: there is no boundary" in page
+    assert list(charts(page)) == [f"The share of the runs that passed, over {V} and {LENGTH}"]
+
+
+def test_a_result_without_any_value_is_told(folder: Path, rows: Rows, motionsync: Command, tmp_path: Path) -> None:
+    shutil.copytree(folder, tmp_path / "sweep", ignore=shutil.ignore_patterns("part-*"))
+    made_up.write(tmp_path / "sweep", rows | {"cut_error": np.full(1080, np.nan)}, 500)
+    assert_one_line(motionsync("sweep-plot", "sweep", "--x", V, "--y", "cut_error"), "cut_error", "no value in any run")
+
+
+def test_a_changed_scenario_is_repeated_from_the_copy(tmp_path: Path, motionsync: Command) -> None:
+    """The command names the file as long as it is what the sweep ran."""
+    mine = tmp_path / "mine" / "scenario.toml"
+    mine.parent.mkdir()
+    mine.write_text(made_up.EXAMPLE.read_text("utf-8"), "utf-8")
+    plan = SweepPlan.of(mine, made_up.settings(2, 2, 3, 2))
+    (tmp_path / "sweep").mkdir()
+    plan.write(tmp_path / "sweep")
+    made_up.write(tmp_path / "sweep", made_up.rows(plan), 500)
+    for file in (mine.parent, tmp_path / "sweep" / "scenario.toml"):
+        assert motionsync("sweep-plot", "sweep", "--x", V, "--y", LENGTH).status == 0
+        page = (tmp_path / "sweep" / "plot.html").read_text("utf-8")
+        assert data(page)["command"] == f"motionsync run {file}"
+        mine.write_text("", "utf-8")

@@ -44,6 +44,12 @@ def sweep_plot(
         list[str] | None,
         typer.Option(metavar="NAME", help="A further result, drawn over x beside y; may be repeated."),
     ] = None,
+    passed: Annotated[
+        str,
+        typer.Option(
+            metavar="CONDITION", help="When a run counts as passed; else when it met its scenario's expectations."
+        ),
+    ] = "",
     output: Annotated[Path | None, typer.Option(help="The page's file; else plot.html in the sweep's folder.")] = None,
     show: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
 ) -> None:
@@ -62,7 +68,7 @@ def sweep_plot(
 
     Examples:
 
-        motionsync sweep-plot out --x master.velocity --y length --open
+        motionsync sweep-plot out --x master.velocity --y length --passed "late == 0 and skipped == 0" --open
 
         motionsync sweep-plot out --x master.velocity --y cut_error --colour axis.max_acceleration
 
@@ -74,7 +80,7 @@ def sweep_plot(
         raise UserError(f"sweep-plot needs {e.name}: {how_to_install('sweep')}") from None
     from ..sweep.plot.view import Question
 
-    question = Question(x, y, colour, amount or "", better, beside or ())
+    question = Question(x, y, colour, amount or "", better, beside or (), passed)
     with doing(f"reading {folder}", at_once=False):
         page = make_page(folder, question, output)
     out.print(f"page: {escape(page.resolve().as_uri())}")

@@ -53,7 +53,6 @@ def write_outcome(
         name=scenario.label,
         title=scenario.title,
         fmu=name,
-        given=given,
         step_size=scenario.step_size,
         figures=figures(scenario, recording),
         expectations=checks,
@@ -63,6 +62,7 @@ def write_outcome(
         result=str(results),
         report=str(page) if report else None,
         fmpy=command_line(scenario, fmu, inputs),
+        given=given,
     )
 
 

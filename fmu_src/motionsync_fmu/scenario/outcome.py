@@ -1,7 +1,7 @@
 """The outcome of a run: the record that `motionsync run` prints."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from .figures import Figures
@@ -16,7 +16,6 @@ class Outcome:
         scenario: the folder of the scenario.
         name: the scenario's short name, `<FMU>/<folder>`.
         fmu: the block's name.
-        given: what the scenario has in place of its file's values, by name; without any, no key of `--json`.
         step_size: the step size of this run, in s.
         figures: the cuts, and how far the slave went beside the limits of its axis.
         reference: how far the run is from the reference; empty without one.
@@ -26,13 +25,13 @@ class Outcome:
         result: the CSV file with the outputs.
         report: the HTML page; None: no page is written.
         fmpy: the command line that does the same with FMPy alone.
+        given: what the scenario has in place of its file's values, by name; without any, no key of `--json`.
     """
 
     scenario: str
     name: str
     title: str
     fmu: str
-    given: Mapping[str, str]
     step_size: float
     figures: Figures
     expectations: list[Check]
@@ -42,6 +41,7 @@ class Outcome:
     result: str
     report: str | None
     fmpy: str
+    given: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool:

@@ -183,7 +183,7 @@
     element("p", chosen.text, panel, "where");
     if (chosen.pick < 0) return;
     const told = (name) => runs.columns.find((c) => c.name === name)?.at(chosen.pick);
-    const why = told("refusal") || told("first_broken");
+    const why = told("refusal") || (data.judged ? told("first_broken") : "");
     const verdict = told("passed") === "true" ? "passed" : told("refusal") ? "was refused" : "did not pass";
     element("p", `Run ${grouped(runs.numbers(chosen.pick))} ${verdict}${why ? `: ${why}` : ""}`, panel, verdict === "passed" ? "good" : "bad");
     const list = element("dl", "", panel);

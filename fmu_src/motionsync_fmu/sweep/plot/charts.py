@@ -28,9 +28,11 @@ TEXTS = (
     "--band-7",
 )  # of the most frequent ones
 OTHER, NO_VALUE = "--muted", "--band-0"
+MARKED = 40  # points of a line at most that have markers
 LINES = 8  # colours of lines
 HEIGHT = 430
-TOP = 108  # px above a map, with its scale of colours
+BELOW = -22  # px from a map to what is written below it
+TOP, ABOVE = 100, 64  # px above a map with its scale of colours, and to what is written above that
 DECADES = 3.0  # values > 0 over more decades are drawn by their logarithms
 
 
@@ -50,7 +52,9 @@ def map_chart(
 ) -> tuple[Chart, dict[str, Any]]:
     """The map without its cells, which the page's script paints, and how it paints them: the least and the greatest
     value, whether by logarithms; of texts, the texts that have colours of their own."""
-    chart = Chart(name, [HEIGHT], titled(x.column), (float(x.edges[0]), float(x.edges[-1])), "closest", timed=False)
+    chart = Chart(name, [HEIGHT], "", (float(x.edges[0]), float(x.edges[-1])), "closest", timed=False)
+    below = {"x": 0.5, "y": 0, "xanchor": "center", "yanchor": "top", "yshift": BELOW, "font": {"size": 14}}
+    chart.note(titled(x.column), yref="paper", **below)  # plotly.js puts a title amiss if there is a scale of colours
     chart.axis(1).update({"range": [float(y.edges[0]), float(y.edges[-1])]})
     chart.head(1, titled(y.column))
     chart.layout["showlegend"] = False
@@ -68,9 +72,10 @@ def map_chart(
     low, high = (0.0, 1.0) if told.name == "share" else _ends(values)
     scale = SHARE if told.name == "share" else HEAT
     chart.layout["meta"] |= {"role": "map", "scale": [list(stop) for stop in scale], "none": NO_VALUE}
-    chart.layout["margin"] |= {"t": TOP, "autoexpand": False}
-    chart.layout["height"] += TOP - 58
-    chart.add(1, "scale", _scale(low, high, scale, scale_title, logarithmic=logarithmic, share=told.name == "share"))
+    chart.layout["height"] += TOP - chart.layout["margin"]["t"]
+    chart.layout["margin"] |= {"t": TOP, "autoexpand": False}  # the scale would make room for itself a second time
+    chart.add(1, "scale", _scale(low, high, scale, logarithmic=logarithmic, share=told.name == "share"))
+    chart.note(scale_title, yref="paper", x=0, y=1, xanchor="left", yanchor="bottom", yshift=ABOVE, font={"size": 13})
     return chart, {"low": low, "high": high, "logarithmic": logarithmic}
 
 
@@ -81,13 +86,13 @@ def _ends(values: Reals) -> tuple[float, float]:
 
 
 def _scale(
-    low: float, high: float, scale: Sequence[tuple[float, str]], title: str, *, logarithmic: bool, share: bool
+    low: float, high: float, scale: Sequence[tuple[float, str]], *, logarithmic: bool, share: bool
 ) -> dict[str, Any]:
     """A trace without points that has the scale of colours above the map."""
     ends = [float(np.log10(low)), float(np.log10(high))] if logarithmic else [low, high]
     bar: dict[str, Any] = {
         "orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom", "ypad": 28, "xpad": 0,
-        "thickness": 12, "len": 1, "outlinewidth": 0, "title": {"text": title, "side": "top"}, "tickformat": ".4~g",
+        "thickness": 12, "len": 0.98, "outlinewidth": 0, "tickformat": ".4~g",
     }  # fmt: skip
     if share:
         bar |= {"tickformat": ".0%", "tickvals": [0, 0.25, 0.5, 0.75, 1], "ticklabeloverflow": "allow"}
@@ -144,7 +149,13 @@ def curves_chart(name: str, x: Axis, y: Column, found: Answer, groups: Axis | No
         _band(chart, line, line.of("least"), line.of("greatest"))
         for key in ("least", "greatest"):
             _draw(chart, line, line.of(key), y.unit, picks.places(line.of(f"pick_{key}")))
-            chart.traces[-1] |= {"line": {"width": 0}, "hoverinfo": "skip", "hovertemplate": "", "showlegend": False}
+            chart.traces[-1] |= {
+                "mode": "lines",
+                "line": {"width": 0},
+                "hoverinfo": "skip",
+                "hovertemplate": "",
+                "showlegend": False,
+            }
         _draw(chart, line, line.of("mean"), y.unit, picks.places(line.of("pick")))
     return chart
 
@@ -217,5 +228,7 @@ def _band(chart: Chart, line: _Line, low: Reals, high: Reals) -> None:
 def _draw(chart: Chart, line: _Line, values: Reals, unit: str, places: Sequence[int]) -> None:
     """Draw a line whose points tell how many runs they are of, and which run stands for them."""
     chart.curve(1, line.label, line.x, values, Style(f"--line-{line.colour}", 2.5), unit=unit)
+    if len(line.x) <= MARKED:
+        chart.traces[-1] |= {"mode": "lines+markers", "marker": {"size": 5, "color": f"--line-{line.colour}"}}
     told = zip(line.of("runs").tolist(), places, strict=True)
     chart.traces[-1] |= {"customdata": [list(t) for t in told], "showlegend": bool(line.label)}

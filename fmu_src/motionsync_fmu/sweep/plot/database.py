@@ -8,9 +8,11 @@ from typing import Any
 
 import duckdb
 import numpy as np
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ...errors import UserError, choose
+from ..conditions import Comparison, RowCondition
 
 NO_UNITS: Mapping[str, str] = {}
 TRUTH, TEXT = "BOOLEAN", "VARCHAR"  # as DuckDB names them
@@ -81,6 +83,16 @@ class Database:
         if missing := [name for name in ("run", *given) if name not in self.columns]:
             raise UserError(f"{parts[0]}: this part has other columns than the sweep: {missing[0]} is missing")
 
+    def judge(self, condition: RowCondition) -> None:
+        """From now on a run passed if this holds for it, in place of its scenario's expectations.
+
+        Raises:
+            UserError: the rows have no such column, or one that cannot be compared so.
+        """
+        condition.check(pq.read_schema(self.parts[0]))
+        holds = " AND ".join(_holds(c, self.columns[c.column]) for c in condition.comparisons)
+        self._view(self.parts, f"* REPLACE ({holds} AS passed)")
+
     def column(self, option: str, name: str) -> Column:
         """The column of this name. `option`: what names it, for the message.
 
@@ -122,10 +134,10 @@ class Database:
         except duckdb.Error as e:
             raise self._damaged(e) from None
 
-    def _view(self, parts: Sequence[str]) -> None:
+    def _view(self, parts: Sequence[str], columns: str = "*") -> None:
         files = ", ".join(map(_text, parts))
         try:
-            self.connection.execute(f"CREATE OR REPLACE VIEW runs AS SELECT * FROM read_parquet([{files}])")
+            self.connection.execute(f"CREATE OR REPLACE VIEW runs AS SELECT {columns} FROM read_parquet([{files}])")
         except duckdb.Error as e:
             raise self._damaged(e) from None
 
@@ -145,6 +157,18 @@ class Database:
                     f"{part}: this part has other columns than {Path(self.parts[0]).name}: it is of another sweep"
                 )
         return UserError(f"{self.folder}: {str(error).splitlines()[0]}")
+
+
+def _holds(comparison: Comparison, column: Column) -> str:
+    """A comparison in a query: true or false, also where the row has no value."""
+    value = comparison.value
+    literal = (
+        _text(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else f"{value!r}"
+    )
+    if column.kind is Kind.NUMBER:
+        sides = f"{column.sql}::DOUBLE {comparison.sign} '{literal}'::DOUBLE"
+        return f"coalesce(NOT isnan({column.sql}::DOUBLE) AND {sides}, false)"
+    return f"coalesce({column.sql} {comparison.sign} {literal}, false)"
 
 
 def _text(text: str) -> str:

@@ -37,8 +37,9 @@ def texts_packed(values: NDArray[Any]) -> dict[str, Any]:
 
 
 def bytes_packed(values: NDArray[Any], kind: str) -> dict[str, str]:
-    """Numbers of a NumPy type as text."""
-    return {"kind": kind[1:], "bytes": base64.b64encode(np.ascontiguousarray(values, kind).tobytes()).decode("ascii")}
+    """Numbers of a NumPy type as text; what is beyond the type is its greatest number."""
+    inside = np.clip(values, np.finfo(kind).min, np.finfo(kind).max) if "f" in kind else values
+    return {"kind": kind[1:], "bytes": base64.b64encode(np.ascontiguousarray(inside, kind).tobytes()).decode("ascii")}
 
 
 def _shortened(text: object) -> str:

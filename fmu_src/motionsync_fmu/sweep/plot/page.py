@@ -72,6 +72,7 @@ def write_page(file: Path, folder: Path, plan: SweepPlan, db: Database, view: Vi
     text = TEMPLATES.get_template("sweep.html.j2").render(
         title=words.title(view),
         lead=f"A sweep of {words.counted(view.runs['runs'])} of {scenario.recipe.name}: {scenario.title}.",
+        passing=words.passing(view),
         figures=words.figures(view),
         sections=sections,
         front=_front_rows(view),
@@ -93,7 +94,7 @@ def repeated(folder: Path, plan: SweepPlan) -> str:
         same = plan.file.read_text("utf-8-sig") == plan.text
     except (OSError, UnicodeDecodeError):
         same = False
-    return called(plan.file.resolve()) if same else str(folder / SCENARIO)
+    return called(plan.file.resolve()) if same else str(folder.resolve() / SCENARIO)
 
 
 def _sections(view: View) -> tuple[list[Section], dict[str, Any]]:
@@ -129,6 +130,7 @@ def _data(folder: Path, plan: SweepPlan, db: Database, view: View) -> dict[str, 
         "command": f"motionsync run {shlex.quote(repeated(folder, plan))}",
         "x": _packed_axis(view.x),
         "runs": view.picks.packed(db, view.columns),
+        "judged": not view.judging,
         "told": {
             "name": words.LONG.get(view.told.name, view.told.name),
             "column": told.name if told else "",

@@ -7,6 +7,7 @@ from math import sqrt
 import numpy as np
 
 from ...errors import UserError
+from ..conditions import RowCondition
 from .cells import FEWEST, Amount, Axis, amount, divided, plane
 from .curves import PASSED, Boundary, boundary, curves
 from .database import Answer, Column, Database, Kind
@@ -32,6 +33,7 @@ class Question:
         amount: what is told of the runs in a cell: mean, min, max or count; empty: what suits the column.
         better: whether less or more of x and y is better: `x=min,y=max`; empty: less.
         beside: further results, drawn over x beside y.
+        passed: the condition for a run to count as passed; empty: it met its scenario's expectations.
     """
 
     x: str
@@ -40,6 +42,7 @@ class Question:
     amount: str = ""
     better: str = ""
     beside: Sequence[str] = ()
+    passed: str = ""
 
 
 @dataclass
@@ -55,6 +58,7 @@ class View:
         curve_groups: what the lines of `curves` are for.
         lines: results that are drawn beside y over x, as `curves` are.
         runs: how many `runs` there are; how many of them `passed`, are `refused`, have `no_x`, `no_y`, `no_value`.
+        condition: what makes a run pass, None: the scenario's expectations; `judging`: the columns in it.
         picks: the runs that stand for cells and points.
     """
 
@@ -63,6 +67,8 @@ class View:
     groups: Axis | None
     told: Amount
     runs: Mapping[str, int]
+    condition: RowCondition | None = None
+    judging: Sequence[Column] = ()
     map_y: Axis | None = None
     cells: Answer | None = None
     boundary: Boundary | None = None
@@ -79,7 +85,7 @@ class View:
     @property
     def columns(self) -> list[Column]:
         """The columns that the page speaks of."""
-        return [c for c in (self.x.column, self.y, self.told.column, self.curved) if c]
+        return [c for c in (self.x.column, self.y, self.told.column, self.curved, *self.judging) if c]
 
 
 def look(db: Database, question: Question) -> View:
@@ -88,6 +94,9 @@ def look(db: Database, question: Question) -> View:
     Raises:
         UserError: a name is that of no column, or of one that cannot be shown so.
     """
+    condition = RowCondition.read(question.passed) if question.passed else None
+    if condition:
+        db.judge(condition)
     x, y = _number(db, "--x", question.x), _number(db, "--y", question.y)
     if x == y:
         raise UserError(f"--x and --y are both {x.name}: choose two columns")
@@ -97,7 +106,8 @@ def look(db: Database, question: Question) -> View:
     grouping = colour if colour.varied else _few(db, (x, y)) if y.varied else None
     groups = divided(db, grouping, "groups", MOST_GROUPS, CLASSES) if grouping else None
     told = amount(db.columns[PASSED] if colour.varied else colour, question.amount)
-    view = View(along, y, groups, told, _counts(db, x, y, told.column))
+    view = View(along, y, groups, told, _counts(db, x, y, told.column), condition)
+    view.judging = [db.columns[name] for name in condition.columns] if condition else []
     if y.kind is Kind.NUMBER:
         view.map_y = divided(db, y, "y", most_y)
         view.cells = plane(db, along, view.map_y, told)
@@ -172,8 +182,10 @@ def _curve(db: Database, view: View, colour: Column) -> None:
         view.curved, view.curve_groups = colour, divided(db, view.y, "sections", MOST_SECTIONS, CLASSES)
     else:
         return
-    view.curves = curves(db, view.x, view.curved, view.curve_groups)
-    view.picks.add(*(view.curves[name] for name in ("pick", "pick_least", "pick_greatest")))
+    found = curves(db, view.x, view.curved, view.curve_groups)
+    if len(found["cx"]):
+        view.curves = found
+        view.picks.add(*(found[name] for name in ("pick", "pick_least", "pick_greatest")))
 
 
 def _front(db: Database, view: View, option: str) -> None:

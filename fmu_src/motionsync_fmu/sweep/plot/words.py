@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ... import __version__
 from ...pages.report.origin import here, now
 from ...pages.style import typeset
 from ..plan import SweepPlan
@@ -25,6 +26,13 @@ def counted(runs: int) -> str:
 def title(view: View) -> str:
     """The title of the page: what is asked."""
     return f"{view.y.name} over {view.x.column.name}"
+
+
+def passing(view: View) -> str:
+    """What makes a run pass."""
+    expected = "all expectations of its scenario are met, and nothing is refused"
+    what = view.condition.text if view.condition else expected
+    return f"A run passes if {what}."
 
 
 def figures(view: View) -> list[tuple[str, str, str]]:
@@ -169,6 +177,8 @@ def left_out(plan: SweepPlan, view: View) -> list[str]:
 
 def _missing(plan: SweepPlan, view: View) -> Iterator[str]:
     runs = view.runs
+    if plan.version != __version__:
+        yield f"The rows are of motionsync {plan.version}, and this is {__version__}: its runs may differ from them."
     if (missing := plan.runs - runs["runs"]) > 0:
         yield f"The sweep is not finished: {counted(missing)} of {counted(plan.runs)} have no row yet."
     if runs["refused"]:
@@ -187,6 +197,10 @@ def _together(view: View) -> Iterator[str]:
         if axis and not axis.single:
             name, cells = axis.column.name, len(axis)
             yield f"The values of {name} are put together to {cells} cells; a point stands in the middle of its cell."
+    if view.x.column.varied and view.y.varied and not view.boundary:
+        which = {0: "No run passed", view.runs["runs"]: "Every run passed"}
+        why = which.get(view.runs["passed"], f"At no {view.x.column.name} does {view.y.name} decide which runs pass")
+        yield f"{why}: there is no boundary between those that passed and the others."
     if view.front is not None and (drawn := len(view.front["run"])) < view.front_size:
         yield f"Of the {counted(view.front_size)} of the Pareto front {drawn} are drawn."
     yield "A cell or point shows one of its runs: the nearest one to the value that is told, or one that did not pass."
