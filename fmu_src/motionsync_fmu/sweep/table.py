@@ -14,14 +14,11 @@ from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.dataset as ds
-import pyarrow.parquet as pq
 
 from ..errors import UserError, choose
-from .parts import NAME
+from .parts import NAME, damage
 from .plan import SweepPlan
 from .rows import schema
-
-DAMAGES = (OSError, pa.ArrowException)  # by which pyarrow tells them
 
 
 class Rows:
@@ -117,21 +114,10 @@ class Rows:
         """Tell which part file is damaged if one is found to be."""
         try:
             yield
-        except DAMAGES:
+        except (OSError, pa.ArrowException):
             for file in self._files.values():
-                if fault := _fault(file):
+                if fault := damage(file):
                     raise UserError(
                         f"{file} is damaged ({fault}): delete it, and give the sweep's command again"
                     ) from None
             raise
-
-
-def _fault(file: Path) -> str:
-    """What pyarrow says of a damaged file; empty if it can be read."""
-    try:
-        with pq.ParquetFile(file, page_checksum_verification=True) as part:
-            for _ in part.iter_batches():
-                pass
-    except DAMAGES as e:
-        return str(e).partition(". ")[0].strip() or type(e).__name__
-    return ""
