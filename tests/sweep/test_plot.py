@@ -1,6 +1,5 @@
 """`motionsync sweep-plot`: its figures, compared with plain NumPy over all rows, and what it says to a mistake."""
 
-import base64
 import json
 import re
 import shutil
@@ -327,19 +326,11 @@ def test_a_page_of_a_million_runs_is_small(tmp_path: Path, motionsync: Command, 
 def test_the_values_of_a_command_have_all_their_bits(plotted: Callable[..., str], folder: Path) -> None:
     """The page's numbers, as JavaScript reads them, are those of the plan for the same run."""
     runs = data(plotted("--x", V, "--y", LENGTH))["runs"]
-    numbers = [int(n) for n in unpacked(runs["numbers"])]
+    numbers = [int(n) for n in made_up.unpacked(runs["numbers"])]
     values = SweepPlan.read(folder).values(0, 1080)
     for column in runs["columns"]:
         if column["varied"]:
-            assert unpacked(column["values"]) == values[column["name"]][numbers].tolist()
-
-
-def unpacked(column: Any) -> list[Any]:
-    """The values of a packed column."""
-    if "data" in column:
-        return list(np.frombuffer(base64.b64decode(column["data"]["bytes"]), "<f8").tolist())
-    places = np.frombuffer(base64.b64decode(column["places"]["bytes"]), "<u2")
-    return [column["list"][place] for place in places]
+            assert made_up.unpacked(column["values"]) == values[column["name"]][numbers].tolist()
 
 
 def test_a_wrong_name_gets_the_nearest_ones(folder: Path, motionsync: Command) -> None:
