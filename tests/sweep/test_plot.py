@@ -300,7 +300,7 @@ def test_a_page_has_the_front_of_two_results(plotted: Callable[..., str], rows: 
     assert f'<button type="button" data-pick="{drawn["customdata"][0]}">' in page
 
 
-@pytest.mark.parametrize(("count", "factors"), [(1_000_000, 8), (100_000, 40)])
+@pytest.mark.parametrize(("count", "factors"), [(1_000_000, 4), (60_000, 40)])
 def test_a_page_of_a_million_runs_is_small(tmp_path: Path, motionsync: Command, count: int, factors: int) -> None:
     """Factors that are different in each run, and texts of a thousand kinds; below 3 MB are allowed."""
     variables = load(made_up.EXAMPLE).recipe.variables
