@@ -15,7 +15,8 @@ from motionsync_fmu.native.platforms import OF_VERSION, here
 from motionsync_fmu.scenario.example import example_of
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.run import simulate
-from tests.support.fmus import Fmus
+from tests.support.fmus import Fmus, Shared
+from tests.support.importers import bits, through_fmpy
 from tests.support.random_runs import calm, drawn
 from tests.support.replay import double, orders, replayed, tried
 from tests.support.runs import Run
@@ -45,10 +46,6 @@ def restore(host: FmuInstance, packed: bytes) -> None:
         state = host.unit.deserializeFMUState(packed)
         host.unit.setFMUState(state)
         host.unit.freeFMUState(state)
-
-
-def bits(values: dict[str, Any]) -> dict[str, Any]:
-    return {name: v.hex() if isinstance(v, float) else int(v) for name, v in values.items() if name != "time"}
 
 
 def test_random_runs_give_the_same_states_and_messages(block: str, block_native: Path, block_fmi3: Path) -> None:
@@ -103,23 +100,12 @@ def run(block: str) -> Run:
     return calm(block, H, 300)
 
 
-def expected(fmu: Path, run: Run) -> list[dict[str, Any]]:
-    """All variables through FMPy and FMI 2.0, initially and after each step."""
-    with FmuInstance(fmu) as host:
-        host.initialize(run.start)
-        rows = [bits(host.get())]
-        for h, values in run.steps:
-            host.step(h, values)
-            rows.append(bits(host.get()))
-    return rows
-
-
 @pytest.mark.parametrize("block", ["Synchronizer", "CutToLength"], indirect=True)
 def test_fmuloader_gets_the_bits_of_fmi_2(block: str, block_native: Path, block_fmi3: Path, run: Run) -> None:
     loader = pytest.importorskip("fmuloader.fmi3")
     with FmuInstance(block_fmi3) as host:
         kinds = {name: kind for name, kind in host.kinds.items() if name != "time"}
-    rows = expected(block_native, run)
+    rows = through_fmpy(block_native, run)
     with loader.Fmi3Slave(block_fmi3, model_identifier=block) as unit:
 
         def put(values: dict[str, Any]) -> None:
@@ -150,7 +136,7 @@ def test_ecos_gets_the_bits_of_fmi_2(native: Path, tmp_path: Path) -> None:
         pytest.skip(f"ecospy cannot be loaded: {e}")
     starts = {"master.period": 360.0, "output_phasing": 45.0, "rest_value": 200.0, "master.velocity": 300.0}
     steps = [(H, {"master.position": 300.0 * i * H % 360.0, "stop": i > 40, "start": i > 200}) for i in range(300)]
-    rows = expected(native, Run(starts, steps))
+    rows = through_fmpy(native, Run(starts, steps))
     recipe = Recipe("Synchronizer", "mm", {name: str(value) for name, value in starts.items()}, fmi=Fmi.THREE)
     fmu = build_native(recipe, tmp_path / "Synchronizer.fmu", platforms=[here(Fmi.THREE)])
     with FmuInstance(fmu) as host:
@@ -205,11 +191,11 @@ def in_words_of_fmi_3(orders: Iterator[tuple[str, str]], kinds: dict[str, str]) 
 
 @pytest.mark.parametrize("folder", RUN)
 def test_a_host_in_c_gets_the_bits_of_fmi_2(
-    folder: str, fmus: Fmus, told: list[tuple[str, str]], tmp_path: Path
+    folder: str, fmus: Fmus, shared: Shared, told: list[tuple[str, str]], tmp_path: Path
 ) -> None:
     extracted = Path(fmpy.extract(str(fmus.fmi3_everywhere("Synchronizer")), unzipdir=str(tmp_path / "fmu")))
     (platform,) = (p for p in OF_VERSION[Fmi.THREE] if p.folder == folder)
-    answers = replayed(platform, extracted, [order for order, _ in told], tmp_path)
+    answers = replayed(platform, extracted, [order for order, _ in told], tmp_path, shared)
     for (order, answer), found in zip(told, answers, strict=True):
         assert found == answer, order
     assert {answer for order, answer in told if order.startswith("s")} == {"0", "2"}

@@ -11,20 +11,11 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.fmu_instance import FmuError
+from tests.support.importers import Logged
 
 OK, WARNING, DISCARD, ERROR = range(4)
 LOGGED = {WARNING: "logStatusWarning", DISCARD: "logStatusDiscard", ERROR: "logStatusError"}
-
-
-class Logged(FmuInstance):
-    """Keeps status and category of each message, too."""
-
-    lines: list[tuple[int, str, str]]
-
-    def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-        super()._log(environment, name, status, category, message)
-        self.lines = [*getattr(self, "lines", []), (status, category.decode(), message.decode())]
 
 
 @pytest.fixture

@@ -19,6 +19,8 @@ from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
+from tests.support.fmus import Shared
+from tests.support.importers import bits, through_fmpy
 from tests.support.random_runs import calm
 from tests.support.runs import Run
 
@@ -36,23 +38,9 @@ def run(block: str) -> Run:
     return calm(block, H, STEPS, count=100)  # few runs of some block show three states
 
 
-def bits(values: dict[str, Any]) -> dict[str, Any]:
-    return {name: v.hex() if isinstance(v, float) else int(v) for name, v in values.items()}
-
-
 @pytest.fixture(scope="module")
 def expected(block_native: Path, run: Run) -> list[dict[str, Any]]:
-    return through_fmpy(block_native, run)
-
-
-def through_fmpy(fmu: Path, run: Run) -> list[dict[str, Any]]:
-    """All variables, initially and after each step."""
-    with FmuInstance(fmu) as host:
-        host.initialize(run.start)
-        rows = [bits(host.get())]
-        for h, values in run.steps:
-            host.step(h, values)
-            rows.append(bits(host.get()))
+    rows = through_fmpy(block_native, run)
     assert len({row["state_code"] for row in rows}) >= 3
     return rows
 
@@ -67,12 +55,15 @@ def kinds(block_native: Path) -> dict[str, tuple[int, str]]:
 
 
 @pytest.fixture
-def c_host(block: str, block_native: Path, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+def c_host(block: str, block_native: Path, shared: Shared, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
     """The host with the FMU's library, in a process that no environment variable leads to a Python."""
-    program = tmp_path / "host"
-    source = ROOT / "benchmarks" / "host.c"
-    compiler = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", "-I", str(HEADERS)]
-    subprocess.run([*compiler, str(source), "-o", str(program)], check=True)
+
+    def fill(folder: Path) -> None:
+        source = ROOT / "benchmarks" / "host.c"
+        compiler = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off", "-I", str(HEADERS)]
+        subprocess.run([*compiler, str(source), "-o", str(folder / "host")], check=True)
+
+    program = shared.once("c_host", fill) / "host"
     with zipfile.ZipFile(block_native) as z:
         library = z.extract(PLATFORM.library(block), tmp_path)
     command = [str(program), library, Recipe(block).guid()]
@@ -180,8 +171,9 @@ def test_ecos_gets_the_bits_of_fmpy(
     chosen = {v.name for v in variables(BLOCKS[block]()) if v.choices}
     run = enumerations_at_the_start(run, chosen)
     expected = through_fmpy(block_native, run)
+    assert len({row["state_code"] for row in expected}) >= 3
     starts = {name: str(value) for name, value in run.start.items()}
-    fmu = build_native(Recipe(block, starts=starts), tmp_path / f"{block}.fmu")
+    fmu = build_native(Recipe(block, starts=starts), tmp_path / f"{block}.fmu", platforms=[PLATFORM])
     with ecospy.EcosSimulationStructure() as structure:
         structure.add_model("unit", str(fmu))
         with ecospy.EcosSimulation(structure=structure, step_size=H) as simulation:

@@ -31,7 +31,7 @@ SANITIZERS = [
     "-fno-sanitize-recover=all",
     "-fno-omit-frame-pointer",
 ]
-FLAGS = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-g", "-ffp-contract=off", "-fno-strict-aliasing"]
+FLAGS = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-O1", "-g1", "-ffp-contract=off", "-fno-strict-aliasing"]
 OPTIONS = {"ASAN_OPTIONS": "detect_leaks=1:abort_on_error=1", "UBSAN_OPTIONS": "print_stacktrace=1"}
 
 # What cannot succeed, what cannot fail, and what may answer Discard or Warning.

@@ -24,17 +24,10 @@ from motionsync_fmu.interface.variables import cells, shown
 from motionsync_fmu.native.memory_layout import dtype, offset
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests.support.fmus import Fmus
+from tests.support.importers import Logged
 
 OK, WARNING, DISCARD, ERROR = range(4)
 ROTARY = {"master.period": 360.0, "rest_value": 180.0, "output_phasing": 45.0, "master.velocity": 90.0}
-
-
-class Logged(FmuInstance):
-    """Keeps status and category of each message too."""
-
-    def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
-        super()._log(environment, name, status, category, message)
-        self.lines = [*getattr(self, "lines", []), (status, category.decode(), message.decode())]
 
 
 @pytest.fixture

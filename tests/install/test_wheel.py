@@ -1,8 +1,9 @@
-"""The wheel in a fresh environment, used in an empty folder: without extras, and with the compilers."""
+"""The wheel in a fresh environment, used in an empty folder: without extras, and then with the compilers."""
 
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import venv
@@ -26,15 +27,26 @@ Done = subprocess.CompletedProcess[str]
 class Installation:
     """A virtual environment with the wheel, and an empty folder to work in."""
 
-    def __init__(self, folder: Path, extra: str = "") -> None:
+    def __init__(self, folder: Path) -> None:
         self.folder = folder / "work"
         self.folder.mkdir()
         self.cache = folder / "cache"
         self.bin = folder / "env" / "bin"
-        venv.create(folder / "env", with_pip=True)
+        venv.create(folder / "env")
         self.call(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", folder / "wheel", ROOT)
-        (wheel,) = (folder / "wheel").glob("*.whl")
-        self.call(self.bin / "python", "-m", "pip", "install", "--quiet", f"{wheel}{extra}")
+        (self.wheel,) = (folder / "wheel").glob("*.whl")
+        self.install("")
+
+    def install(self, extra: str) -> None:
+        """Install the wheel with an extra, with this process's pip: one of the environment's own would take longer."""
+        pip = (sys.executable, "-m", "pip", "--python", self.bin / "python", "install", "--quiet", "--no-compile")
+        self.call(*pip, f"{self.wheel}{extra}")
+
+    def forget(self) -> None:
+        """Empty the folder to work in, and the cache."""
+        for folder in (self.folder, self.cache):
+            shutil.rmtree(folder)
+            folder.mkdir()
 
     def motionsync(self, *arguments: str | Path, folder: Path | None = None) -> Done:
         return self.call(self.bin / "motionsync", *arguments, folder=folder, check=False)
@@ -56,19 +68,26 @@ class Installation:
         return done
 
 
-def test_without_extras(tmp_path: Path) -> None:
-    plain = Installation(tmp_path)
+def test_without_extras_and_then_with_the_compilers(tmp_path: Path) -> None:
+    """In one environment, since to make it takes longest."""
+    installation = Installation(tmp_path)
+    without_extras(installation, tmp_path / "out")
+    installation.forget()
+    installation.install("[native]")
+    with_the_compilers(installation)
+
+
+def without_extras(plain: Installation, out: Path) -> None:
     the_wheel_brings_the_scenarios_and_lines(plain)
     a_run_takes_the_python_flavour(plain)
     a_build_takes_the_python_flavour(plain)
     the_native_flavour_is_refused(plain)
-    in_a_folder_that_cannot_be_written_all_goes_to_the_cache(plain, tmp_path / "out")
+    in_a_folder_that_cannot_be_written_all_goes_to_the_cache(plain, out)
     a_line_runs(plain)
     a_batch_is_compiled(plain)
 
 
-def test_with_the_compilers(tmp_path: Path) -> None:
-    native = Installation(tmp_path, "[native]")
+def with_the_compilers(native: Installation) -> None:
     a_run_takes_the_native_flavour(native)
     a_line_runs(native)
     a_batch_is_compiled(native)

@@ -190,15 +190,15 @@ def test_measures_do_not_depend_on_threads_and_tasks() -> None:
 def test_memory_does_not_grow_with_the_steps() -> None:
     def peak(steps: int) -> int:
         tracemalloc.start()
-        simulate_many("Synchronizer", 1e-3, {}, reduce={"slave.position": KINDS[:-3]}, steps=steps, instances=10)
+        simulate_many("Synchronizer", 1e-3, {}, reduce={"slave.position": KINDS[:-3]}, steps=steps, instances=20)
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
         return most
 
     peak(1000)
     short, long = peak(100_000), peak(200_000)
-    assert long < 300_000  # bytes; the values of all steps would take 16 million
-    assert abs(long - short) < 50_000
+    assert long < 300_000  # bytes; the values of all steps would take 32 million
+    assert abs(long - short) < 10_000
 
 
 def test_values_of_all_steps_may_go_to_a_file(tmp_path: Path) -> None:
@@ -242,7 +242,7 @@ def test_what_the_system_refuses_is_told_in_the_same_way(
 
 REFUSED = "state: the measure "
 FINITE = " is not allowed: after the colon it must have a finite number, as in above:500"
-WHOLE = " is not allowed: after the colon it must have a whole number >= 1, as in every:10"
+WHOLE = " is not allowed: after the colon it must have a whole number of 1 to 1e15, as in every:10"
 
 
 @pytest.mark.parametrize(
@@ -257,7 +257,7 @@ WHOLE = " is not allowed: after the colon it must have a whole number >= 1, as i
         *(({"state": f"above{n}"}, f"{REFUSED}'above{n}'{FINITE}") for n in ("", ":", ":nan", ":inf", ":much")),
         *(
             ({"state": f"every{n}"}, f"{REFUSED}'every{n}'{WHOLE}")
-            for n in ("", ":", ":0", ":-1", ":1.5", ":nan", ":all")
+            for n in ("", ":", ":0", ":-1", ":1.5", ":nan", ":all", ":1e16")
         ),
         ({"state": ("max", "last", "max")}, "state: the measure max is given 2 times: it must be given once"),
     ],

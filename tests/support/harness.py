@@ -50,6 +50,17 @@ class BlockHarness:
         other.stepper = self.stepper.twin()
         return other
 
+    def saved(self) -> tuple[Any, ...]:
+        """The present state, for `restore`: quicker than a twin."""
+        values = [cell.get() for cell in self.stepper.cells.values()]
+        return self.place, self.speed, self.time, [copy(v) if isinstance(v, list) else v for v in values]
+
+    def restore(self, saved: tuple[Any, ...]) -> Self:
+        self.place, self.speed, self.time, values = saved
+        for cell, value in zip(self.stepper.cells.values(), values, strict=True):
+            setattr(cell.owner, cell.attribute, copy(value) if isinstance(value, list) else value)
+        return self
+
     def put(self, values: Mapping[str, Any]) -> Self:
         self.stepper.set(values)
         return self

@@ -17,6 +17,7 @@ from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import Platform
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance, version
 from tests import ROOT
+from tests.support.fmus import Shared
 from tests.support.runs import Run
 
 KINDS = {  # those of the orders, by the types of the variables
@@ -94,7 +95,31 @@ def orders(host: FmuInstance, run: Run) -> Iterator[tuple[str, str]]:
         yield all_values()
 
 
-def replayed(platform: Platform, folder: Path, orders: Sequence[str], scratch: Path) -> list[str]:
+def host_program(target: str, fmi: Fmi, shared: Shared) -> Path:
+    """The host for zig's target and a version of FMI, compiled once in a test run."""
+    name = f"replay{'.exe' if 'windows' in target else ''}"
+
+    def fill(folder: Path) -> None:
+        source = ROOT / "tests" / "fmu" / "replay.c"
+        system = target.replace("-none", "-gnu.2.17")  # the host needs a C library, unlike the unit
+        compiler = [sys.executable, "-m", "ziglang", "cc", "-target", system, "-O1", f"-DFMI={fmi}", "-I", str(HEADERS)]
+        subprocess.run([*compiler, str(source), "-o", str(folder / name)], check=True)
+
+    return shared.once(f"replay-{target}-{fmi}", fill) / name
+
+
+def wine_environment(start: Sequence[str], shared: Shared) -> dict[str, str]:
+    """The environment of wine, with a folder for its own files that is made once in a test run: that takes seconds."""
+
+    def fill(folder: Path) -> None:
+        own = os.environ | {"WINEDEBUG": "-all", "WINEPREFIX": str(folder)}
+        quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+        subprocess.run([*start, "wineboot", "--init"], env=own, check=True, **quiet)
+
+    return {"WINEDEBUG": "-all", "WINEPREFIX": str(shared.once("wine", fill))}
+
+
+def replayed(platform: Platform, folder: Path, orders: Sequence[str], scratch: Path, shared: Shared) -> list[str]:
     """What the unit of an extracted FMU answers to the orders.
 
     `platform`: on which it runs, with one processor; `scratch`: an empty folder."""
@@ -103,11 +128,7 @@ def replayed(platform: Platform, folder: Path, orders: Sequence[str], scratch: P
     description = fmpy.read_model_description(str(folder))
     fmi = version(description)
     kinds = "".join(KINDS[fmi][v.type] for v in description.modelVariables)
-    program = scratch / f"replay{'.exe' if 'windows' in target else ''}"
-    source = ROOT / "tests" / "fmu" / "replay.c"
-    system = target.replace("-none", "-gnu.2.17")  # the host needs a C library, unlike the unit
-    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", system, "-O1", f"-DFMI={fmi}", "-I", str(HEADERS)]
-    subprocess.run([*compiler, str(source), "-o", str(program)], check=True)
+    program = host_program(target, fmi, shared)
     asked, answered = scratch / "orders.txt", scratch / "answers.txt"
     asked.write_text("".join(f"{order}\n" for order in orders))
     library = folder / platform.library(description.coSimulation.modelIdentifier)
@@ -117,6 +138,6 @@ def replayed(platform: Platform, folder: Path, orders: Sequence[str], scratch: P
             stdin=stdin,
             stdout=stdout,
             check=True,
-            env=os.environ | {"WINEDEBUG": "-all", "WINEPREFIX": str(scratch / "wine")},
+            env=os.environ | (wine_environment(start, shared) if "windows" in target else {}),
         )
     return [line.strip() for line in answered.read_text().splitlines()]

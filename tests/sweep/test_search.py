@@ -2,11 +2,11 @@
 
 import csv
 import json
+from collections.abc import Sequence
 from math import sqrt
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.sweep.factors import assigned
 from motionsync_fmu.sweep.search import search
 from tests import ROOT
 from tests.oracle.cut_to_length_limits import Saw
@@ -52,8 +53,11 @@ def ramp(tmp_path: Path) -> Path:
     return file
 
 
-def found(*arguments: Any, **options: Any) -> list[dict[str, Any]]:
-    return search(*arguments, workers=1, **options).to_pylist()
+def found(scenario: Path, vary: str, until: str, grid: Sequence[str] = (), **options: Any) -> list[dict[str, Any]]:
+    """The rows of a search; `grid`: texts NAME=VALUES."""
+    factors = dict(map(assigned, grid))
+    rows: list[dict[str, Any]] = search(scenario, vary, until, factors, **options).to_pylist()
+    return rows
 
 
 def greatest_velocity(acceleration: float, way: float) -> float:
@@ -215,6 +219,8 @@ def test_the_same_command_goes_on_and_another_is_refused(motionsync: Command, ra
         ({"--vary": "master.velocty=3..30"}, ("master.velocty", "master.velocity")),
         ({"--vary": "gear_in_pos.ratio_denominator=1..3"}, ("gear_in_pos.ratio_denominator", "nothing to halve")),
         ({"--set": "master.velocity=500"}, ("master.velocity is given twice",)),
+        ({"--set": "cuts.length=5"}, ("cuts",)),
+        ({"--method": "dice"}, ("no method is named 'dice'", "lhs, sobol")),
         ({"--set": "axis.max_jerk=2..1"}, ("axis.max_jerk", "reversed")),
         ({"--until": "fault"}, ("fault == 1: compare fault with a number",)),
         ({"--until": "fault = 0"}, ("'fault = 0' is neither COLUMN == VALUE",)),
@@ -237,8 +243,14 @@ def test_a_search_needs_one_scenario(motionsync: Command) -> None:
     assert_one_line(motionsync("search", "FlyingSaw", "--vary", "a=1..2", "--until", "passed"), "name one of them")
 
 
-def test_what_varies_has_to_be_a_table(ramp: Path) -> None:
-    """From Python, a mistake is a UserError."""
+def test_a_mistake_in_python_is_a_user_error(ramp: Path) -> None:
     with pytest.raises(UserError, match="no column of a row"):
         found(ramp, VELOCITY, "lat == 0")
-    assert isinstance(search(ramp, VELOCITY, "fault == 0", relative=0.1, workers=1), pa.Table)
+
+
+def test_a_folder_keeps_what_is_found_without_one(ramp: Path, tmp_path: Path) -> None:
+    grid = {"axis.max_acceleration": [2000.0, 4000.0, 6000.0]}
+    alone = search(ramp, VELOCITY, "fault == 0", grid, relative=1e-2)
+    assert alone.num_rows == 3
+    together = search(ramp, VELOCITY, "fault == 0", grid, relative=1e-2, workers=2, output=tmp_path / "found")
+    assert together.equals(alone)

@@ -76,34 +76,31 @@ def search(
     need("sweep", "distributed", "pyarrow", "scipy")
     from ..errors import choose
     from ..scenario.reader import load
+    from ..sweep.boundaries import Search
     from ..sweep.found import print_found, records, write_csv
     from ..sweep.measures import parsed
     from ..sweep.samples import Method
-    from ..sweep.search import search as find_boundaries
+    from ..sweep.search import found
 
     file = find_one(path)
+    wanted = Search.of(
+        file,
+        vary,
+        until,
+        setting or [],
+        relative=relative,
+        samples=samples,
+        method=choose({str(m): m for m in Method}, method, "method"),
+        seed=seed,
+        measures=parsed(measure, load(file).recipe) if measure else {},
+        yes=yes,
+    )
     with counting(f"searching {called(file)}", "points") as count:
-        found = find_boundaries(
-            file,
-            vary,
-            until,
-            setting or [],
-            output=output,
-            scheduler=scheduler,
-            workers=workers,
-            progress=count,
-            tell=count.tell,
-            relative=relative,
-            samples=samples,
-            method=choose({str(m): m for m in Method}, method, "method"),
-            seed=seed,
-            measures=parsed(measure or [], load(file).recipe),
-            yes=yes,
-        )
-    table = write_csv(found, output) if output else None
+        rows = found(wanted, output=output, workers=workers, scheduler=scheduler, progress=count, tell=count.tell)
+    table = write_csv(rows, output) if output else None
     if as_json:
-        print(json.dumps(records(found), indent=2))
+        print(json.dumps(records(rows), indent=2))
         return
-    print_found(found)
+    print_found(rows)
     if table:
         out.print(f"rows: {escape(str(table))}")

@@ -18,9 +18,10 @@ An instance behaves as the block's FMU does, to the last bit, and fails where th
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from math import inf, nextafter
 from typing import Any
 
@@ -54,6 +55,7 @@ Inputs = Mapping[Any, ArrayLike]  # keys: str or tuple[str, ...]; Mapping does n
 
 TASK_STEPS = 1 << 18  # instance-steps of one task: about 10 ms
 TASK_INSTANCES = 1 << 13  # their memory stays within a few megabytes
+QUEUE = 4  # tasks that wait, for each thread
 NUMBERS = "biuf"  # NumPy's kinds of the allowed types
 LARGEST_INTEGER = 2**31 - 1  # of FMI
 NO_RESULT = "an arithmetic error: these values lead to no result"
@@ -271,19 +273,21 @@ class _Batch:
             yield first, min(first + size, self.instances)
 
     def run(self, out: Reals, reductions: Reductions, workers: int, progress: Callable[[float], None]) -> list[Failure]:
-        """Run all instances, in tasks for that many threads; the failures are in the order in which tasks end."""
+        """Run all instances, in tasks for that many threads; the failures are in the order in which tasks end.
+
+        A few tasks wait at a time, since a long batch has a million of them."""
         failures: list[Failure] = []
         done = 0
+        tasks, waiting = self.tasks(workers), dict[Future[list[Failure]], int]()
         with ThreadPoolExecutor(workers, "motionsync") as pool:
-            tasks = {
-                pool.submit(self.run_some, first, last, out, reductions): last - first
-                for first, last in self.tasks(workers)
-            }
             try:
-                for task in as_completed(tasks):
-                    failures += task.result()
-                    done += tasks[task]
-                    progress(done / self.instances)
+                while done < self.instances:
+                    for first, last in islice(tasks, QUEUE * workers - len(waiting)):
+                        waiting[pool.submit(self.run_some, first, last, out, reductions)] = last - first
+                    for task in wait(waiting, return_when=FIRST_COMPLETED).done:
+                        failures += task.result()
+                        done += waiting.pop(task)
+                        progress(done / self.instances)
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise

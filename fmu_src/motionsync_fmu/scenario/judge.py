@@ -133,9 +133,10 @@ def _at_time(e: AtTime, recording: Recording, variables: Mapping[str, Variable])
     for name, wanted in e.values.items():
         value = float(recording.values[name][i])
         text = variables[name].text
-        allowed = f" ± {engineering(e.tolerance)}" if text(wanted) == f"{wanted:.10g}" else ""
-        expected = f"{name} = {text(wanted)}{allowed} at {e.at:.10g} s"
-        yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)
+        named = text(wanted)
+        allowed = f" ± {engineering(e.tolerance)}" if named == f"{wanted:.10g}" else ""
+        found = named if value == wanted else text(value)
+        yield Check(f"{name} = {named}{allowed} at {e.at:.10g} s", found, abs(value - wanted) <= e.tolerance)
 
 
 def _when(e: When, recording: Recording, cycle: float) -> Check:

@@ -28,14 +28,22 @@ from ..errors import UserError
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-Task = Callable[[int], bytes]  # of a chunk's number: the contents of its part; empty if it has written the part itself
-
 REACH = 10.0  # s within which a scheduler has to answer
 BEAT = 0.2  # s after which waiting looks up
 LOOK = 2.0  # s between two looks at who belongs to the crew
 AHEAD = 2  # chunks that a thread of a worker has at a time: one that it works on, one that waits
 HERE = "127.0.0.1"
 MOTIONSYNC = "motionsync_fmu:__version__"
+
+
+class Task(Protocol):
+    """What is to be done with a chunk; it goes to other computers."""
+
+    def __call__(self, number: int) -> bytes:
+        """Do it; the contents of the chunk's part, which are empty if it has written the part itself."""
+
+    def is_written(self, number: int) -> bool:
+        """Whether the part is there."""
 
 
 @dataclass(frozen=True)
@@ -162,8 +170,8 @@ class Workers:
 class Cluster:
     """The workers of a Dask scheduler, on this computer or others.
 
-    The scheduler itself need not have motionsync: it sees the task as bytes. A worker unpacks it and hands it on to the
-    others, once; so what the task finds out for itself, it finds out once on each worker."""
+    The scheduler itself need not have motionsync: it sees the task as bytes, which the worker unpacks. These go with each
+    chunk. If workers had them from each other, one that is lost would keep those waiting that it was to give them to."""
 
     def __init__(self, client: "Client", task: Task, own: Workers | None, tell: Callable[[str], None]) -> None:
         self.client = client
@@ -173,7 +181,8 @@ class Cluster:
         self.threads = 0
         self.looked = -LOOK
         self.batch = uuid4().hex
-        self.task = client.submit(pickle.loads, pickle.dumps(task), key=f"task-{self.batch}", pure=False)
+        self.task = task
+        self.packed = pickle.loads, pickle.dumps(task)
         self.numbers: dict[Future, int] = {}
         self.results: SimpleQueue[Future] = SimpleQueue()
 
@@ -182,8 +191,8 @@ class Cluster:
         return AHEAD * self.threads
 
     def begin(self, number: int) -> None:
-        work = methodcaller("__call__", number)
-        future = self.client.submit(work, self.task, key=f"chunk-{self.batch}-{number}", pure=False)
+        key = f"chunk-{self.batch}-{number}"
+        (future,) = self.client.get({key: (methodcaller("__call__", number), self.packed)}, [key], sync=False)
         self.numbers[future] = number
         future.add_done_callback(self.results.put)
 
@@ -201,6 +210,10 @@ class Cluster:
     def _done(self, number: int, future: "Future") -> Done:
         from distributed import CancelledError, KilledWorker  # noqa: PLC0415 (part of an extra)
 
+        if future.status == "finished" and self.task.is_written(number):
+            return Done(
+                number, b""
+            )  # nobody need be asked for the result: who has it may be gone, and Dask waits for it
         try:
             return Done(number, future.result())
         except KilledWorker:

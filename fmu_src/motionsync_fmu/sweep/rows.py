@@ -3,7 +3,7 @@
 A run that fails is a row, too: what was refused stands in it."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 import pyarrow as pa
 
@@ -16,11 +16,11 @@ from .measures import Measures, columns, joined
 from .plan import SweepPlan
 from .results import Results, Row, limits_broken, refused
 
-MOST_MEMORY = 64e6  # bytes of the recordings that are in memory at a time
+MOST_MEMORY = 32e6  # bytes of the recordings that are in memory at a time
 MOST_RUNS = 512  # whose scenarios are in memory at a time
 POINT = 40  # bytes of a communication point: the time, and the master's motion
 VALUE = 8  # bytes of an output at a point
-PLACE = re.compile(r"^.*?:\d+: ")  # run, file and line of a refused value; the file has another value there
+PLACE = re.compile(r"^.*?:\d+: ((\S+): (?=\2 = ))?")  # of a refused value: run, file and line; its name if it follows
 
 
 def schema(plan: SweepPlan) -> pa.Schema:
@@ -69,7 +69,7 @@ def run_and_judge(
     """What the rows tell of runs: their results and measures by the names of the columns, without those that a run does
     not have. A run that a UserError stands for was refused by it.
 
-    Recordings of 64 MB are in memory at a time, or that of one run. If nothing has to be judged from the whole course
+    Recordings of 32 MB are in memory at a time, or that of one run. If nothing has to be judged from the whole course
     there are none, and the memory does not grow with the steps.
 
     `base`: a scenario of which the others differ in values alone."""
@@ -77,16 +77,30 @@ def run_and_judge(
     told: list[Row] = [refused(PLACE.sub("", str(s)), 0.0) if isinstance(s, UserError) else {} for s in scenarios]
     accepted = [(i, s) for i, s in enumerate(scenarios) if isinstance(s, Scenario)]
     reduce = joined(measures, results.reduce)
-    for batch in _batches(accepted, len(results.outputs)):
-        runs = run_scenarios([s for _, s in batch], results.outputs, reduce, threads)
-        for (i, s), run in zip(batch, runs, strict=True):
-            told[i] = {**run.measures, **results.row(s, run)}
-    unknown = [(i, s) for i, s in accepted if results.lacks_limits(told[i])]
-    for batch in _batches(unknown, len(SLAVE)):
-        for (i, s), run in zip(batch, run_scenarios([s for _, s in batch], SLAVE, {}, threads), strict=True):
-            assert run.recording
-            told[i] |= limits_broken(s, run.recording)
+
+    def judged(batch: Sequence[Scenario]) -> list[Row]:
+        runs = run_scenarios(batch, results.outputs, reduce, threads)
+        return [{**run.measures, **results.row(s, run)} for s, run in zip(batch, runs, strict=True)]
+
+    def limited(batch: Sequence[Scenario]) -> list[Row]:
+        runs = run_scenarios(batch, SLAVE, {}, threads)
+        return [limits_broken(s, run.recording) for s, run in zip(batch, runs, strict=True) if run.recording]
+
+    _tell(told, accepted, len(results.outputs), judged)
+    _tell(told, [(i, s) for i, s in accepted if results.lacks_limits(told[i])], len(SLAVE), limited)
     return told
+
+
+def _tell(
+    told: list[Row],
+    runs: Iterable[tuple[int, Scenario]],
+    outputs: int,
+    rows_of: Callable[[Sequence[Scenario]], list[Row]],
+) -> None:
+    """Add to the rows with these numbers what is told of the runs; so many outputs of them are recorded."""
+    for batch in _batches(runs, outputs):
+        for (i, _), row in zip(batch, rows_of([s for _, s in batch]), strict=True):
+            told[i] |= row
 
 
 def _batches(runs: Iterable[tuple[int, Scenario]], outputs: int) -> Iterator[list[tuple[int, Scenario]]]:

@@ -85,6 +85,10 @@ class Task:
         self.parts.write(number, contents)
         return b""
 
+    def is_written(self, number: int) -> bool:
+        """Whether the part is there."""
+        return self.parts.file(number).exists()
+
 
 def go(
     plan: AnyPlan,

@@ -84,9 +84,11 @@ def sweep(
     from .table import Rows  # noqa: PLC0415
 
     file = find_one(Path(scenario))
+    if both := [name for name in derived or {} if name in factors]:
+        raise UserError(f"{both[0]} is a factor: it cannot be derived, too")
     plan = SweepPlan.of(
         file,
-        [f"{name}={_text(name, values)}" for name, values in {**factors, **(derived or {})}.items()],
+        settings(factors, derived or {}),
         samples=samples,
         method=choose({str(m): m for m in Method}, method, "method"),
         seed=seed,
@@ -96,6 +98,15 @@ def sweep(
     )
     go(plan, Path(output), rows, scheduler=scheduler, workers=workers, progress=progress)
     return Rows(Path(output))
+
+
+def settings(factors: Mapping[str, str | ArrayLike], derived: Mapping[str, str]) -> list[str]:
+    """What varies, and what follows from it, as `--set` takes them.
+
+    Raises:
+        UserError: the values of a factor are no list of values.
+    """
+    return [f"{name}={_text(name, values)}" for name, values in {**factors, **derived}.items()]
 
 
 def _text(name: str, values: str | ArrayLike) -> str:

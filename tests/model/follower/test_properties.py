@@ -219,19 +219,18 @@ def test_position_and_velocity_are_continuous_at_every_change_of_phase(
             follower.give("end_synchronism")
         if i % 60 == 0:
             follower.put({"stop_after_forward": rng.random() < 0.3, "skip_next_cycle": rng.random() < 0.2})
-        twin = follower.twin()
-        state, stage = follower.state, follower.block.current.stage
+        before, state, stage = follower.saved(), follower.state, follower.block.current.stage
         follower.run(0.005)
         if (follower.state, follower.block.current.stage) != (state, stage):
-            early, late = 0.0, 0.005  # bisect the instant of the change
+            after, early, late = follower.saved(), 0.0, 0.005  # bisect the instant of the change
             for _ in range(30):
                 middle = 0.5 * (early + late)
-                at = twin.twin().run(middle)
-                if at.block.current.stage == stage:
+                if follower.restore(before).run(middle).block.current.stage == stage:
                     early = middle
                 else:
                     late = middle
-            rows += twin.rows(0.005, cuts=[early, late]).items()
+            rows += follower.restore(before).rows(0.005, cuts=[early, late]).items()
+            follower.restore(after)
         else:
             rows.append((follower.time, follower.read(MOTION)))
     assert follower.fault == Fault.NONE

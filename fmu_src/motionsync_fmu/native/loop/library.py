@@ -25,7 +25,7 @@ from filelock import FileLock
 from motionsync import var
 
 from ... import places
-from ...archive import digest
+from ...archive import Files, digest
 from ...errors import UserError
 from ...extras import how_to_install
 from ...interface.recipe import Fmi
@@ -147,13 +147,15 @@ def _compiled(block_type: type[Any]) -> bytes:
     """
     with TemporaryDirectory() as folder:
         work = Path(folder)
-        for name, text in c_source(block_type()).items():
+        for name, text in (c_source(block_type()) | loop_source()).items():
             (work / name).write_bytes(text)
-        for file in LOOP.glob("*.[ch]"):
-            (work / file.name).write_bytes(file.read_bytes())
-        causes = "".join(f"#define CAUSE_{cause.name} {cause.value}\n" for cause in Cause)
-        (work / "causes.h").write_text(causes, "utf-8")
         return _compiled_by_zig(work) if _has_zig() else _compiled_by_machine(work)
+
+
+def loop_source() -> Files:
+    """The C of this folder, and causes.h."""
+    causes = "".join(f"#define CAUSE_{cause.name} {cause.value}\n" for cause in Cause)
+    return {"causes.h": causes.encode()} | {file.name: file.read_bytes() for file in LOOP.glob("*.[ch]")}
 
 
 def _has_zig() -> bool:

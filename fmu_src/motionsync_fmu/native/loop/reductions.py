@@ -38,6 +38,8 @@ Reduce = Mapping[str, str | Sequence[str]]  # variable to kinds
 PLAIN = ("initial", "last", "min", "max", "min_time", "max_time", "first", "first_time", "mean", "rms", "rises")
 NUMBERED = {"above": "above:LIMIT", "every": "every:N"}
 
+MOST = 1e15  # of every:N; doubles count further than that
+
 SAMPLES = 256  # as in C
 GROUPS = ("Real",), ("Integer", "Enumeration"), ("Boolean",)  # read in different ways
 FIRST_ROWS = ("times", "lengths")  # of the samples
@@ -90,8 +92,8 @@ def _measure(variable: Variable, kind: str) -> Measure:
         value = float(number)
     except ValueError:
         value = nan
-    if not isfinite(value) or (of == "every" and not (value >= 1.0 and value.is_integer())):
-        allowed = "a whole number >= 1, as in every:10" if of == "every" else "a finite number, as in above:500"
+    if not isfinite(value) or (of == "every" and not (1.0 <= value <= MOST and value.is_integer())):
+        allowed = "a whole number of 1 to 1e15, as in every:10" if of == "every" else "a finite number, as in above:500"
         raise UserError(f"{variable.name}: the measure {kind!r} is not allowed: after the colon it must have {allowed}")
     return Measure(variable, kind, of, value)
 
