@@ -82,8 +82,8 @@ def test_a_cell_tells_its_runs_and_the_command_that_repeats_one(open_page: Open,
 
 
 def test_a_curve_tells_the_run_at_it(open_page: Open, sweep: Path) -> None:
-    """Near the top on the right lies the line of 2000 mm/s2: at 1500 mm/s it takes 3125 mm, more than any length; at 1400
-    mm/s 1400 (0.4 + 1.54) + 50 = 2766 mm, so 2800 mm."""
+    """Near the top on the right lies the line of 2000 mm/s2: at 1500 mm/s it takes 3125 mm, more than any length; at
+    1400 mm/s 1400 (0.4 + 1.54) + 50 = 2766 mm, so 2800 mm."""
     visit = open_page(sweep / "plot.html")
     point(visit, BOUNDARY, 0.93, 0.95)
     assert told(visit).startswith("axis.max_acceleration 2000 mm/s², master.velocity 1400 mm/s: least length")
