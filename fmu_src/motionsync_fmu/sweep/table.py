@@ -40,6 +40,11 @@ class Rows:
         named = filter(None, (NAME.fullmatch(file.name) for file in folder.iterdir()))
         self._files = dict(sorted((int(name[1]), folder / name[0]) for name in named))
 
+    @property
+    def files(self) -> list[Path]:
+        """The part files, in the order of the runs."""
+        return [*self._files.values()]
+
     @cached_property
     def schema(self) -> pa.Schema:
         """The columns and their types."""
@@ -49,7 +54,7 @@ class Rows:
     def dataset(self) -> ds.Dataset:
         """The part files as one table of pyarrow, which reads no more of them than it is asked for."""
         checked = ds.ParquetFragmentScanOptions(page_checksum_verification=True)
-        files = [str(file) for file in self._files.values()]
+        files = [str(file) for file in self.files]
         return ds.dataset(files, self.schema, ds.ParquetFileFormat(default_fragment_scan_options=checked))
 
     def __len__(self) -> int:
@@ -115,7 +120,7 @@ class Rows:
         try:
             yield
         except (OSError, pa.ArrowException):
-            for file in self._files.values():
+            for file in self.files:
                 if fault := damage(file):
                     raise UserError(
                         f"{file} is damaged ({fault}): delete it, and give the sweep's command again"
