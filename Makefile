@@ -46,11 +46,13 @@ references: $(TESTABLE) ## the cross-check files of all scenarios, from the scri
 
 pictures: $(READY) ## the README's pictures
 	$(BIN)/python -m motionsync_fmu.pages.pictures docs
+	$(BIN)/python -m motionsync_fmu.sweep.picture docs
 
 benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are like
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
+	$(BIN)/python benchmarks/sweeps.py
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/random_cuts.py
 	$(BIN)/python benchmarks/accuracy.py

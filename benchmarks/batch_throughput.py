@@ -8,10 +8,15 @@ the instances; three outputs are read at each step.
 
 A core's rate is measured in processor time, so that it does not depend on other programs; `wall` is the rate of
 all threads together by the clock. The best of several repetitions counts.
+
+Measures: the same runs without outputs, and with measures of one and of four outputs instead; beside them, four outputs
+into an array that keeps the last step alone. All take turns. `share` is the speed in shares of that without outputs.
+Last, what a call costs beside the steps, and the memory of measures at n and 2 n steps.
 """
 
 import argparse
 import time
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -26,6 +31,14 @@ from motionsync_fmu.native.batch import simulate_many
 INSTANCES, STEPS, H, VELOCITY, TURN = 64, 20_000, 1e-3, 180.0, 360.0
 OUTPUTS = ["slave.position", "slave.velocity", "state"]
 TARGET = 20e6  # steps per second and core
+FOUR = ["slave.position", "slave.velocity", "slave.acceleration", "state"]
+MEASURES: dict[str, dict[str, tuple[str, ...]]] = {
+    "no outputs": {},
+    "max, max_time of one output": {"slave.velocity": ("max", "max_time")},
+    "max, mean, last of 4 outputs": dict.fromkeys(FOUR, ("max", "mean", "last")),
+    "all extremes of 4 outputs": dict.fromkeys(FOUR, ("min", "max", "min_time", "max_time")),
+}
+SHARE = 0.9  # of the speed without outputs
 
 
 @dataclass(frozen=True)
@@ -93,10 +106,49 @@ def plain(case: Case) -> None:
         _ = block.slave.position, block.slave.velocity, block.state
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Steps per second and core of simulate_many on the Synchronizer.")
-    parser.add_argument("--repetitions", type=int, default=9)
-    repetitions = parser.parse_args().repetitions
+def measured(case: Case, repetitions: int) -> dict[str, float]:
+    """Processor time of a step in s: without outputs, with measures, and with the last step's outputs alone."""
+    last = np.lib.stride_tricks.as_strided(np.zeros(len(FOUR)), (INSTANCES, STEPS, len(FOUR)), (0, 0, 8))
+    run = partial(simulate_many, "Synchronizer", H, case.inputs, start=case.start, threads=1)
+    actions: dict[str, Callable[[], Any]] = {name: partial(run, reduce=reduce) for name, reduce in MEASURES.items()}
+    actions["4 outputs of the last step"] = partial(run, FOUR, out=last)
+    times: dict[str, list[float]] = {name: [] for name in actions}
+    for _ in range(repetitions):
+        for name, action in actions.items():
+            times[name].append(shortest(1, action)[0])
+    return {name: min(found) / INSTANCES / STEPS for name, found in times.items()}
+
+
+def print_measures(repetitions: int) -> None:
+    print(f"\nMeasures. Target: {SHARE:g} of the speed without outputs.\n")
+    for case in CASES:
+        found = measured(case, repetitions)
+        for name, seconds in found.items():
+            share = found["no outputs"] / seconds
+            print(f"{case.name:20}  {name:30}{seconds * 1e9:>8.1f} ns a step  share {share:.2f}")
+    print()
+    for block in ("Synchronizer", "FlyingSaw", "CutToLength"):
+        simulate_many(block, H, {})
+        call = partial(simulate_many, block, H, {}, reduce={"slave.position": "max"}, threads=1)
+        print(f"A call for one step of {block}: {shortest(50, call)[1] * 1e3:.2f} ms.")
+
+
+def peak_memory(steps: int) -> int:
+    """The greatest number of bytes that Python and NumPy have while 100 instances are measured."""
+    tracemalloc.start()
+    simulate_many("Synchronizer", H, {}, reduce=MEASURES["max, mean, last of 4 outputs"], steps=steps, instances=100)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return peak
+
+
+def print_memory() -> None:
+    for steps in (STEPS, 2 * STEPS):
+        values = 8 * 100 * steps * len(FOUR)
+        print(f"Memory of 100 instances, {steps} steps: {peak_memory(steps)} bytes; their values take {values}.")
+
+
+def print_throughput(repetitions: int) -> None:
     begin = time.perf_counter()
     simulate_many("Synchronizer", H, {}, OUTPUTS)
     print(f"The first call, which loads the code or compiles it, took {time.perf_counter() - begin:.1f} s.")
@@ -134,6 +186,15 @@ def main() -> None:
                 f"{python / processor:.0f}",
             )
             print(f"{case.name:20}" + "".join(f"{v:>{len(c) + 2}}" for v, c in zip(values, columns, strict=True)))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Steps per second and core of simulate_many on the Synchronizer.")
+    parser.add_argument("--repetitions", type=int, default=9)
+    repetitions = parser.parse_args().repetitions
+    print_throughput(repetitions)
+    print_measures(repetitions)
+    print_memory()
 
 
 if __name__ == "__main__":

@@ -116,7 +116,8 @@ def master(scenario: Scenario, script: Mapping[str, Any]) -> Script:
         return scenario.master
     begin = scenario.master.at(0.0)
     following = Script(begin.position, begin.velocity, begin.acceleration, ())
-    for at, segment in zip(scans(scenario), script["master"]["segments"][1:], strict=True):
+    times = scans(scenario.scan, scenario.stop_time).tolist()
+    for at, segment in zip(times, script["master"]["segments"][1:], strict=True):
         following.go_on(at, float(segment["acceleration"]))
     return following
 

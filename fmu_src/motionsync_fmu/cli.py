@@ -21,6 +21,9 @@ from .commands.list import list_all
 from .commands.new import new
 from .commands.plan_line import plan_line
 from .commands.run import run
+from .commands.search import search
+from .commands.sweep import sweep
+from .commands.sweep_plot import sweep_plot
 from .errors import Interrupted, UserError
 from .pages.console import err
 
@@ -47,6 +50,9 @@ COMMANDS: dict[
     "explore": (explore, "Write a page to move a block by hand."),
     "line": (line, "Run a production line of several FMUs."),
     "plan-line": (plan_line, "Tell how fast a cutting line may run, and why."),
+    "sweep": (sweep, "Run a scenario with many values: a row a run."),
+    "sweep-plot": (sweep_plot, "Write a page about a sweep's rows."),
+    "search": (search, "Find where in a range a run begins to succeed."),
     "error": (error, "Explain a fault code."),
     "export-crosscheck": (export_crosscheck, "Write models for the FMI cross-check."),
 }

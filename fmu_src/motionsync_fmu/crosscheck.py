@@ -87,7 +87,9 @@ def refusal(scenario: Scenario) -> str:
     if read_reference(scenario) is None:
         return "it has no reference"
     step = scenario.step_size
-    between = (t for t in points(replace(scenario, expectations=()), step) if not isclose(round(t / step) * step, t))
+    between = (
+        t for t in points(replace(scenario, expectations=()), step).tolist() if not isclose(round(t / step) * step, t)
+    )
     if (t := next(between, None)) is not None:
         return f"something happens at {t:g} s, between two steps of {step:g} s"
     declared = recipe_of(scenario).variables

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 
+from .errors import UserError
+
 HERE = Path(__file__).parent
 COMPILER = "ziglang"  # builds the native flavour
 
@@ -13,6 +15,16 @@ COMPILER = "ziglang"  # builds the native flavour
 def missing_for_native() -> str:
     """The package that builds the native flavour, if it is not installed; else empty."""
     return "" if find_spec(COMPILER) else COMPILER
+
+
+def need(extra: str, *packages: str) -> None:
+    """See that packages of an extra are installed.
+
+    Raises:
+        UserError: one is not; the message has the command that installs them.
+    """
+    if missing := next((name for name in packages if find_spec(name) is None), ""):
+        raise UserError(f"this needs {missing}, which is not installed: {how_to_install(extra)}")
 
 
 def how_to_install(extra: str) -> str:

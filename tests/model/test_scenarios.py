@@ -1,11 +1,14 @@
-"""Every scenario in this process, without an FMU: its expectations hold, and its reference is met."""
+"""Every scenario in this process, without an FMU: its expectations hold, its reference is met, and its run in compiled
+code has the same bits."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.scenario.judge import check, compare
+from motionsync_fmu.scenario.figures import figures
+from motionsync_fmu.scenario.judge import check, compare, judged_outputs
 from motionsync_fmu.scenario.pieces import find_pieces
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.recording import Recording
@@ -14,6 +17,8 @@ from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 from tests.regenerate import examples
+from tests.support.harness import MOTION
+from tests.support.recordings import assert_same, compiled
 
 SCENARIOS = pytest.mark.parametrize(
     "file",
@@ -40,6 +45,13 @@ def test_the_block_does_what_its_scenario_expects(file: Path) -> None:
     assert found
     assert [judged for judged in found if not judged.passed] == []
     assert at_its_place(scenario, recording)
+    names = sorted(judged_outputs(scenario).union(MOTION))
+    whole, narrow = compiled(scenario)[0].recording, compiled(scenario, names=names)[0].recording
+    assert whole
+    assert_same(recording, whole)
+    assert narrow
+    assert check(scenario, narrow) == check(scenario, recording)
+    assert figures(scenario, narrow) == figures(scenario, recording)
 
 
 @SCENARIOS
@@ -55,6 +67,9 @@ def test_a_scenario_means_the_same_at_other_step_sizes_or_says_why_not(file: Pat
     found = [*check(scenario, recording), *compare(scenario, recording)]
     assert [judged for judged in found if not judged.passed] == []
     assert at_its_place(scenario, recording)
+    (run,) = compiled(replace(scenario, step_size=step_size))
+    assert run.recording
+    assert_same(recording, run.recording)
 
 
 def test_few_scenarios_are_bound_to_their_step_size() -> None:

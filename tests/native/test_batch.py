@@ -2,6 +2,8 @@
 
 import math
 import shutil
+import subprocess
+import sys
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -423,6 +425,34 @@ def test_the_compiler_of_the_machine_gives_the_same_bits(monkeypatch: pytest.Mon
     found = simulate_many("Synchronizer", h, inputs, ALL, start=start)
     assert found.failures == by_zig.failures
     assert found.values.tobytes() == by_zig.values.tobytes()
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "zig"])
+def test_compilers_find_nothing_to_warn_of_in_the_loop(compiler: str, tmp_path: Path) -> None:
+    files = library.loop_source()
+    for name, text in files.items():
+        (tmp_path / name).write_bytes(text)
+    command = ["gcc"] if compiler == "gcc" else [sys.executable, "-m", "ziglang", "cc"]
+    if not shutil.which(command[0]):
+        pytest.skip(f"{compiler} is not installed")
+    command += [
+        "-std=c99",
+        "-pedantic",
+        "-Wall",
+        "-Wextra",
+        "-Wconversion",
+        "-Wshadow",
+        "-Werror",
+        "-c",
+        "-o",
+        "loop.o",
+    ]
+    command += ["-Wno-unused-command-line-argument"] if compiler == "zig" else []
+    sources = [name for name in files if name.endswith(".c")]
+    assert {"loop.c", "reduce.c"} <= {*sources}
+    for source in sources:
+        done = subprocess.run([*command, source], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
 
 
 # --- names, and turned variables ---

@@ -4,6 +4,7 @@ now; else made anew."""
 import shutil
 import subprocess
 import sys
+import time
 from ctypes import byref, c_bool, c_double, c_int64
 from pathlib import Path
 
@@ -47,8 +48,8 @@ def loaded(monkeypatch: pytest.MonkeyPatch, block_type: type = Synchronizer) -> 
 
 
 def kept(cache: Path) -> Path:
-    """The only file of the cache."""
-    (file,) = (cache / "blocks").iterdir()
+    """The only library in the cache."""
+    (file,) = (cache / "blocks").glob(f"*{library.SUFFIX}")
     return file
 
 
@@ -58,6 +59,50 @@ def test_a_block_is_compiled_once(compilations: list[str], cache: Path, monkeypa
     loaded(monkeypatch)
     assert compilations == ["Synchronizer"]
     assert (kept(cache), file.read_bytes()) == (file, made)
+
+
+COMPILES_ONCE = """
+import sys, time
+from pathlib import Path
+from motionsync.synchronizer.block import Synchronizer
+from motionsync_fmu.native.loop import library
+
+def slow(block):
+    with Path(sys.argv[1]).open("a") as log:
+        log.write("compiled\\n")
+    time.sleep(float(sys.argv[2]))
+    return {"block.c": sys.argv[3].encode()}
+
+library.c_source = slow
+print(library.library(Synchronizer).block_step(None, None))
+"""
+
+
+def process(log: Path, seconds: float) -> subprocess.Popen[str]:
+    """A process that compiles a block, and takes so many seconds more for it."""
+    command = [sys.executable, "-c", COMPILES_ONCE, str(log), str(seconds), BLOCK.decode()]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+
+
+def test_of_processes_that_begin_together_one_compiles(cache: Path, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    together = [process(log, 1.0) for _ in range(3)]
+    assert [p.communicate(timeout=60)[0] for p in together] == ["0\n"] * 3
+    assert log.read_text() == "compiled\n"
+    assert kept(cache)
+
+
+def test_a_process_that_dies_while_it_compiles_stops_nobody(cache: Path, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with process(log, 600.0) as dying:
+        while not log.exists():
+            assert dying.poll() is None
+            time.sleep(0.01)
+        dying.kill()
+    with process(log, 0.0) as next_one:
+        assert next_one.communicate(timeout=60)[0] == "0\n"
+    assert log.read_text() == "compiled\ncompiled\n"
+    assert kept(cache)
 
 
 def test_another_source_or_compiler_is_compiled_anew_and_replaces_the_old_library(

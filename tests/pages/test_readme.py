@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from motionsync.cut_to_length.block import CutToLength
@@ -150,7 +151,7 @@ def test_the_line_that_follows_the_request_misses_no_cut(fmus: Fmus, capsys: pyt
 
 
 def test_the_batch_example_gives_what_its_comments_say() -> None:
-    code = code_with(PYTHON, "simulate_many")
+    code = code_with(PYTHON, "outputs=(")
     names: dict[str, Any] = {}
     exec(code, names)
     result = names["result"]
@@ -158,6 +159,27 @@ def test_the_batch_example_gives_what_its_comments_say() -> None:
     assert not result.failures
     peaks = -result["slave.acceleration"].min(axis=1)  # of a stop: v^2 / (2 phasing) times 1.642
     assert peaks[-1] == pytest.approx(1.64224 * 90.0**2 / (2.0 * 90.0), rel=1e-4)
+    exec(code_with(PYTHON, "reduce="), names)
+    measures = names["result"].measures
+    assert (-measures["slave.acceleration.min"]).tolist() == peaks.tolist()
+    assert measures["slave.position.every:100"].tobytes() == result["slave.position"][:, 99::100].tobytes()
+
+
+def test_the_batch_example_with_a_file_fills_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    exec(code_with(PYTHON, "np.memmap"), {})
+    values = np.fromfile("positions").reshape(1000, 5000)
+    assert values[-1, 1000] == pytest.approx(90.0)
+
+
+def test_the_example_with_scenarios_gives_what_its_comments_say() -> None:
+    names: dict[str, Any] = {}
+    exec(code_with(PYTHON, "run_scenarios"), names)
+    runs = names["runs"]
+    assert [run.failure for run in runs] == ["", "", ""]
+    assert [run.measures["in_sync.rises"] for run in runs] == [1.0, 20.0, 20.0]
+    assert all(len(run.recording.values["slave.position"]) == len(run.recording.time) for run in runs)
+    assert runs[0].measures["slave.velocity.min"] == pytest.approx(-1000.0)  # on the way home
 
 
 def test_the_line_for_fmpy_runs(native: Path, tmp_path: Path) -> None:

@@ -2,8 +2,9 @@
 
 import json
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,7 +18,7 @@ from ..errors import Interrupted, UserError
 from ..interface.recipe import Fmi
 from ..pages.console import err, out
 from ..pages.progress import doing
-from .options import Version
+from .options import Version, assignments
 
 if TYPE_CHECKING:
     from ..scenario.outcome import Outcome
@@ -40,6 +41,14 @@ def run(
     step_size: Annotated[
         float | None, typer.Option(parser=_seconds, metavar="SECONDS", help="Instead of the scenario's own.")
     ] = None,
+    setting: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="A variable of the block or a number of the scenario, in place of the file's; may be repeated.",
+        ),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option(help="Where results and reports go: OUTPUT/<FMU>/<scenario>/; else to build/reports.")
     ] = None,
@@ -53,6 +62,9 @@ def run(
     A scenario has one line: ok or NOT, its name, its cuts or pieces, and the slave's greatest velocity v, acceleration
     a (or deceleration d) and jerk j beside the limits of its axis. A ! marks what is not judged, but has to be known.
 
+    With --set the scenario is run with other values, as in a run of a sweep: its expectations are judged, its reference
+    is not compared, and the results go to a folder of their own.
+
     Without an up-to-date FMU in build/<flavour>/ or build/fmi3/, one for this machine is built in the user's cache. The
     exit status is 1 if anything was not as expected.
 
@@ -61,17 +73,20 @@ def run(
         motionsync run Synchronizer/polynomial --open
 
         motionsync run FlyingSaw --step-size 0.007 --no-report
+
+        motionsync run CutToLength/basic_cut --set master.velocity=650 --set axis.max_acceleration=4000
     """
     if show and no_report:
         raise UserError("--open shows the report, which --no-report leaves out")
     flavour = chosen(fmi, [flavour] if flavour else [], err.print)[0]
-    batch = _loaded(path, step_size)
+    given = assignments("--set", setting or [], "master.velocity=500")
+    batch = _loaded(path, given, step_size)
     fmus = ready([replace(s.recipe, fmi=fmi) for s in batch.scenarios], flavour)
     fmu_of = dict(zip((s.label for s in batch.scenarios), fmus, strict=True))
     folder = output or places.output(err.print) / "reports"
 
     def judged(s: "Scenario") -> "Outcome":
-        return _run(s, fmu_of[s.label], folder, own_step=step_size is None, report=not no_report)
+        return _run(s, fmu_of[s.label], folder, given, own_step=step_size is None, report=not no_report)
 
     try:
         batch.go(judged, lambda outcome: None if as_json else _print(outcome, batch, verbose=verbose))
@@ -122,11 +137,14 @@ class _Batch:
             show(outcome)
 
 
-def _loaded(paths: list[Path], step_size: float | None) -> _Batch:
-    """The scenarios at these paths. Every mistake in them is reported before anything runs."""
+def _loaded(paths: list[Path], given: Mapping[str, str], step_size: float | None) -> _Batch:
+    """The scenarios at these paths, with other values where some are given. Every mistake in them is reported before
+    anything runs."""
     from ..scenario.reader import MOST_STEPS, load
+    from ..sweep.repeat import with_values
 
-    scenarios = [load(file) for path in paths for file in _files(path)]
+    files = [file for path in paths for file in _files(path)]
+    scenarios = [with_values(file, given) if given else load(file) for file in files]
     folders: dict[str, Path] = {}
     for s in scenarios:
         if (other := folders.setdefault(s.label, s.file)) != s.file:
@@ -163,12 +181,20 @@ def _files(path: Path) -> list[Path]:
     return found
 
 
-def _run(s: "Scenario", fmu: Path, output: Path, *, own_step: bool, report: bool) -> "Outcome":
+def _run(
+    s: "Scenario", fmu: Path, output: Path, given: Mapping[str, str], *, own_step: bool, report: bool
+) -> "Outcome":
     from ..pages.results import write_outcome
     from ..scenario.run import simulate
 
     recording = simulate(s, fmu, s.step_size)
-    return write_outcome(s, fmu, recording, output / s.label, own_step=own_step, report=report)
+    folder = output / (f"{s.label}-{_short(given)}" if given else s.label)
+    return write_outcome(s, fmu, recording, folder, given, own_step=own_step, report=report)
+
+
+def _short(given: Mapping[str, str]) -> str:
+    """A short text that is another one for other values."""
+    return sha256(json.dumps(sorted(given.items())).encode()).hexdigest()[:8]
 
 
 def _print(outcome: "Outcome", batch: _Batch, *, verbose: bool) -> None:

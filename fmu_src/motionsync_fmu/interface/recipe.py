@@ -75,7 +75,7 @@ class Recipe:
         to run a block, take the cells from `variables(block)`.
         """
         block = self.block()
-        return _by_name(block, self.turned) if self.starts or self.turned else _declared(block.__class__)
+        return _by_name(block, self.turned) if self.starts or self.turned else declared(block.__class__)
 
     @cached_property
     def turned(self) -> Mapping[str, str]:
@@ -103,7 +103,7 @@ class Recipe:
 
 
 @cache
-def _declared(block_type: type) -> Mapping[str, Variable]:
+def declared(block_type: type) -> Mapping[str, Variable]:
     """The variables of a block without baked start values: the same for all its recipes, so that a hundred scenarios
     share them."""
     return _by_name(block_type(), {})

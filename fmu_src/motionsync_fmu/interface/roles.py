@@ -79,6 +79,12 @@ class Books:
     spare: str
     request: str
 
+    @property
+    def told(self) -> tuple[str, ...]:
+        """The outputs by which the pieces of a run are told."""
+        made = (self.pieces, self.skipped, self.late, self.length, self.error, self.kind, self.good, self.time)
+        return (*made, self.reserve, self.running, self.cutting, self.coupling_factor, self.max_velocity)
+
 
 def with_role(variables: Iterable[Variable], role: Role) -> Variable | None:
     """The variable that has this role, if there is one."""

@@ -31,7 +31,7 @@ def load_line(file: Path) -> Line:
     reader = Reader(top, name, stop_time, REMOTE)
     if reader.axis:
         top.fail("fmu", f"{name} sees telegrams itself: name the block that follows it")
-    start, settings, expectations = reader.start(), tuple(reader.settings()), _expectations(reader)
+    start, settings, expectations = reader.start(), reader.settings(), _expectations(reader)
     cuts = reader.cuts(unit) if "cuts" in top and not reader.books else None
     pieces = _pieces(reader, unit) if "cuts" in top and reader.books else None
     places = _places(top, reader.recipe)
@@ -60,7 +60,7 @@ def load_line(file: Path) -> Line:
 
 def _expectations(reader: Reader) -> tuple[Expectation, ...]:
     """The expectations of the follower. Enumerations other than `state` are refused: libcosim cannot read them."""
-    found = tuple(reader.expectations())
+    found = reader.expectations()
     for table, e in zip(reader.top.tables("expect"), found, strict=True):
         for name in expected_names(e):
             if reader.recipe.variables[name].choices and name != "state":

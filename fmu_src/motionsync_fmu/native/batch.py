@@ -18,9 +18,10 @@ An instance behaves as the block's FMU does, to the last bit, and fails where th
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from math import inf, nextafter
 from typing import Any
 
@@ -35,16 +36,17 @@ from ..interface.variables import (
     LONGEST_STEP,
     Variable,
     explained,
-    refusals,
     shown,
     spoken_of,
     step_size_refusal,
     variables,
 )
+from .loop.described import described
 from .loop.library import library
 from .loop.plan import CAUSE, Cause, Groups, Plan, run
 from .loop.reductions import Reduce, Reductions
-from .memory_layout import image, offset
+from .loop.room import new_array
+from .memory_layout import field, offset
 
 Array = NDArray[Any]
 Reals = NDArray[np.float64]
@@ -53,6 +55,7 @@ Inputs = Mapping[Any, ArrayLike]  # keys: str or tuple[str, ...]; Mapping does n
 
 TASK_STEPS = 1 << 18  # instance-steps of one task: about 10 ms
 TASK_INSTANCES = 1 << 13  # their memory stays within a few megabytes
+QUEUE = 4  # tasks that wait, for each thread
 NUMBERS = "biuf"  # NumPy's kinds of the allowed types
 LARGEST_INTEGER = 2**31 - 1  # of FMI
 NO_RESULT = "an arithmetic error: these values lead to no result"
@@ -140,7 +143,8 @@ def simulate_many(
         steps: the number of steps, where no array has that axis.
         instances: the number of instances, where no array has that axis.
         threads: the greatest number of threads; by default the number of cores.
-        out: the array for the values: float64, of shape (instances, steps, outputs), with any strides.
+        out: the array for the values: float64, of shape (instances, steps, outputs), with any strides. It may lie in a
+            file (`np.memmap`), for more values than fit into memory.
         progress: called with the share that is done, in the caller's thread.
 
     Returns:
@@ -153,7 +157,7 @@ def simulate_many(
             an array that does not fit into memory; or there is no C compiler.
     """
     outputs = [outputs] if isinstance(outputs, str) else outputs
-    batch = _Batch(block, step_size, inputs, start or {}, outputs, interface or Interface(), steps, instances)
+    batch = _Batch(block, step_size, inputs, start or {}, outputs, interface, steps, instances)
     reductions = Reductions(batch.type, reduce or {}, batch.instances, batch.steps)
     out = batch.target(out)
     if threads is not None and threads < 1:
@@ -190,13 +194,14 @@ class _Batch:
         inputs: Inputs,
         start: Mapping[str, ArrayLike],
         outputs: Sequence[str],
-        interface: Interface,
+        interface: Interface | None,
         steps: int | None,
         instances: int | None,
     ) -> None:
         self.type: type[Any] = choose(BLOCKS, block, "block") if isinstance(block, str) else block
-        self.image = image(self.type())
-        self.variables = {v.name: v for v in variables(self.type(), interface.causalities(self.type()))}
+        known = described(self.type)
+        self.image = known.memory
+        self.variables = known.variables if interface is None else _turned(self.type(), interface)
         self.outputs = [choose(self.variables, name, f"variable of {self.type.__name__}") for name in outputs]
         self.step_sizes = _column("step_size", step_size)
         running = [self.checked(c, "inputs") for c in _split({n: self.numbered(n, x) for n, x in inputs.items()})]
@@ -209,7 +214,7 @@ class _Batch:
         self.starts = starts + [c for c in running if c.name not in start]
         self.varying = self.grouped(c for c in running if c.values.shape[1] > 1 or c.name in start)
         self.judged = self.to_judge({c.name for c in self.starts})
-        self.refusals = {member.value: member for member in refusals(self.type)}
+        self.refusals = known.refusals
         self.library = library(self.type)
 
     def numbered(self, name: Any, values: ArrayLike) -> ArrayLike:
@@ -254,7 +259,8 @@ class _Batch:
         """The array for the values: `out` if the caller gave one that fits, else a new one."""
         shape = (self.instances, self.steps, len(self.outputs))
         if out is None:
-            return np.empty(shape)
+            instead = "ask for measures (reduce=...), or give a file (out=np.memmap(...))"
+            return new_array("the array of all values", shape, instead)
         if out.dtype != np.float64 or out.shape != shape or not out.flags.behaved:
             wanted = f"float64 of shape {shape}, and writeable"
             raise UserError(f"out is {out.dtype} of shape {out.shape}: it must be {wanted}")
@@ -267,19 +273,21 @@ class _Batch:
             yield first, min(first + size, self.instances)
 
     def run(self, out: Reals, reductions: Reductions, workers: int, progress: Callable[[float], None]) -> list[Failure]:
-        """Run all instances, in tasks for that many threads; the failures are in the order in which tasks end."""
+        """Run all instances, in tasks for that many threads; the failures are in the order in which tasks end.
+
+        A few tasks wait at a time, since a long batch has a million of them."""
         failures: list[Failure] = []
         done = 0
+        tasks, waiting = self.tasks(workers), dict[Future[list[Failure]], int]()
         with ThreadPoolExecutor(workers, "motionsync") as pool:
-            tasks = {
-                pool.submit(self.run_some, first, last, out, reductions): last - first
-                for first, last in self.tasks(workers)
-            }
             try:
-                for task in as_completed(tasks):
-                    failures += task.result()
-                    done += tasks[task]
-                    progress(done / self.instances)
+                while done < self.instances:
+                    for first, last in islice(tasks, QUEUE * workers - len(waiting)):
+                        waiting[pool.submit(self.run_some, first, last, out, reductions)] = last - first
+                    for task in wait(waiting, return_when=FIRST_COMPLETED).done:
+                        failures += task.result()
+                        done += waiting.pop(task)
+                        progress(done / self.instances)
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
@@ -295,16 +303,16 @@ class _Batch:
         """The memory of some instances, with their start values and the inputs of the first step."""
         memory = np.full(last - first, self.image)
         for c in self.starts:
-            field = _field(memory, c.name)
+            values = field(memory, c.name)
             if c.values.shape[1]:  # without steps there is no first step
-                field[...] = c.piece(first, last, field.dtype)[:, 0]
+                values[...] = c.piece(first, last, values.dtype)[:, 0]
         return memory
 
     def judge(self, memory: Array) -> dict[int, str]:
         """The instances that cannot be initialized, each with the message for its first bad variable."""
         refused: dict[int, str] = {}
         for v in self.judged:
-            values = _field(memory, v.name)
+            values = field(memory, v.name)
             for i in np.flatnonzero(~allowed(v, values)).tolist():
                 refused.setdefault(i, v.refusal(values[i].item()))
         return refused
@@ -323,6 +331,7 @@ class _Task:
         self.first = first
         self.target = target
         self.reductions = reductions
+        self.samples = reductions.samples()
         self.memory = batch.memory(first, last)
         self.step_sizes = batch.step_sizes.piece(first, last, np.float64)
         self.values = Groups(*(self.pieces(group, last) for group in batch.varying))
@@ -332,7 +341,7 @@ class _Task:
 
     def pieces(self, group: _Varying, last: int) -> list[tuple[str, Array]]:
         """These instances' values of each variable of a group, in the type of the block's memory."""
-        return [(v.name, c.piece(self.first, last, _field(self.memory, v.name).dtype)) for v, c in group]
+        return [(v.name, c.piece(self.first, last, field(self.memory, v.name).dtype)) for v, c in group]
 
     def plan(self) -> Plan:
         memory, target, batch = self.memory, self.target, self.batch
@@ -341,10 +350,11 @@ class _Task:
             step_sizes=np.array(_source(self.step_sizes)),
             longest=LONGEST_STEP,
             sources=Groups(*(self.sources(group) for group in self.values)),
-            limits=np.array([_limits(v) for v, _ in batch.varying.reals]).reshape(-1, 4),
+            limits=np.array([limits(v) for v, _ in batch.varying.reals]).reshape(-1, 4),
             sinks=Groups(self.sinks("Real"), self.sinks("Integer", "Enumeration"), self.sinks("Boolean")),
             target=np.array([target.ctypes.data, *target.strides[:2]]),
             reductions=self.reductions if self.reductions.measures else None,
+            samples=self.samples,
             first=self.first,
             reports=self.reports,
         )
@@ -384,6 +394,11 @@ class _Task:
                 return NO_RESULT
 
 
+def _turned(block: Any, interface: Interface) -> dict[str, Variable]:
+    """The variables of a block by name, with the causalities that an FMU of this interface has."""
+    return {v.name: v for v in variables(block, interface.causalities(block))}
+
+
 def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
     """`Variable.allows` for many values at once."""
     if v.choices:
@@ -396,22 +411,16 @@ def allowed(v: Variable, values: Array) -> NDArray[np.bool_]:
     return fits & np.where(values == 0.0, d.zero, np.abs(values) >= d.smallest)
 
 
-def _limits(v: Variable) -> tuple[float, float, float, float]:
+def limits(v: Variable) -> tuple[float, float, float, float]:
     """The range of a Real, as the plan's `limits` have it."""
     d = v.declaration
     least, greatest = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
     return least, greatest, d.smallest or (0.0 if d.zero else nextafter(0.0, 1.0)), float(d.zero)
 
 
-def _field(memory: Array, name: str) -> Array:
-    for part in name.split("."):
-        memory = memory[part]
-    return memory
-
-
 def _value(memory: Array, name: str) -> Any:
     """The value of one variable of one instance."""
-    return _field(memory, name)[0].item()
+    return field(memory, name)[0].item()
 
 
 def _source(values: Array) -> list[int]:

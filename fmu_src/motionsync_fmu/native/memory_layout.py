@@ -70,3 +70,10 @@ def _fill(memory: Any, block: Any) -> None:
             _fill(memory[f.name], value)
         else:
             memory[f.name] = value
+
+
+def field(memory: Any, name: str) -> Any:
+    """The values of the variable of that name in one memory or in an array of them: a view."""
+    for part in name.split("."):
+        memory = memory[part]
+    return memory

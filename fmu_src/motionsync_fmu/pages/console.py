@@ -9,9 +9,9 @@ from rich.markup import escape
 if TYPE_CHECKING:  # they load NumPy, which `motionsync list` does not need
     from ..scenario.judge import Check
 
-out = Console(highlight=False, soft_wrap=True)
-wide = Console(highlight=False, markup=False, width=1000)  # for tables: the terminal wraps long lines
-err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
+out = Console(highlight=False, soft_wrap=True, emoji=False)
+wide = Console(highlight=False, markup=False, emoji=False, width=1000)  # for tables: the terminal wraps long lines
+err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
 
 
 def print_headline(title: str, source: str, passed: bool, remarks: int = 0) -> None:

@@ -1,6 +1,6 @@
 """Writes the results of a run of a scenario: the outputs, the inputs for FMPy, and the report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,33 +12,42 @@ from ..scenario.outcome import Outcome
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
 from ..scenario.shipped import called
-from .report.page import happened, write_report
+from .report.page import AS_FILED, happened, write_report
 
 FIRST = ("state", "in_sync")  # columns of the CSV file, after time, master and slave
 MASTER = ("position", "velocity", "acceleration", "jerk")
 
 
 def write_outcome(
-    scenario: Scenario, fmu: Path, recording: Recording, folder: Path, *, own_step: bool, report: bool
+    scenario: Scenario,
+    fmu: Path,
+    recording: Recording,
+    folder: Path,
+    given: Mapping[str, str] = AS_FILED,
+    *,
+    own_step: bool,
+    report: bool,
 ) -> Outcome:
     """Judge a recording, and write it into the folder.
 
-    `own_step`: whether the step size of the run is the one in the scenario's file, so that the file of inputs beside
-    it belongs to the run.
+    `given`: what the scenario has in place of its file's values: then neither the reference nor the inputs beside the
+    file belong to the run;
+    `own_step`: whether the step size of the run is the one in the file, so that those inputs belong to it.
 
     Raises:
         UserError: the scenario's reference cannot be used.
     """
     name = scenario.recipe.name
-    checks, deviations = check(scenario, recording), compare(scenario, recording)
+    checks, deviations = check(scenario, recording), [] if given else compare(scenario, recording)
     inputs, results, page = inputs_file(scenario), folder / f"{name}_out.csv", folder / "report.html"
     with _filled(folder) as part:
         (part / results.name).write_text(_outputs_csv(scenario, recording))
-        if not own_step or not inputs.exists():  # a user's own scenario may have no such file
+        if given or not own_step or not inputs.exists():  # a user's own scenario may have no such file
             inputs = folder / inputs.name
             (part / inputs.name).write_text(inputs_csv(happened(scenario, recording)))
         if report:
-            write_report(part / page.name, scenario, recording, checks, deviations, scenario.step_size, fmu, results)
+            step_size = scenario.step_size
+            write_report(part / page.name, scenario, recording, checks, deviations, step_size, fmu, results, given)
     return Outcome(
         scenario=called(scenario.file),
         name=scenario.label,
@@ -53,6 +62,7 @@ def write_outcome(
         result=str(results),
         report=str(page) if report else None,
         fmpy=command_line(scenario, fmu, inputs),
+        given=given,
     )
 
 

@@ -2,10 +2,12 @@
 
 import math
 from decimal import Decimal
+from functools import lru_cache
 
 ROUNDING = 1e-9  # relative; what is smaller is rounding
 
 
+@lru_cache(maxsize=4096)  # tolerances and lengths are the same in many runs
 def engineering(value: float, unit: str = "", *, scale: float = 0.0, digits: int = 4) -> str:
     """A value as engineers write it: `0.0021 mm`, `1200 mm/s`, `448623 mm/s2`, `3.6e-12 mm`.
 

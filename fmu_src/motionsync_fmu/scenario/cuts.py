@@ -42,9 +42,9 @@ class CutSpec:
     tolerance: float
     count: int | None
 
-    def nearest(self, place: float) -> float:
-        """The place of the mark that is nearest to a place on the material."""
-        return self.offset + round((place - self.offset) / self.length) * self.length
+    def nearest(self, places: Reals) -> Reals:
+        """For each of some places on the material, the place of the nearest mark."""
+        return np.asarray(self.offset + np.rint((places - self.offset) / self.length) * self.length)
 
 
 @dataclass(frozen=True)
@@ -84,14 +84,19 @@ def find_cuts(spec: CutSpec, recording: Recording) -> list[Cut]:
     """The cuts of a run, in the order of time."""
     on = recording.values[spec.name] != 0.0
     borders = np.flatnonzero(np.diff(on, prepend=False, append=False))
-    places = recording.master[:, 0] - recording.values["slave.position"] / spec.ratio
-    found = []
-    for first, after in zip(borders[::2].tolist(), borders[1::2].tolist(), strict=True):
-        mark = spec.nearest(float(places[first:after].mean()))
-        errors = places[first:after] - mark
-        worst = float(errors[np.argmax(np.abs(errors))])
-        found.append(Cut(float(recording.time[first]), float(recording.time[after - 1]), mark, worst))
-    return found
+    first, after = borders[::2], borders[1::2]
+    if not len(first):
+        return []
+    places = recording.master[on, 0] - recording.values["slave.position"][on] / spec.ratio
+    points = after - first
+    begins = np.cumsum(points) - points  # of the cuts, among the places
+    marks = spec.nearest(np.add.reduceat(places, begins) / points)
+    errors = places - np.repeat(marks, points)
+    greatest = np.maximum.reduceat(np.abs(errors), begins)
+    there = np.flatnonzero(np.abs(errors) == np.repeat(greatest, points))
+    worst = errors[there[np.searchsorted(there, begins)]]
+    time = recording.time
+    return [Cut(*cut) for cut in np.column_stack([time[first], time[after - 1], marks, worst]).tolist()]
 
 
 @dataclass(frozen=True)

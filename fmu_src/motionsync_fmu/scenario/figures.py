@@ -15,13 +15,15 @@ from ..interface.roles import with_role
 from ..interface.units import unit_name
 from .amounts import ROUNDING, engineering
 from .course import course
-from .cuts import Cut, CutSpec, find_cuts
-from .production import Production, production
+from .cuts import Cut, CutSpec
+from .production import Production
 from .recording import Reals, Recording, greatest_position
 from .scenario import Scenario
+from .work import Work
 
 NOWHERE = 1e9  # u; an end position this far away bounds nothing
 MOST_MARKS = 10_000  # that passed uncut; more are not told apart
+SLAVE = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
 TOLD_MARKS = 4  # uncut marks that a text names; of more it names the first two
 
 
@@ -152,12 +154,12 @@ class Figures:
 def figures(scenario: Scenario, recording: Recording) -> Figures:
     """The figures of a run of a scenario."""
     spec = scenario.cuts
-    cuts = tuple(find_cuts(spec, recording)) if spec else ()
+    made = Work(scenario, recording)
     return Figures(
-        tuple(_peaks(scenario, recording)),
-        production(scenario, recording),
-        cuts,
-        tuple(_uncut(spec, cuts, recording)) if spec else (),
+        tuple(peaks(scenario, recording)),
+        made.production,
+        made.cuts,
+        tuple(_uncut(spec, made.cuts, recording)) if spec else (),
         spec.tolerance if spec else None,
         unit_name(Unit.POSITION, scenario.unit),
         greatest_position(recording),
@@ -167,14 +169,16 @@ def figures(scenario: Scenario, recording: Recording) -> Figures:
 # --- peaks ---
 
 
-def _peaks(scenario: Scenario, recording: Recording) -> list[Peak]:
+def peaks(scenario: Scenario, recording: Recording) -> list[Peak]:
+    """How far each of the slave's values went in a run of a scenario."""
+
     def unit(kind: Unit) -> str:
         return unit_name(kind, scenario.slave_unit or scenario.unit)
 
     def limit(role: Role) -> Reals | None:
         return _limit(scenario, recording, role)
 
-    position, velocity, acceleration, jerk = (recording.values[f"slave.{name}"] for name in _MOTION)
+    position, velocity, acceleration, jerk = (recording.values[name] for name in SLAVE)
     most, slowing = limit(Role.MAX_ACCELERATION), limit(Role.MAX_DECELERATION)
     found = [
         _stroke(position, limit(Role.MIN_POSITION), limit(Role.MAX_POSITION), recording.time, unit(Unit.POSITION)),
@@ -188,9 +192,6 @@ def _peaks(scenario: Scenario, recording: Recording) -> list[Peak]:
         for name, values, allowed in (("acceleration", faster, most), ("deceleration", slower, slowing)):
             found.append(_peak(name, values, _positive(allowed), recording.time, unit(Unit.ACCELERATION)))
     return [*found, _peak("jerk", jerk, _positive(limit(Role.MAX_JERK)), recording.time, unit(Unit.JERK))]
-
-
-_MOTION = ("position", "velocity", "acceleration", "jerk")
 
 
 def _limit(scenario: Scenario, recording: Recording, role: Role) -> Reals | None:

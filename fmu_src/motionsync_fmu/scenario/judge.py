@@ -2,7 +2,7 @@
 
 import csv
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,15 +11,17 @@ import numpy as np
 from motionsync.var import Unit
 
 from ..errors import UserError
+from ..interface.roles import books
 from ..interface.units import unit_name
+from ..interface.variables import Variable
 from .amounts import engineering
-from .cuts import CutSpec, PieceSpec, find_cuts
-from .pieces import Piece
-from .production import Production, production
+from .cuts import Cut, CutSpec, PieceSpec
+from .production import Production
 from .recording import Recording, greatest_position
-from .scenario import AtTime, Scenario, When, Within
-from .settings import COMPARISONS
+from .scenario import AtTime, Expectation, Scenario, When, Within
+from .settings import COMPARISONS, Unmet
 from .telegrams import Remote, errors
+from .work import Work
 
 
 @dataclass(frozen=True)
@@ -69,38 +71,72 @@ class Deviation:
         return f"{self.name}: {found} from the reference at {engineering(self.at)} s, {allowed} allowed"
 
 
+def judged_outputs(scenario: Scenario) -> set[str]:
+    """The outputs by which a run of the scenario is judged; empty if nothing has to be judged from its course."""
+    variables = scenario.recipe.variables.values()
+    names = {name for e in scenario.expectations for name in _expected(e)}
+    if scenario.cuts:
+        names |= {scenario.cuts.name, "slave.position"}
+    if kept := books(variables):
+        names |= {*kept.told, "slave.position"}
+    if scenario.remote and scenario.remote.accuracy:
+        names |= {scenario.remote.names.corrected_index, "slave.position"}
+    return names
+
+
+def _expected(e: Expectation) -> Iterable[str]:
+    match e:
+        case AtTime():
+            return e.values
+        case When():
+            return (e.name,)
+        case Within():
+            return e.limits
+
+
 def check(scenario: Scenario, recording: Recording) -> list[Check]:
     """What was found for every expectation of the scenario; then for the reactions that it requires and that did not
     happen, its cuts and its remote axis."""
+    return check_work(Work(scenario, recording))
+
+
+def check_work(made: Work) -> list[Check]:
+    """The same of a run whose cuts or pieces are asked for elsewhere, too."""
+    scenario, recording = made.scenario, made.recording
     found: list[Check] = []
-    texts = {name: v.text for name, v in scenario.recipe.variables.items()}
     for e in scenario.expectations:
         match e:
             case AtTime():
-                found += _at_time(e, recording, texts)
+                found += _at_time(e, recording, scenario.recipe.variables)
             case When():
                 found.append(_when(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0))
             case Within():
                 found += _within(e, recording)
-    found += [Check(u.expected, u.found, False) for u in recording.unmet if u.reaction.required]
+    found += missing(recording.unmet)
     unit = unit_name(Unit.POSITION, scenario.unit)
     if scenario.cuts:
-        found += _cuts(scenario.cuts, recording, unit)
-    if scenario.pieces and (made := production(scenario, recording)):
-        found += _pieces(scenario.pieces, made)
+        found += _cuts(scenario.cuts, made.cuts, recording, unit)
+    if scenario.pieces and made.production:
+        found += _pieces(scenario.pieces, made.production)
     if scenario.remote:
         found += _accuracy(scenario.remote, recording, unit)
     return found
 
 
-def _at_time(e: AtTime, recording: Recording, texts: Mapping[str, Callable[[float], str]]) -> Iterator[Check]:
+def missing(unmet: Iterable[Unmet]) -> list[Check]:
+    """The reactions that the scenario requires and that did not happen."""
+    return [Check(u.expected, u.found, False) for u in unmet if u.reaction.required]
+
+
+def _at_time(e: AtTime, recording: Recording, variables: Mapping[str, Variable]) -> Iterator[Check]:
     i = int(np.argmin(np.abs(recording.time - e.at)))
     for name, wanted in e.values.items():
         value = float(recording.values[name][i])
-        text = texts[name]
-        allowed = f" ± {engineering(e.tolerance)}" if text(wanted) == f"{wanted:.10g}" else ""
-        expected = f"{name} = {text(wanted)}{allowed} at {e.at:.10g} s"
-        yield Check(expected, text(value), abs(value - wanted) <= e.tolerance)
+        text = variables[name].text
+        named = text(wanted)
+        allowed = f" ± {engineering(e.tolerance)}" if named == f"{wanted:.10g}" else ""
+        found = named if value == wanted else text(value)
+        yield Check(f"{name} = {named}{allowed} at {e.at:.10g} s", found, abs(value - wanted) <= e.tolerance)
 
 
 def _when(e: When, recording: Recording, cycle: float) -> Check:
@@ -127,9 +163,8 @@ def _within(e: Within, recording: Recording) -> Iterator[Check]:
         yield Check(expected, f"{least:.10g} to {greatest:.10g}", passed)
 
 
-def _cuts(spec: CutSpec, recording: Recording, unit: str) -> Iterator[Check]:
-    """`unit`: the name of the unit of positions."""
-    found = find_cuts(spec, recording)
+def _cuts(spec: CutSpec, found: Sequence[Cut], recording: Recording, unit: str) -> Iterator[Check]:
+    """`found`: the cuts of the run; `unit`: the name of the unit of positions."""
     if spec.count is not None:
         yield Check(f"number of cuts = {spec.count}", f"{len(found)}", len(found) == spec.count)
     if found or spec.count != 0:
@@ -155,7 +190,7 @@ def _pieces(spec: PieceSpec, made: Production) -> Iterator[Check]:
         worst = max((abs(piece.error) for piece in made.products), default=math.inf)
         off = f"at most {made.worst_text} off" if made.products else "no piece"
         yield Check(f"products as long as ordered, within {within}", off, worst <= spec.tolerance)
-    if gaps := [gap for gap in map(_disagreement, made.pieces) if gap is not None]:
+    if gaps := made.gaps:
         away = f"at most {engineering(max(gaps), made.unit, scale=made.scale, digits=3)} away"
         expected = f"cuts within {within} of where they are told, by the positions of slave and material"
         yield Check(expected, away, max(gaps) <= spec.tolerance)
@@ -173,13 +208,6 @@ def _lengths(lengths: tuple[float, ...], tolerance: float, made: Production) -> 
         piece, length = made.pieces[off.index(worst)], lengths[off.index(worst)]
         text = f"piece {piece.number} of {engineering(piece.length)} instead of {engineering(length, made.unit)}"
     return Check(expected, text, worst <= tolerance)
-
-
-def _disagreement(piece: Piece) -> float | None:
-    """How far the cut of a piece is from where the block tells it, in u; None: it was shorter than a step."""
-    if piece.cut is None:
-        return None
-    return max(piece.wander, abs(piece.measured - piece.length) if piece.measured is not None else 0.0)
 
 
 def _accuracy(remote: Remote, recording: Recording, unit: str) -> Iterator[Check]:

@@ -1,6 +1,7 @@
 """The outcome of a run: the record that `motionsync run` prints."""
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from .figures import Figures
@@ -24,6 +25,7 @@ class Outcome:
         result: the CSV file with the outputs.
         report: the HTML page; None: no page is written.
         fmpy: the command line that does the same with FMPy alone.
+        given: what the scenario has in place of its file's values, by name; without any, no key of `--json`.
     """
 
     scenario: str
@@ -39,6 +41,7 @@ class Outcome:
     result: str
     report: str | None
     fmpy: str
+    given: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool:
@@ -73,5 +76,7 @@ class Outcome:
             for d in self.reference
         ]
         del found["unmet"]  # a part of the remarks
+        if not found["given"]:
+            del found["given"]
         kept = {key: figures[key] for key in ("cuts", "uncut", "production", "peaks")}
         return found | kept | {"reference": reference, "remarks": self.remarks}

@@ -79,6 +79,11 @@ class Production:
         return [piece for piece in self.pieces if piece.product]
 
     @property
+    def gaps(self) -> list[float]:
+        """How far each cut is from where the block tells it, in u; without cuts that were shorter than a step."""
+        return [piece.gap for piece in self.pieces if piece.gap is not None]
+
+    @property
     def good(self) -> int:
         """How many products are within the block's tolerance."""
         return sum(piece.good for piece in self.pieces)

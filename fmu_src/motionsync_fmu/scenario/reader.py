@@ -3,9 +3,8 @@
 Every mistake is one `UserError` that begins with file and line and names the key.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import fields
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from ..interface.roles import books, remote_axis
 from ..interface.turns import Interface, TurnError
 from ..interface.units import BASES
 from .cuts import CutSpec, PieceSpec, usual_tolerance
+from .drive import Drive
 from .drive_table import KEYS as DRIVE
 from .drive_table import read_drive
 from .expect_tables import read_expectation
@@ -34,6 +34,7 @@ SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_si
 TABLES = ("interface", "start", "master", "remote", "set", "on", "expect", "cuts", "picture")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 HELD = ("velocity", "acceleration", "jerk")  # what a segment may keep constant
+BRACED = ("segments", *LISTS)  # lists of tables in braces
 MOST_STEPS = 1_000_000  # their results still fit into memory
 
 
@@ -43,15 +44,25 @@ def load(file: Path) -> Scenario:
     Raises:
         UserError: the first mistake in it, with file, line and key.
     """
-    top = read_file(file)
+    return read_scenario(read_file(file))
+
+
+def read_scenario(top: Table, reader_of: "Callable[[Table, str, float], Reader] | None" = None) -> Scenario:
+    """Check the top level of a scenario file.
+
+    `reader_of`: makes the reader of the block's tables, as `Reader` does, from top level, block and stop time.
+
+    Raises:
+        UserError: the first mistake in it, with file, line and key.
+    """
     top.allow_only(*SCALARS, *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
-    reader = Reader(top, name, stop_time)
+    reader = (reader_of or Reader)(top, name, stop_time)
     reader.check_axis()
-    start, script, settings = reader.start(), reader.script(), tuple(reader.settings())
+    start, script, settings = reader.start(), reader.script(), reader.settings()
     return Scenario(
-        file,
+        top.file,
         top.string("title"),
         top.string("source", ""),
         reader.recipe,
@@ -65,11 +76,11 @@ def load(file: Path) -> Scenario:
         script,
         reader.remote(script, start, settings) if reader.axis else None,
         settings,
-        tuple(reader.expectations()),
+        reader.expectations(),
         reader.cuts(unit) if "cuts" in top and not reader.books else None,
         reader.picture(),
-        tuple(reader.reactions()),
-        None if reader.axis else read_drive(reader.axis_table, reader.block),
+        reader.reactions(),
+        None if reader.axis else reader.drive(),
         top.string("step_bound", ""),
         reader.pieces(unit) if "cuts" in top and reader.books else None,
     )
@@ -77,7 +88,7 @@ def load(file: Path) -> Scenario:
 
 def read_file(file: Path) -> Table:
     """The top level of a scenario file, or of a file with the same tables."""
-    return read_toml(file, ("segments", *LISTS))
+    return read_toml(file, BRACED)
 
 
 def read_block(top: Table) -> tuple[str, str, str]:
@@ -88,11 +99,11 @@ def read_block(top: Table) -> tuple[str, str, str]:
     unit = top.string("unit", "mm")
     if unit not in BASES:
         top.fail("unit", f"{unit!r} is not one of {', '.join(BASES)}")
-    slave_unit = top.string("slave_unit", "")
-    try:
-        check_slave_unit(BLOCKS[name](), slave_unit)
-    except UserError as e:
-        top.fail("slave_unit", str(e))
+    if slave_unit := top.string("slave_unit", ""):
+        try:
+            check_slave_unit(BLOCKS[name](), slave_unit)
+        except UserError as e:
+            top.fail("slave_unit", str(e))
     return name, unit, slave_unit
 
 
@@ -149,7 +160,7 @@ class Reader:
         """The start values in the table of this name."""
         return StartTable(self.top.table(key, required=False), self.block).values()
 
-    @cached_property
+    @property
     def axis_table(self) -> Table:
         """The table that scripts the axis."""
         return self.top.table(self.scripted)
@@ -166,29 +177,36 @@ class Reader:
         values = {name: v.start for name, v in self.recipe.variables.items()} | start
         return read_remote(self.axis_table, script, self.axis, values, settings, self.stop_time)
 
-    def settings(self) -> Iterator[Setting]:
-        for table in self.top.tables("set"):
-            at = table.number("at")
-            if at <= 0.0:
-                table.fail("at", f"{at:g}: what is set at 0 is a start value (no edge); write it in [start]")
-            if at >= self.stop_time:
-                table.fail("at", f"{at:g} is not before stop_time = {self.stop_time:g}: no step would show it")
-            values = SetTable(table, self.block).values("at")
-            if not values:
-                table.fail("at", "sets nothing")
-            yield Setting(at, values)
+    def drive(self) -> Drive | None:
+        """What moves the master; None: it is scripted."""
+        return read_drive(self.axis_table, self.block)
 
-    def reactions(self) -> Iterator[Reaction]:
+    def settings(self) -> tuple[Setting, ...]:
+        return tuple(map(self._setting, self.top.tables("set")))
+
+    def _setting(self, table: Table) -> Setting:
+        at = table.number("at")
+        if at <= 0.0:
+            table.fail("at", f"{at:g}: what is set at 0 is a start value (no edge); write it in [start]")
+        if at >= self.stop_time:
+            table.fail("at", f"{at:g} is not before stop_time = {self.stop_time:g}: no step would show it")
+        values = SetTable(table, self.block).values("at")
+        if not values:
+            table.fail("at", "sets nothing")
+        return Setting(at, values)
+
+    def reactions(self) -> tuple[Reaction, ...]:
         length = self.top.table("cuts", required=False).values.get("length")
-        for table in self.top.tables("on"):
-            reaction = read_reaction(table, self.block, self.stop_time, length)
-            if self.axis and self.axis.delay in {*reaction.set, *reaction.add}:
-                table.fail("when", f"{self.axis.delay} changes at known times only: set it in [[set]]")
-            yield reaction
+        return tuple(self._reaction(table, length) for table in self.top.tables("on"))
 
-    def expectations(self) -> Iterator[Expectation]:
-        for table in self.top.tables("expect"):
-            yield read_expectation(table, self.block, self.stop_time)
+    def _reaction(self, table: Table, length: Any) -> Reaction:
+        reaction = read_reaction(table, self.block, self.stop_time, length)
+        if self.axis and self.axis.delay in {*reaction.set, *reaction.add}:
+            table.fail("when", f"{self.axis.delay} changes at known times only: set it in [[set]]")
+        return reaction
+
+    def expectations(self) -> tuple[Expectation, ...]:
+        return tuple(read_expectation(table, self.block, self.stop_time) for table in self.top.tables("expect"))
 
     def cuts(self, unit: str) -> CutSpec:
         """How cuts are found and checked; `unit`: the unit of positions."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -13,33 +14,64 @@ from ..errors import UserError
 from ..interface.stepper import RefusedError, Stepper
 from .fmu_instance import FmuError, FmuInstance
 from .reactions import Program, scans
-from .recording import Recording
+from .recording import Reals, Recording
 from .scenario import AtTime, Scenario, Within
 from .script import Motion, Script
 
+Flags = np.ndarray[Any, np.dtype[np.bool_]]
 CLOSE = 1e-9  # of a step: communication points nearer to one another are one
 
 
-def points(scenario: Scenario, step_size: float) -> list[float]:
+def points(scenario: Scenario, step_size: float) -> Reals:
     """The communication points that are known before the run: a regular grid, and each time of a setting, of an
-    expectation, of a script break, and of a scan if the scenario reacts to the block.
+    expectation, of a script break, and of a scan if the scenario reacts to the block. The array is not to be changed.
 
     So everything happens at its own time, whatever the step size."""
     extra = [s.at for s in scenario.settings]
     extra += [e.at for e in scenario.expectations if isinstance(e, AtTime)]
     extra += [t for e in scenario.expectations if isinstance(e, Within) for t in (e.begin, e.end)]
-    extra += scans(scenario) if scenario.reacts else ()
     extra += [*scenario.master.breaks[1:], scenario.stop_time]
+    scan = scenario.scan if scenario.reacts else math.inf
     # Of points at nearly the same time the script's break is kept: `until` then gives the motion that ends there.
-    breaks = set(scans(scenario) if scenario.drive else scenario.master.breaks)
-    grid = [i * step_size for i in range(math.floor(scenario.stop_time / step_size * (1.0 + 1e-12)) + 1)]
-    kept: list[float] = []
-    exact = set(extra)
-    for t in sorted([*grid, *(t for t in extra if t <= scenario.stop_time)]):
-        if kept and t - kept[-1] <= CLOSE * step_size:
-            kept[-1] = t if t in exact and kept[-1] not in breaks else kept[-1]
-        else:
-            kept.append(t)
+    breaks = None if scenario.drive else tuple(scenario.master.breaks)
+    return _points(step_size, scenario.stop_time, scan, tuple(extra), breaks)
+
+
+@lru_cache(maxsize=8)
+def _points(
+    step_size: float, stop_time: float, scan: float, extra: tuple[float, ...], breaks: tuple[float, ...] | None
+) -> Reals:
+    """As `points`, kept for the next one who asks; `extra`: what has its own time; `breaks`: of the script, None: the
+    scans."""
+    scanned = scans(scan, stop_time)
+    named = np.concatenate([extra, scanned])
+    named = named[named <= stop_time]
+    grid = np.arange(math.floor(stop_time / step_size * (1.0 + 1e-12)) + 1.0) * step_size
+    times = np.unique(np.concatenate([grid, named]))
+    exact = np.zeros(len(times), bool)
+    exact[np.searchsorted(times, named)] = True
+    found = times[_kept(times, exact, np.isin(times, scanned if breaks is None else breaks), CLOSE * step_size)]
+    found.setflags(write=False)
+    return found
+
+
+def _kept(times: Reals, exact: Flags, breaks: Flags, close: float) -> Flags:
+    """Which of the sorted times are kept, where several are close to one another: each exact one takes the place of the
+    one before it, unless that is a break."""
+    kept = np.ones(len(times), np.bool_)
+    begins = np.flatnonzero(np.diff(times, prepend=-math.inf) > close)
+    crowd = np.diff(begins, append=len(times))
+    pairs = begins[crowd == 2]
+    kept[pairs + np.where(exact[pairs + 1] & ~breaks[pairs], 0, 1)] = False
+    for first, size in zip(begins[crowd > 2].tolist(), crowd[crowd > 2].tolist(), strict=True):
+        last = first
+        for i in range(first + 1, first + size):
+            if times[i] - times[last] <= close:
+                replaced = exact[i] and not breaks[last]
+                kept[last if replaced else i] = False
+                last = i if replaced else last
+            else:
+                last = i
     return kept
 
 
@@ -70,7 +102,7 @@ def schedule(scenario: Scenario, step_size: float) -> Iterator[Step]:
 def _steps(scenario: Scenario, step_size: float, program: Program) -> Iterator[Step]:
     """The steps, one by one. Where a step ends depends on what the program sees at the end of the one before."""
     close = CLOSE * step_size
-    known = points(scenario, step_size)
+    known = points(scenario, step_size).tolist()
     t, i = known[0], 1
     while i < len(known):
         changed = program.take(t + close)

@@ -3,6 +3,10 @@
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,18 @@ class Script:
         """The motion at t; where it jumps at t, the motion after the jump."""
         i = max(bisect_right(self.breaks, t) - 1, 0)
         return self.motions[i].after(t - self.breaks[i])
+
+    def table(self) -> NDArray[np.float64]:
+        """The motions at the breaks, shape (breaks, 4): u, u/s, u/s2, u/s3."""
+        return np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in self.motions])
+
+    def motions_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The motion at each of these times, as `at` gives it, shape (times, 4): u, u/s, u/s2, u/s3."""
+        breaks = np.array(self.breaks)
+        i = np.maximum(np.searchsorted(breaks, times, "right") - 1, 0)
+        begun: Any = self.table()[i].T
+        later = Motion(*begun).after(times - breaks[i])
+        return np.column_stack([later.position, later.velocity, later.acceleration, later.jerk])
 
     def until(self, t: float) -> Motion:
         """The motion at t; where it jumps at t, the motion before the jump."""

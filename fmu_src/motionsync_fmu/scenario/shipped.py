@@ -36,6 +36,19 @@ def find(path: Path, pattern: str = FILE) -> list[Path]:
     return found
 
 
+def find_one(path: Path) -> Path:
+    """The scenario's file at a path.
+
+    Raises:
+        UserError: there is none, or there are several; the message has names.
+    """
+    found = find(path)
+    if len(found) > 1:
+        names = ", ".join(called(file) for file in found[:3])
+        raise UserError(f"{path}: there are {len(found)} scenarios: name one of them, as {names}")
+    return found[0]
+
+
 def called(file: Path) -> str:
     """The name under which `find` finds a scenario or line: short if it comes with motionsync, else its path."""
     named = file.parent if file.name == FILE else file

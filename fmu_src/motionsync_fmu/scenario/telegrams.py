@@ -7,7 +7,6 @@ block's delay. The truth is the script, of which the telegrams are samples.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -93,9 +92,10 @@ class Errors:
 def errors(remote: Remote, recording: Recording) -> Errors:
     """The errors of a run."""
     clocks, telegrams = remote.clocks, remote.telegrams
-    shown = np.array([clocks.shown(begin, end) for begin, end in pairwise(recording.time.tolist())])
-    acted = np.array([clocks.acted(t) - 1 for t in recording.time.tolist()[1:]])
-    instant = acted * clocks.task_cycle
+    begun = clocks.acted_at(recording.time)
+    acted = begun[1:] - 1
+    shown = np.maximum(np.minimum(begun[:-1], acted), 0)  # as `Clocks.shown`
+    instant = np.asarray(acted * clocks.task_cycle, np.float64)
     at, delays = np.array(remote.delays).T
     delay = delays[np.searchsorted(at, instant + 1e-9, "right") - 1]
     behind = remote.accuracy.behind * remote.data_cycle if remote.accuracy else 0.0
@@ -106,13 +106,9 @@ def errors(remote: Remote, recording: Recording) -> Errors:
         received,
         _wrapped(telegrams.cycle_index[shown] - true_index, clocks.wraps_at),
         _wrapped(corrected - true_index, clocks.wraps_at),
-        received[:, 0] - _positions(remote.axis, instant),
-        recording.values["slave.position"][1:] - _positions(remote.axis, instant + delay - behind),
+        received[:, 0] - remote.axis.motions_at(instant)[:, 0],
+        recording.values["slave.position"][1:] - remote.axis.motions_at(instant + delay - behind)[:, 0],
     )
-
-
-def _positions(axis: Script, times: Reals) -> Reals:
-    return np.array([axis.at(t).position for t in times.tolist()])
 
 
 def _wrapped(difference: Reals, wraps_at: int) -> Reals:

@@ -23,17 +23,27 @@ LONG = re.compile(r"\b\d\w{2999,}")  # 4300 digits are 3571 in hexadecimal
 
 
 def read_toml(file: Path, lists: Iterable[str] = ()) -> "Table":
-    """The top level of a file; `lists`: keys whose values are lists of tables in braces, on one line or on several.
+    """The top level of a file; `lists`: as for `read_text`.
 
     Raises:
         UserError: the file cannot be read, or is not TOML.
     """
-    text = ""
     try:
         text = file.read_text("utf-8-sig")
-        values = _parsed(text)
     except (OSError, UnicodeDecodeError) as e:
         raise UserError(f"{file}: cannot be read: {e}") from None
+    return read_text(text, file, lists)
+
+
+def read_text(text: str, file: Path, lists: Iterable[str] = ()) -> "Table":
+    """The top level of a file with this text; `lists`: keys whose values are lists of tables in braces, on one line or
+    on several.
+
+    Raises:
+        UserError: the text is not TOML.
+    """
+    try:
+        values = _parsed(text)
     except tomllib.TOMLDecodeError as e:
         line = re.search(r"line (\d+)", str(e))
         at = int(line[1]) if line else text.count("\n") + 1
@@ -115,6 +125,10 @@ class Table:
 
     def __contains__(self, key: str) -> bool:
         return key in self.values
+
+    def with_values(self, values: dict[str, Any]) -> "Table":
+        """The same table of the same file, as if it held these values."""
+        return Table(self._source, self.name, self._i, values)
 
     def allow_only(self, *known: str) -> None:
         for key in self.values:

@@ -28,6 +28,10 @@ class Subject:
     scripted: str
     origin: str
 
+    def scripts(self, v: Variable) -> bool:
+        """Whether the variable is an input of the scripted part."""
+        return v.causality == "input" and v.name.startswith(f"{self.scripted}.")
+
 
 class VariableTable:
     """A table that names variables; a subclass says which of them it may name, and what their values must be."""
@@ -75,7 +79,7 @@ class VariableTable:
                 if f"{name}.{part}" in self.block.variables and not isinstance(inner, dict):
                     self.table.fail(name, f'a name with a dot needs quotes: "{name}.{part}"')
         v = self.variable(name, key)
-        if v.causality == "input" and name.startswith(f"{self.block.scripted}."):
+        if self.block.scripts(v):
             self.table.fail(place, f"comes from {self.block.origin}")
         members = {member.name: member.value for member in v.choices}
         value = members.get(value, value) if isinstance(value, str) else value

@@ -2,14 +2,15 @@
 
 zig compiles it, as it compiles the library in an FMU, if it is installed (the extra `native`); otherwise the machine's
 own C compiler does. The libraries of the project's own blocks are kept in the user's cache, so that the next process
-only loads them."""
+only loads them; of several processes that begin at the same time one compiles, and the others wait for it."""
 
 import os
 import platform
 import shutil
 import subprocess
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from ctypes import CDLL
 from hashlib import sha256
 from importlib import metadata
@@ -19,10 +20,12 @@ from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import Any
 
+from filelock import FileLock
+
 from motionsync import var
 
 from ... import places
-from ...archive import digest
+from ...archive import Files, digest
 from ...errors import UserError
 from ...extras import how_to_install
 from ...interface.recipe import Fmi
@@ -37,14 +40,16 @@ ZIG_FLAGS = "-O2 -fvisibility=default"
 COMPILERS = ("cc", "gcc", "clang")  # of the machine itself
 FLAGS = "-std=c99 -O2 -ffp-contract=off -fno-math-errno -fPIC -shared -g0"  # of these
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-UNKEPT = (OSError, RuntimeError)  # the cache cannot be read or written, or nobody knows where it is
+UNKEPT = (OSError, RuntimeError)  # the cache cannot be read, written or locked, or nobody knows where it is
+PATIENCE = 300.0  # s; a process that compiles for longer is no longer waited for
 
 _libraries: dict[type[Any], CDLL] = {}
 _compiling = Lock()
 
 
 def library(block_type: type[Any]) -> CDLL:
-    """A block's library: `block_initialize` and `block_step` of its C text, and `batch_run` of loop.c.
+    """A block's library: `block_initialize` and `block_step` of its C text, `batch_run` of loop.c, and `script_run` of
+    script.c.
 
     The first call for a block in a process loads it, and compiles it if it is not in the cache.
 
@@ -65,14 +70,26 @@ def _kept(block_type: type[Any]) -> CDLL:
     damaged is not loaded."""
     name = block_type.__name__
     begin = f"{name}-{_made_from()[:16]}-"
+    if found := _found(begin):
+        return found
+    with _alone(name):
+        return _found(begin) or _made(block_type, begin)
+
+
+def _found(begin: str) -> CDLL | None:
+    """The library whose file's name begins so, if it is in the cache as it was made."""
     with suppress(*UNKEPT):
         for file in _folder().glob(f"{begin}*{SUFFIX}"):
             if file.name == _file_name(begin, file.read_bytes()):
                 return CDLL(str(file))
+    return None
+
+
+def _made(block_type: type[Any], begin: str) -> CDLL:
+    """The library, compiled now. It takes the place of older ones of its block, if anything can be kept."""
     made = _compiled(block_type)
     with suppress(*UNKEPT):
-        folder = _folder()
-        folder.mkdir(parents=True, exist_ok=True)
+        folder, name = _folder(), block_type.__name__
         for old in folder.glob(f"{name}-*{SUFFIX}"):
             with suppress(OSError):  # another process has loaded it, on Windows
                 old.unlink()
@@ -80,6 +97,18 @@ def _kept(block_type: type[Any]) -> CDLL:
         part.write_bytes(made)
         return CDLL(str(part.replace(folder / _file_name(begin, made))))
     return _loaded(made)
+
+
+@contextmanager
+def _alone(name: str) -> Iterator[None]:
+    """Let no other process of this user compile the block of that name; where nothing can be kept, nobody waits.
+
+    The operating system ends the lock of a process that dies."""
+    with ExitStack() as stack:
+        with suppress(*UNKEPT):
+            _folder().mkdir(parents=True, exist_ok=True)
+            stack.enter_context(FileLock(_folder() / f"{name}.lock", PATIENCE))
+        yield
 
 
 def _folder() -> Path:
@@ -118,13 +147,15 @@ def _compiled(block_type: type[Any]) -> bytes:
     """
     with TemporaryDirectory() as folder:
         work = Path(folder)
-        for name, text in c_source(block_type()).items():
+        for name, text in (c_source(block_type()) | loop_source()).items():
             (work / name).write_bytes(text)
-        for file in LOOP.glob("*.[ch]"):
-            (work / file.name).write_bytes(file.read_bytes())
-        causes = "".join(f"#define CAUSE_{cause.name} {cause.value}\n" for cause in Cause)
-        (work / "causes.h").write_text(causes, "utf-8")
         return _compiled_by_zig(work) if _has_zig() else _compiled_by_machine(work)
+
+
+def loop_source() -> Files:
+    """The C of this folder, and causes.h."""
+    causes = "".join(f"#define CAUSE_{cause.name} {cause.value}\n" for cause in Cause)
+    return {"causes.h": causes.encode()} | {file.name: file.read_bytes() for file in LOOP.glob("*.[ch]")}
 
 
 def _has_zig() -> bool:

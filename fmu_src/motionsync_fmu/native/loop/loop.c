@@ -3,8 +3,6 @@
  *
  * One loop serves all blocks and every choice of variables: tables of addresses, strides and offsets, all in bytes, say
  * what is set and what is read. plan.py tells what they mean. */
-#include <math.h>
-
 #include "reduce.h"
 
 typedef struct { /* values for each instance and step */
@@ -15,10 +13,6 @@ typedef struct { /* the values of a variable, and where it lies in the block */
     Array values;
     int64_t offset;
 } Source;
-
-typedef struct { /* what a Real is allowed to be; `zero`: 1 if it may be 0, else 0 */
-    double least, greatest, smallest, zero;
-} Limit;
 
 typedef struct { /* where a variable lies in the block, and where its value goes in a row of the target */
     int64_t offset, to;
@@ -47,17 +41,13 @@ typedef struct {
     Sinks out_reals, out_words, out_flags;
     Array target;
     const Reductions *reductions;
+    double *samples; /* for the reductions: their rows */
     int64_t first; /* the number of the first instance there */
     Report *reports;
 } Plan;
 
 static int64_t place(const Array *a, int64_t i, int64_t t) {
     return a->address + i * a->per_instance + t * a->per_step;
-}
-
-static bool allows(const Limit *limit, double x) { /* NaN fails every comparison */
-    bool sized = fabs(x) >= limit->smallest || (x == 0.0 && limit->zero != 0.0);
-    return limit->least <= x && x <= limit->greatest && sized;
 }
 
 /* Set the inputs of a step until a Real is not allowed. Its number; -1 if all are allowed. */
@@ -86,13 +76,13 @@ static void put(const Plan *p, int64_t block, int64_t row) {
 }
 
 /* Carry one instance from start to end. Why, at which step, and at which input or refusal it stopped. */
-static Report carried(const Plan *p, int64_t i) {
+static Report carried(const Plan *p, int64_t i, Samples *samples) {
     const int64_t block = p->blocks + i * p->size;
     Block *self = (Block *)(intptr_t)block;
     bool failed = false;
     int64_t refusal = block_initialize(self, &failed);
     if (failed || refusal) return (Report){failed ? CAUSE_RAISED : CAUSE_REFUSED, -1, refusal};
-    if (p->reductions) reduce_begin(p->reductions, p->first + i, block);
+    if (p->reductions) reduce_begin(p->reductions, samples, p->first + i, block);
     double time = 0.0;
     for (int64_t t = 0; t < p->steps; t++) {
         const double h = AT(const double, place(&p->step_sizes, i, t));
@@ -103,13 +93,17 @@ static Report carried(const Plan *p, int64_t i) {
         if (failed || refusal) return (Report){failed ? CAUSE_RAISED : CAUSE_REFUSED, t, refusal};
         put(p, block, place(&p->target, i, t));
         time += h;
-        if (p->reductions) reduce_step(p->reductions, p->first + i, block, time, h);
+        if (p->reductions) reduce_step(p->reductions, samples, p->first + i, block, time, h);
     }
     return (Report){CAUSE_NONE, 0, 0};
 }
 
 /* Carry out a plan. An instance whose report has a cause already is left alone. */
 void batch_run(const Plan *p) {
-    for (int64_t i = 0; i < p->instances; i++)
-        if (p->reports[i].cause == CAUSE_NONE) p->reports[i] = carried(p, i);
+    for (int64_t i = 0; i < p->instances; i++) {
+        if (p->reports[i].cause != CAUSE_NONE) continue;
+        Samples samples = {p->samples, 0, 0.0};
+        p->reports[i] = carried(p, i, &samples);
+        if (p->reductions) reduce_end(p->reductions, &samples, p->first + i);
+    }
 }

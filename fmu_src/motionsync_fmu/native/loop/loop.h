@@ -4,6 +4,7 @@
 #ifndef LOOP_H
 #define LOOP_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -15,5 +16,14 @@ int64_t block_initialize(Block *self, bool *failed);
 int64_t block_step(Block *self, double h, bool *failed);
 
 #define AT(Type, address) (*(Type *)(intptr_t)(address))
+
+typedef struct { /* what a Real is allowed to be; `zero`: 1 if it may be 0, else 0 */
+    double least, greatest, smallest, zero;
+} Limit;
+
+static inline bool allows(const Limit *limit, double x) { /* NaN fails every comparison */
+    bool sized = fabs(x) >= limit->smallest || (x == 0.0 && limit->zero != 0.0);
+    return limit->least <= x && x <= limit->greatest && sized;
+}
 
 #endif

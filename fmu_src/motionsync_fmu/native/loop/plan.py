@@ -54,6 +54,7 @@ class Plan:
             block, offset in the target.
         target: the array for the values that are read: address, stride over instances, stride over steps.
         reductions: what is reduced, if anything is.
+        samples: room for the samples of the reductions.
         first: the number of the first instance there.
         reports: a row for each instance: the cause for which it stopped, at which step (-1: at initialization), which
             input or refusal it was. An instance that must not begin has its cause already before the loop.
@@ -67,6 +68,7 @@ class Plan:
     sinks: Groups[Whole]
     target: Whole
     reductions: Reductions | None
+    samples: NDArray[np.float64]
     first: int
     reports: Whole
 
@@ -85,6 +87,7 @@ class _Plan(Structure):
         ("sinks", _Table * 3),
         ("target", c_int64 * 3),
         ("reductions", c_void_p),
+        ("samples", c_void_p),
         ("first", c_int64),
         ("reports", c_void_p),
     )
@@ -106,6 +109,7 @@ def _in_c(plan: Plan) -> Any:
         sinks=_tables(plan.sinks),
         target=tuple(plan.target.tolist()),
         reductions=addressof(plan.reductions.in_c) if plan.reductions else None,
+        samples=plan.samples.ctypes.data,
         first=plan.first,
         reports=plan.reports.ctypes.data,
     )

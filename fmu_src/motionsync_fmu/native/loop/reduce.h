@@ -1,29 +1,35 @@
-/* Figures of a run, kept up to date step by step, so that nobody has to keep the values of all steps.
+/* Figures of a run, kept while it runs, so that nobody has to keep the values of all steps.
  *
- * What is kept of an instance lies in columns: a column is the address of a double, and instance i has the i-th one from
- * there on. reductions.py makes the tables and the columns, and tells what the figures mean. */
+ * The values at the ends of some steps are collected as samples, then reduced together: so a measure costs less than
+ * another output would. What is kept of an instance lies in columns: a column is the address of a double, and instance i
+ * has the i-th one from there on. reductions.py makes the tables and the columns, and tells what the figures mean. */
 #ifndef REDUCE_H
 #define REDUCE_H
 
 #include "loop.h"
 
-typedef struct { /* where a variable lies in the block, and the column for its value */
-    int64_t offset, column;
-} Reading;
+enum { SAMPLES = 256 }; /* of a row; reductions.py has the same number */
+enum { TIMES, LENGTHS, FIRST_VALUES }; /* the first rows */
 
-typedef struct { /* what is kept of the values in a column: the column where it is kept, and a second one beside it */
-    int64_t value, to, also;
+typedef struct { /* rows of SAMPLES numbers: the times, the lengths of the steps, and the values of each variable */
+    double *rows;
+    int64_t count; /* of the samples that are collected */
+    double elapsed; /* the sum of all lengths */
+} Samples;
+
+typedef struct { /* what is kept of the values in a row: the column where it is kept, and a second one beside it */
+    int64_t row, to, also;
     double limit;
 } Figure;
 
-typedef struct { /* each n-th of the values in a column: the array for them, and columns that count steps and values */
-    int64_t value, address, per_instance, n, steps, count;
+typedef struct { /* each n-th of the values in a row: the array for them, and columns that count steps and values */
+    int64_t row, address, per_instance, n, steps, count;
 } Series;
 
-typedef struct {
-    const Reading *rows;
+typedef struct { /* where variables lie in the block */
+    const int64_t *rows;
     int64_t count;
-} Readings;
+} Offsets;
 
 typedef struct {
     const Figure *rows;
@@ -36,25 +42,63 @@ typedef struct {
 } AllSeries;
 
 typedef struct {
-    Readings reals, words, flags; /* words: all else of 8 bytes; flags: Booleans */
-} Values;
-
-typedef struct {
-    Values before; /* the values after the initialization, for `rises` */
-    Values last; /* the values at the end of a step */
+    Offsets reals, words, flags; /* words: all else of 8 bytes; flags: Booleans. Their rows are in this order */
+    Figures initial; /* the value after the initialization */
+    Figures last;
     Figures minima, maxima; /* also: the time */
-    int64_t elapsed; /* the column of the time over which the sums go, 0 if there are none */
+    Figures first; /* the first value that is not 0; also: the time */
     Figures sums, squares; /* of value * h, and of value * value * h */
-    int64_t rare; /* whether there is any of the following, 0 or 1 */
+    Figures above; /* of h where the value is above the limit */
+    int64_t elapsed; /* the column of the time over which the sums go, 0 if there are none */
     Figures rises; /* how often the value becomes > 0.5; also: the value at the end of the step before */
-    Figures above; /* the time above the limit */
     AllSeries series;
 } Reductions;
 
 /* Begin the figures of instance i, whose block is initialized. */
-void reduce_begin(const Reductions *r, int64_t i, int64_t block);
+void reduce_begin(const Reductions *r, Samples *s, int64_t i, int64_t block);
 
-/* Take the values at the end of a step of instance i into its figures; `time`: of the step's end. */
-void reduce_step(const Reductions *r, int64_t i, int64_t block, double time, double h);
+/* Take samples into the figures of instance i. */
+void reduce_samples(const Reductions *r, Samples s, int64_t i);
+
+/* Read the variables as doubles, into one place of each row. Where a loop would take as long as what it does, the Reals
+ * go by fours, twos and ones. */
+static inline void read_sample(const Reductions *r, int64_t block, double *to) {
+    const int64_t *x = r->reals.rows, *end = x + r->reals.count;
+    for (; end - x >= 4; x += 4, to += 4 * SAMPLES) {
+        to[0] = AT(const double, block + x[0]);
+        to[SAMPLES] = AT(const double, block + x[1]);
+        to[2 * SAMPLES] = AT(const double, block + x[2]);
+        to[3 * SAMPLES] = AT(const double, block + x[3]);
+    }
+    if (r->reals.count & 2) {
+        to[0] = AT(const double, block + x[0]);
+        to[SAMPLES] = AT(const double, block + x[1]);
+        x += 2, to += 2 * SAMPLES;
+    }
+    if (r->reals.count & 1) {
+        *to = AT(const double, block + *x);
+        to += SAMPLES;
+    }
+    for (x = r->words.rows, end = x + r->words.count; x < end; x++, to += SAMPLES)
+        *to = (double)AT(const int64_t, block + *x);
+    for (x = r->flags.rows, end = x + r->flags.count; x < end; x++, to += SAMPLES)
+        *to = (double)AT(const uint8_t, block + *x);
+}
+
+/* Reduce what is collected of instance i; to be called at the end of each run. */
+static inline void reduce_end(const Reductions *r, Samples *s, int64_t i) {
+    reduce_samples(r, *s, i); /* a copy, so that a loop can keep its samples in registers */
+    s->count = 0;
+}
+
+/* Collect the values at the end of a step of instance i; `time`: of the step's end. */
+static inline void reduce_step(const Reductions *r, Samples *s, int64_t i, int64_t block, double time, double h) {
+    double *sample = s->rows + s->count;
+    sample[TIMES * SAMPLES] = time;
+    sample[LENGTHS * SAMPLES] = h;
+    read_sample(r, block, sample + FIRST_VALUES * SAMPLES);
+    s->elapsed += h;
+    if (++s->count == SAMPLES) reduce_end(r, s, i);
+}
 
 #endif

@@ -1,13 +1,15 @@
-"""Measures: figures of a block's variables over whole runs, which the loop keeps step by step (`reduce.c`).
+"""Measures: figures of a block's variables over whole runs, which are kept while the loop runs (`reduce.c`).
 
-Measures need memory for each instance, not for each step. Only the ends of steps count, not the values after the
+Measures need memory for each instance, not for each step. The values at the ends of steps count, not those after the
 initialization. The time is that of the end of a step, 0 where the run begins; h is the length of a step.
 
 | kind | meaning |
 | --- | --- |
+| `initial` | the value after the initialization |
 | `last` | the value at the end of the last step |
 | `min`, `max` | the least, the greatest value; of equal ones the first |
 | `min_time`, `max_time` | when it was there first |
+| `first`, `first_time` | the first value that is not 0, or 0; when it was there, or NaN |
 | `mean`, `rms` | sum(x h) / sum(h); the root of sum(x x h) / sum(h); summed in the order of the steps |
 | `rises` | the number of steps at whose end x > 0.5 while it was not before the step |
 | `above:LIMIT` | sum(h) of the steps at whose end x > LIMIT |
@@ -17,6 +19,7 @@ The structures here have the layout of those in `reduce.h`."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from ctypes import Structure, addressof, c_double, c_int64, c_void_p
+from itertools import chain
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
@@ -24,14 +27,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UserError, choose
-from ...interface.variables import Variable, variables
-from ..memory_layout import dtype, offset
+from ...interface.variables import Variable
+from ..memory_layout import offset
+from .described import described
+from .room import new_array
 
 Reals = NDArray[np.float64]
 Reduce = Mapping[str, str | Sequence[str]]  # variable to kinds
 
-PLAIN = ("last", "min", "max", "min_time", "max_time", "mean", "rms", "rises")
+PLAIN = ("initial", "last", "min", "max", "min_time", "max_time", "first", "first_time", "mean", "rms", "rises")
 NUMBERED = {"above": "above:LIMIT", "every": "every:N"}
+
+MOST = 1e15  # of every:N; doubles count further than that
+
+SAMPLES = 256  # as in C
+GROUPS = ("Real",), ("Integer", "Enumeration"), ("Boolean",)  # read in different ways
+FIRST_ROWS = ("times", "lengths")  # of the samples
 
 
 class Measure(NamedTuple):
@@ -81,8 +92,8 @@ def _measure(variable: Variable, kind: str) -> Measure:
         value = float(number)
     except ValueError:
         value = nan
-    if not isfinite(value) or (of == "every" and not (value >= 1.0 and value.is_integer())):
-        allowed = "a whole number >= 1, as in every:10" if of == "every" else "a finite number, as in above:500"
+    if not isfinite(value) or (of == "every" and not (1.0 <= value <= MOST and value.is_integer())):
+        allowed = "a whole number of 1 to 1e15, as in every:10" if of == "every" else "a finite number, as in above:500"
         raise UserError(f"{variable.name}: the measure {kind!r} is not allowed: after the colon it must have {allowed}")
     return Measure(variable, kind, of, value)
 
@@ -91,30 +102,27 @@ class _Table(Structure):
     _fields_ = (("rows", c_void_p), ("count", c_int64))
 
 
-class _Reading(Structure):
-    _fields_ = (("offset", c_int64), ("column", c_int64))
-
-
 class _Figure(Structure):
-    _fields_ = (("value", c_int64), ("to", c_int64), ("also", c_int64), ("limit", c_double))
+    _fields_ = (("row", c_int64), ("to", c_int64), ("also", c_int64), ("limit", c_double))
 
 
 class _Series(Structure):
-    _fields_ = tuple((name, c_int64) for name in ("value", "address", "per_instance", "n", "steps", "count"))
+    _fields_ = tuple((name, c_int64) for name in ("row", "address", "per_instance", "n", "steps", "count"))
 
 
 class _Reductions(Structure):
     _fields_ = (
-        ("before", _Table * 3),
-        ("last", _Table * 3),
+        ("offsets", _Table * 3),
+        ("initial", _Table),
+        ("last", _Table),
         ("minima", _Table),
         ("maxima", _Table),
-        ("elapsed", c_int64),
+        ("first", _Table),
         ("sums", _Table),
         ("squares", _Table),
-        ("rare", c_int64),
-        ("rises", _Table),
         ("above", _Table),
+        ("elapsed", c_int64),
+        ("rises", _Table),
         ("series", _Table),
     )
 
@@ -124,28 +132,35 @@ class Reductions:
 
     Attributes:
         measures: what is asked for.
-        in_c: the tables that `reduce_begin` and `reduce_step` read; they hold the addresses of this object's arrays.
+        in_c: the tables that the functions of `reduce.h` read; they hold the addresses of this object's arrays.
     """
 
-    def __init__(self, block_type: type[Any], reduce: Reduce, instances: int, steps: int = 0) -> None:
-        """`steps`: their number, which `every` alone needs.
+    def __init__(self, block_type: type[Any], reduce: Reduce, instances: int, steps: int | None = None) -> None:
+        """`steps`: of each instance, if they have the same number; `every` is not allowed otherwise.
 
         Raises:
-            UserError: `reduce` is not as it must be, as `measures` tells.
+            UserError: `reduce` is not as it must be, as `measures` tells, or what it asks for does not fit into memory.
         """
-        block = block_type()
-        self.measures = measures({v.name: v for v in variables(block)}, reduce, block_type.__name__)
-        self._layout = dtype(block)
+        known = described(block_type)
+        self.measures = measures(known.variables, reduce, block_type.__name__)
+        self._layout = known.memory.dtype
         self._instances, self._steps = instances, steps
+        asked = {m.variable.name: m.variable.kind for m in self.measures}
+        self._groups = [[name for name, kind in asked.items() if kind in group] for group in GROUPS]
+        self._rows = {name: row for row, name in enumerate(chain(*self._groups), len(FIRST_ROWS))}
         self._columns: dict[str, Reals] = {}
         self._tables: list[Any] = []  # keeps them alive
         self.in_c = self._in_c()
 
+    def samples(self) -> Reals:
+        """Room for the samples of one instance at a time: each thread needs one of its own."""
+        return np.empty((len(FIRST_ROWS) + len(self._rows), SAMPLES))
+
     def results(self, failed: Iterable[int] = ()) -> dict[str, Reals]:
         """The measures by `variable.kind`, each of shape (instances,), or (instances, steps // N) for `every:N`.
 
-        Without a step, times, extremes, means and the last value are NaN. `failed`: the instances that failed. Their
-        measures are NaN; `every` has NaN from the step on at which they failed."""
+        Without a step, `rises`, `above` and `first` are 0, and all others but `initial` are NaN. `failed`: the
+        instances that failed. Their measures are NaN; `every` has NaN from the step on at which they failed."""
         places = list(failed)
         results = {m.name: self._result(m) for m in self.measures}
         for m in self.measures:
@@ -162,23 +177,19 @@ class Reductions:
         return np.sqrt(mean, out=mean) if m.of == "rms" else mean
 
     def _in_c(self) -> Any:
-        values = {m.variable.name: m.variable for m in self.measures}
-        rises, above, every = self._of("rises"), self._of("above"), self._of("every")
-        sums, squares = self._of("mean"), self._of("rms")
         return _Reductions(
-            before=self._readings((m.variable for m in rises), "before"),
-            last=self._readings(values.values(), "last"),
-            minima=self._extremes("min"),
-            maxima=self._extremes("max"),
-            elapsed=self._column("elapsed", 0.0) if sums or squares else 0,
-            sums=self._figures((m, self._column(m.name, -0.0), 0) for m in sums),
-            squares=self._figures((m, self._column(m.name, -0.0), 0) for m in squares),
-            rare=int(bool(rises or above or every)),
-            rises=self._figures(
-                (m, self._column(m.name, 0.0), self._column(f"{m.variable.name}.before")) for m in rises
-            ),
-            above=self._figures((m, self._column(m.name, 0.0), 0) for m in above),
-            series=self._table(_Series, map(self._series, every)),
+            offsets=tuple(map(self._offsets, self._groups)),
+            initial=self._initial(),
+            last=self._figures("last"),
+            minima=self._timed("min"),
+            maxima=self._timed("max"),
+            first=self._timed("first", begin=0.0),
+            sums=self._figures("mean", begin=-0.0),  # -0.0 + x is x, also for -0.0
+            squares=self._figures("rms", begin=-0.0),
+            above=self._figures("above", begin=0.0),
+            elapsed=self._column("elapsed", 0.0) if self._of("mean", "rms") else 0,
+            rises=self._rises(),
+            series=self._table(_Series, map(self._series, self._of("every"))),
         )
 
     def _of(self, *kinds: str) -> list[Measure]:
@@ -187,37 +198,52 @@ class Reductions:
     def _column(self, name: str, begin: float = nan) -> int:
         """The address of the column of that name, whose numbers begin with that value."""
         if name not in self._columns:
-            self._columns[name] = np.full(self._instances, begin)
+            self._columns[name] = new_array(name, (self._instances,), "run fewer instances at a time")
+            self._columns[name].fill(begin)
         return self._columns[name].ctypes.data
 
-    def _readings(self, of: Iterable[Variable], column: str) -> tuple[_Table, ...]:
-        """What to read of the block: Reals; Integers and enumerations; Booleans."""
-        chosen = list(of)
-        return tuple(
-            self._table(
-                _Reading,
-                ((offset(self._layout, v.name), self._column(f"{v.name}.{column}")) for v in chosen if v.kind in kinds),
-            )
-            for kinds in (("Real",), ("Integer", "Enumeration"), ("Boolean",))
+    def _offsets(self, names: Iterable[str]) -> _Table:
+        """Where these variables lie in the block."""
+        return self._table(c_int64, ((offset(self._layout, name),) for name in names))
+
+    def _initial(self) -> _Table:
+        """What is wanted of the values after the initialization: they themselves, or whether there is an edge then."""
+        wanted = [(m, "initial") for m in self._of("initial")] + [(m, "before") for m in self._of("rises")]
+        names = ((m.variable.name, what) for m, what in wanted)
+        return self._table(_Figure, (self._figure(name, f"{name}.{what}") for name, what in names))
+
+    def _figures(self, of: str, begin: float = nan) -> _Table:
+        """All measures of a kind."""
+        return self._table(
+            _Figure, (self._figure(m.variable.name, m.name, begin, limit=m.number) for m in self._of(of))
         )
 
-    def _extremes(self, kind: str) -> _Table:
-        """One for each variable, whether the extreme is asked for or its time."""
-        chosen = {m.variable.name: m for m in self._of(kind, f"{kind}_time")}
-        columns = ((m, f"{name}.{kind}") for name, m in chosen.items())
-        return self._figures((m, self._column(c), self._column(f"{c}_time")) for m, c in columns)
+    def _rises(self) -> _Table:
+        names = (m.variable.name for m in self._of("rises"))
+        return self._table(_Figure, (self._figure(n, f"{n}.rises", 0.0, f"{n}.before") for n in names))
 
-    def _figures(self, columns: Iterable[tuple[Measure, int, int]]) -> _Table:
-        rows = ((self._column(f"{m.variable.name}.last"), to, also, m.number) for m, to, also in columns)
-        return self._table(_Figure, rows)
+    def _timed(self, kind: str, begin: float = nan) -> _Table:
+        """A figure with its time, for each variable of which one of the two is asked for."""
+        names = dict.fromkeys(m.variable.name for m in self._of(kind, f"{kind}_time"))
+        return self._table(_Figure, (self._figure(n, f"{n}.{kind}", begin, f"{n}.{kind}_time") for n in names))
+
+    def _figure(
+        self, name: str, to: str, begin: float = nan, also: str = "", limit: float = nan
+    ) -> tuple[int, int, int, float]:
+        """What is kept of a variable in the column `to`, whose numbers begin with that value, and in `also`."""
+        return self._rows[name], self._column(to, begin), self._column(also) if also else 0, limit
 
     def _series(self, m: Measure) -> tuple[int, ...]:
-        n, name = int(m.number), m.variable.name
-        values = self._columns[m.name] = np.full((self._instances, self._steps // n), nan)
+        n, steps = int(m.number), self._steps
+        if steps is None:
+            raise UserError(f"{m.variable.name}: the measure {m.kind!r} is not allowed: the runs differ in their steps")
+        values = new_array(m.name, (self._instances, steps // n), "choose a greater N")
+        values.fill(nan)
+        self._columns[m.name] = values
         counts = (self._column(f"{m.name}.{what}", 0.0) for what in ("steps", "count"))
-        return self._column(f"{name}.last"), values.ctypes.data, values.strides[0], n, *counts
+        return self._rows[m.variable.name], values.ctypes.data, values.strides[0], n, *counts
 
-    def _table(self, kind: type[Structure], rows: Iterable[tuple[Any, ...]]) -> _Table:
+    def _table(self, kind: Any, rows: Iterable[tuple[Any, ...]]) -> _Table:
         table = [kind(*row) for row in rows]
         array = (kind * len(table))(*table)
         self._tables.append(array)

@@ -1,6 +1,6 @@
 """One self-contained HTML page a run: its figures, its cuts, interactive plots over time, and what was expected."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from markupsafe import Markup
@@ -30,6 +30,9 @@ from .pieces import kinds_of, list_chart, piece_chart
 Settings = list[tuple[float, list[tuple[str, str]]]]
 """What is set during a run: times, each with names and values as texts."""
 
+AS_FILED: Mapping[str, str] = {}
+"""Nothing in place of the values in a scenario's file."""
+
 BUNDLE = HERE / "pages" / "vendor" / "plotly-basic.min.js"
 
 
@@ -47,11 +50,12 @@ def write_report(
     step_size: float,
     fmu: Path | None = None,
     results: Path | None = None,
+    instead: Mapping[str, str] = AS_FILED,
 ) -> None:
     """Write the page; it loads nothing from elsewhere.
 
     `fmu`: the FMU that was run, None: the block ran in this process; `results`: the file with the outputs, which the
-    page links to."""
+    page links to; `instead`: what the scenario has in place of its file's values."""
     scenario, asked = happened(scenario, recording), scenario
     found = figures(scenario, recording)
     lanes = find_lanes(scenario, recording)
@@ -59,6 +63,7 @@ def write_report(
     charts = {name: chart.html() for name, chart in _charts(scenario, recording, found, lanes, given).items()}
     text = TEMPLATES.get_template("report.html.j2").render(
         scenario=scenario,
+        instead=instead,
         script=scenario.file.read_text("utf-8"),
         found=found,
         checks=checks,

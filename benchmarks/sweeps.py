@@ -1,0 +1,174 @@
+"""How fast sweeps are: runs a second on one and two processes, overhead of a chunk, memory over steps, a warm start.
+
+    python benchmarks/sweeps.py
+
+Each figure comes from processes of its own, and each ratio from figures of one call. A machine that does other things
+makes all of it slower, and most of all the ratio of two processes to one.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+from motionsync_fmu.scenario.shipped import find_one
+from motionsync_fmu.sweep.crew import cluster
+from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.sweep.rows import rows
+from motionsync_fmu.sweep.spread import go
+
+SCENARIO = "FlyingSaw/cyclic_cut"
+MACHINE = "CutToLength/cyclic_orders"
+RATIO = 1.8  # of two processes to one: the target
+FLAT = 1.1  # memory of twice the steps to that of the steps: the target
+MEMORY = """
+import resource, sys
+from pathlib import Path
+from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.sweep.rows import rows
+plan = SweepPlan.of(Path(sys.argv[1]), sys.argv[2:], measures={"slave.velocity": ("max",)})
+rows(plan, 0, plan.runs)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+START = """
+import sys
+from pathlib import Path
+from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.sweep.rows import rows
+rows(SweepPlan.of(Path(sys.argv[1]), sys.argv[2:]), 0, 1)
+"""
+STEADY = """
+title = "A saw that runs along"
+fmu = "FlyingSaw"
+stop_time = {stop_time}
+step_size = 0.01
+[start]
+"move_velocity.velocity" = 100.0
+[master]
+velocity = 100.0
+[[set]]
+at = 0.1
+"move_velocity.execute" = true
+"""
+"""A scenario that is judged without its course: nothing is recorded."""
+
+
+@dataclass
+class Pace:
+    """The progress of a sweep, from the first chunk that is done on: without the start of its processes."""
+
+    points: list[tuple[float, int]] = field(default_factory=list)
+
+    def __call__(self, done: int, whole: int) -> None:
+        if done:
+            self.points.append((perf_counter(), done))
+
+    @property
+    def rate(self) -> float:
+        """Runs a second."""
+        (begin, before), (end, after) = self.points[0], self.points[-1]
+        return (after - before) / (end - begin)
+
+
+def swept(plan: SweepPlan, workers: int) -> tuple[float, float]:
+    """Runs a second once all processes work; the seconds of the whole sweep."""
+    pace, begin = Pace(), perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        go(plan, Path(folder), rows, workers=workers, progress=pace)
+    return pace.rate, perf_counter() - begin
+
+
+def plan_of(scenario: str, runs: int, chunk: int) -> SweepPlan:
+    """A sweep of so many runs over the line's velocity or the carriage's acceleration."""
+    name, low, high = "axis.max_acceleration", 8000, 20000
+    return SweepPlan.of(find_one(Path(scenario)), [f"{name}={low}:{high}:{runs}"], chunk=chunk)
+
+
+def processes(runs: int, chunk: int) -> None:
+    """Runs a second on one process and on two."""
+    print(f"{'scenario':26}{'runs':>8}{'1 process':>14}{'2 processes':>14}{'ratio':>8}   target {RATIO:g}")
+    for scenario in (SCENARIO, MACHINE):
+        plan = plan_of(scenario, runs, chunk)
+        one, two = (swept(plan, workers)[0] for workers in (1, 2))
+        print(f"{scenario:26}{runs:8}{one:10.0f} /s{two:11.0f} /s{two / one:8.2f}")
+
+
+def nothing(number: int) -> bytes:
+    """A chunk of no runs."""
+    return b""
+
+
+def chunks(runs: int) -> None:
+    """What a chunk costs beside its runs: the same runs in one chunk and in many; and a task that does nothing."""
+    plans = [plan_of(SCENARIO, runs, chunk) for chunk in (runs, runs // 100)]
+    few, many = (median(swept_here(plan) for _ in range(3)) for plan in plans)
+    print(f"\na chunk costs {(many - few) / 99 * 1e3:.1f} ms beside its runs")
+    count = 3000
+    with cluster(nothing, "", 2, lambda line: None) as crew:
+        while crew.places < 4:
+            crew.try_next()
+        begin = perf_counter()
+        crew.client.gather(crew.client.map(nothing, range(count), pure=False))
+        took = perf_counter() - begin
+    print(f"Dask: {count / took:.0f} tasks a second that do nothing, on 2 workers")
+
+
+def swept_here(plan: SweepPlan) -> float:
+    """The seconds of a sweep in this process."""
+    begin = perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        go(plan, Path(folder), rows, workers=1)
+    return perf_counter() - begin
+
+
+def memory(runs: int) -> None:
+    """The greatest memory of a process with so many runs, over the number of steps."""
+    print(f"\n{'steps a run':>12}{'memory':>10}{'ratio':>8}   target {FLAT:g}, {runs} runs")
+    first = 0.0
+    with tempfile.TemporaryDirectory() as folder:
+        for stop_time in (50.0, 100.0, 200.0):
+            file = Path(folder) / "steady.toml"
+            file.write_text(STEADY.format(stop_time=stop_time))
+            kilobytes = float(output(MEMORY, file, f"move_velocity.velocity=100:900:{runs}"))
+            first = first or kilobytes
+            print(f"{stop_time / 0.01:12.0f}{kilobytes / 1e3:7.0f} MB{kilobytes / first:8.2f}")
+
+
+def start(repetitions: int) -> None:
+    """From the start of a process to its first row, with what is compiled in the cache."""
+    file = find_one(Path(SCENARIO))
+    rows(SweepPlan.of(file, ["axis.max_jerk=2e5"]), 0, 1)
+    taken = []
+    for _ in range(repetitions):
+        begin = perf_counter()
+        output(START, file, "axis.max_jerk=2e5")
+        taken.append(perf_counter() - begin)
+    print(f"\na warm process has its first row after {min(taken):.2f} s")
+
+
+def output(code: str, *arguments: object) -> str:
+    """What a program prints, in a Python of its own."""
+    done = subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)], stdout=subprocess.PIPE, text=True, check=True
+    )
+    return done.stdout
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="How fast sweeps are.")
+    parser.add_argument("--runs", type=int, default=8000, help="of a sweep")
+    parser.add_argument("--chunk", type=int, default=250, help="runs of a chunk")
+    parser.add_argument("--repetitions", type=int, default=5)
+    options = parser.parse_args()
+    processes(options.runs, options.chunk)
+    chunks(options.runs // 4)
+    memory(1000)
+    start(options.repetitions)
+
+
+if __name__ == "__main__":
+    main()

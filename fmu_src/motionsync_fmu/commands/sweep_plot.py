@@ -1,0 +1,88 @@
+"""motionsync sweep-plot"""
+
+import webbrowser
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.markup import escape
+
+from ..errors import UserError
+from ..extras import how_to_install
+from ..pages.console import out
+from ..pages.progress import doing
+
+
+class Amount(StrEnum):
+    """What is told of the runs in a cell."""
+
+    MEAN = "mean"
+    MIN = "min"
+    MAX = "max"
+    COUNT = "count"
+
+
+def sweep_plot(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a sweep: its plan.toml and its parts.")],
+    x: Annotated[str, typer.Option("--x", metavar="NAME", help="The column to the right, one with numbers.")],
+    y: Annotated[str, typer.Option("--y", metavar="NAME", help="The column upwards: numbers, or true and false.")],
+    colour: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="What the map's colours tell, or, of a factor, what the lines are for; else passed."
+        ),
+    ] = "",
+    amount: Annotated[
+        Amount | None,
+        typer.Option(case_sensitive=False, help="What a cell tells of the numbers of its runs; else the mean."),
+    ] = None,
+    better: Annotated[
+        str, typer.Option(metavar="x=min,y=max", help="What is better, for the Pareto front; else less of both.")
+    ] = "",
+    beside: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="A further result, drawn over x beside y; may be repeated."),
+    ] = None,
+    passed: Annotated[
+        str,
+        typer.Option(
+            metavar="CONDITION", help="When a run counts as passed; else when it met its scenario's expectations."
+        ),
+    ] = "",
+    output: Annotated[Path | None, typer.Option(help="The page's file; else plot.html in the sweep's folder.")] = None,
+    show: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
+) -> None:
+    """Write a page about a sweep: a map, curves, the Pareto front, and how each run is repeated.
+
+    Columns are the factors, the derived values and the results; a wrong name gets the names that there are. What the
+    page shows depends on them:
+
+    \b
+        x and y are varied    from which y on the runs pass, over x; the map
+        y is a result         y over x, a line for each value of --colour
+        both are results      the map, and the Pareto front
+
+    Rows are put together to cells before they come to the page, which stays below 3 MB. Under the pointer, or with the
+    arrow keys, each cell tells how many runs lie in it, and the command that repeats one of them.
+
+    Examples:
+
+        motionsync sweep-plot out --x master.velocity --y length --passed "late == 0 and skipped == 0" --open
+
+        motionsync sweep-plot out --x master.velocity --y cut_error --colour axis.max_acceleration
+
+        motionsync sweep-plot out --x slave.acceleration.max --y cuts --better x=min,y=max
+    """
+    try:
+        from ..sweep.plot.page import make_page
+    except ImportError as e:
+        raise UserError(f"sweep-plot needs {e.name}: {how_to_install('sweep')}") from None
+    from ..sweep.plot.view import Question
+
+    question = Question(x, y, colour, amount or "", better, beside or (), passed)
+    with doing(f"reading {folder}", at_once=False):
+        page = make_page(folder, question, output)
+    out.print(f"page: {escape(page.resolve().as_uri())}")
+    if show:
+        webbrowser.open(page.resolve().as_uri())

@@ -1,0 +1,227 @@
+"""What a search looks for, and the rows that it finds: a boundary for each point of a sweep's grid.
+
+All points of a chunk are looked at together. Each round runs every point once, at the middle of what is left of its
+range.
+"""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import pyarrow as pa
+
+from ..errors import UserError
+from ..scenario.toml_tables import read_toml
+from . import measures as of_runs
+from .bisection import Boundaries, Flags, Indices, Reals, bisect
+from .conditions import RowCondition
+from .factors import BETWEEN
+from .plan import FILE, SweepPlan
+from .rows import rows_with, schema
+from .samples import Method
+
+TABLE = "search"  # of plan.toml: what is no part of a sweep's
+POINT, BESIDE, HOLDS, REFUSAL, RUNS = "point", "beside", "holds", "refusal", "runs"
+ABOVE, BELOW, BOTH, NEITHER = "above", "below", "at both ends", "at neither end"
+FINEST = 1e-15  # relative: of finer values there are none
+ENDS = "NAME=low..high, as in: --vary length=300..3000"
+
+
+@dataclass(frozen=True)
+class Search:
+    """What a search looks for.
+
+    Attributes:
+        plan: a sweep over the grid at both ends of the range: what is varied is its first factor, with two values.
+        until: the condition on a row.
+        relative: how far apart the values on both sides of a boundary may be, as a share of their magnitude.
+        chunk: how many points are looked at together; 0: as many as take some seconds.
+    """
+
+    plan: SweepPlan
+    until: str
+    relative: float
+    chunk: int = 0
+
+    @classmethod
+    def of(
+        cls,
+        file: Path,
+        vary: str,
+        until: str,
+        settings: Iterable[str] = (),
+        *,
+        relative: float = 1e-6,
+        samples: int | None = None,
+        method: Method = Method.LHS,
+        seed: int = 0,
+        measures: Mapping[str, Sequence[str]] | None = None,
+        yes: bool = False,
+    ) -> Self:
+        """The search in a scenario's file, along `vary`, a text `NAME=low..high`, until a condition holds, for settings
+        `NAME=VALUES` as those of a sweep. The condition may name measures that are not among `measures`.
+
+        Raises:
+            UserError: the file, the range, the condition, a setting, or what they make together is refused.
+        """
+        if not FINEST <= relative < 1.0:
+            raise UserError(f"--relative {relative:g} is not allowed: it must be from {FINEST:g} to below 1")
+        name, low, high = _range(vary)
+        options: Any = {"samples": samples, "method": method, "seed": seed, "yes": yes}
+        plan = SweepPlan.of(file, [f"{name}={low},{high}", *settings], measures=measures, **options)
+        if (kind := plan.values(0, 1)[name].dtype) != np.float64:
+            raise UserError(f"--vary {vary}: {name} is no real number, but {kind}: there is nothing to halve")
+        condition = RowCondition.read(until)
+        missing = [name for name in condition.columns if name not in schema(plan).names]
+        plan = replace(plan, measures=_with_measures(plan, missing))
+        condition.check(schema(plan))
+        return cls(plan, until, relative)
+
+    @property
+    def name(self) -> str:
+        """What is varied."""
+        return self.plan.factors[0].name
+
+    @property
+    def runs(self) -> int:
+        """The number of points."""
+        return self.plan.runs // 2
+
+    @cached_property
+    def condition(self) -> RowCondition:
+        return RowCondition.read(self.until)
+
+    @cached_property
+    def range(self) -> tuple[float, float]:
+        """The two ends."""
+        low, high = (float(self.plan.values(run, run + 1)[self.name][0]) for run in (0, self.runs))
+        return low, high
+
+    @cached_property
+    def schema(self) -> pa.Schema:
+        """The columns of the rows: the point's number and values, the boundary and the value beside it, on which side
+        the condition holds, why the run beside was refused, the number of runs, and the measures of the run at the
+        boundary."""
+        known = schema(self.plan)
+        grid = {factor.name: known.field(factor.name).type for factor in self.plan.factors[1:]}
+        found = {self.name: pa.float64(), f"{self.name}.{BESIDE}": pa.float64(), HOLDS: pa.string()}
+        measured = dict.fromkeys(of_runs.columns(self.plan.measures), pa.float64())
+        return pa.schema({POINT: pa.int64()} | grid | found | {REFUSAL: pa.string(), RUNS: pa.int64()} | measured)
+
+    def write(self, folder: Path) -> None:
+        """Write `plan.toml` and a copy of the scenario's file.
+
+        Raises:
+            UserError: they cannot be written.
+        """
+        more = f"\n[{TABLE}]\nuntil = {json.dumps(self.until)}\nrelative = {self.relative!r}\n"
+        replace(self.plan, chunk=self.chunk).write(folder, more)
+
+    @classmethod
+    def read(cls, folder: Path) -> Self:
+        """The search in a folder.
+
+        Raises:
+            UserError: there is none, or its plan is damaged.
+        """
+        plan = SweepPlan.read(folder, TABLE)
+        table = read_toml(folder / FILE).table(TABLE)
+        table.allow_only("until", "relative")
+        return cls(plan, table.string("until"), table.number("relative"), plan.chunk)
+
+    def differs(self, other: "Search") -> str:
+        """What this search has otherwise than the other one, in one sentence; empty if both give the same rows."""
+        said = [self.plan.differs(other.plan)]
+        said += [
+            f"{name} is {mine}, not {its}"
+            for name in ("until", "relative")
+            if (mine := getattr(self, name)) != (its := getattr(other, name))
+        ]
+        return "; ".join(filter(None, said))
+
+
+def boundaries(search: Search, first: int, last: int) -> pa.Table:
+    """The rows of the points from `first` up to, but not including, `last`; its columns are those of the schema."""
+    points = _Points(search, first, last)
+    found = bisect(points.holds, last - first, *search.range, search.relative)
+    columns = {
+        POINT: np.arange(first, last),
+        **points.grid,
+        search.name: found.holding,
+        f"{search.name}.{BESIDE}": found.other,
+        HOLDS: _sides(found),
+        REFUSAL: points.refusals,
+        RUNS: found.runs,
+        **{name: np.where(np.isnan(found.holding), np.nan, kept) for name, kept in points.kept.items()},
+    }
+    return pa.table([pa.array(columns[f.name], f.type, from_pandas=True) for f in search.schema], schema=search.schema)
+
+
+class _Points:
+    """The points of a chunk, run at one value each.
+
+    Attributes:
+        grid: the values that do not depend on what is varied, by column.
+        kept: of each point's last run for which the condition held, the measures and what follows from the varied
+            value, NaN before it held; by column.
+        refusals: why each point's last run for which it did not hold was refused; empty: it was not.
+    """
+
+    def __init__(self, search: Search, first: int, last: int) -> None:
+        self._search = search
+        low, high = (search.plan.values(first + at, last + at) for at in (0, search.runs))
+        self._values = low
+        self.grid = {name: values for name, values in low.items() if np.array_equal(values, high[name])}
+        following = [name for name in low if name not in (*self.grid, search.name)]
+        kept = [*following, *of_runs.columns(search.plan.measures)]
+        self.kept = {name: np.full(last - first, np.nan) for name in kept}
+        self.refusals = np.full(last - first, "", dtype=object)
+
+    def holds(self, points: Indices, values: Reals) -> Flags:
+        """Whether the condition holds for the rows of some points, at a value each."""
+        plan, condition = self._search.plan, self._search.condition
+        given = {name: column[points] for name, column in self._values.items()} | {self._search.name: values}
+        rows = rows_with(plan, plan.completed(given), [*condition.columns, *self.kept, REFUSAL])
+        held = condition.holds(rows).to_numpy()
+        for name, kept in self.kept.items():
+            kept[points[held]] = rows[name].to_numpy()[held]
+        self.refusals[points[~held]] = rows[REFUSAL].to_numpy()[~held]
+        return np.asarray(held)
+
+
+def _sides(found: Boundaries) -> list[str]:
+    """On which side of its boundary the condition holds, or that there is none, for each point."""
+    sides = {(False, True): ABOVE, (True, False): BELOW, (True, True): BOTH, (False, False): NEITHER}
+    return [sides[at] for at in zip(found.at_low.tolist(), found.at_high.tolist(), strict=True)]
+
+
+def _range(vary: str) -> tuple[str, str, str]:
+    """The name and the two numbers in `NAME=low..high`, as texts."""
+    name, equals, text = (part.strip() for part in vary.partition("="))
+    if not (name and equals and text):
+        raise UserError(f"--vary {vary}: write {ENDS}")
+    ends = [end.strip() for end in text.split(BETWEEN)]
+    try:
+        low, high = map(float, ends)
+    except ValueError:
+        raise UserError(f"--vary {vary}: {text} is no range of numbers: write {ENDS}") from None
+    if not (np.isfinite(low) and np.isfinite(high)):
+        raise UserError(f"--vary {vary}: both ends must be finite")
+    if low >= high:
+        what = "empty" if low == high else "reversed"
+        raise UserError(f"--vary {vary}: the range is {what}: write the lesser number first")
+    return name, ends[0], ends[1]
+
+
+def _with_measures(plan: SweepPlan, columns: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """The plan's measures, and those that further columns are named after; what is none is left out."""
+    found = dict(plan.measures)
+    outputs = plan.varied.scenario.recipe.variables
+    for column in columns:
+        if name := max((n for n in outputs if column.startswith(f"{n}.")), key=len, default=""):
+            found[name] = (*found.get(name, ()), column.removeprefix(f"{name}."))
+    return of_runs.checked(found, plan.varied.scenario.recipe)

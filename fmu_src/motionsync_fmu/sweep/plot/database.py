@@ -1,0 +1,191 @@
+"""The rows of a sweep in its part files, asked by SQL: DuckDB reads them, so memory does not grow with the rows."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import duckdb
+import numpy as np
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from ...errors import UserError, choose
+from ..conditions import Comparison, RowCondition
+
+NO_UNITS: Mapping[str, str] = {}
+TRUTH, TEXT = "BOOLEAN", "VARCHAR"  # as DuckDB names them
+
+Answer = dict[str, NDArray[Any]]
+"""Columns of an answer by name, with a value for each row."""
+
+
+class Kind(Enum):
+    """What the values of a column are."""
+
+    NUMBER = "numbers"
+    TRUTH = "true or false"
+    TEXT = "texts"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the rows.
+
+    Attributes:
+        varied: the sweep gives its values (a factor or a derived value); otherwise it is a result.
+        unit: the unit of its values; empty: none is known.
+    """
+
+    name: str
+    kind: Kind
+    varied: bool
+    unit: str = ""
+
+    @property
+    def sql(self) -> str:
+        """Its name in a query."""
+        return '"' + self.name.replace('"', '""') + '"'
+
+    @property
+    def number(self) -> str:
+        """Its value as a number in a query: 1 for true; NULL where it is not finite or not known."""
+        value = f"{self.sql}::DOUBLE"
+        return f"CASE WHEN isfinite({value}) THEN {value} END"
+
+
+class Database:
+    """The rows of some part files.
+
+    Attributes:
+        columns: all columns by name, in the order of the files.
+    """
+
+    def __init__(
+        self, folder: Path, parts: Sequence[Path], varied: Iterable[str], units: Mapping[str, str] = NO_UNITS
+    ) -> None:
+        """`varied`: the names of the columns with the values of factors and derived values; `units`: those of columns.
+
+        Raises:
+            UserError: there is no part, or one is damaged.
+        """
+        if not parts:
+            raise UserError(f"{folder}: there is no part-*.parquet in it, so the sweep has no finished run yet")
+        self.folder, self.parts = folder, [str(part) for part in parts]
+        self.connection = duckdb.connect()
+        given = list(varied)
+        self._view(self.parts)
+        self.columns = {
+            name: Column(name, _kind(declared), name in given, units.get(name, ""))
+            for name, declared, *_ in self._rows("SELECT column_name, column_type FROM (DESCRIBE runs)")
+        }
+        if missing := [name for name in ("run", *given) if name not in self.columns]:
+            raise UserError(f"{parts[0]}: this part has other columns than the sweep: {missing[0]} is missing")
+
+    def judge(self, condition: RowCondition) -> None:
+        """From now on a run passed if this holds for it, in place of its scenario's expectations.
+
+        Raises:
+            UserError: the rows have no such column, or one that cannot be compared so.
+        """
+        condition.check(pq.read_schema(self.parts[0]))
+        holds = " AND ".join(_holds(c, self.columns[c.column]) for c in condition.comparisons)
+        self._view(self.parts, f"* REPLACE ({holds} AS passed)")
+
+    def column(self, option: str, name: str) -> Column:
+        """The column of this name. `option`: what names it, for the message.
+
+        Raises:
+            UserError: there is none.
+        """
+        return choose({n: c for n, c in self.columns.items() if n != "run"}, name, f"column for {option}")
+
+    def ask(self, query: str) -> Answer:
+        """The columns of an answer, each with NaN or None where there is no value.
+
+        Raises:
+            UserError: a part is damaged.
+        """
+        try:
+            found = self.connection.execute(query).fetchnumpy()
+        except duckdb.Error as e:
+            raise self._damaged(e) from None
+        return {name: _filled(values) for name, values in found.items()}
+
+    def do(self, query: str) -> None:
+        """Make a table or a view.
+
+        Raises:
+            UserError: a part is damaged.
+        """
+        try:
+            self.connection.execute(query)
+        except duckdb.Error as e:
+            raise self._damaged(e) from None
+
+    def one(self, query: str) -> dict[str, Any]:
+        """The only row of an answer."""
+        return {name: values[0] for name, values in self.ask(query).items()}
+
+    def _rows(self, query: str) -> list[tuple[Any, ...]]:
+        try:
+            return list(self.connection.execute(query).fetchall())
+        except duckdb.Error as e:
+            raise self._damaged(e) from None
+
+    def _view(self, parts: Sequence[str], columns: str = "*") -> None:
+        files = ", ".join(map(_text, parts))
+        try:
+            self.connection.execute(f"CREATE OR REPLACE VIEW runs AS SELECT {columns} FROM read_parquet([{files}])")
+        except duckdb.Error as e:
+            raise self._damaged(e) from None
+
+    def _damaged(self, error: "duckdb.Error") -> UserError:
+        """What is said of an error: the part that cannot be read alone, or that has other columns than the first."""
+        first = None
+        for part in self.parts:
+            file = _text(part)
+            try:
+                self.connection.execute(f"SELECT bit_xor(hash(COLUMNS(*))) FROM read_parquet({file})").fetchall()
+                columns = self.connection.execute(f"DESCRIBE SELECT * FROM read_parquet({file})").fetchall()
+            except duckdb.Error:
+                return UserError(f"{part}: this part is damaged; delete it, and the same sweep makes it again")
+            first = first or columns
+            if columns != first:
+                return UserError(
+                    f"{part}: this part has other columns than {Path(self.parts[0]).name}: it is of another sweep"
+                )
+        return UserError(f"{self.folder}: {str(error).splitlines()[0]}")
+
+
+def _holds(comparison: Comparison, column: Column) -> str:
+    """A comparison in a query: true or false, also where the row has no value."""
+    value = comparison.value
+    literal = (
+        _text(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else f"{value!r}"
+    )
+    if column.kind is Kind.NUMBER:
+        sides = f"{column.sql}::DOUBLE {comparison.sign} '{literal}'::DOUBLE"
+        return f"coalesce(NOT isnan({column.sql}::DOUBLE) AND {sides}, false)"
+    return f"coalesce({column.sql} {comparison.sign} {literal}, false)"
+
+
+def _text(text: str) -> str:
+    """A text in a query."""
+    return "'" + text.replace("'", "''") + "'"
+
+
+def _kind(declared: str) -> Kind:
+    return {TRUTH: Kind.TRUTH, TEXT: Kind.TEXT}.get(declared, Kind.NUMBER)
+
+
+def _filled(values: Any) -> NDArray[Any]:
+    """The values without a mask: NaN or None in its place."""
+    if not isinstance(values, np.ma.MaskedArray):
+        return np.asarray(values)
+    kept: NDArray[Any] = np.array(values.data, object if values.dtype == object else float)
+    if not np.any(values.mask):
+        return np.asarray(values.data)
+    kept[values.mask] = None if values.dtype == object else np.nan
+    return kept

@@ -1,0 +1,181 @@
+"""The HTML page of a sweep, and the data that its script needs."""
+
+import shlex
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2.utils import htmlsafe_json_dumps
+from markupsafe import Markup
+
+from ...errors import UserError
+from ...pages.report.chart import Chart
+from ...pages.report.page import bundle
+from ...pages.style import TEMPLATES, typeset
+from ...scenario.shipped import called
+from ..parts import NAME
+from ..plan import SCENARIO, SweepPlan
+from . import words
+from .cells import Axis
+from .charts import (
+    beside_lines,
+    boundary_chart,
+    boundary_line,
+    curves_chart,
+    front_line,
+    map_chart,
+    titled,
+)
+from .database import Database
+from .packing import bytes_packed, dumped, texts_packed
+from .units import units
+from .view import Question, View, look
+
+LINES = (  # colours of lines, on a light page and on a dark one
+    ("440154", "46327e", "365c8d", "277f8e", "1a8a6b", "3f9b3a", "a07c00", "c8451b"),
+    ("c792ea", "8f9bff", "5aa9e6", "4fc3c9", "4fd69c", "a3d95a", "f2c14e", "ff7a4a"),
+)
+ROWS = 25  # of the table of a front
+
+
+@dataclass(frozen=True)
+class Section:
+    """A chart with its heading, what it shows, and names with their colours."""
+
+    title: str
+    text: str
+    chart: Markup
+    key: list[tuple[str, str]] = field(default_factory=list)
+
+
+def make_page(folder: Path, question: Question, file: Path | None = None) -> Path:
+    """Write the page of a sweep's folder; the answer is its file. `file`: None: plot.html in the folder.
+
+    Raises:
+        UserError: the folder is none of a sweep, a part is damaged, or the question has no answer.
+    """
+    if not folder.is_dir():
+        raise UserError(f"{folder}: there is no such folder")
+    plan = SweepPlan.read(folder)
+    parts = sorted(file for file in folder.iterdir() if NAME.fullmatch(file.name))
+    db = Database(folder, parts, [factor.name for factor in plan.factors], units(plan))
+    page = file or folder / "plot.html"
+    write_page(page, folder, plan, db, look(db, question))
+    return page
+
+
+def write_page(file: Path, folder: Path, plan: SweepPlan, db: Database, view: View) -> None:
+    """Write the page; it loads nothing from elsewhere. `folder`: that of the sweep."""
+    scenario = plan.varied.scenario
+    sections, paint = _sections(view)
+    text = TEMPLATES.get_template("sweep.html.j2").render(
+        title=words.title(view),
+        lead=f"A sweep of {words.counted(view.runs['runs'])} of {scenario.recipe.name}: {scenario.title}.",
+        passing=words.passing(view),
+        figures=words.figures(view),
+        sections=sections,
+        front=_front_rows(view),
+        front_columns=[titled(view.x.column), titled(view.y)],
+        varied=[(factor.name, factor.text) for factor in plan.factors],
+        origin=words.origin(plan, repeated(folder, plan)),
+        left_out=words.left_out(plan, view),
+        lines=LINES,
+        data=htmlsafe_json_dumps(_data(folder, plan, db, view) | {"paint": paint}, dumps=dumped),
+        bundle=bundle(),
+    )
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, "utf-8")
+
+
+def repeated(folder: Path, plan: SweepPlan) -> str:
+    """The scenario that repeats a run: the sweep's own file as long as it is the same, else the copy in the folder."""
+    try:
+        same = plan.file.read_text("utf-8-sig") == plan.text
+    except (OSError, UnicodeDecodeError):
+        same = False
+    return called(plan.file.resolve()) if same else str(folder.resolve() / SCENARIO)
+
+
+def _sections(view: View) -> tuple[list[Section], dict[str, Any]]:
+    """The charts, and how the script paints the map."""
+    made: list[Section] = []
+    paint: dict[str, Any] = {}
+    x, y = view.x, view.y
+    if view.boundary:
+        title, text, what = words.of_boundary(view)
+        chart = boundary_chart(title, x, y, view.boundary, view.groups, view.picks)
+        beside_lines(chart, x, view.lines, view.groups)
+        made.append(_section(chart, title, text, what, y.unit))
+    if view.curves and view.curved:
+        title, text, what = words.of_curves(view)
+        chart = curves_chart(title, x, view.curved, view.curves, view.curve_groups, view.picks)
+        if view.curved == y:
+            beside_lines(chart, x, view.lines, view.groups)
+        made.append(_section(chart, title, text, what, view.curved.unit))
+    if view.cells and view.map_y:
+        title, text = words.of_map(view)
+        chart, paint = map_chart(title, x, view.map_y, view.cells, view.told, words.scale(view))
+        if view.overall:
+            boundary_line(chart, x, view.overall)
+        if view.front:
+            front_line(chart, view.front, view.picks)
+        made.append(Section(title, text, chart.html(), words.map_key(view, paint)))
+    return made, paint
+
+
+def _data(folder: Path, plan: SweepPlan, db: Database, view: View) -> dict[str, Any]:
+    told = view.told.column
+    return {
+        "command": f"motionsync run {shlex.quote(repeated(folder, plan))}",
+        "x": _packed_axis(view.x),
+        "runs": view.picks.packed(db, view.columns),
+        "judged": not view.judging,
+        "told": {
+            "name": words.LONG.get(view.told.name, view.told.name),
+            "column": told.name if told else "",
+            "unit": typeset(told.unit) if told else "",
+        },
+        "map": _packed_cells(view),
+    }
+
+
+def _packed_axis(axis: Axis) -> dict[str, Any]:
+    numbers = {"edges": axis.edges.tolist(), "low": axis.low.tolist(), "high": axis.high.tolist()}
+    return {"name": axis.column.name, "unit": typeset(axis.column.unit), "names": list(axis.names)} | numbers
+
+
+def _packed_cells(view: View) -> dict[str, Any] | None:
+    cells, y = view.cells, view.map_y
+    if cells is None or y is None:
+        return None
+    text = view.told.name == "most"
+    return {
+        "y": _packed_axis(y),
+        "cx": bytes_packed(cells["cx"], "<u2"),
+        "cy": bytes_packed(cells["cy"], "<u2"),
+        "runs": bytes_packed(np.minimum(cells["runs"], 2**32 - 1), "<u4"),
+        "pick": bytes_packed(np.array(view.picks.places(cells["pick"])), "<u4"),
+        "value": texts_packed(cells["value"]) if text else bytes_packed(cells["value"], "<f4"),
+        "least": None if text else bytes_packed(cells["least"], "<f4"),
+        "greatest": None if text else bytes_packed(cells["greatest"], "<f4"),
+    }
+
+
+def _front_rows(view: View) -> list[tuple[int, int, str, str]]:
+    """Some runs of the front, evenly chosen: the place among the picks, the number, x and y."""
+    if view.front is None:
+        return []
+    size = len(view.front["run"])
+    chosen = np.unique(np.linspace(0, size - 1, min(ROWS, size)).round().astype(int))
+    places = view.picks.places(view.front["run"])
+    return [
+        (places[i], int(view.front["run"][i]), f"{view.front['x'][i]:.7g}", f"{view.front['y'][i]:.7g}")
+        for i in chosen.tolist()
+    ]
+
+
+def _section(chart: Chart, title: str, text: str, what: str, unit: str) -> Section:
+    """`what`: what a point of the chart is, as the script tells it before the value."""
+    chart.layout["meta"]["shows"] = {"what": what, "unit": typeset(unit)}
+    return Section(title, text, chart.html())

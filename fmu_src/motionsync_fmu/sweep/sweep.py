@@ -1,0 +1,128 @@
+"""Sweeps from Python: what `motionsync sweep` does, with its rows as a table.
+
+from pathlib import Path
+
+import numpy as np
+
+from motionsync_fmu.sweep.sweep import sweep
+
+if __name__ == "__main__":  # the processes that work read this file, too
+    rows = sweep(
+        "FlyingSaw/cyclic_cut",
+        {"length": np.linspace(1100.0, 1800.0, 71), "axis.max_jerk": "1e5..1e6"},
+        derived={"axis.max_deceleration": "axis.max_acceleration"},
+        samples=1000,
+        measures={"slave.velocity": ("max", "max_time")},
+        output=Path("out"),
+    )
+    rows.to_table(["length", "passed"]).to_pandas()
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import UserError, choose
+from ..extras import need
+from ..scenario.reader import load
+from ..scenario.shipped import find_one
+
+if TYPE_CHECKING:
+    from .table import Rows
+
+
+def sweep(
+    scenario: str | Path,
+    factors: Mapping[str, str | ArrayLike],
+    *,
+    output: str | Path,
+    derived: Mapping[str, str] | None = None,
+    samples: int | None = None,
+    method: str = "lhs",
+    seed: int = 0,
+    measures: Mapping[str, str | Sequence[str]] | None = None,
+    workers: int | None = None,
+    scheduler: str = "",
+    chunk: int = 0,
+    yes: bool = False,
+    progress: Callable[[int, int], None] = lambda done, runs: None,
+) -> "Rows":
+    """Run a scenario with many values, on all cores or many computers.
+
+    Args:
+        scenario: its file or folder, or its short name: `FlyingSaw/cyclic_cut`.
+        factors: what varies, by the names of start values, inputs, and numbers of the script: a text as `--set` takes
+            it, `"start:stop:count"`, `"low..high"` or `"a,b,c"`; or values: one, or an array of shape (values,).
+        output: the folder for the rows and the plan. If rows of the same sweep are in it, the others are added.
+        derived: what follows from factors, by expressions such as `"2*axis.max_velocity"`.
+        samples: how many samples ranges have.
+        method: how ranges are sampled, `"lhs"` or `"sobol"`.
+        seed: the seed of the samples.
+        measures: figures of outputs over a whole run, their kinds by the names of the outputs.
+        workers: how many processes of this computer work; by default one for each core.
+        scheduler: the address of a Dask scheduler, whose workers do it instead.
+        chunk: the runs of a part file; 0: those of some seconds.
+        yes: begin even if there are more than 10^9 runs.
+        progress: called with the number of runs that are done, and of all.
+
+    Returns:
+        The rows, which are read when they are asked for. A run that fails has a row, too.
+
+    Raises:
+        UserError: what is asked for is refused, the folder has another sweep, or it cannot be written.
+        Interrupted: the user broke it off; the rows that are finished are kept, and the same call goes on.
+    """
+    need("sweep", "distributed", "pyarrow", "scipy")
+    from .measures import checked  # noqa: PLC0415 (parts of an extra, like the next ones)
+    from .plan import SweepPlan  # noqa: PLC0415
+    from .rows import rows  # noqa: PLC0415
+    from .samples import Method  # noqa: PLC0415
+    from .spread import go  # noqa: PLC0415
+    from .table import Rows  # noqa: PLC0415
+
+    file = find_one(Path(scenario))
+    if both := [name for name in derived or {} if name in factors]:
+        raise UserError(f"{both[0]} is a factor: it cannot be derived, too")
+    plan = SweepPlan.of(
+        file,
+        settings(factors, derived or {}),
+        samples=samples,
+        method=choose({str(m): m for m in Method}, method, "method"),
+        seed=seed,
+        measures=checked(measures, load(file).recipe) if measures else {},
+        chunk=chunk,
+        yes=yes,
+    )
+    go(plan, Path(output), rows, scheduler=scheduler, workers=workers, progress=progress)
+    return Rows(Path(output))
+
+
+def settings(factors: Mapping[str, str | ArrayLike], derived: Mapping[str, str]) -> list[str]:
+    """What varies, and what follows from it, as `--set` takes them.
+
+    Raises:
+        UserError: the values of a factor are no list of values.
+    """
+    return [f"{name}={_text(name, values)}" for name, values in {**factors, **derived}.items()]
+
+
+def _text(name: str, values: str | ArrayLike) -> str:
+    """The values of a factor as `--set` takes them.
+
+    Raises:
+        UserError: they are no list of values.
+    """
+    if isinstance(values, str):
+        return values
+    array = np.atleast_1d(np.asarray(values))
+    if array.ndim > 1 or not array.size or array.dtype.kind not in "biufU":
+        raise UserError(f"{name} is an array of shape {array.shape} of {array.dtype}: it must be a list of values")
+    return ",".join(map(_literal, array.tolist()))
+
+
+def _literal(value: bool | float | str) -> str:
+    """A value as a scenario's file has it; a number has all its digits."""
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -1,0 +1,137 @@
+"""The table of a sweep: the rows in its folder, read when they are asked for.
+
+    rows = Rows(Path("out"))
+    len(rows), rows.missing
+    rows.to_table(["length", "late"])  # of pyarrow
+    rows.dataset  # what pandas, polars, DuckDB and Dask read from, with their own filters
+
+A part file that is damaged is told by its name."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import cached_property
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.dataset as ds
+import pyarrow.parquet as pq
+
+from ..errors import UserError, choose
+from .parts import NAME
+from .plan import SweepPlan
+from .rows import schema
+
+DAMAGES = (OSError, pa.ArrowException)  # by which pyarrow tells them
+
+
+class Rows:
+    """The rows in the folder of a sweep, in the order of the runs: those that were there when this was made.
+
+    Attributes:
+        folder: where the plan and the part files lie.
+        plan: what the sweep does.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """Open a folder.
+
+        Raises:
+            UserError: it has no plan, or a damaged one.
+        """
+        self.folder = folder
+        self.plan = SweepPlan.read(folder)
+        named = filter(None, (NAME.fullmatch(file.name) for file in folder.iterdir()))
+        self._files = dict(sorted((int(name[1]), folder / name[0]) for name in named))
+
+    @cached_property
+    def schema(self) -> pa.Schema:
+        """The columns and their types."""
+        return schema(self.plan)
+
+    @cached_property
+    def dataset(self) -> ds.Dataset:
+        """The part files as one table of pyarrow, which reads no more of them than it is asked for."""
+        checked = ds.ParquetFragmentScanOptions(page_checksum_verification=True)
+        files = [str(file) for file in self._files.values()]
+        return ds.dataset(files, self.schema, ds.ParquetFileFormat(default_fragment_scan_options=checked))
+
+    def __len__(self) -> int:
+        """The number of rows that are there.
+
+        Raises:
+            UserError: a part file is damaged.
+        """
+        return self._number
+
+    @cached_property
+    def _number(self) -> int:
+        with self._whole():
+            return int(self.dataset.count_rows())
+
+    @property
+    def missing(self) -> list[range]:
+        """The numbers of the runs that have no row yet."""
+        runs, chunk = self.plan.runs, self.plan.chunk
+        there = [*self._files, -(-runs // chunk)]
+        before = [-1, *self._files]
+        gaps = zip(before, there, strict=True)
+        return [range((last + 1) * chunk, min(part * chunk, runs)) for last, part in gaps if part > last + 1]
+
+    def __iter__(self) -> Iterator[pa.RecordBatch]:
+        return self.batches()
+
+    def batches(self, columns: Sequence[str] | None = None) -> Iterator[pa.RecordBatch]:
+        """The rows, some thousand at a time; `columns`: these alone.
+
+        Raises:
+            UserError: there is no such column, or a part file is damaged.
+        """
+        names = self._chosen(columns)
+        with self._whole():
+            yield from self.dataset.to_batches(columns=names)
+
+    def to_table(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """All rows, in memory; `columns`: these alone.
+
+        Raises:
+            UserError: there is no such column, or a part file is damaged.
+        """
+        names = self._chosen(columns)
+        with self._whole():
+            return self.dataset.to_table(columns=names)
+
+    def column(self, name: str) -> pa.ChunkedArray:
+        """One column, in memory; `.to_numpy()` makes it an array.
+
+        Raises:
+            UserError: there is no such column, or a part file is damaged.
+        """
+        return self.to_table([name]).column(0)
+
+    def _chosen(self, columns: Sequence[str] | None) -> list[str]:
+        known = {name: name for name in self.schema.names}
+        return [choose(known, name, "column") for name in columns] if columns is not None else [*known]
+
+    @contextmanager
+    def _whole(self) -> Iterator[None]:
+        """Tell which part file is damaged if one is found to be."""
+        try:
+            yield
+        except DAMAGES:
+            for file in self._files.values():
+                if fault := _fault(file):
+                    raise UserError(
+                        f"{file} is damaged ({fault}): delete it, and give the sweep's command again"
+                    ) from None
+            raise
+
+
+def _fault(file: Path) -> str:
+    """What pyarrow says of a damaged file; empty if it can be read."""
+    try:
+        with pq.ParquetFile(file, page_checksum_verification=True) as part:
+            for _ in part.iter_batches():
+                pass
+    except DAMAGES as e:
+        return str(e).partition(". ")[0].strip() or type(e).__name__
+    return ""

@@ -1,0 +1,164 @@
+"""The page of a sweep, in a real browser."""
+
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.sweep.plot.page import make_page
+from motionsync_fmu.sweep.plot.view import Question
+from motionsync_fmu.sweep.repeat import with_values
+from tests.browser.conftest import Open
+from tests.browser.visit import Visit, contrast
+from tests.sweep import made_up
+
+V, A, LENGTH = "master.velocity", "axis.max_acceleration", "length"
+MAP, BOUNDARY = ".plot[aria-label^='The share']", ".plot[aria-label^='The least']"
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """15 velocities, 3 accelerations, 30 lengths, 2 times of a cut."""
+    folder = tmp_path_factory.mktemp("sweep")
+    made_up.sweep(folder, 15, 3, 30, 2)
+    make_page(folder, Question(V, LENGTH, A))
+    make_page(folder, Question("slave.velocity.max", "slave.acceleration.max"), folder / "front.html")
+    return folder
+
+
+def at(visit: Visit, chart: str, right: float, up: float) -> tuple[float, float]:
+    """A place of the plot in a chart, as shares of its width and height, in px of the window."""
+    frame = visit.page.locator(chart)
+    frame.scroll_into_view_if_needed()
+    box = frame.locator(".nsewdrag").first.bounding_box()
+    return box["x"] + right * box["width"], box["y"] + (1.0 - up) * box["height"]
+
+
+def point(visit: Visit, chart: str, right: float, up: float) -> None:
+    visit.page.mouse.move(*at(visit, chart, right, up))
+
+
+def told(visit: Visit) -> str:
+    return str(visit.page.locator(".picked .where").inner_text())
+
+
+def given(visit: Visit) -> dict[str, str]:
+    """What the command that is shown sets."""
+    words = shlex.split(visit.page.locator(".picked code").inner_text())
+    assert words[:2] == ["motionsync", "run"]
+    assert words[3::2] == ["--set"] * len(words[4::2])
+    return dict(word.split("=", 1) for word in words[4::2])
+
+
+def colour(visit: Visit, right: float, up: float) -> list[int]:
+    """The colour of the map's picture at a place of the plot."""
+    look = """async ([right, up]) => {
+        const image = new Image();
+        image.src = document.querySelector(".plot image").getAttribute("href");
+        await image.decode();
+        const canvas = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height });
+        const pen = canvas.getContext("2d");
+        pen.drawImage(image, 0, 0);
+        return [...pen.getImageData(right * image.width, (1 - up) * image.height, 1, 1).data].slice(0, 3);
+    }"""
+    return list(visit.page.evaluate(look, [right, up]))
+
+
+def test_a_cell_tells_its_runs_and_the_command_that_repeats_one(open_page: Open, sweep: Path) -> None:
+    """In the middle of the map is velocity number 7 of 15, 800 mm/s, and length 15 of 30, 1600 mm: 6 runs. With 2000
+    mm/s2 and 0.4 s it takes 800 (0.4 + 0.88) + 50 = 1074 mm: all of them pass."""
+    visit = open_page(sweep / "plot.html")
+    point(visit, MAP, 0.5, 0.51)
+    assert told(visit) == "master.velocity 800 mm/s, length 1600 mm: 6 runs, 100 % passed"
+    values = given(visit)
+    plan = SweepPlan.read(sweep)
+    number = int("".join(c for c in visit.page.locator(".picked .good").inner_text() if c.isdigit()))
+    assert {name: float(text) for name, text in values.items()} == {
+        name: of_run[0] for name, of_run in plan.values(number, number + 1).items()
+    }
+    assert with_values(plan.file, values).start["length"] == 1600.0
+
+
+def test_a_curve_tells_the_run_at_it(open_page: Open, sweep: Path) -> None:
+    """Near the top on the right lies the line of 2000 mm/s2: at 1500 mm/s it takes 3125 mm, more than any length; at 1400
+    mm/s 1400 (0.4 + 1.54) + 50 = 2766 mm, so 2800 mm."""
+    visit = open_page(sweep / "plot.html")
+    point(visit, BOUNDARY, 0.93, 0.95)
+    assert told(visit).startswith("axis.max_acceleration 2000 mm/s², master.velocity 1400 mm/s: least length")
+    assert "2800 mm" in told(visit)
+    assert float(given(visit)["length"]) == 2800.0
+    assert visit.page.locator(f"{MAP} .chosen.column").is_visible()  # the same velocity in the other chart
+
+
+def test_the_map_has_the_colours_of_the_screen(open_page: Open, sweep: Path) -> None:
+    """Above the boundary all pass, far below it none does: the ends of the scale, also when the screen changes."""
+    visit = open_page(sweep / "plot.html", color_scheme="light")
+    visit.page.locator(f"{MAP} image").wait_for()
+    assert (colour(visit, 0.5, 0.9), colour(visit, 0.9, 0.05)) == ([0x24, 0x74, 0xB0], [0xB8, 0x43, 0x1C])
+    light = visit.page.locator(f"{MAP} image").get_attribute("href")
+    visit.page.emulate_media(color_scheme="dark")
+    visit.page.wait_for_function(
+        f"light => document.querySelector(`{MAP} image`)?.getAttribute('href') !== light", arg=light
+    )
+    assert (colour(visit, 0.5, 0.9), colour(visit, 0.9, 0.05)) == ([0x4C, 0x9F, 0xE0], [0xE8, 0x68, 0x3A])
+
+
+def test_a_click_holds_a_cell_and_escape_lets_it_go(open_page: Open, sweep: Path) -> None:
+    visit = open_page(sweep / "plot.html")
+    place = at(visit, MAP, 0.5, 0.51)
+    visit.page.mouse.click(*place)
+    held = told(visit)
+    assert "800 mm/s" in held
+    point(visit, MAP, 0.8, 0.2)
+    assert told(visit) == held
+    visit.page.keyboard.press("Escape")
+    assert told(visit).startswith("Point at a cell")
+    point(visit, MAP, 0.5, 0.3)
+    assert told(visit) != held
+
+
+def test_keys_go_from_cell_to_cell(open_page: Open, sweep: Path) -> None:
+    visit = open_page(sweep / "plot.html")
+    point(visit, MAP, 0.5, 0.51)
+    visit.page.locator(MAP).focus()
+    for key, expected in (("ArrowRight", "900 mm/s, length 1600"), ("ArrowUp", "900 mm/s, length 1700")):
+        visit.page.keyboard.press(key)
+        assert expected in told(visit)
+    visit.page.locator(BOUNDARY).focus()
+    visit.page.keyboard.press("ArrowRight")
+    first = told(visit)
+    visit.page.keyboard.press("ArrowRight")
+    assert told(visit) != first
+    visit.page.keyboard.press("ArrowDown")
+    assert "6000 mm/s²" in told(visit)
+
+
+def test_the_command_can_be_copied(open_page: Open, sweep: Path) -> None:
+    visit = open_page(sweep / "plot.html", permissions=["clipboard-read", "clipboard-write"])
+    visit.page.mouse.click(*at(visit, MAP, 0.5, 0.51))
+    visit.page.get_by_role("button", name="copy").click()
+    visit.page.get_by_role("button", name="copied").wait_for()
+    assert visit.page.evaluate("navigator.clipboard.readText()") == visit.page.locator(".picked code").inner_text()
+
+
+def test_a_run_of_the_front_is_chosen_in_its_table(open_page: Open, sweep: Path) -> None:
+    visit = open_page(sweep / "front.html")
+    button = visit.page.locator("[data-pick]").first
+    button.focus()
+    number = button.inner_text()
+    found: Any = visit.page.locator(".picked .good").inner_text()
+    assert "".join(c for c in found if c.isdigit()) == number
+    plan = SweepPlan.read(sweep)
+    assert float(given(visit)[V]) == plan.values(int(number), int(number) + 1)[V][0]
+
+
+@pytest.mark.parametrize(("page", "scheme"), [("plot.html", "light"), ("front.html", "dark")])
+def test_a_page_fits_a_narrow_window(open_page: Open, sweep: Path, page: str, scheme: str) -> None:
+    visit = open_page(sweep / page, width=400, color_scheme=scheme)
+    visit.page.locator(".plot .main-svg").last.wait_for()
+    point(visit, ".plot >> nth=0", 0.5, 0.5)
+    assert visit.overflow() <= 0.0
+    text, ground = visit.colours(".picked .where")[0], visit.colours(".picked")[1]
+    assert contrast(text, ground) >= 7.0

@@ -1,0 +1,108 @@
+"""docs/sweeps.md tells the truth: its commands find the lengths in its tables, and its picture is drawn from them."""
+
+import csv
+import json
+import re
+import shlex
+from typing import Any
+
+import numpy as np
+import pytest
+
+from motionsync_fmu.sweep.picture import Found, beside, svg
+from tests import ROOT
+from tests.support.command_line import Command
+
+DOCS = ROOT / "docs"
+PAGE = (DOCS / "sweeps.md").read_text("utf-8")
+README = (ROOT / "README.md").read_text("utf-8")
+NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?"
+BLOCKS = ("CutToLength", "FlyingSaw")
+
+
+def command(block: str) -> list[str]:
+    """The words of the command of the page that made the block's table, after `motionsync`."""
+    joined = PAGE.replace("\\\n", "")
+    (line,) = re.findall(rf"^    motionsync (search {block}/any_length .* --output {block})$", joined, re.M)
+    return shlex.split(line)
+
+
+def rows(block: str) -> list[dict[str, str]]:
+    """The rows of the block's table."""
+    with (DOCS / "shortest_length" / f"{block}.csv").open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def found(block: str) -> Found:
+    return Found.read(DOCS / "shortest_length" / f"{block}.csv")
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+@pytest.mark.parametrize("share", [0.0, 0.55, 1.0])
+def test_the_commands_find_what_the_tables_have(motionsync: Command, block: str, share: float) -> None:
+    """At some of the points."""
+    known = rows(block)[round(share * (len(rows(block)) - 1))]
+    words = command(block)[:-2]  # without a folder
+    for i, word in enumerate(words):
+        name = word.partition("=")[0]
+        if name in ("master.velocity", "axis.max_acceleration"):
+            words[i] = f"{name}={known[name]}"
+    done = motionsync(*words, "--json", "--workers", "1")
+    assert done.status == 0
+    (row,) = json.loads(done.out)
+    assert row["length"] == pytest.approx(float(known["length"]), rel=1e-12)
+    assert row["runs"] == int(known["runs"])
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_tables_are_those_of_the_whole_commands(block: str) -> None:
+    """Each combination of the grid has its row."""
+    grid: dict[str, Any] = {
+        name: {float(row[name]) for row in rows(block)} for name in ("master.velocity", "axis.max_acceleration")
+    }
+    velocities, limits = grid.values()
+    assert sorted(velocities) == np.linspace(300.0, 1400.0, 56).tolist()
+    assert len(limits) == {"CutToLength": 73, "FlyingSaw": 4}[block]
+    assert len(rows(block)) == len(velocities) * len(limits)
+
+
+def test_the_lengths_on_the_page_are_those_of_the_tables() -> None:
+    told = re.findall(r"^\| (?:line at (\d+) m/min|the same), (\w+) \|(.*)\|$", PAGE, re.M)
+    assert len(told) == 6
+    velocity = ""
+    for at, block, cells in told:
+        velocity = at or velocity
+        lengths = [float(cell.replace("mm", "")) for cell in cells.split("|")]
+        for acceleration, length in zip((2e3, 5e3, 1e4, 2e4), lengths, strict=True):
+            speeds, known = found(block).curve(acceleration)
+            (place,) = np.flatnonzero(speeds == float(velocity) / 0.06)
+            assert length == round(float(known[place]), 1)
+
+
+def test_what_is_foretold_lies_between_what_works_and_what_does_not() -> None:
+    """At all points; and the numbers in the text are right."""
+    machine = found("CutToLength")
+    assert (machine.beside <= machine.predicted * (1.0 + 1e-9)).all()
+    assert (machine.length >= machine.predicted * (1.0 - 1e-9)).all()
+    assert (machine.length / machine.beside - 1.0).max() <= 1.0001e-6
+    said = PAGE.replace("\n", " ")
+    assert f"A search of {machine.runs:,} runs".replace(",", " ") in said
+    assert f"at {len(machine.length)} points" in re.sub(" +", " ", said)
+
+
+def test_how_much_more_the_saw_needs() -> None:
+    compared = beside(found("FlyingSaw"), found("CutToLength"))
+    assert len(compared.length) == 224
+    share = 100.0 * (compared.length / compared.predicted - 1.0)
+    (least, most) = re.findall(r"The FlyingSaw needs (\S+) to (\S+) % more", PAGE)[0]
+    assert (round(share.min(), 1), round(share.max(), 1)) == (float(least), float(most))
+    assert f"to {most} % more" in README
+
+
+def test_the_picture_is_drawn_from_the_tables() -> None:
+    """But for rounding: two processors may differ in the last digit that is written."""
+    made = svg(found("CutToLength"), found("FlyingSaw")).decode()
+    shipped = (DOCS / "shortest_length.svg").read_text("utf-8")
+    assert re.sub(NUMBER, "#", made) == re.sub(NUMBER, "#", shipped)
+    a, b = (np.array([float(x) for x in re.findall(NUMBER, text)]) for text in (made, shipped))
+    assert np.abs(a - b).max() < 0.02

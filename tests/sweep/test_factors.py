@@ -1,0 +1,131 @@
+"""What `--set NAME=VALUES` means."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.sweep.expressions import Expression
+from motionsync_fmu.sweep.factors import Kind, Linear, Listed, Range, assigned, read_values
+
+REAL, INTEGER, BOOLEAN = Kind("Real"), Kind("Integer"), Kind("Boolean")
+MODE = Kind("Enumeration", ((0, "TRIM"), (1, "CONTINUE")))
+
+
+@given(
+    st.floats(-1e9, 1e9), st.floats(-1e9, 1e9), st.integers(2, 50),
+)  # fmt: skip
+def test_a_grid_is_equally_spaced_from_the_first_to_the_last_number(a: float, b: float, count: int) -> None:
+    if a == b:
+        return
+    start, stop = min(a, b), max(a, b)
+    values = read_values(f"{start!r}:{stop!r}:{count}", REAL)
+    assert isinstance(values, Linear)
+    found = values.at(np.arange(count))
+    assert (found[0], found[-1]) == (start, stop)
+    assert np.allclose(found, np.linspace(start, stop, count), rtol=1e-12, atol=(stop - start) * 1e-12)
+
+
+def test_a_grid_of_an_integer_has_whole_numbers() -> None:
+    values = read_values("1:10:4", INTEGER)
+    assert isinstance(values, Linear)
+    found = values.at(np.arange(4))
+    assert (found.dtype, found.tolist()) == (np.int64, [1, 4, 7, 10])
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "values"),
+    [
+        ("100, 2e2,3", REAL, [100.0, 200.0, 3.0]),
+        ("7", REAL, [7.0]),
+        ("-7", INTEGER, [-7]),
+        ("3,1,2", INTEGER, [3, 1, 2]),
+        ("true,false", BOOLEAN, [True, False]),
+        ("false", BOOLEAN, [False]),
+        ("true", Kind(), [True]),
+        ("TRIM,CONTINUE", MODE, ["TRIM", "CONTINUE"]),
+        ("continue", MODE, ["CONTINUE"]),
+        ("1,TRIM", MODE, ["CONTINUE", "TRIM"]),
+        ("5,6.5", Kind(), [5.0, 6.5]),
+    ],
+)
+def test_listed_values(text: str, kind: Kind, values: list[object]) -> None:
+    found = read_values(text, kind)
+    assert isinstance(found, Listed)
+    assert found.values.tolist() == values
+    assert found.at(np.array([0, 0, found.count - 1])).tolist() == [values[0], values[0], values[-1]]
+    assert type(found.values.tolist()[0]) is type(values[0])
+
+
+def test_a_range_is_what_is_sampled() -> None:
+    assert read_values("200 .. 400", REAL) == Range(200.0, 400.0)
+    assert read_values("-1..1e3", REAL) == Range(-1.0, 1000.0)
+    assert Range(200.0, 400.0).at(np.array([0.0, 0.25, 0.999999999999])).tolist() == [200.0, 250.0, 399.9999999998]
+
+
+def test_a_range_of_an_integer_has_each_whole_number_as_often() -> None:
+    values = read_values("-1..2", INTEGER)
+    assert isinstance(values, Range)
+    found = values.at((np.arange(400) + 0.5) / 400)
+    assert np.unique(found, return_counts=True)[0].tolist() == [-1, 0, 1, 2]
+    assert np.unique(found, return_counts=True)[1].tolist() == [100, 100, 100, 100]
+
+
+@pytest.mark.parametrize("text", ["axis.max_acceleration", "2*length", "max(a, b)", "max(min(a, (b)), c)", "-a", "a/2"])
+def test_what_is_no_value_is_an_expression(text: str) -> None:
+    found = read_values(text, REAL)
+    assert isinstance(found, Expression)
+    assert found.text == text
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "message"),
+    [
+        ("1,abc", REAL, "'abc' is no number"),
+        ("1,,2", REAL, "'' is no number"),
+        ("abc..5", REAL, "'abc' is no number"),
+        ("1:x:3", REAL, "'x' is no number"),
+        ("1:2:x", REAL, "'x' is no count"),
+        ("1:2:2.5", REAL, "'2.5' is no count"),
+        ("1:2:0", REAL, "a count of 0 is not allowed: it must be >= 2"),
+        ("1:2:-3", REAL, "a count of -3 is not allowed"),
+        ("1:2:9007199254740992", REAL, "a count of 9007199254740992 is not allowed"),
+        ("1:2:1", REAL, "a count of 1 is not allowed: it must be >= 2; for one value write NAME=value"),
+        ("2:1:5", REAL, "the range is reversed: write the lesser number first"),
+        ("2:2:5", REAL, "the range is empty"),
+        ("2..1", REAL, "the range is reversed"),
+        ("2..2", REAL, "the range is empty"),
+        ("-1e308..1e308", REAL, "the range is too great"),
+        ("1:2", REAL, "write NAME=start:stop:count"),
+        ("1:2:3:4", REAL, "write NAME=start:stop:count"),
+        ("1..2..3", REAL, "write NAME=start:stop:count"),
+        ("nan", REAL, "nan is not allowed: it must be finite"),
+        ("1,inf", REAL, "inf is not allowed: it must be finite"),
+        ("1..inf", REAL, "inf is not allowed: it must be finite"),
+        ("true", REAL, "'true' is no number"),
+        ("1.5", INTEGER, "1.5 is no Integer"),
+        ("1:10:3", INTEGER, "5.5 is no Integer"),
+        ("0.5..2", INTEGER, "0.5 is no Integer"),
+        ("1", BOOLEAN, "'1' is not allowed: it must be true or false"),
+        ("0..1", BOOLEAN, "it must be true or false"),
+        ("TRIM,CUT", MODE, "'CUT' is not allowed: it must be 0 TRIM, 1 CONTINUE"),
+        ("CUT", MODE, "'CUT' is not allowed: it must be 0 TRIM, 1 CONTINUE"),
+        ("0:1:2", MODE, "it must be 0 TRIM, 1 CONTINUE, one by one with commas"),
+        ("1,true", Kind(), "numbers and true or false cannot be mixed"),
+    ],
+)
+def test_wrong_values_are_told(text: str, kind: Kind, message: str) -> None:
+    with pytest.raises(UserError) as e:
+        read_values(text, kind)
+    assert message in str(e.value)
+
+
+@pytest.mark.parametrize("setting", ["length", "=5", "length=", " = "])
+def test_a_setting_has_a_name_and_values(setting: str) -> None:
+    with pytest.raises(UserError, match="write NAME=start:stop:count"):
+        assigned(setting)
+
+
+def test_a_name_and_its_values_may_have_spaces_around() -> None:
+    assert assigned(" length = 1, 2 ") == ("length", "1, 2")

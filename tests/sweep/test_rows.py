@@ -1,0 +1,327 @@
+"""The rows of a sweep: each tells what `motionsync run` tells of the same scenario with the same values.
+
+The other side of the comparison is the block in Python, stepped one run at a time, and the whole judgement and all
+figures of its recording of all outputs."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.native.loop.scripted import ScriptedRun, run_scenarios
+from motionsync_fmu.scenario.example import example_of
+from motionsync_fmu.scenario.figures import SLAVE, figures
+from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.recording import Recording
+from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.scenario.shipped import shipped
+from motionsync_fmu.sweep import rows as of_sweep
+from motionsync_fmu.sweep.measures import columns
+from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.sweep.rows import rows, schema
+
+SAW = example_of("FlyingSaw").file
+ALWAYS = ["passed", "refusal", "refused_at", "broken", "first_broken"]
+SMOOTH = """\
+title = "A saw goes along, and nobody judges it"
+fmu = "FlyingSaw"
+stop_time = 3.0
+step_size = 0.01
+[start]
+"axis.max_velocity" = 400.0
+"axis.max_acceleration" = 2000.0
+"axis.max_jerk" = 50000.0
+"gear_in_pos.master_sync_position" = 250.0
+"gear_in_pos.slave_sync_position" = 100.0
+[master]
+velocity = 250.0
+segments = [{ duration = 2.0 }, { duration = 0.5, acceleration = 0.0 }]
+[[set]]
+at = 0.2
+"gear_in_pos.execute" = true
+"""
+TURNS = """\
+title = "A master that turns too quickly to be followed"
+fmu = "Synchronizer"
+stop_time = 0.1
+step_size = 0.01
+[start]
+"master.period" = 1e-6
+[master]
+velocity = 1.0
+segments = [{ duration = 0.05 }, { duration = 0.05, velocity = 1.0 }]
+"""
+
+
+def plan(file: Path, *settings: str, **measures: Sequence[str]) -> SweepPlan:
+    """`measures`: `__` stands for a dot."""
+    return SweepPlan.of(file, settings, measures={name.replace("__", "."): kinds for name, kinds in measures.items()})
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "scenario.toml"
+    file.write_text(text, "utf-8")
+    return file
+
+
+def table(of: SweepPlan) -> list[dict[str, Any]]:
+    return rows(of, 0, of.runs).to_pylist()
+
+
+def expected(scenario: Scenario) -> dict[str, Any]:
+    """The row of a run without its number, values and measures, from its run in Python."""
+    try:
+        recording = run_in_process(scenario, scenario.step_size)
+    except UserError as e:
+        at, _, why = str(e).removeprefix(f"{scenario.file}: at ").partition(" s ")
+        return {"passed": False, "refusal": why, "refused_at": float(at)}
+    broken = [c.text for c in check(scenario, recording) if not c.passed]
+    told = {"passed": not broken, "refusal": "", "broken": len(broken), "first_broken": "".join(broken[:1])}
+    made = figures(scenario, recording)
+    limits = ", ".join(peak.name for peak in made.peaks if peak.exceeded)
+    return told | {"limits_broken": limits} | cut(scenario, recording) | fault(recording)
+
+
+def cut(scenario: Scenario, recording: Recording) -> dict[str, Any]:
+    found = figures(scenario, recording)
+    if found.production:
+        made = found.production
+        worst = max((abs(p.error) for p in made.pieces if p.name == "PRODUCT"), default=None)
+        away = [max(p.wander, abs((p.measured or p.length) - p.length)) for p in made.pieces if p.cut]
+        errors = {"cut_error": max(away, default=None), "length_error": worst}
+        return errors | {"cuts": made.cuts, "late": made.late, "skipped": made.skipped}
+    return {"cuts": len(found.cuts), "cut_error": max((abs(c.error) for c in found.cuts), default=None)}
+
+
+def fault(recording: Recording) -> dict[str, Any]:
+    for time, code in zip(recording.time.tolist(), recording.values["error_id"].tolist(), strict=True):
+        if code:
+            return {"fault": code, "faulted_at": time}
+    return {"fault": 0}
+
+
+def assert_same(of: SweepPlan) -> list[dict[str, Any]]:
+    """Each row is what is expected of its run; the rows."""
+    found = table(of)
+    for run, row in enumerate(found):
+        wanted = expected(of.scenario(run))
+        told = {name for name in row if name not in ("run", *(f.name for f in of.factors), *columns(of.measures))}
+        assert {name: row[name] for name in told} == {name: wanted.get(name) for name in told}
+        assert told >= wanted.keys() - {"limits_broken", "cuts", "cut_error"}
+    return found
+
+
+# --- the same as one run ---
+
+
+def test_the_rows_of_a_saw() -> None:
+    found = assert_same(
+        plan(SAW, "axis.max_acceleration=600,2500", "axis.max_position=150,1000", "set.0.at=0.2,0.9", "stop_time=4.4")
+    )
+    assert {row["passed"] for row in found} == {True, False}
+    assert {row["limits_broken"] for row in found} == {"", "position"}
+    assert {row["fault"] for row in found} == {0, 17118, 17119}
+    assert {row["cuts"] for row in found} == {0, 1, 2}
+
+
+def test_the_rows_of_a_saw_with_reactions() -> None:
+    found = assert_same(plan(shipped() / "FlyingSaw/cyclic_cut/scenario.toml", "length=1100,1500"))
+    assert [row["passed"] for row in found] == [False, True]
+    assert found[1]["cuts"] == 20
+
+
+def test_the_rows_of_a_block_that_tells_its_pieces() -> None:
+    cutter = shipped() / "CutToLength/basic_cut/scenario.toml"
+    found = assert_same(plan(cutter, "length=300,900,1500", "axis.max_acceleration=1000,10000"))
+    assert {row["passed"] for row in found} == {True, False}
+    assert {row["skipped"] for row in found} >= {0, 2, 18}
+    assert {row["length_error"] for row in found} == {None, 0.0}
+
+
+@pytest.mark.parametrize(
+    ("name", "setting"),
+    [
+        ("RemoteSync/no_drift", "remote.jitter=0,0.1"),
+        ("Gearing/direct_time_based", "master.velocity=-50,100,200"),
+        ("Follower/cyclic_park", "master.velocity=50,300"),
+        ("Synchronizer/polynomial", "master.velocity=50,100"),
+    ],
+)
+def test_the_rows_of_the_other_blocks(name: str, setting: str) -> None:
+    assert_same(plan(shipped() / name / "scenario.toml", setting))
+
+
+# --- refused runs ---
+
+
+def test_a_value_out_of_its_range_is_a_row() -> None:
+    found = table(plan(SAW, "axis.max_velocity=-1,1000", slave__velocity=["max"]))
+    wrong = "axis.max_velocity = -1 is not allowed: it must be 1e-12 to 1e+12"
+    assert (found[0]["refusal"], found[0]["refused_at"], found[0]["passed"]) == (wrong, 0.0, False)
+    nothing = ["broken", "first_broken", "cuts", "cut_error", "limits_broken", "fault", "slave.velocity.max"]
+    assert {found[0][name] for name in nothing} == {None}
+    assert found[1]["refusal"] == ""
+    assert found[1]["slave.velocity.max"] > 0.0
+
+
+def test_a_number_that_the_script_does_not_allow_is_a_row() -> None:
+    found = table(plan(SAW, "set.0.at=0.2,4.4"))
+    assert found[1]["refusal"] == "at: 4.4 is not before stop_time = 4.4: no step would show it"
+    assert found[1]["refused_at"] == 0.0
+
+
+def test_a_refused_start_is_a_row() -> None:
+    starts = plan(shipped() / "Gearing/direct_time_based/scenario.toml", "gearing.denominator=1,0")
+    _, found = assert_same(starts)
+    assert (
+        found["refusal"]
+        == "Gearing refuses initialize(): gearing.denominator = 0 is not allowed: an unwired input gives 0"
+    )
+    assert found["refused_at"] == 0.0
+
+
+def test_a_refused_step_is_a_row(tmp_path: Path) -> None:
+    """The master is to go 1e10 u in a step, 1e16 periods: more than 1e15."""
+    slow, quick = assert_same(plan(written(tmp_path, TURNS), "master.segments.1.velocity=1,1e12"))
+    assert slow["passed"]
+    assert "refuses step(" in quick["refusal"]
+    assert "the master's position and its prediction must be at most 1e15 periods" in quick["refusal"]
+    assert quick["refused_at"] == 0.05
+
+
+def test_an_input_that_the_fmu_refuses_during_a_run_is_a_row() -> None:
+    found = table(plan(SAW, "set.2.gear_in_pos.master_sync_position=750,1e13"))
+    assert found[1]["refusal"] == "gear_in_pos.master_sync_position = 1e+13 is not allowed: it must be -1e+12 to 1e+12"
+    assert found[1]["refused_at"] == 2.36
+
+
+# --- measures and columns ---
+
+
+def test_measures_are_those_of_the_whole_run() -> None:
+    """Of the recording, the value at time 0 does not count."""
+    of = plan(SAW, "axis.max_jerk=1e4,5e4", slave__velocity=["max", "max_time"], in_sync=["rises", "first_time"])
+    for run, row in enumerate(table(of)):
+        scenario = of.scenario(run)
+        recording = run_in_process(scenario, scenario.step_size)
+        time, speed = recording.time[1:], recording.values["slave.velocity"][1:]
+        assert row["slave.velocity.max"] == speed.max()
+        assert row["slave.velocity.max_time"] == time[speed.argmax()]
+        sync = recording.values["in_sync"]
+        assert row["in_sync.rises"] == (np.diff(sync) > 0.0).sum()
+        assert row["in_sync.first_time"] == (time[sync[1:].argmax()] if sync.any() else None)
+
+
+def test_columns_that_a_scenario_cannot_have_are_left_out() -> None:
+    assert schema(plan(SAW, "master.velocity=1,2")).names == [
+        "run", "master.velocity", *ALWAYS, "cuts", "cut_error", "limits_broken", "fault", "faulted_at"
+    ]  # fmt: skip
+    gearing = plan(example_of("Gearing").file, "master.velocity=1,2", slave__jerk=["rms", "last"])
+    assert schema(gearing).names == [
+        "run", "master.velocity", *ALWAYS, "fault", "faulted_at", "slave.jerk.rms", "slave.jerk.last"
+    ]  # fmt: skip
+    assert {"cuts", "late", "skipped", "length_error"} < {
+        *schema(plan(example_of("CutToLength").file, "kerf=1,2")).names
+    }
+
+
+def test_columns_have_the_types_of_their_values() -> None:
+    varied = plan(
+        SAW,
+        "master.velocity=200,250",
+        "sync_mode.time_based=true,false",
+        "gear_in_pos.ratio_denominator=1,2",
+        "master.input_mode=START_OF_STEP,END_OF_STEP",
+    )
+    types = dict(zip(schema(varied).names, schema(varied).types, strict=True))
+    assert types["master.velocity"] == pa.float64()
+    assert types["sync_mode.time_based"] == pa.bool_()
+    assert types["gear_in_pos.ratio_denominator"] == pa.int64()
+    assert types["master.input_mode"] == pa.string()
+    assert (types["run"], types["passed"], types["refusal"]) == (pa.int64(), pa.bool_(), pa.string())
+    found = rows(varied, 1, 3)
+    assert found.schema == schema(varied)
+    assert found["run"].to_pylist() == [1, 2]
+    assert found["master.input_mode"].to_pylist() == ["END_OF_STEP", "START_OF_STEP"]
+    assert rows(varied, 2, 2).num_rows == 0
+
+
+# --- memory ---
+
+
+class Watched:
+    """Stands for `run_scenarios`, and keeps how many runs were recorded together, and of which outputs."""
+
+    def __init__(self) -> None:
+        self.calls: list[tuple[int, list[str]]] = []
+
+    def __call__(
+        self, scenarios: Sequence[Scenario], outputs: Sequence[str], reduce: Mapping[str, Any], threads: int
+    ) -> list[ScriptedRun]:
+        self.calls.append((len(scenarios), list(outputs)))
+        return run_scenarios(scenarios, outputs, reduce, threads)
+
+
+@pytest.fixture
+def watched(monkeypatch: pytest.MonkeyPatch) -> Watched:
+    found = Watched()
+    monkeypatch.setattr(of_sweep, "run_scenarios", found)
+    return found
+
+
+def test_only_so_many_recordings_are_in_memory(watched: Watched, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run has 221 points of the time, four numbers of the axis and at least the slave's four outputs."""
+    of = plan(SAW, "axis.max_position=150:1000:9")
+    whole = table(of)
+    assert [number for number, _ in watched.calls] == [9]
+    watched.calls.clear()
+    monkeypatch.setattr(of_sweep, "MOST_MEMORY", 4 * 221 * 8.0 * 10)
+    assert table(of) == whole
+    assert len(watched.calls) > 2
+    assert max(number for number, _ in watched.calls) <= 4
+    monkeypatch.setattr(of_sweep, "MOST_MEMORY", 1.0)
+    assert table(of) == whole
+
+
+def test_runs_that_nobody_judges_are_not_recorded(tmp_path: Path, watched: Watched) -> None:
+    """Limits, faults and measures are known nevertheless; who may have broken a limit is run once more."""
+    of = plan(
+        written(tmp_path, SMOOTH),
+        "axis.max_position=50,150,2000",
+        "axis.max_jerk=20000,50000",
+        "master.velocity=100,250,500",
+        slave__position=["max"],
+    )
+    found = assert_same(of)
+    assert {row["limits_broken"] for row in found} == {"", "position"}
+    assert {row["fault"] for row in found} > {0}
+    assert watched.calls[0] == (18, [])
+    broken = sum(row["limits_broken"] != "" for row in found)
+    assert watched.calls[1:] == [(broken, [*SLAVE])]
+
+
+def test_a_required_reaction_is_judged_without_a_recording(tmp_path: Path) -> None:
+    """It never happens where the saw is never in sync."""
+    react = '[[on]]\nwhen = "in_sync"\nrequired = true\nset = { "gear_in_pos.execute" = false }\n'
+    of = plan(written(tmp_path, SMOOTH + react), "axis.max_acceleration=100,2000")
+    lazy, quick = assert_same(of)
+    assert lazy["first_broken"] == "reaction to in_sync once: found never"
+    assert quick["passed"]
+
+
+def test_rows_do_not_depend_on_chunks_and_threads() -> None:
+    of = plan(SAW, "axis.max_acceleration=600:2500:7", "axis.max_velocity=-1,1000", slave__jerk=["max"])
+    whole = rows(of, 0, of.runs)
+    assert rows(of, 0, of.runs, threads=2) == whole
+    assert pa.concat_tables([rows(of, 0, 5), rows(of, 5, 6), rows(of, 6, of.runs)]).combine_chunks() == whole
+
+
+@pytest.mark.parametrize(("first", "last"), [(0, 3), (-1, 1), (2, 1)])
+def test_runs_that_the_plan_has_not_are_refused(first: int, last: int) -> None:
+    with pytest.raises(UserError, match="there are no runs"):
+        rows(plan(SAW, "master.velocity=200,250"), first, last)
