@@ -166,6 +166,12 @@ def test_an_unknown_column_is_told(done: Rows) -> None:
         done.column("cut")
 
 
+def test_of_a_plan_that_was_only_written_all_runs_are_missing(tmp_path: Path) -> None:
+    SweepPlan.of(SAW, ["axis.max_jerk=1e4,2e4"]).write(tmp_path)
+    assert (len(Rows(tmp_path)), Rows(tmp_path).missing) == (0, [range(2)])
+    assert Rows(tmp_path).to_table().num_rows == 0
+
+
 def test_a_folder_without_a_plan_is_told(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"plan\.toml"):
         Rows(tmp_path)

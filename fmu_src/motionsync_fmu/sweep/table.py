@@ -73,7 +73,8 @@ class Rows:
     @property
     def missing(self) -> list[range]:
         """The numbers of the runs that have no row yet."""
-        runs, chunk = self.plan.runs, self.plan.chunk
+        runs = self.plan.runs
+        chunk = self.plan.chunk or runs  # not settled yet: nothing has run
         there = [*self._files, -(-runs // chunk)]
         before = [-1, *self._files]
         gaps = zip(before, there, strict=True)
