@@ -63,6 +63,8 @@ def test_only_what_is_missing_is_done(tmp_path: Path) -> None:
     go(Tiny(25), tmp_path, squares, workers=1, progress=lambda *done: told.append(done))
     assert told == [(15, 25), (25, 25)]
     assert contents(tmp_path) == before
+    go(Tiny(25), tmp_path, squares, scheduler="tcp://127.0.0.1:1")  # nothing is missing, so nobody is asked
+    assert contents(tmp_path) == before
 
 
 def test_the_size_of_a_chunk_is_found_by_a_trial(tmp_path: Path) -> None:
@@ -98,6 +100,7 @@ def without_leftovers() -> Iterator[set[psutil.Process]]:
             process.wait(10)
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_its_chunk_alone(tmp_path: Path) -> None:
     killed: list[int] = []
     with without_leftovers() as before:
@@ -114,6 +117,7 @@ def test_a_worker_that_is_killed_costs_its_chunk_alone(tmp_path: Path) -> None:
     assert contents(tmp_path / "a") == contents(tmp_path / "b")
 
 
+@pytest.mark.slow
 def test_a_chunk_that_ends_its_workers_does_not_stop_the_others(tmp_path: Path) -> None:
     """Dask also gives up a chunk that waited for the worker that ended; none of those that came later."""
     (tmp_path / "trap-20").touch()
@@ -134,6 +138,7 @@ def test_a_chunk_that_ends_its_workers_does_not_stop_the_others(tmp_path: Path) 
     assert_squares(folder, plan)
 
 
+@pytest.mark.slow
 def test_two_computers_work_and_one_does_not_see_the_folder(
     computers: Computers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -149,6 +154,7 @@ def test_two_computers_work_and_one_does_not_see_the_folder(
     assert len([line for line in told if line.startswith("dashboard: http://127.0.0.1:")]) == 1
 
 
+@pytest.mark.slow
 def test_a_worker_of_another_version_is_refused(computers: Computers, tmp_path: Path) -> None:
     other = tmp_path / "other.py"
     other.write_text("import motionsync_fmu\nmotionsync_fmu.__version__ = '0.0.1'\n", "utf-8")

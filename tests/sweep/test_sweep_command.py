@@ -102,6 +102,7 @@ def test_an_output_that_is_no_folder_is_one_line(motionsync: Command) -> None:
     assert_one_line(motionsync(*SWEEP), "Missing option '--output'")
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_at_once_and_the_same_command_goes_on(motionsync: Command, tmp_path: Path) -> None:
     """The signal goes to the whole group, as a terminal sends it; none of the processes is left."""
     many = ("sweep", SCENARIO, "--set", "master.velocity=80:100:41", "--set", "output_phasing=60:120:15")
@@ -141,6 +142,7 @@ def test_ctrl_c_ends_at_once_and_the_same_command_goes_on(motionsync: Command, t
     assert contents(Path("a")) == contents(Path("b"))
 
 
+@pytest.mark.slow
 def test_two_computers_compile_once_each_and_make_one_table(computers: Computers, motionsync: Command) -> None:
     """One of them does not see the folder: it sends its rows back."""
     far = (*SWEEP, "--chunk", "1", "--scheduler", computers.address, "--output", computers.seen / "real", "--json")

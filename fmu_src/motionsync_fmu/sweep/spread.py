@@ -129,7 +129,9 @@ def go(
         plan = _settled(plan, _made(folder), rows, workers)
         work = _Work(Parts(folder.resolve(), _digest(folder), plan.runs, plan.chunk), progress)
     except KeyboardInterrupt:
-        raise Interrupted("interrupted before the first run") from None
+        raise Interrupted("interrupted before any run was begun; the same command begins them") from None
+    if not work.waiting:
+        return plan
     task = Task(rows, plan, work.parts, uuid4().hex)
     with work.told(), work.parts.marked(task.token), _crew(task, len(work.waiting), scheduler, workers, tell) as crew:
         work.go_on(crew)
@@ -201,7 +203,7 @@ class _Work:
 def _crew(task: Task, chunks: int, scheduler: str, workers: int, tell: Callable[[str], None]) -> Iterator[Crew]:
     """Who works on so many chunks: for one worker this process is enough, without the seconds that others take."""
     workers = min(workers, chunks)
-    if workers <= 1 and not scheduler:
+    if workers == 1 and not scheduler:
         yield Alone(task)
         return
     with cluster(task, scheduler, workers, tell) as crew:
