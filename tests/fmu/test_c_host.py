@@ -35,7 +35,7 @@ linux = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def run(block: str) -> Run:
-    return calm(block, H, STEPS, count=100)  # few runs of some block show three states
+    return calm(block, H, STEPS, states=3)
 
 
 @pytest.fixture(scope="module")

@@ -21,13 +21,13 @@ from fmpy.validation import validate_fmu
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
 from motionsync_fmu import __version__
-from motionsync_fmu.build import Flavour, build, build_python
+from motionsync_fmu.build import Flavour, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
 from tests.support.cosim import cosim
-from tests.support.fmus import Fmus
+from tests.support.fmus import Fmus, build_here
 from tests.support.random_runs import calm, drawn
 
 DISCARD, FATAL = 2, 4
@@ -681,7 +681,7 @@ def in_gear_and_out(h: float) -> list[dict[str, Any]]:
 @pytest.mark.parametrize("flavour", [Flavour.PYTHON, Flavour.NATIVE])
 def test_libcosim_gives_the_gearing_of_fmpy(tmp_path: Path, flavour: Flavour) -> None:
     starts = {"gear_in.start_mode": "WITH_CW_CCW_REFERENCE_POSITION", "gear_out.stop_mode": "WITH_CW_STOP_POSITION"}
-    fmu = build(flavour, Recipe("Gearing", "mm", starts), tmp_path / "Gearing.fmu")
+    fmu = build_here(flavour, Recipe("Gearing", "mm", starts), tmp_path / "Gearing.fmu")
     h = 1.0 / 128.0
     plan = in_gear_and_out(h)
     cosim = libcosim(fmu, plan, h)
@@ -742,7 +742,7 @@ def telegrams(h: float) -> list[dict[str, Any]]:
 def test_libcosim_gives_the_remote_axis_of_fmpy(tmp_path: Path, flavour: Flavour) -> None:
     h = 1.0 / 128.0
     starts = {"estimator": "PHASE", "task_cycle_time": repr(h), "end_of_transition_limit": "10"}
-    fmu = build(flavour, Recipe("RemoteSync", "mm", starts), tmp_path / "RemoteSync.fmu")
+    fmu = build_here(flavour, Recipe("RemoteSync", "mm", starts), tmp_path / "RemoteSync.fmu")
     plan = telegrams(h)
     cosim = libcosim(fmu, plan, h)
     assert {row["state_code"] for row in cosim} == {1.0, 2.0, 3.0, 4.0}

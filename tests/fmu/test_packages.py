@@ -28,9 +28,11 @@ BUILDS = """
 from pathlib import Path
 from motionsync_fmu.build import Flavour, build
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.native.platforms import here
 for flavour, unit in {builds}:
     print(Recipe("Nested", unit).guid())
-    build(Flavour(flavour), Recipe("Nested", unit), Path(unit, flavour, "Nested.fmu"))
+    rows = [here()] if flavour == "native" and here() else []
+    build(Flavour(flavour), Recipe("Nested", unit), Path(unit, flavour, "Nested.fmu"), platforms=rows)
 """
 
 

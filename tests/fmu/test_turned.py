@@ -20,7 +20,7 @@ from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance, recipe_o
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import simulate
 from tests import ROOT
-from tests.support.fmus import Fmus, Shared
+from tests.support.fmus import Fmus, Shared, build_here
 from tests.support.random_runs import calm
 from tests.support.runs import Run
 
@@ -81,7 +81,7 @@ def pair(request: pytest.FixtureRequest, fmus: Fmus, shared: Shared) -> tuple[st
 def turned_fmu(shared: Shared, flavour: Flavour, block: str) -> Path:
     recipe = turned(block)
     folder = shared.once(
-        f"turned/{flavour.value}/{block}", lambda f: build(flavour, recipe, fmu_path(recipe, f, flavour))
+        f"turned/{flavour.value}/{block}", lambda f: build_here(flavour, recipe, fmu_path(recipe, f, flavour))
     )
     return fmu_path(recipe, folder, flavour)
 

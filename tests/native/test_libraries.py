@@ -29,7 +29,7 @@ from motionsync_fmu.native.platforms import PLATFORMS, ROWS
 from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from tests import ROOT
-from tests.support.fmus import Fmus
+from tests.support.fmus import Fmus, build_here
 
 RECIPE = Recipe("Synchronizer")
 LARGEST = 200_000  # bytes, of an FMU
@@ -250,7 +250,7 @@ def test_the_table_of_platforms_is_read_without_a_compiler() -> None:
 
 def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
     recipe = Recipe("Synchronizer", "deg", {"output_phasing": "30", "curve": "PARABOLA", "rest_value": "180"})
-    target = build_native(recipe, tmp_path / "Synchronizer.fmu")
+    target = build_here(Flavour.NATIVE, recipe, tmp_path / "Synchronizer.fmu")
     with FmuInstance(target) as host:
         host.initialize()
         found = host.get(["output_phasing", "curve", "rest_value"])

@@ -34,6 +34,12 @@ class Shared:
         return done
 
 
+def build_here(flavour: Flavour, recipe: Recipe, target: Path) -> Path:
+    """Build an FMU that need not run anywhere else: the native one for this machine alone, if it is a platform."""
+    platform = here(recipe.fmi) if flavour == Flavour.NATIVE else None
+    return build(flavour, recipe, target, platforms=[platform] if platform else ())
+
+
 class Fmus:
     """The FMUs of all blocks, positions in mm; each is built when a test first asks for it."""
 
