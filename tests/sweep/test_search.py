@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from motionsync_fmu.errors import UserError
+from motionsync_fmu.errors import Interrupted, UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.sweep.factors import assigned
@@ -212,6 +212,18 @@ def test_the_folder_of_a_search_is_no_sweep_s(motionsync: Command, ramp: Path) -
     told = "found is the folder of a search, not of a sweep"
     assert_one_line(motionsync("sweep-plot", "found", "--x", "run", "--y", "passed"), told)
     assert_one_line(motionsync("sweep", ramp, "--set", "master.velocity=100,5000", "--output", "found"), told)
+
+
+def test_an_interrupted_search_says_what_is_kept(ramp: Path, tmp_path: Path) -> None:
+    def stop(done: int, points: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted, match="nothing is kept without a folder"):
+        search(ramp, VELOCITY, "fault == 0", relative=0.1, progress=stop)
+    with pytest.raises(Interrupted, match="nothing is kept without a folder"):
+        search(ramp, VELOCITY, "fault == 0", relative=0.1, workers=2, progress=stop)
+    with pytest.raises(Interrupted, match=r"the same command goes on|before the first"):
+        search(ramp, VELOCITY, "fault == 0", relative=0.1, output=tmp_path / "found", progress=stop)
 
 
 @pytest.mark.parametrize(

@@ -13,11 +13,11 @@ it is that works, the runs tell.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from ..errors import choose
+from ..errors import Interrupted, choose
 from ..extras import need
 from ..scenario.reader import load
 from ..scenario.shipped import find_one
@@ -104,19 +104,30 @@ def found(
 ) -> "pa.Table":
     """What `search` gives, for a search that is made already."""
     import pyarrow as pa  # noqa: PLC0415
-    import pyarrow.dataset as ds  # noqa: PLC0415
 
     from .boundaries import boundaries  # noqa: PLC0415
     from .spread import go  # noqa: PLC0415
 
-    few = wanted.runs <= TOGETHER and workers is None
-    if output is None and not scheduler and (few or workers == 1):  # no other process, no file
-        return pa.concat_tables(_here(wanted, progress))
-    with TemporaryDirectory() as aside:
-        folder = Path(output or aside)
-        go(wanted, folder, boundaries, scheduler=scheduler, workers=workers, progress=progress, tell=tell)
-        files = [str(file) for file in folder.glob("part-*.parquet")]
-        return ds.dataset(files).to_table().sort_by("point").replace_schema_metadata()
+    options: Any = {"scheduler": scheduler, "workers": workers, "progress": progress, "tell": tell}
+    if output is not None:
+        go(wanted, Path(output), boundaries, **options)
+        return _read(Path(output))
+    try:
+        if not scheduler and (workers == 1 or (workers is None and wanted.runs <= TOGETHER)):
+            return pa.concat_tables(_here(wanted, progress))
+        with TemporaryDirectory() as aside:
+            go(wanted, Path(aside), boundaries, **options)
+            return _read(Path(aside))
+    except (KeyboardInterrupt, Interrupted):
+        raise Interrupted("interrupted: nothing is kept without a folder for the rows (--output)") from None
+
+
+def _read(folder: Path) -> "pa.Table":
+    """The rows in the parts of a folder, in the order of the points."""
+    import pyarrow.dataset as ds  # noqa: PLC0415
+
+    files = [str(file) for file in folder.glob("part-*.parquet")]
+    return ds.dataset(files).to_table().sort_by("point").replace_schema_metadata()
 
 
 def _here(wanted: "Search", progress: Callable[[int, int], None]) -> "Iterator[pa.Table]":
