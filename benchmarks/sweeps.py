@@ -2,8 +2,8 @@
 
     python benchmarks/sweeps.py
 
-Each figure comes from processes of its own, and each ratio from figures of one call. A machine that does other things
-makes all of it slower, and most of all the ratio of two processes to one.
+Each ratio is one of figures of the same call. A machine that does other things makes all of it slower, and most of all
+two processes beside one. The greatest memory is told by Linux alone.
 """
 
 import argparse
@@ -13,7 +13,7 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 
 from motionsync_fmu.scenario.shipped import find_one
 from motionsync_fmu.sweep.crew import cluster
@@ -26,13 +26,13 @@ MACHINE = "CutToLength/cyclic_orders"
 RATIO = 1.8  # of two processes to one: the target
 FLAT = 1.1  # memory of twice the steps to that of the steps: the target
 MEMORY = """
-import resource, sys
+import re, sys
 from pathlib import Path
 from motionsync_fmu.sweep.plan import SweepPlan
 from motionsync_fmu.sweep.rows import rows
 plan = SweepPlan.of(Path(sys.argv[1]), sys.argv[2:], measures={"slave.velocity": ("max",)})
 rows(plan, 0, plan.runs)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+print(re.search(r"VmHWM:\\s*(\\d+) kB", Path("/proc/self/status").read_text())[1])
 """
 START = """
 import sys
@@ -106,7 +106,7 @@ def chunks(runs: int) -> None:
     """What a chunk costs beside its runs: the same runs in one chunk and in many; and a task that does nothing."""
     plans = [plan_of(SCENARIO, runs, chunk) for chunk in (runs, runs // 100)]
     few, many = (median(swept_here(plan) for _ in range(3)) for plan in plans)
-    print(f"\na chunk costs {(many - few) / 99 * 1e3:.1f} ms beside its runs")
+    print(f"\na chunk costs {(many - few) / 99 * 1e3:.1f} ms of processor time beside its runs")
     count = 3000
     with cluster(nothing, "", 2, lambda line: None) as crew:
         while crew.places < 4:
@@ -118,11 +118,11 @@ def chunks(runs: int) -> None:
 
 
 def swept_here(plan: SweepPlan) -> float:
-    """The seconds of a sweep in this process."""
-    begin = perf_counter()
+    """The seconds of processor time of a sweep in this process."""
+    begin = process_time()
     with tempfile.TemporaryDirectory() as folder:
         go(plan, Path(folder), rows, workers=1)
-    return perf_counter() - begin
+    return process_time() - begin
 
 
 def memory(runs: int) -> None:

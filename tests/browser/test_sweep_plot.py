@@ -82,8 +82,8 @@ def test_a_cell_tells_its_runs_and_the_command_that_repeats_one(open_page: Open,
 
 
 def test_a_curve_tells_the_run_at_it(open_page: Open, sweep: Path) -> None:
-    """Near the top on the right lies the line of 2000 mm/s2: at 1500 mm/s it takes 3125 mm, more than any length; at 1400
-    mm/s 1400 (0.4 + 1.54) + 50 = 2766 mm, so 2800 mm."""
+    """Near the top on the right lies the line of 2000 mm/s2: at 1500 mm/s it takes 3125 mm, more than any length; at
+    1400 mm/s 1400 (0.4 + 1.54) + 50 = 2766 mm, so 2800 mm."""
     visit = open_page(sweep / "plot.html")
     point(visit, BOUNDARY, 0.93, 0.95)
     assert told(visit).startswith("axis.max_acceleration 2000 mm/s², master.velocity 1400 mm/s: least length")
@@ -105,14 +105,18 @@ def test_the_map_has_the_colours_of_the_screen(open_page: Open, sweep: Path) -> 
     assert (colour(visit, 0.5, 0.9), colour(visit, 0.9, 0.05)) == ([0x4C, 0x9F, 0xE0], [0xE8, 0x68, 0x3A])
 
 
-def test_a_click_holds_a_cell_and_escape_lets_it_go(open_page: Open, sweep: Path) -> None:
-    visit = open_page(sweep / "plot.html")
+def test_a_click_holds_a_cell_so_that_its_command_can_be_copied(open_page: Open, sweep: Path) -> None:
+    """Escape lets it go."""
+    visit = open_page(sweep / "plot.html", permissions=["clipboard-read", "clipboard-write"])
     place = at(visit, MAP, 0.5, 0.51)
     visit.page.mouse.click(*place)
     held = told(visit)
     assert "800 mm/s" in held
     point(visit, MAP, 0.8, 0.2)
     assert told(visit) == held
+    visit.page.get_by_role("button", name="copy").click()
+    visit.page.get_by_role("button", name="copied").wait_for()
+    assert visit.page.evaluate("navigator.clipboard.readText()") == visit.page.locator(".picked code").inner_text()
     visit.page.keyboard.press("Escape")
     assert told(visit).startswith("Point at a cell")
     point(visit, MAP, 0.5, 0.3)
@@ -133,14 +137,6 @@ def test_keys_go_from_cell_to_cell(open_page: Open, sweep: Path) -> None:
     assert told(visit) != first
     visit.page.keyboard.press("ArrowDown")
     assert "6000 mm/s²" in told(visit)
-
-
-def test_the_command_can_be_copied(open_page: Open, sweep: Path) -> None:
-    visit = open_page(sweep / "plot.html", permissions=["clipboard-read", "clipboard-write"])
-    visit.page.mouse.click(*at(visit, MAP, 0.5, 0.51))
-    visit.page.get_by_role("button", name="copy").click()
-    visit.page.get_by_role("button", name="copied").wait_for()
-    assert visit.page.evaluate("navigator.clipboard.readText()") == visit.page.locator(".picked code").inner_text()
 
 
 def test_a_run_of_the_front_is_chosen_in_its_table(open_page: Open, sweep: Path) -> None:

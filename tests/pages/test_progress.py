@@ -69,3 +69,40 @@ def test_an_error_ends_the_line(log: io.StringIO) -> None:
     with pytest.raises(ValueError, match="no"), progress.doing("building e.fmu"):
         raise ValueError("no")
     assert log.getvalue() == "building e.fmu ..\n"
+
+
+def test_a_count_tells_rate_and_time_left(log: io.StringIO, monkeypatch: pytest.MonkeyPatch) -> None:
+    """100 of 1100 were done before; 200 more in 4 s are 50 a second, and 800 are left: 16 s."""
+    now = 1000.0
+    monkeypatch.setattr(progress, "monotonic", lambda: now)
+    monkeypatch.setattr(progress, "PATIENCE", 1e3)
+    monkeypatch.setattr(progress, "LINE", 3.0)
+    with progress.counting("sweeping f", "runs") as count:
+        count(100, 1100)
+        now = 1001.0
+        count(150, 1100)  # too early for a line
+        now = 1004.0
+        count(300, 1100)
+        count.tell("a word between")
+    assert log.getvalue() == ("sweeping f ..\n  300 of 1,100 runs, 50 runs/s, 16 s left ..\n  a word between ..\n")
+
+
+def test_on_a_terminal_a_count_is_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = io.StringIO()
+    console = Console(file=stream, force_terminal=True, width=120, highlight=False, markup=False)
+    monkeypatch.setattr(progress, "err", console)
+    with progress.counting("sweeping g", "runs") as count:
+        count(0, 40)
+        time.sleep(0.01)
+        count(10, 40)
+        count.tell("a word between")
+    assert "10 of 40 runs, " in stream.getvalue()
+    assert " s left" in stream.getvalue()
+    assert "a word between" in stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("time", "text"), [(0.4, "0 s"), (59.6, "1 min 0 s"), (200.0, "3 min 20 s"), (18420.0, "5 h 7 min")]
+)
+def test_a_duration_is_told_as_people_say_it(time: float, text: str) -> None:
+    assert progress.duration(time) == text

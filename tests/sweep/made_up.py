@@ -1,5 +1,6 @@
 """Part files with made-up rows, as a sweep writes them: how short a piece can be over velocity and acceleration."""
 
+import base64
 from pathlib import Path
 from typing import Any
 
@@ -65,3 +66,11 @@ def sweep(folder: Path, *counts: int, part: int = 500) -> SweepPlan:
     plan.write(folder)
     write(folder, rows(plan), part)
     return plan
+
+
+def unpacked(column: Any) -> list[Any]:
+    """The values of a column that is packed for a page's script."""
+    if "data" in column:
+        return list(np.frombuffer(base64.b64decode(column["data"]["bytes"]), "<f8").tolist())
+    places = np.frombuffer(base64.b64decode(column["places"]["bytes"]), "<u2")
+    return [column["list"][place] for place in places]

@@ -1,14 +1,17 @@
 """docs/sweeps.md tells the truth: its commands find the lengths in its tables, and its picture is drawn from them."""
 
+import ast
 import csv
 import json
 import re
 import shlex
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from motionsync.cut_to_length.limits import Machine, shortest_pitch
 from motionsync_fmu.sweep.picture import Found, beside, svg
 from tests import ROOT
 from tests.support.command_line import Command
@@ -97,6 +100,32 @@ def test_how_much_more_the_saw_needs() -> None:
     (least, most) = re.findall(r"The FlyingSaw needs (\S+) to (\S+) % more", PAGE)[0]
     assert (round(share.min(), 1), round(share.max(), 1)) == (float(least), float(most))
     assert f"to {most} % more" in README
+
+
+def test_the_examples_in_python_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    sweeping, searching = re.findall(r"```python\n(.*?)```", PAGE, re.S)
+    exec(sweeping, {"__name__": "__main__"})
+    number, columns = capsys.readouterr().out.split(" ", 1)
+    assert number == "90"
+    assert sum(ast.literal_eval(columns)["passed"]) == passing()
+    exec(searching, {"__name__": "__main__"})
+    lengths = [row["length"] for row in ast.literal_eval(capsys.readouterr().out)]
+    assert lengths == pytest.approx([372.937142, 997.606774], rel=1e-6)  # of the block's README, with all digits
+
+
+def passing() -> int:
+    """At how many of the example's points pieces are long enough, by what the block foretells."""
+    machine = Machine(
+        max_velocity=1500.0, approach_reserve=0.0, approach_jerk=2e5, homing_velocity=1500.0, homing_jerk=2e5
+    )
+    return sum(
+        length >= shortest_pitch(machine, velocity)
+        for length in np.linspace(600.0, 1500.0, 10)
+        for velocity in np.linspace(400.0, 1200.0, 9)
+    )
 
 
 def test_the_picture_is_drawn_from_the_tables() -> None:

@@ -1,10 +1,12 @@
 """A run of a sweep alone: `motionsync run --set`, with the very values of the run."""
 
 import json
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 from motionsync_fmu import places
@@ -12,10 +14,13 @@ from motionsync_fmu.build import Flavour, fmu_path
 from motionsync_fmu.scenario.judge import check
 from motionsync_fmu.scenario.run import run_in_process
 from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.sweep.plot.page import make_page
+from motionsync_fmu.sweep.plot.view import Question
 from motionsync_fmu.sweep.repeat import with_values
+from motionsync_fmu.sweep.rows import rows
 from tests.support.command_line import Command, assert_one_line
 from tests.support.fmus import Fmus
-from tests.sweep.made_up import EXAMPLE
+from tests.sweep.made_up import EXAMPLE, unpacked
 
 SAMPLED = [
     "master.velocity=100..1500",
@@ -70,3 +75,23 @@ def test_a_run_is_judged_as_the_sweep_judges_it(motionsync: Command, fmus: Fmus)
 )
 def test_a_value_that_is_none_is_told(motionsync: Command, setting: str, parts: tuple[str, ...]) -> None:
     assert_one_line(motionsync("run", SCENARIO, "--set", setting, "--flavour", "python"), *parts)
+
+
+def test_a_command_of_the_page_repeats_the_run_that_it_tells(tmp_path: Path) -> None:
+    """A sweep that is really run: what the page's command sets gives the measures of the row, to the bit."""
+    measures = {"slave.acceleration": ["max"], "limits.min_length": ["last"]}
+    plan = SweepPlan.of(EXAMPLE, SAMPLED, samples=4, seed=1, measures=measures)
+    plan.write(tmp_path)
+    table = rows(plan, 0, plan.runs)
+    pq.write_table(table, tmp_path / "part-000000.parquet")
+    page = make_page(tmp_path, Question("master.velocity", "slave.acceleration.max")).read_text("utf-8")
+    packed = json.loads(re.findall(r'id="sweep">(.*)</script>', page)[0])["runs"]
+    numbers = unpacked(packed["numbers"])
+    assert numbers == [float(run) for run in range(4)]  # each run lies alone in its cell
+    values = {c["name"]: unpacked(c["values"]) for c in packed["columns"] if c["varied"]}
+    for i, told in enumerate(table.to_pylist()):
+        scenario = with_values(EXAMPLE, {name: repr(of_run[i]) for name, of_run in values.items()})
+        recording = run_in_process(scenario, scenario.step_size)
+        assert recording.values["slave.acceleration"][1:].max() == told["slave.acceleration.max"]
+        assert recording.values["limits.min_length"][-1] == told["limits.min_length.last"]
+        assert recording.values["statistics.cuts"][-1] == told["cuts"]

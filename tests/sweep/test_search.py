@@ -207,6 +207,13 @@ def test_the_same_command_goes_on_and_another_is_refused(motionsync: Command, ra
     assert_one_line(motionsync(*arguments, "fault == 0", "--relative", "1e-3"), "relative", "0.001")
 
 
+def test_the_folder_of_a_search_is_no_sweep_s(motionsync: Command, ramp: Path) -> None:
+    assert motionsync("search", ramp, "--vary", VELOCITY, "--until", "fault == 0", "--output", "found").status == 0
+    told = "found is the folder of a search, not of a sweep"
+    assert_one_line(motionsync("sweep-plot", "found", "--x", "run", "--y", "passed"), told)
+    assert_one_line(motionsync("sweep", ramp, "--set", "master.velocity=100,5000", "--output", "found"), told)
+
+
 @pytest.mark.parametrize(
     ("changed", "parts"),
     [

@@ -81,7 +81,7 @@ def test_the_size_of_a_chunk_is_found_by_a_trial(tmp_path: Path) -> None:
         (1e-3, 4000, 2, 1000),  # 1 s
         (1e-3, 300, 2, 300),
         (20.0, 100, 2, 1),
-        (1e-6, 10**9, 2, 20_000),  # not more than memory takes
+        (1e-6, 10**9, 2, 50_000),  # not more than memory takes
     ],
 )
 def test_a_chunk_lasts_some_seconds(one: float, runs: int, workers: int, chunk: int) -> None:

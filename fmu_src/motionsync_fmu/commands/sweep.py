@@ -81,6 +81,7 @@ def sweep(
     from ..sweep.rows import rows
     from ..sweep.spread import go
     from ..sweep.summary import summary
+    from ..sweep.table import Rows
 
     plan = _plan(path, setting or [], samples, method, seed, measure or [], chunk, yes)
     with counting(f"sweeping {called(plan.file)}", "runs") as count:
@@ -88,7 +89,7 @@ def sweep(
         plan = go(plan, output, rows, scheduler=scheduler, workers=workers, progress=pace, tell=count.tell)
         pace.stop()
     with doing("reading the rows", at_once=False):
-        told = summary(output)
+        told = summary(Rows(output))
     if as_json:
         print(json.dumps({**told.as_json(), "now": pace.runs, "runs_per_second": pace.rate, "folder": str(output)}))
     else:

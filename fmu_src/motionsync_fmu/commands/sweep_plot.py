@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from ..errors import UserError
-from ..extras import how_to_install
+from ..extras import need
 from ..pages.console import out
 from ..pages.progress import doing
 
@@ -74,10 +73,8 @@ def sweep_plot(
 
         motionsync sweep-plot out --x slave.acceleration.max --y cuts --better x=min,y=max
     """
-    try:
-        from ..sweep.plot.page import make_page
-    except ImportError as e:
-        raise UserError(f"sweep-plot needs {e.name}: {how_to_install('sweep')}") from None
+    need("sweep", "duckdb", "pyarrow")
+    from ..sweep.plot.page import make_page
     from ..sweep.plot.view import Question
 
     question = Question(x, y, colour, amount or "", better, beside or (), passed)

@@ -20,11 +20,10 @@ from . import measures as of_runs
 from .bisection import Boundaries, Flags, Indices, Reals, bisect
 from .conditions import RowCondition
 from .factors import BETWEEN
-from .plan import FILE, SweepPlan
+from .plan import FILE, SEARCH, SweepPlan
 from .rows import rows_with, schema
 from .samples import Method
 
-TABLE = "search"  # of plan.toml: what is no part of a sweep's
 POINT, BESIDE, HOLDS, REFUSAL, RUNS = "point", "beside", "holds", "refusal", "runs"
 ABOVE, BELOW, BOTH, NEITHER = "above", "below", "at both ends", "at neither end"
 FINEST = 1e-15  # relative: of finer values there are none
@@ -118,7 +117,7 @@ class Search:
         Raises:
             UserError: they cannot be written.
         """
-        more = f"\n[{TABLE}]\nuntil = {json.dumps(self.until)}\nrelative = {self.relative!r}\n"
+        more = f"\n[{SEARCH}]\nuntil = {json.dumps(self.until)}\nrelative = {self.relative!r}\n"
         replace(self.plan, chunk=self.chunk).write(folder, more)
 
     @classmethod
@@ -128,8 +127,8 @@ class Search:
         Raises:
             UserError: there is none, or its plan is damaged.
         """
-        plan = SweepPlan.read(folder, TABLE)
-        table = read_toml(folder / FILE).table(TABLE)
+        plan = SweepPlan.read(folder, SEARCH)
+        table = read_toml(folder / FILE).table(SEARCH)
         table.allow_only("until", "relative")
         return cls(plan, table.string("until"), table.number("relative"), plan.chunk)
 

@@ -170,8 +170,8 @@ class Workers:
 class Cluster:
     """The workers of a Dask scheduler, on this computer or others.
 
-    The scheduler itself need not have motionsync: it sees the task as bytes, which the worker unpacks. These go with each
-    chunk. If workers had them from each other, one that is lost would keep those waiting that it was to give them to."""
+    The scheduler need not have motionsync: it sees the task as bytes, which the worker unpacks. They go with each
+    chunk. If a worker had them from another one, it would wait for that one, which may be lost."""
 
     def __init__(self, client: "Client", task: Task, own: Workers | None, tell: Callable[[str], None]) -> None:
         self.client = client
@@ -211,9 +211,7 @@ class Cluster:
         from distributed import CancelledError, KilledWorker  # noqa: PLC0415 (part of an extra)
 
         if future.status == "finished" and self.task.is_written(number):
-            return Done(
-                number, b""
-            )  # nobody need be asked for the result: who has it may be gone, and Dask waits for it
+            return Done(number, b"")  # without asking for the result, since the worker that has it may be lost
         try:
             return Done(number, future.result())
         except KilledWorker:

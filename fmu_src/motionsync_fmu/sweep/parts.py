@@ -109,21 +109,18 @@ class Parts:
 
     def _fault(self, number: int) -> str:
         """What is wrong with a part, as the end of a sentence; empty if nothing is."""
-        import pyarrow as pa  # noqa: PLC0415
         import pyarrow.parquet as pq  # noqa: PLC0415
 
+        file = self.file(number)
         first, last = self.span(number)
         if number >= len(self):
             return f"is none of the sweep's {len(self)} parts"
-        try:
-            with pq.ParquetFile(self.file(number), page_checksum_verification=True) as part:
-                plan = (part.schema_arrow.metadata or {}).get(OF_PLAN, b"")
-                if plan != self.plan.encode():
-                    return "belongs to another sweep"
-                rows = sum(batch.num_rows for batch in part.iter_batches())
-        except (OSError, pa.ArrowException) as e:
-            return f"is damaged ({str(e).partition('. ')[0].strip() or type(e).__name__})"
-        return "" if rows == last - first else f"is damaged ({rows} of {last - first} rows)"
+        if text := damage(file):
+            return f"is damaged ({text})"
+        part = pq.read_metadata(file)
+        if (part.metadata or {}).get(OF_PLAN, b"") != self.plan.encode():
+            return "belongs to another sweep"
+        return "" if part.num_rows == last - first else f"is damaged ({part.num_rows} of {last - first} rows)"
 
     def clean(self) -> None:
         """Remove what was never finished, by a worker that was killed."""
@@ -155,3 +152,17 @@ class Parts:
             return (self.folder / TOKEN).read_text("utf-8") == token
         except (OSError, UnicodeDecodeError):
             return False
+
+
+def damage(file: Path) -> str:
+    """What pyarrow says of a Parquet file that is damaged; empty if all of it can be read."""
+    import pyarrow as pa  # noqa: PLC0415
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    try:
+        with pq.ParquetFile(file, page_checksum_verification=True) as part:
+            for _ in part.iter_batches():
+                pass
+    except (OSError, pa.ArrowException) as e:
+        return str(e).partition(". ")[0].strip() or type(e).__name__
+    return ""

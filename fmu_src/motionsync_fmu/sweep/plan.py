@@ -30,6 +30,7 @@ from .varied import Target, Varied
 FILE = "plan.toml"
 SCENARIO = "scenario.toml"  # beside it: the scenario's file as it was
 KEYS = ("motionsync", "guid", "scenario", "sha256", "samples", "method", "seed", "sampler", "chunk", "set", "measures")
+SEARCH = "search"  # the table of a plan whose sweep is one round of a search
 MOST_RUNS = 10**9  # that need no confirmation
 LARGEST = 2**53  # runs, and seeds: whole numbers that the plan's file keeps exactly
 WORDS = {  # for what is told of a difference
@@ -234,6 +235,8 @@ class SweepPlan:
             UserError: there is none, or it is damaged.
         """
         top = read_toml(folder / FILE)
+        if SEARCH in top and SEARCH not in others:
+            raise UserError(f"{folder} is the folder of a search, not of a sweep")
         top.allow_only(*KEYS, *others)
         try:
             text = (folder / SCENARIO).read_text("utf-8")

@@ -52,7 +52,7 @@ class Results:
         self.columns = ALWAYS | (CUTS if scenario.cuts or tells_pieces else {}) | (PIECES if tells_pieces else {})
         self.columns |= ({LIMITS_BROKEN: pa.string()} if self._limits else {}) | (FAULTS if self._faults else {})
         judged = judged_outputs(scenario)
-        self.outputs = sorted({*judged, *SLAVE}) if judged else []
+        self.outputs = sorted(judged | ({*SLAVE} if judged and self._limits else set()))
         self.reduce: dict[str, tuple[str, ...]] = {FAULT: ("initial", "first", "first_time")} if self._faults else {}
         if self._limits:
             self.reduce |= dict.fromkeys(SLAVE, ("initial", "min", "max"))

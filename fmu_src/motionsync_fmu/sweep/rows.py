@@ -16,7 +16,7 @@ from .measures import Measures, columns, joined
 from .plan import SweepPlan
 from .results import Results, Row, limits_broken, refused
 
-MOST_MEMORY = 32e6  # bytes of the recordings that are in memory at a time
+MOST_MEMORY = 16e6  # bytes of the recordings that are in memory at a time
 MOST_RUNS = 512  # whose scenarios are in memory at a time
 POINT = 40  # bytes of a communication point: the time, and the master's motion
 VALUE = 8  # bytes of an output at a point
@@ -25,9 +25,14 @@ PLACE = re.compile(r"^.*?:\d+: ((\S+): (?=\2 = ))?")  # of a refused value: run,
 
 def schema(plan: SweepPlan) -> pa.Schema:
     """The columns of the rows: the run's number, factors and derived values, what became of the run, and measures."""
-    values = {name: pa.array(of_run).type for name, of_run in plan.values(0, 1).items()}
+    return _schema(plan, plan.values(0, 1))
+
+
+def _schema(plan: SweepPlan, values: Mapping[str, Array]) -> pa.Schema:
+    """The columns; `values`: of any runs. Those of the first one would take long far behind it: see `samples.py`."""
+    types = {name: pa.array(of_runs[:0]).type for name, of_runs in values.items()}
     measured = dict.fromkeys(columns(plan.measures), pa.float64())
-    return pa.schema({"run": pa.int64()} | values | Results(plan.varied.scenario).columns | measured)
+    return pa.schema({"run": pa.int64()} | types | Results(plan.varied.scenario).columns | measured)
 
 
 def rows(plan: SweepPlan, first: int, last: int, threads: int = 1) -> pa.Table:
@@ -39,8 +44,9 @@ def rows(plan: SweepPlan, first: int, last: int, threads: int = 1) -> pa.Table:
         UserError: there are no such runs; or there is no C compiler.
     """
     values = plan.values(first, last)
-    numbered = rows_with(plan, values, schema(plan).names[1:], threads)
-    return numbered.add_column(0, schema(plan).field("run"), pa.array(range(first, last), pa.int64()))
+    number, *others = _schema(plan, values)
+    numbered = rows_with(plan, values, [field.name for field in others], threads)
+    return numbered.add_column(0, number, pa.array(range(first, last), number.type))
 
 
 def rows_with(plan: SweepPlan, values: Mapping[str, Array], columns: Iterable[str], threads: int = 1) -> pa.Table:
@@ -55,7 +61,8 @@ def rows_with(plan: SweepPlan, values: Mapping[str, Array], columns: Iterable[st
     for begin in range(0, len(next(iter(values.values()))), MOST_RUNS):
         scenarios = plan.scenarios_with({name: of_runs[begin : begin + MOST_RUNS] for name, of_runs in values.items()})
         told += run_and_judge(plan.varied.scenario, scenarios, plan.measures, threads)
-    fields = [schema(plan).field(name) for name in dict.fromkeys(columns)]
+    known = _schema(plan, values)
+    fields = [known.field(name) for name in dict.fromkeys(columns)]
     arrays = [
         pa.array(values[f.name] if f.name in values else [row.get(f.name) for row in told], f.type, from_pandas=True)
         for f in fields
@@ -69,7 +76,7 @@ def run_and_judge(
     """What the rows tell of runs: their results and measures by the names of the columns, without those that a run does
     not have. A run that a UserError stands for was refused by it.
 
-    Recordings of 32 MB are in memory at a time, or that of one run. If nothing has to be judged from the whole course
+    Recordings of 16 MB are in memory at a time, or that of one run. If nothing has to be judged from the whole course
     there are none, and the memory does not grow with the steps.
 
     `base`: a scenario of which the others differ in values alone."""
@@ -119,5 +126,6 @@ def _batches(runs: Iterable[tuple[int, Scenario]], outputs: int) -> Iterator[lis
 
 
 def _points(scenario: Scenario) -> float:
-    """About how many communication points a run has."""
-    return scenario.stop_time / scenario.step_size + (scenario.stop_time / scenario.scan if scenario.reacts else 0.0)
+    """For about how many communication points a run needs memory."""
+    scans = scenario.stop_time / scenario.scan if scenario.reacts else 0.0
+    return scenario.stop_time / scenario.step_size + scans * (1.0 + 0.5 * len(scenario.reactions))

@@ -3,7 +3,7 @@
 import warnings
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib.metadata import version
 from threading import Lock
 from typing import Any
@@ -60,6 +60,7 @@ class Samples:
         return _sobol(self).points(first, last)
 
 
+@cache
 def sampler() -> str:
     """The version of scipy, on which samples depend.
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 PLAN = "plan.toml"
 LEAST, MOST = 1.0, 5.0  # s that a chunk takes: overhead is small above, and little is lost with a worker below
 SHARES = 4  # chunks for each worker, at least, if they last long enough
-LARGEST = 20_000  # runs: what a worker needs of memory at a time stays within some hundred megabytes
+LARGEST = 50_000  # runs: about 100 MB of rows in a worker, before they are written
 TRIAL = 0.3  # s of runs that tell how long one takes
 
 

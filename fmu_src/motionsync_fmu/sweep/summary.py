@@ -1,10 +1,10 @@
 """What a sweep's rows come to, in a few numbers."""
 
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 import pyarrow.compute as pc
-import pyarrow.dataset as ds
+
+from .table import Rows
 
 PASSED, REFUSED, LIMITS, FAULT = "passed", "refusal", "limits_broken", "fault"
 
@@ -44,12 +44,15 @@ class Summary:
         return {what: number for what, number in words.items() if number is not None}
 
 
-def summary(folder: Path) -> Summary:
-    """What the rows in a sweep's folder come to; a piece of them is in memory at a time."""
-    rows = ds.dataset(sorted(map(str, folder.glob("part-*.parquet"))))
+def summary(rows: Rows) -> Summary:
+    """What the rows of a sweep come to; a piece of them is in memory at a time.
+
+    Raises:
+        UserError: a part file is damaged.
+    """
     there = [name for name in (PASSED, REFUSED, LIMITS, FAULT) if name in rows.schema.names]
     found = Summary(limits_broken=0 if LIMITS in there else None, faults=0 if FAULT in there else None)
-    for batch in rows.to_batches(columns=there):
+    for batch in rows.batches(there):
         refused = pc.not_equal(batch[REFUSED], "")
         found.runs += batch.num_rows
         found.refused += _count(refused)

@@ -14,14 +14,11 @@ from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.dataset as ds
-import pyarrow.parquet as pq
 
 from ..errors import UserError, choose
-from .parts import NAME
+from .parts import NAME, damage
 from .plan import SweepPlan
 from .rows import schema
-
-DAMAGES = (OSError, pa.ArrowException)  # by which pyarrow tells them
 
 
 class Rows:
@@ -43,6 +40,11 @@ class Rows:
         named = filter(None, (NAME.fullmatch(file.name) for file in folder.iterdir()))
         self._files = dict(sorted((int(name[1]), folder / name[0]) for name in named))
 
+    @property
+    def files(self) -> list[Path]:
+        """The part files, in the order of the runs."""
+        return [*self._files.values()]
+
     @cached_property
     def schema(self) -> pa.Schema:
         """The columns and their types."""
@@ -52,7 +54,7 @@ class Rows:
     def dataset(self) -> ds.Dataset:
         """The part files as one table of pyarrow, which reads no more of them than it is asked for."""
         checked = ds.ParquetFragmentScanOptions(page_checksum_verification=True)
-        files = [str(file) for file in self._files.values()]
+        files = [str(file) for file in self.files]
         return ds.dataset(files, self.schema, ds.ParquetFileFormat(default_fragment_scan_options=checked))
 
     def __len__(self) -> int:
@@ -117,21 +119,10 @@ class Rows:
         """Tell which part file is damaged if one is found to be."""
         try:
             yield
-        except DAMAGES:
-            for file in self._files.values():
-                if fault := _fault(file):
+        except (OSError, pa.ArrowException):
+            for file in self.files:
+                if fault := damage(file):
                     raise UserError(
                         f"{file} is damaged ({fault}): delete it, and give the sweep's command again"
                     ) from None
             raise
-
-
-def _fault(file: Path) -> str:
-    """What pyarrow says of a damaged file; empty if it can be read."""
-    try:
-        with pq.ParquetFile(file, page_checksum_verification=True) as part:
-            for _ in part.iter_batches():
-                pass
-    except DAMAGES as e:
-        return str(e).partition(". ")[0].strip() or type(e).__name__
-    return ""

@@ -154,8 +154,11 @@ class RunTables:
     Attributes:
         known: the settings of the scenario, in the order of time.
         judged: the names of the variables in them that each step judges.
-        target: what is recorded: time, axis, outputs; a column each.
+        shape: of what is recorded: time, axis, outputs, a column each; with room for all points.
+        target: an array of this shape, which somebody else has to provide.
     """
+
+    target: Reals
 
     def __init__(self, scenario: Scenario, block: BlockMemory, outputs: int) -> None:
         """`outputs`: how many are recorded."""
@@ -172,7 +175,7 @@ class RunTables:
         self._seen = self._telegrams()
         # A step ends at a known point, at a look or at a setting, each of which is behind it then.
         room = len(self.points) + len(self.scans) + len(self.events)
-        self.target = np.empty((WIDTH + outputs, room if outputs else 0))
+        self.shape = (WIDTH + outputs, room if outputs else 0)
 
     def _given(self) -> tuple[Array, Array]:
         """All that settings and reactions set: the assignments, and which of them are made together."""

@@ -12,7 +12,8 @@ from concurrent.futures import ThreadPoolExecutor
 from ctypes import addressof, byref
 from dataclasses import dataclass
 from functools import partial
-from math import nan
+from itertools import accumulate
+from math import nan, prod
 from typing import Any
 
 import numpy as np
@@ -110,6 +111,7 @@ class _Runs:
         self.sinks = block.table(outputs)
         self.memory = np.full(len(scenarios), block.image)
         self.tables = [RunTables(s, block, len(outputs)) for s in scenarios]
+        self._lay_targets()
         given = self._start()
         self.axis = self._axis()
         self.judged = self._judged()
@@ -118,6 +120,15 @@ class _Runs:
         self.runs = np.array([t.run(first + i * size) for i, t in enumerate(self.tables)], RUN)
         self.refused = self._judge(given | block.unset)
         self.runs["cause"][list(self.refused)] = Cause.START
+
+    def _lay_targets(self) -> None:
+        """Give all runs one memory for what they record.
+
+        The next call is likely to get the same one again, which saves it the time for new pages: a third of its own."""
+        sizes = [prod(t.shape) for t in self.tables]
+        memory = np.empty(sum(sizes))
+        for t, end, size in zip(self.tables, accumulate(sizes), sizes, strict=True):
+            t.target = memory[end - size : end].reshape(t.shape)
 
     def _start(self) -> set[str]:
         """Set the start values, and the inputs of the axis at time 0; the names of what is set."""

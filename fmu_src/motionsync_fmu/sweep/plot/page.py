@@ -14,8 +14,8 @@ from ...pages.report.chart import Chart
 from ...pages.report.page import bundle
 from ...pages.style import TEMPLATES, typeset
 from ...scenario.shipped import called
-from ..parts import NAME
 from ..plan import SCENARIO, SweepPlan
+from ..table import Rows
 from . import words
 from .cells import Axis
 from .charts import (
@@ -57,9 +57,9 @@ def make_page(folder: Path, question: Question, file: Path | None = None) -> Pat
     """
     if not folder.is_dir():
         raise UserError(f"{folder}: there is no such folder")
-    plan = SweepPlan.read(folder)
-    parts = sorted(file for file in folder.iterdir() if NAME.fullmatch(file.name))
-    db = Database(folder, parts, [factor.name for factor in plan.factors], units(plan))
+    rows = Rows(folder)
+    plan = rows.plan
+    db = Database(folder, rows.files, [factor.name for factor in plan.factors], units(plan))
     page = file or folder / "plot.html"
     write_page(page, folder, plan, db, look(db, question))
     return page

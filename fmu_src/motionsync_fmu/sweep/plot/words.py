@@ -198,7 +198,10 @@ def _together(view: View) -> Iterator[str]:
             name, cells = axis.column.name, len(axis)
             yield f"The values of {name} are put together to {cells} cells; a point stands in the middle of its cell."
     if view.x.column.varied and view.y.varied and not view.boundary:
-        which = {0: "No run passed", view.runs["runs"]: "Every run passed"}
+        which = {
+            0: "No run passed (--passed takes another condition)",
+            view.runs["runs"]: "Every run passed",
+        }
         why = which.get(view.runs["passed"], f"At no {view.x.column.name} does {view.y.name} decide which runs pass")
         yield f"{why}: there is no boundary between those that passed and the others."
     if view.front is not None and (drawn := len(view.front["run"])) < view.front_size:
@@ -208,7 +211,9 @@ def _together(view: View) -> Iterator[str]:
 
 def origin(plan: SweepPlan, scenario: str) -> list[tuple[str, str]]:
     """Where the rows come from, by name."""
-    sampled = [("samples", f"{plan.samples} ({plan.method}, seed {plan.seed}, {plan.sampler})")] if plan.samples else []
+    sampled = (
+        [("samples", f"{plan.samples} ({plan.method}, seed {plan.seed}, scipy {plan.sampler})")] if plan.samples else []
+    )
     return [
         ("scenario", f"{scenario}: {plan.varied.scenario.title}"),
         ("block", plan.varied.scenario.recipe.name),
