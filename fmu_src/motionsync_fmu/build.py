@@ -138,8 +138,9 @@ def build_native(
         ) from None
     unit, rows = unit_sources.c_sources(block, recipe.guid(), recipe.turned, fmi), platforms or OF_VERSION[fmi]
     c_files = unit_sources.c_names(unit) if with_sources else ()
+    folders = [*(row.folder for row in rows), *([WASM] if with_component else [])]
     with ThreadPoolExecutor(1) as pool:  # zig's processes compile meanwhile
-        documents = pool.submit(_documents, recipe, Flavour.NATIVE, (row.folder for row in rows), c_files)
+        documents = pool.submit(_documents, recipe, Flavour.NATIVE, folders, c_files)
         files = libraries.libraries(recipe.name, unit, rows, progress)
         if with_component:
             files |= component.component_files(recipe.name, unit)

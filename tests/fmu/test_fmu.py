@@ -10,6 +10,9 @@ import sys
 import zipfile
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
+from functools import cache, reduce
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import fromstring
@@ -243,7 +246,7 @@ def test_dependencies_after_initialization_are_the_declared_ones(block: str) -> 
     for number, run in enumerate(drawn(block, 0, 200)):
         missing = {source for _, source in declared - found}
         before = outputs(block, run.start)
-        for v in variables(BLOCKS[block]()):
+        for v in declared_by(block)[0].values():
             if not v.settable or before is None or (number >= 30 and v.name not in missing):
                 continue
             for value in moved(v, run.start.get(v.name, v.start)):
@@ -264,13 +267,20 @@ def moved(v: Variable, value: Any) -> list[Any]:
 
 def outputs(block: str, start: dict[str, Any]) -> dict[str, Any] | None:
     """The outputs and local variables after initialization; None if it is refused."""
-    instance = BLOCKS[block]()
-    own = {v.name: v for v in variables(instance)}
+    instance, (own, told) = BLOCKS[block](), declared_by(block)
     for name, value in start.items():
-        own[name].cell.set(value)
+        *groups, _ = name.split(".")
+        replace(own[name].cell, owner=reduce(getattr, groups, instance)).set(value)
     if instance.initialize():
         return None
-    return {v.name: v.cell.get() for v in own.values() if not v.settable}
+    return dict(zip(told, attrgetter(*told)(instance), strict=True))
+
+
+@cache
+def declared_by(block: str) -> tuple[dict[str, Variable], list[str]]:
+    """A block's variables by name, and the names of outputs and local variables."""
+    own = {v.name: v for v in variables(BLOCKS[block]())}
+    return own, [name for name, v in own.items() if not v.settable]
 
 
 # --- reproducible ---

@@ -5,7 +5,6 @@ Python and zig are only needed to build the libraries, not to run them.
 
 import os
 import subprocess
-import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, as_completed, wait
@@ -113,7 +112,7 @@ def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> byte
     Raises:
         UserError: zig failed.
     """
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", target]
+    command = [str(ZIG / "zig"), "cc", "-target", target]
     command += [f"-I{folder}" for folder in (".", HERE, FREESTANDING, HEADERS)]
     done = subprocess.run(
         [*command, *arguments, str(FREESTANDING / "freestanding.c"), "-o", path],
