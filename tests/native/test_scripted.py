@@ -309,6 +309,17 @@ def test_measures_are_those_of_the_recording(file: Path) -> None:
         assert run.measures[f"{name}.mean"] == np.cumsum(values * lengths)[-1] / np.cumsum(lengths)[-1]
 
 
+@pytest.mark.parametrize("file", [CYCLIC_CUT, DRIVEN, REMOTE], ids=lambda file: file.parent.name)
+def test_measures_are_the_same_without_a_recording(file: Path) -> None:
+    scenario = load(file)
+    names = [v.name for v in scenario.recipe.variables.values()]
+    measures = dict.fromkeys(names, ("mean", "min_time"))
+    (one,), (other,) = (run_scenarios([scenario], outputs, measures) for outputs in ([], ["slave.position"]))
+    assert len(one.measures) == 2 * len(names)
+    assert one.measures == other.measures
+    assert (one.recording, one.unmet) == (None, other.unmet)
+
+
 def test_without_outputs_there_are_measures_and_unmet_reactions_alone() -> None:
     never = Reaction(Condition("slave.position > 1000", "slave.position", ">", 1000.0), set={"halt.execute": True})
     (run,) = run_scenarios([replace(free_saw(), reactions=(never,))], [], {"slave.position": "last"})
@@ -323,7 +334,12 @@ def test_without_outputs_there_are_measures_and_unmet_reactions_alone() -> None:
         (["slave.positon"], {}, 1, "no variable of FlyingSaw is named 'slave.positon'"),
         ([], {"slave.positon": "max"}, 1, "no variable of FlyingSaw is named 'slave.positon'"),
         ([], {"slave.position": "most"}, 1, "slave.position: no measure is named 'most'"),
-        ([], {"slave.position": "every:10"}, 1, "slave.position.every:10: a run of a scenario has no such measure"),
+        (
+            [],
+            {"slave.position": "every:10"},
+            1,
+            "slave.position: the measure 'every:10' is not allowed: the runs differ in their steps",
+        ),
         ([], {}, 0, "threads = 0 is not allowed: it must be >= 1"),
     ],
 )

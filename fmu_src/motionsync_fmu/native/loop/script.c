@@ -191,12 +191,21 @@ static void hold(const Run *r) {
     for (int64_t i = 0; i < r->reaction_count; i++) reactions[i].held = holds(r, reactions + i);
 }
 
+/* Forget the earlier one of two motions: nothing is recorded, and the run is past it. */
+static void forget(Run *r) {
+    ROWS(double, r->breaks)[0] = ROWS(double, r->breaks)[1];
+    ROWS(Motion, r->motions)[0] = ROWS(Motion, r->motions)[1];
+    r->motion_count = 1;
+    r->place = 0;
+}
+
 /* The master goes on from a scan with the acceleration that its drive gives it. */
 static void follow(Run *r, double scan) {
     const Motion m = until(r, scan);
     double a = (read(r->block, r->follows, r->kind) - m.velocity) * r->gain / r->scan;
     a = -r->most > a ? -r->most : a;
     a = r->most < a ? r->most : a;
+    if (!r->times && r->motion_count == 2) forget(r);
     ROWS(double, r->breaks)[r->motion_count] = scan;
     ROWS(Motion, r->motions)[r->motion_count++] = (Motion){m.position, m.velocity, a, 0.0};
 }

@@ -164,15 +164,17 @@ class RunTables:
         self.judged: set[str] = set()
         self.points = points(scenario, scenario.step_size)
         self.scans = scans(scenario.scan, scenario.stop_time) if scenario.reacts else NEVER
-        self._set()
+        self.assignments, self.bundles = self._given()
+        self._times = [_setting_times(scenario.scan, scenario.stop_time, r.after) for r in scenario.reactions]
         self.reactions = self._reactions()
         self.events = self._events()
-        self.breaks, self.motions = self._axis()
+        self.breaks, self.motions = self._axis(len(self.scans) + 1 if outputs else 2)
+        self._seen = self._telegrams()
         # A step ends at a known point, at a look or at a setting, each of which is behind it then.
         room = len(self.points) + len(self.scans) + len(self.events)
         self.target = np.empty((WIDTH + outputs, room if outputs else 0))
 
-    def _set(self) -> None:
+    def _given(self) -> tuple[Array, Array]:
         """All that settings and reactions set: the assignments, and which of them are made together."""
         given: list[tuple[Mapping[str, Any], Mapping[str, Any]]]
         given = [(s.values, {}) for s in self.known] + [(r.set, r.add) for r in self.scenario.reactions]
@@ -183,7 +185,7 @@ class RunTables:
             rows += [self._assignment(name, value, 0) for name, value in values.items()]
             rows += [self._assignment(name, value, 1) for name, value in more.items()]
             bundles.append((first, len(rows)))
-        self.assignments, self.bundles = np.array(rows, ASSIGNMENT), np.array(bundles, BUNDLE)
+        return np.array(rows, ASSIGNMENT), np.array(bundles, BUNDLE)
 
     def _assignment(self, name: str, value: Any, adds: int) -> tuple[int, int, int, int, float]:
         place = self.block.places[name]
@@ -193,9 +195,9 @@ class RunTables:
         return place.offset, place.kind, adds, 0 if real else int(value), float(value) if real else 0.0
 
     def _reactions(self) -> Array:
-        s, rows = self.scenario, []
-        self._times = [_setting_times(s.scan, s.stop_time, r.after) for r in s.reactions]  # keeps them alive
-        for i, (r, at) in enumerate(zip(s.reactions, self._times, strict=True)):
+        """What is reacted to, with the times at which it sets."""
+        rows = []
+        for i, (r, at) in enumerate(zip(self.scenario.reactions, self._times, strict=True)):
             c, place = r.condition, self.block.places[r.condition.name]
             condition = (place.offset, place.kind, COMPARISONS[c.comparison], c.value, MARGIN * max(1.0, abs(c.value)))
             times = -1 if r.times is None else r.times
@@ -211,12 +213,12 @@ class RunTables:
         events["what"][: len(self.known)] = np.arange(len(self.known))
         return events
 
-    def _axis(self) -> tuple[Reals, Reals]:
-        """The breaks and motions of the script; those of a master with a drive begin only, with room for the others."""
+    def _axis(self, room: int) -> tuple[Reals, Reals]:
+        """The breaks and motions of the script; of a master with a drive the first ones, with room for so many."""
         master = self.scenario.master
         if not self.scenario.drive:
             return np.array(master.breaks), master.table()
-        breaks, motions = np.empty(len(self.scans) + 1), np.empty((len(self.scans) + 1, 4))
+        breaks, motions = np.empty(room), np.empty((room, 4))
         begin = master.at(0.0)
         breaks[0], motions[0] = 0.0, (begin.position, begin.velocity, 0.0, 0.0)
         return breaks, motions
@@ -230,16 +232,21 @@ class RunTables:
         events = (address(self.events), 0, len(self.known), address(self.bundles), address(self.assignments))
         reactions = (address(self.reactions), len(self.reactions))
         motions = len(self.motions) if not s.drive else 1
-        axis = (address(self.breaks), address(self.motions), motions, *self._telegrams(), *self._drive())
+        axis = (address(self.breaks), address(self.motions), motions, *self._remote(), *self._drive())
         return (*head, *times, *events, *reactions, *axis, *self._columns(), 0, 0.0, 0.0, Cause.NONE, 0, 0, 0)
 
-    def _telegrams(self) -> tuple[int, int, float]:
-        remote = self.scenario.remote
-        if not remote:
+    def _telegrams(self) -> tuple[Array, Array]:
+        """Index and motion in the telegram that each cycle sees of a remote axis."""
+        if not self.scenario.remote:
+            return NEVER, NEVER
+        seen = self.scenario.remote.telegrams
+        return np.array(seen.cycle_index, np.int64), np.ascontiguousarray(seen.motion)
+
+    def _remote(self) -> tuple[int, int, float]:
+        if not self.scenario.remote:
             return 0, 0, 0.0
-        self._seen = np.array(remote.telegrams.cycle_index, np.int64), np.ascontiguousarray(remote.telegrams.motion)
         index, motion = self._seen
-        return address(index), address(motion), remote.clocks.task_cycle
+        return address(index), address(motion), self.scenario.remote.clocks.task_cycle
 
     def _drive(self) -> tuple[int, int, float, float, float]:
         s = self.scenario
