@@ -50,7 +50,7 @@ def test_the_judge_sees_what_is_broken() -> None:
     for name in ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk"):
         values = result.values.copy()
         values[:, :, result.names.index(name)] *= 1.001
-        seen |= set(broken(orders, BatchResult(result.names, values, ())))
+        seen |= set(broken(orders, BatchResult(result.names, values, (), {})))
     checked = {n.removeprefix("sync_mode.") for n in checks}
     assert checked <= {n.removesuffix(", by outputs") for n in seen}
     assert {"not on the line in sync", "slave.jerk beyond its characteristic extremes"} <= seen

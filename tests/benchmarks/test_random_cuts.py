@@ -46,7 +46,7 @@ def test_the_judge_sees_what_is_broken(cuts: tuple[Machines, BatchResult]) -> No
             values = result.values.copy()
             values[:, :, result.names.index(name)] *= factor
             values[:, :, result.names.index(name)] += more
-            seen |= set(broken(machines, BatchResult(result.names, values, ())))
+            seen |= set(broken(machines, BatchResult(result.names, values, (), {})))
     assert seen == {
         "left out instead of late",
         *("velocity beyond its limit", "velocity on the way home beyond its limit", "acceleration beyond its limit"),
