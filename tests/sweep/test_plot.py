@@ -16,6 +16,7 @@ from markupsafe import escape
 from numpy.typing import NDArray
 
 from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.sweep.conditions import RowCondition
 from motionsync_fmu.sweep.plan import Factor, SweepPlan
 from motionsync_fmu.sweep.plot.cells import Axis, amount, divided, plane
 from motionsync_fmu.sweep.plot.curves import boundary, curves
@@ -117,6 +118,18 @@ def test_a_cell_tells_its_most_frequent_text(tmp_path: Path) -> None:
     x, y = divided(db, db.columns["v"], "x", 5), divided(db, db.columns["w"], "y", 5)
     found = plane(db, x, y, amount(db.columns["text"]))
     assert (found["value"].tolist(), found["pick"].tolist()) == (["late", None], [3, 6])
+
+
+def test_a_fault_is_a_name_and_has_no_mean(tmp_path: Path) -> None:
+    """Its number can be compared nevertheless."""
+    faults = np.array([0, 0, 0, 17118, 17118, 17119, 0, 0])
+    db = database(tmp_path, v=np.repeat([0.0, 1.0], [6, 2]), w=np.zeros(8), fault=faults, passed=np.zeros(8, bool))
+    x, y = divided(db, db.columns["v"], "x", 5), divided(db, db.columns["w"], "y", 5)
+    found = plane(db, x, y, amount(db.columns["fault"]))
+    assert (found["value"].tolist(), found["pick"].tolist()) == (["17118", None], [3, 6])
+    db.judge(RowCondition.read("fault < 17119"))
+    assert db.ask("SELECT passed FROM runs ORDER BY run")["passed"].tolist() == (faults < 17119).tolist()
+    assert plane(db, x, y, amount(db.columns["fault"]))["value"].tolist() == ["17118", None]
 
 
 def test_many_values_are_divided_evenly(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """The rows of a sweep in its part files, asked by SQL: DuckDB reads them, so memory does not grow with the rows."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ...errors import UserError, choose
 from ..conditions import Comparison, RowCondition
 
-NO_UNITS: Mapping[str, str] = {}
+CODES = ("fault",)  # numbers that are names: nobody asks for their mean; 0 is none
+NOTHING: Mapping[str, str] = {}
 TRUTH, TEXT = "BOOLEAN", "VARCHAR"  # as DuckDB names them
 
 Answer = dict[str, NDArray[Any]]
@@ -63,7 +64,7 @@ class Database:
     """
 
     def __init__(
-        self, folder: Path, parts: Sequence[Path], varied: Iterable[str], units: Mapping[str, str] = NO_UNITS
+        self, folder: Path, parts: Sequence[Path], varied: Iterable[str], units: Mapping[str, str] = NOTHING
     ) -> None:
         """`varied`: the names of the columns with the values of factors and derived values; `units`: those of columns.
 
@@ -76,9 +77,13 @@ class Database:
         self.connection = duckdb.connect()
         given = list(varied)
         self._view(self.parts)
+        described = self._rows("SELECT column_name, column_type FROM (DESCRIBE runs)")
+        self._written = {name: Column(name, _kind(declared), name in given) for name, declared, *_ in described}
+        self._codes = {name: _code(column) for name, column in self._written.items() if name in CODES}
+        self._view(self.parts, self._codes)
         self.columns = {
-            name: Column(name, _kind(declared), name in given, units.get(name, ""))
-            for name, declared, *_ in self._rows("SELECT column_name, column_type FROM (DESCRIBE runs)")
+            name: replace(c, kind=Kind.TEXT if name in self._codes else c.kind, unit=units.get(name, ""))
+            for name, c in self._written.items()
         }
         if missing := [name for name in ("run", *given) if name not in self.columns]:
             raise UserError(f"{parts[0]}: this part has other columns than the sweep: {missing[0]} is missing")
@@ -90,8 +95,8 @@ class Database:
             UserError: the rows have no such column, or one that cannot be compared so.
         """
         condition.check(pq.read_schema(self.parts[0]))
-        holds = " AND ".join(_holds(c, self.columns[c.column]) for c in condition.comparisons)
-        self._view(self.parts, f"* REPLACE ({holds} AS passed)")
+        holds = " AND ".join(_holds(c, self._written[c.column]) for c in condition.comparisons)
+        self._view(self.parts, self._codes | {"passed": holds})
 
     def column(self, option: str, name: str) -> Column:
         """The column of this name. `option`: what names it, for the message.
@@ -134,8 +139,10 @@ class Database:
         except duckdb.Error as e:
             raise self._damaged(e) from None
 
-    def _view(self, parts: Sequence[str], columns: str = "*") -> None:
+    def _view(self, parts: Sequence[str], instead: Mapping[str, str] = NOTHING) -> None:
+        """Make the view of all rows; `instead`: what stands in some columns, by their names."""
         files = ", ".join(map(_text, parts))
+        columns = f"* REPLACE ({', '.join(f'{v} AS {name}' for name, v in instead.items())})" if instead else "*"
         try:
             self.connection.execute(f"CREATE OR REPLACE VIEW runs AS SELECT {columns} FROM read_parquet([{files}])")
         except duckdb.Error as e:
@@ -169,6 +176,11 @@ def _holds(comparison: Comparison, column: Column) -> str:
         sides = f"{column.sql}::DOUBLE {comparison.sign} '{literal}'::DOUBLE"
         return f"coalesce(NOT isnan({column.sql}::DOUBLE) AND {sides}, false)"
     return f"coalesce({column.sql} {comparison.sign} {literal}, false)"
+
+
+def _code(column: Column) -> str:
+    """A code as a text in a query, empty for 0."""
+    return f"CASE {column.sql} WHEN 0 THEN '' ELSE {column.sql}::VARCHAR END"
 
 
 def _text(text: str) -> str:

@@ -73,7 +73,7 @@ def of_boundary(view: View) -> tuple[str, str, str]:
     surely, partly = view.boundary.points["surely"], view.boundary.points["partly"]
     text = f"At each {x}, every run on the line and {there} it passed."
     if np.any(np.abs(partly - surely) > 0.0):
-        text += " In the band some passed and others did not, since their other values differ;"
+        text += " In the band some passed and others did not;"
         text += f" {other} the band none did."
     else:
         text += f" No run {other} it did."
