@@ -55,6 +55,7 @@ at = 0.1
 "move_velocity.execute" = true
 """
 """A scenario that is judged without its course: nothing is recorded."""
+SPEED = "move_velocity.velocity"  # what varies in it
 
 
 @dataclass
@@ -103,10 +104,14 @@ def nothing(number: int) -> bytes:
 
 
 def chunks(runs: int) -> None:
-    """What a chunk costs beside its runs: the same runs in one chunk and in many; and a task that does nothing."""
-    plans = [plan_of(SCENARIO, runs, chunk) for chunk in (runs, runs // 100)]
+    """What a chunk costs beside its runs: short ones, in one chunk and in many; and a task that does nothing."""
+    parts = runs // 10
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "steady.toml"
+        file.write_text(STEADY.format(stop_time=0.5))
+        plans = [SweepPlan.of(file, [f"{SPEED}=100:900:{runs}"], chunk=chunk) for chunk in (runs, runs // parts)]
     few, many = (median(swept_here(plan) for _ in range(3)) for plan in plans)
-    print(f"\na chunk costs {(many - few) / 99 * 1e3:.1f} ms of processor time beside its runs")
+    print(f"\na chunk costs {(many - few) / (parts - 1) * 1e3:.1f} ms of processor time beside its runs")
     count = 3000
     with cluster(nothing, "", 2, lambda line: None) as crew:
         while crew.places < 4:
@@ -133,7 +138,7 @@ def memory(runs: int) -> None:
         for stop_time in (50.0, 100.0, 200.0):
             file = Path(folder) / "steady.toml"
             file.write_text(STEADY.format(stop_time=stop_time))
-            kilobytes = float(output(MEMORY, file, f"move_velocity.velocity=100:900:{runs}"))
+            kilobytes = float(output(MEMORY, file, f"{SPEED}=100:900:{runs}"))
             first = first or kilobytes
             print(f"{stop_time / 0.01:12.0f}{kilobytes / 1e3:7.0f} MB{kilobytes / first:8.2f}")
 
