@@ -1,7 +1,5 @@
 # Everything runs in a virtual environment of its own; python3 with venv, and make, are all that it takes.
 PYTHON ?= python3
-# One process more than cores runs the tests: they also wait, for compilers, browsers and each other.
-PROCESSES = $(shell $(PYTHON) -c "import os; print(min(os.cpu_count() or 1, 4) + 1)")
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready-native
@@ -29,7 +27,7 @@ check: $(TESTABLE) ## one block, B=gearing say: its tests, its scenarios in this
 		tests/native/test_same_bits.py::test_the_drawn_runs_meet_all_that_can_happen $(PYTEST)
 
 test: lint ## everything that proves the project; PYTEST="-k edge" passes options on
-	$(BIN)/python -m pytest --numprocesses $(PROCESSES) --dist worksteal $(PYTEST)
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal $(PYTEST)
 
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build

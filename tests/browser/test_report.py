@@ -71,6 +71,9 @@ def open_report(open_page: Open, written: Callable[[str], Path]) -> OpenReport:
     return opened
 
 
+DRAWN = "new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)))"  # all that has been asked for
+
+
 def recorded(name: str, variable: str, time: float) -> float:
     """A recorded output at a time."""
     _, recording = run(name)
@@ -137,6 +140,7 @@ def test_the_machine_follows_the_pointer(open_report: OpenReport) -> None:
     motion, cuts = ChartView(visit, MOTION), ChartView(visit, CUTS)
     motion.point(12.0)
     visit.page.wait_for_function("Math.abs(document.querySelector('.motionsync-machine').dataset.time - 12) < 0.05")
+    visit.page.evaluate(DRAWN)
     assert visit.number(".carriage", "slave-position") == pytest.approx(
         recorded(CYCLIC_CUT, "slave.position", visit.time), abs=0.1
     )
