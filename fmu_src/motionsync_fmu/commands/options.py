@@ -12,6 +12,19 @@ from ..interface.units import BASES
 UNITS = "|".join(BASES)
 Version = Annotated[Fmi, typer.Option(help="The version of FMI; FMUs of FMI 3.0 are always compiled.")]
 
+# Of the commands that run a scenario with many values.
+Sampling = Annotated[
+    str, typer.Option(metavar="lhs|sobol", help="How ranges are sampled: Latin hypercube, or Sobol points.")
+]
+Seed = Annotated[int, typer.Option(help="The seed of the samples.")]
+Scheduler = Annotated[
+    str, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers do it, as tcp://10.0.0.5:8786.")
+]
+Workers = Annotated[
+    int | None, typer.Option(metavar="N", help="Processes of this computer; by default one for each core.")
+]
+Yes = Annotated[bool, typer.Option("--yes", help="Begin even if there are more than 10^9 runs.")]
+
 
 def assignments(option: str, texts: Iterable[str], example: str) -> dict[str, str]:
     """The values of an option NAME=VALUE that may be repeated, by name.

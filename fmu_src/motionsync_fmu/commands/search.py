@@ -12,6 +12,7 @@ from ..extras import need
 from ..pages.console import out
 from ..pages.progress import counting
 from ..scenario.shipped import called, find_one
+from .options import Sampling, Scheduler, Seed, Workers, Yes
 
 
 def _share(text: str) -> float:
@@ -36,10 +37,8 @@ def search(
         typer.Option("--set", metavar="NAME=VALUES", help="The grid, as of motionsync sweep; may be repeated."),
     ] = None,
     samples: Annotated[int | None, typer.Option(help="How often the ranges in --set are sampled.")] = None,
-    method: Annotated[
-        str, typer.Option(metavar="lhs|sobol", help="How ranges are sampled: Latin hypercube, or Sobol points.")
-    ] = "lhs",
-    seed: Annotated[int, typer.Option(help="Which samples: the same seed gives the same ones.")] = 0,
+    method: Sampling = "lhs",
+    seed: Seed = 0,
     measure: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=KIND,...", help="Figures of an output at the boundary; may be repeated."),
@@ -50,12 +49,10 @@ def search(
             parser=_share, metavar="SHARE", help="How near the two values beside a boundary are, as a share of them."
         ),
     ] = 1e-6,
-    scheduler: Annotated[str, typer.Option(metavar="ADDRESS", help="A Dask scheduler, whose workers search.")] = "",
-    workers: Annotated[
-        int | None, typer.Option(help="How many processes of this computer search; else all cores.")
-    ] = None,
+    scheduler: Scheduler = "",
+    workers: Workers = None,
     output: Annotated[Path | None, typer.Option(help="A folder for the rows, as Parquet and as CSV.")] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="More than 10^9 runs are meant.")] = False,
+    yes: Yes = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON.")] = False,
 ) -> None:
     """Find the value at which a condition begins to hold, at each point of a grid: the shortest length that works.

@@ -15,6 +15,7 @@ from ..extras import need
 from ..pages.console import out
 from ..pages.progress import Count, counting, doing
 from ..scenario.shipped import called, find_one
+from .options import Sampling, Scheduler, Seed, Workers, Yes
 
 if TYPE_CHECKING:
     from ..sweep.plan import SweepPlan
@@ -29,24 +30,18 @@ def sweep(
         typer.Option("--set", metavar="NAME=VALUES", help="What varies, and how; may be repeated."),
     ] = None,
     samples: Annotated[int | None, typer.Option(metavar="N", help="How many samples ranges have.")] = None,
-    method: Annotated[
-        str, typer.Option(metavar="lhs|sobol", help="How ranges are sampled: Latin hypercube, or Sobol points.")
-    ] = "lhs",
-    seed: Annotated[int, typer.Option(help="The seed of the samples.")] = 0,
+    method: Sampling = "lhs",
+    seed: Seed = 0,
     measure: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=KINDS", help="Figures of an output over a whole run; may be repeated."),
     ] = None,
-    scheduler: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers do it, as tcp://10.0.0.5:8786.")
-    ] = "",
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", help="Processes of this computer; by default one for each core.")
-    ] = None,
+    scheduler: Scheduler = "",
+    workers: Workers = None,
     chunk: Annotated[
         int | None, typer.Option(metavar="RUNS", help="Runs in a part file; by default, those of some seconds.")
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Begin even if there are more than 10^9 runs.")] = False,
+    yes: Yes = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
 ) -> None:
     """Run a scenario with many values, on all cores or many computers, and write a row about each run.

@@ -10,7 +10,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .reductions import Reductions
+from .reductions import Reductions, Table
 
 T = TypeVar("T")
 Whole = NDArray[np.int64]
@@ -73,18 +73,14 @@ class Plan:
     reports: Whole
 
 
-class _Table(Structure):
-    _fields_ = (("rows", c_void_p), ("count", c_int64))
-
-
 class _Plan(Structure):
     _fields_ = (
         ("blocks", c_int64 * 4),
         ("step_sizes", c_int64 * 3),
         ("longest", c_double),
-        ("sources", _Table * 3),
+        ("sources", Table * 3),
         ("limits", c_void_p),
-        ("sinks", _Table * 3),
+        ("sinks", Table * 3),
         ("target", c_int64 * 3),
         ("reductions", c_void_p),
         ("samples", c_void_p),

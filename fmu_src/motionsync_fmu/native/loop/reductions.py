@@ -98,7 +98,9 @@ def _measure(variable: Variable, kind: str) -> Measure:
     return Measure(variable, kind, of, value)
 
 
-class _Table(Structure):
+class Table(Structure):
+    """Where rows lie in memory, and how many they are: as C has all tables of the loop."""
+
     _fields_ = (("rows", c_void_p), ("count", c_int64))
 
 
@@ -112,18 +114,18 @@ class _Series(Structure):
 
 class _Reductions(Structure):
     _fields_ = (
-        ("offsets", _Table * 3),
-        ("initial", _Table),
-        ("last", _Table),
-        ("minima", _Table),
-        ("maxima", _Table),
-        ("first", _Table),
-        ("sums", _Table),
-        ("squares", _Table),
-        ("above", _Table),
+        ("offsets", Table * 3),
+        ("initial", Table),
+        ("last", Table),
+        ("minima", Table),
+        ("maxima", Table),
+        ("first", Table),
+        ("sums", Table),
+        ("squares", Table),
+        ("above", Table),
         ("elapsed", c_int64),
-        ("rises", _Table),
-        ("series", _Table),
+        ("rises", Table),
+        ("series", Table),
     )
 
 
@@ -202,27 +204,27 @@ class Reductions:
             self._columns[name].fill(begin)
         return self._columns[name].ctypes.data
 
-    def _offsets(self, names: Iterable[str]) -> _Table:
+    def _offsets(self, names: Iterable[str]) -> Table:
         """Where these variables lie in the block."""
         return self._table(c_int64, ((offset(self._layout, name),) for name in names))
 
-    def _initial(self) -> _Table:
+    def _initial(self) -> Table:
         """What is wanted of the values after the initialization: they themselves, or whether there is an edge then."""
         wanted = [(m, "initial") for m in self._of("initial")] + [(m, "before") for m in self._of("rises")]
         names = ((m.variable.name, what) for m, what in wanted)
         return self._table(_Figure, (self._figure(name, f"{name}.{what}") for name, what in names))
 
-    def _figures(self, of: str, begin: float = nan) -> _Table:
+    def _figures(self, of: str, begin: float = nan) -> Table:
         """All measures of a kind."""
         return self._table(
             _Figure, (self._figure(m.variable.name, m.name, begin, limit=m.number) for m in self._of(of))
         )
 
-    def _rises(self) -> _Table:
+    def _rises(self) -> Table:
         names = (m.variable.name for m in self._of("rises"))
         return self._table(_Figure, (self._figure(n, f"{n}.rises", 0.0, f"{n}.before") for n in names))
 
-    def _timed(self, kind: str, begin: float = nan) -> _Table:
+    def _timed(self, kind: str, begin: float = nan) -> Table:
         """A figure with its time, for each variable of which one of the two is asked for."""
         names = dict.fromkeys(m.variable.name for m in self._of(kind, f"{kind}_time"))
         return self._table(_Figure, (self._figure(n, f"{n}.{kind}", begin, f"{n}.{kind}_time") for n in names))
@@ -243,8 +245,8 @@ class Reductions:
         counts = (self._column(f"{m.name}.{what}", 0.0) for what in ("steps", "count"))
         return self._rows[m.variable.name], values.ctypes.data, values.strides[0], n, *counts
 
-    def _table(self, kind: Any, rows: Iterable[tuple[Any, ...]]) -> _Table:
+    def _table(self, kind: Any, rows: Iterable[tuple[Any, ...]]) -> Table:
         table = [kind(*row) for row in rows]
         array = (kind * len(table))(*table)
         self._tables.append(array)
-        return _Table(addressof(array), len(table))
+        return Table(addressof(array), len(table))
