@@ -196,7 +196,7 @@ def test_memory_does_not_grow_with_the_steps() -> None:
         return most
 
     peak(1000)
-    short, long = peak(100_000), peak(200_000)
+    short, long = (min(peak(steps) for _ in range(3)) for steps in (100_000, 200_000))  # other threads only add
     assert long < 300_000  # bytes; the values of all steps would take 32 million
     assert abs(long - short) < 10_000
 
