@@ -73,9 +73,9 @@ HEAD = """\
 """
 HELPERS = """\
 #if defined __GNUC__ || defined __clang__
-#define SELDOM __attribute__((cold, noinline)) /* not made part of what calls it */
+#define APART __attribute__((noinline)) /* not made part of what calls it */
 #else
-#define SELDOM
+#define APART
 #endif
 
 /* --- as Python does it --- */
