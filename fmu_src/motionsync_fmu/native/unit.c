@@ -19,7 +19,7 @@ typedef struct { /* the allowed values of some variables */
 } Range;
 
 typedef struct {
-    uint16_t name, role; /* `role`: such as "fixed parameter" */
+    uint16_t role; /* such as "fixed parameter" */
     int16_t offset; /* in the model's memory; or TIME_OFFSET */
     uint16_t range; /* in RANGES */
     uint8_t kind; /* a Kind */
@@ -36,7 +36,7 @@ typedef struct {
 
 typedef struct {
     int16_t offset; /* in the model's memory; -1 in the last row */
-    uint16_t name; /* of the variable that holds the code */
+    uint16_t group; /* "group: " if the variable that holds the code lies in a group */
     uint16_t messages; /* where in MESSAGES the list of what its values mean begins */
 } Coded;
 
@@ -50,6 +50,13 @@ typedef struct {
 static const char *words(int place) { return TEXTS + place; }
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
+
+/* TEXTS begin with the names of the variables, in their order. */
+COLD static const char *name_of(const Variable *v) {
+    const char *name = TEXTS;
+    for (ptrdiff_t n = v - VARIABLES; n; n--) name += strlen(name) + 1;
+    return name;
+}
 
 /* What block.c has. Here a block is so many bytes: the names in its header are those of its Python source, and some are
  * used here for other things. Both functions return the refusal, and set `failed` where Python would raise. */
@@ -142,11 +149,21 @@ COLD static void append_real(Text *text, double x) {
 }
 
 COLD static void append_value(Text *text, const Unit *u, const Variable *v) {
-    append_text(text, words(v->name));
+    append_text(text, name_of(v));
     append_text(text, " = ");
     if (v->kind == REAL) append_real(text, number_of(u, v));
     else if (v->kind == BOOLEAN) append_text(text, number_of(u, v) != 0.0 ? "True" : "False");
     else append_integer(text, *(const int64_t *)held(u, v));
+}
+
+/* The variables of a list that -1 ends. */
+COLD static void append_values(Text *text, const Unit *u, const int16_t *list) {
+    if (*list < 0) return;
+    for (const char *before = " ("; *list >= 0; before = ", ") {
+        append_text(text, before);
+        append_value(text, u, VARIABLES + *list++);
+    }
+    append_text(text, ")");
 }
 
 /* Whether anybody reads messages of this status: if not, no text is made. */
@@ -157,7 +174,7 @@ static bool heard(const Unit *u, Status status) {
 
 COLD void unit_log(Unit *u, int categories) { u->logged = categories; }
 
-/* Beside what the header tells, %v stands for a variable and its value. */
+/* Beside what the header tells, %v stands for a variable and its value, %l for a list of them. */
 COLD Status unit_say(const Unit *u, Status status, const char *format, ...) {
     if (!heard(u, status)) return status;
     Text text;
@@ -169,6 +186,7 @@ COLD Status unit_say(const Unit *u, Status status, const char *format, ...) {
         else if (*++format == 's') append_text(&text, va_arg(arguments, const char *));
         else if (*format == 'd') append_integer(&text, va_arg(arguments, int64_t));
         else if (*format == 'v') append_value(&text, u, va_arg(arguments, const Variable *));
+        else if (*format == 'l') append_values(&text, u, va_arg(arguments, const int16_t *));
         else append_real(&text, va_arg(arguments, double));
     }
     va_end(arguments);
@@ -176,7 +194,7 @@ COLD Status unit_say(const Unit *u, Status status, const char *format, ...) {
     return status;
 }
 
-COLD static const char *name_of(int64_t mode) {
+COLD static const char *phase_of(int64_t mode) {
     switch (mode) {
     case INSTANTIATED: return "is instantiated";
     case INITIALIZING: return "is in initialization mode";
@@ -187,7 +205,7 @@ COLD static const char *name_of(int64_t mode) {
 
 COLD bool unit_may(const Unit *u, int modes, const char *call) {
     if (!u) return false;
-    if (!(u->now.mode & modes)) unit_say(u, UNIT_ERROR, "%s is not allowed now: the unit %s", call, name_of(u->now.mode));
+    if (!(u->now.mode & modes)) unit_say(u, UNIT_ERROR, "%s is not allowed now: the unit %s", call, phase_of(u->now.mode));
     return u->now.mode & modes;
 }
 
@@ -216,8 +234,8 @@ static HOT bool fits(const Variable *v, double x) {
 COLD static bool allows(const Unit *u, const Variable *v) {
     if (v->kind == BOOLEAN) return true;
     if (v->kind != ENUMERATION) return fits(v, number_of(u, v));
-    const int32_t *choices = NUMBERS + range_of(v)->choices;
-    for (int32_t i = 1; i <= choices[0]; i++)
+    const int16_t *choices = NUMBERS + range_of(v)->choices;
+    for (int i = 1; i <= choices[0]; i++)
         if (choices[i] == *(const int64_t *)held(u, v)) return true;
     return false;
 }
@@ -243,28 +261,11 @@ COLD static void look(Unit *u) {
     for (int i = 0; i < COUNT; i++) u->unfit += unfit(u, VARIABLES + i);
 }
 
-/* Log what a code means, with the values of the variables that its message shows. `of`: the name of the variable that
- * holds the code; the group in which this variable lies comes first. */
-COLD static void explain(Unit *u, Status status, const char *of, int messages, int64_t code) {
-    if (!heard(u, status)) return;
-    size_t group = 0;
-    for (size_t i = 0; of[i]; i++)
-        if (of[i] == '.') group = i;
-    for (const Message *m = MESSAGES + messages; m->code; m++) {
-        if (m->code != code) continue;
-        Text text;
-        text.length = 0;
-        append(&text, of, group);
-        if (group) append_text(&text, ": ");
-        append_text(&text, words(m->text));
-        const int32_t *shown = NUMBERS + m->shown;
-        for (const int32_t *v = shown; *v >= 0; v++) {
-            append_text(&text, v == shown ? " (" : ", ");
-            append_value(&text, u, VARIABLES + *v);
-        }
-        if (*shown >= 0) append_text(&text, ")");
-        u->write(u->importer, status, text.bytes);
-    }
+/* Log what a code means, with the values of the variables that its message shows; `group` comes first. */
+COLD static void explain(const Unit *u, Status status, const char *group, int messages, int64_t code) {
+    const Message *m = MESSAGES + messages;
+    while (m->code && m->code != code) m++;
+    if (m->code) unit_say(u, status, "%s%s%l", group, words(m->text), NUMBERS + m->shown);
 }
 
 /* --- life --- */
@@ -406,7 +407,7 @@ static HOT bool ready(Unit *u, double time, double h) {
 
 COLD static void tell_code(Unit *u, int i) {
     int64_t code = u->codes[i] = code_of(u, i);
-    if (code) explain(u, UNIT_WARNING, words(CODED[i].name), CODED[i].messages, code);
+    if (code) explain(u, UNIT_WARNING, words(CODED[i].group), CODED[i].messages, code);
 }
 
 Status unit_step(Unit *u, double time, double h, const char *call) {
@@ -443,7 +444,7 @@ COLD static bool none_has(const Unit *u, uint32_t r, int kinds) {
 }
 
 COLD static bool cannot_be_set(const Unit *u, uint32_t r) {
-    unit_say(u, UNIT_ERROR, "%s (%s) cannot be set now", words(VARIABLES[r].name), words(VARIABLES[r].role));
+    unit_say(u, UNIT_ERROR, "%s (%s) cannot be set now", name_of(VARIABLES + r), words(VARIABLES[r].role));
     return false;
 }
 
@@ -525,7 +526,7 @@ COLD static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n
         if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL);
         const Variable *v = VARIABLES + r[i];
         if (!v->input) {
-            unit_say(u, UNIT_ERROR, "%s: %s (%s) is no input", call, words(v->name), words(v->role));
+            unit_say(u, UNIT_ERROR, "%s: %s (%s) is no input", call, name_of(v), words(v->role));
             return false;
         }
         if (orders[i] < 1) {
