@@ -102,10 +102,10 @@ struct Unit {
 
 /* --- one value --- */
 
-static HOT void *at(Unit *u, const Variable *v) { return (uint8_t *)&u->now + (offsetof(State, model) + v->offset); }
-static HOT double *real(Unit *u, int variable) { return at(u, VARIABLES + variable); }
-static HOT int64_t *integer(Unit *u, int variable) { return at(u, VARIABLES + variable); }
-static HOT const void *held(const Unit *u, const Variable *v) { return at((Unit *)u, v); }
+static inline void *at(Unit *u, const Variable *v) { return (uint8_t *)&u->now + (offsetof(State, model) + v->offset); }
+static inline double *real(Unit *u, int variable) { return at(u, VARIABLES + variable); }
+static inline int64_t *integer(Unit *u, int variable) { return at(u, VARIABLES + variable); }
+static inline const void *held(const Unit *u, const Variable *v) { return at((Unit *)u, v); }
 
 /* A value as a number; that of a Boolean is 0 or 1. */
 COLD static double number_of(const Unit *u, const Variable *v) {
@@ -210,7 +210,7 @@ COLD bool unit_may(const Unit *u, int modes, const char *call) {
 }
 
 /* The same for the functions that are called most: this one can be inlined, and calls only to report an error. */
-static HOT bool may(const Unit *u, int modes, const char *call) {
+static inline bool may(const Unit *u, int modes, const char *call) {
     return (u && u->now.mode & modes) || unit_may(u, modes, call);
 }
 
@@ -221,12 +221,12 @@ COLD bool unit_given(const Unit *u, const void *pointer, const char *call) {
 
 /* --- ranges --- */
 
-static HOT bool is_finite(double x) { return fabs(x) <= DBL_MAX; }
+static inline bool is_finite(double x) { return fabs(x) <= DBL_MAX; }
 
-static HOT const Range *range_of(const Variable *v) { return RANGES + v->range; }
+static inline const Range *range_of(const Variable *v) { return RANGES + v->range; }
 
 /* Whether a number is in its variable's range; NaN fails every comparison. */
-static HOT bool fits(const Variable *v, double x) {
+static inline bool fits(const Variable *v, double x) {
     const Range *range = range_of(v);
     return (x >= range->min) & (x <= range->max) & ((fabs(x) >= range->smallest) | ((x == 0.0) & range->zero));
 }
@@ -252,7 +252,7 @@ COLD static bool judge(const Unit *u, const Variable *v, Status status) {
  * step need not look at each. */
 COLD static bool unfit(const Unit *u, const Variable *v) { return v->judged && !allows(u, v); }
 
-static HOT int64_t code_of(Unit *u, int i) { return *(int64_t *)(u->now.model.bytes + CODED[i].offset); }
+static inline int64_t code_of(Unit *u, int i) { return *(int64_t *)(u->now.model.bytes + CODED[i].offset); }
 
 /* Find out what the unit knows of its state beside it. */
 COLD static void look(Unit *u) {
@@ -364,7 +364,7 @@ COLD static void put_back(Unit *u) {
 
 /* A refused step has changed nothing: the block guarantees that, so no copy is made. After an arithmetic error, which
  * no block should have, the state is undefined: the unit must be reset. */
-static HOT Status run(Unit *u, double h) {
+static inline Status run(Unit *u, double h) {
     bool failed = false;
     int64_t refusal = block_step((Block *)&u->now.model, h, &failed);
     if (failed) {
@@ -378,7 +378,7 @@ static HOT Status run(Unit *u, double h) {
 /* By how much of itself a step may end past the stop time: importers add up times, and these sums are inexact. */
 static const double PAST_STOP = 0.01;
 
-static HOT bool in_time(const Unit *u, double time, double h) {
+static inline bool in_time(const Unit *u, double time, double h) {
     return (h > 0.0) & (h <= LONGEST_STEP) & is_finite(time) & (time + h <= u->now.stop + PAST_STOP * h);
 }
 
@@ -397,7 +397,7 @@ COLD static bool judge_all(Unit *u) {
     return true;
 }
 
-static HOT bool ready(Unit *u, double time, double h) {
+static inline bool ready(Unit *u, double time, double h) {
     if (!in_time(u, time, h)) {
         tell_time(u, time, h);
         return false;
@@ -436,7 +436,7 @@ COLD static const char *kind_names(int kinds) {
     }
 }
 
-static HOT bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds & VARIABLES[r].kind; }
+static inline bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds & VARIABLES[r].kind; }
 
 COLD static bool none_has(const Unit *u, uint32_t r, int kinds) {
     unit_say(u, UNIT_ERROR, "no %s has the value reference %d", kind_names(kinds), (int64_t)r);
@@ -448,7 +448,7 @@ COLD static bool cannot_be_set(const Unit *u, uint32_t r) {
     return false;
 }
 
-static HOT bool can_get(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const void *values,
+static inline bool can_get(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const void *values,
                         const char *call) {
     if (!may(u, modes, call)) return false;
     if (n && !(r && values)) return unit_given(u, NULL, call);
@@ -458,7 +458,7 @@ static HOT bool can_get(Unit *u, int modes, int kinds, const uint32_t r[], size_
     return true;
 }
 
-static HOT bool can_set(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const void *values,
+static inline bool can_set(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const void *values,
                         const char *call) {
     if (!may(u, modes, call)) return false;
     if (n && !(r && values)) return unit_given(u, NULL, call);
@@ -486,14 +486,14 @@ COLD static void put_unfit(Unit *u, const Variable *v, double x) {
     u->unfit += unfit(u, v);
 }
 
-static HOT void put_real(Unit *u, const Variable *v, double x) {
+static inline void put_real(Unit *u, const Variable *v, double x) {
     const Range *range = range_of(v);
     bool fit = x >= range->min && x <= range->max && fabs(x) >= range->smallest; /* as mostly, but for some zeros */
     if (fit && !u->unfit) *(double *)at(u, v) = x;
     else put_unfit(u, v, x);
 }
-static HOT void put_integer(Unit *u, const Variable *v, int64_t x) { *(int64_t *)at(u, v) = x; }
-static HOT void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(u, v) = x != 0; }
+static inline void put_integer(Unit *u, const Variable *v, int64_t x) { *(int64_t *)at(u, v) = x; }
+static inline void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(u, v) = x != 0; }
 
 /* A getter and a setter. FURTHER: a further parameter, `kinds`, or nothing; Given and Held: the type of the values for the
  * importer, and in the model's memory; `others`: what can_get and can_set end with. */
