@@ -10,7 +10,7 @@ import shutil
 import struct
 import subprocess
 import sys
-from ctypes import c_char
+from ctypes import create_string_buffer
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -370,6 +370,8 @@ class Ramp:
 
     travel: float = var.output(0.5, "what is covered")
     laps: list[float] = var.ring(3)
+    times: list[float] = var.ring(3)
+    rows: list[float] = var.ring(6)
 
     def advance(self, h: float, gain: float) -> None:
         """Add what a step covers."""
@@ -378,6 +380,9 @@ class Ramp:
             self.laps[i] += rate  # each lap
         # The last lap counts twice.
         self.laps[lap] = self.laps[-1] + (self.travel - rate)
+        if rate != 0.0:
+            self.times[lap] += self.laps[lap] / rate
+            self.rows[2 * lap] = self.rows[2 * lap + 1] / gain - rate / gain
         self.travel += STEEP * rate
 
 
@@ -410,7 +415,12 @@ static void Ramp_advance(Ramp *self, double h, double gain, bool *failed) {
         self->laps[i] += rate; /* each lap */
     }
     /* The last lap counts twice. */
-    self->laps[index_in(lap, 3, failed)] = self->laps[index_in(-1, 3, failed)] + (self->travel - rate);
+    const int64_t at_lap = index_in(lap, 3, failed);
+    self->laps[at_lap] = self->laps[index_in(-1, 3, failed)] + (self->travel - rate);
+    if (rate != 0.0) {
+        self->times[at_lap] += self->laps[at_lap] / rate;
+        self->rows[2 * at_lap] = self->rows[2 * at_lap + 1] / nonzero(gain, failed) - rate / gain;
+    }
     self->travel += STEEP * rate;
 }
 """
@@ -421,6 +431,8 @@ STRUCT_IN_C = """\
 typedef struct {
     double travel; /* output: what is covered */
     double laps[3];
+    double times[3];
+    double rows[6];
 } Ramp;
 """
 
@@ -461,7 +473,9 @@ def c_of(name: str) -> dict[str, bytes]:
 
 def test_the_start_image_has_each_field_where_python_and_numpy_see_it(block: str) -> None:
     memory = image(BLOCKS[block]())
-    assert (c_char * memory.nbytes).in_dll(library(BLOCKS[block]), "START").raw == memory.tobytes()
+    found = create_string_buffer(memory.nbytes)
+    library(BLOCKS[block]).block_start(found)
+    assert found.raw == memory.tobytes()
 
 
 # --- what C compilers say ---

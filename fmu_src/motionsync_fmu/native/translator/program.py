@@ -24,10 +24,10 @@ from .text import comments, docstring, literal, with_comment
 HEADER = """\
 /* {name}, as portable C99: generated from the Python source, whose names, words and order it keeps.
  *
- * A block's memory is one struct of fixed size, without pointers. `block_start` puts the start values into it. Then
- * `block_initialize` may be called again and again. The other functions return the refusal, 0 if there is none. They set
- * `failed` where Python would raise, at a division by zero for instance: the memory then holds no good values, and needs
- * the start values anew. */
+ * A block's memory is one struct of fixed size, without pointers. `block_start` puts the start values into it; then
+ * `block_initialize` may be called again and again. It and `block_step` return the refusal, 0 if there is none. They set
+ * `failed` where Python would raise, at a division by zero for instance: the memory then holds no good values, and is to
+ * get the start values anew. */
 #ifndef BLOCK_H
 #define BLOCK_H
 
@@ -73,9 +73,9 @@ HEAD = """\
 """
 HELPERS = """\
 #if defined __GNUC__ || defined __clang__
-#define SELDOM __attribute__((cold, noinline)) /* not made part of what calls it */
+#define APART __attribute__((noinline)) /* not made part of what calls it */
 #else
-#define SELDOM
+#define APART
 #endif
 
 /* --- as Python does it --- */
