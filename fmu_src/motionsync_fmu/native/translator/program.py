@@ -25,9 +25,9 @@ HEADER = """\
 /* {name}, as portable C99: generated from the Python source, whose names, words and order it keeps.
  *
  * A block's memory is one struct of fixed size, without pointers. `block_start` puts the start values into it; then
- * `block_initialize` may be called again and again. It and `block_step` return the refusal, 0 if there is none. They set
- * `failed` where Python would raise, at a division by zero for instance: the memory then holds no good values, and is to
- * get the start values anew. */
+ * `block_initialize` may be called again and again. It and `block_step` return the refusal, 0 if there is none. They
+ * set `failed` where Python would raise, at a division by zero for instance: the memory then holds no good values, and
+ * is to get the start values anew. */
 #ifndef BLOCK_H
 #define BLOCK_H
 
