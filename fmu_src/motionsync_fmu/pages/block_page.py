@@ -12,6 +12,7 @@ from ..interface.table import groups
 from ..interface.variables import members, summary, variables
 from ..native.platforms import TITLES
 from ..scenario.scenario import Scenario
+from .compact import compact_page
 from .pictures import svg
 from .readme import readme, rendered
 from .style import TEMPLATES
@@ -64,5 +65,5 @@ def pages(
         "platforms": {p: TITLES[p] for p in platforms},
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
-    files = {page: TEMPLATES.get_template(f"{page}.j2").render(values).encode() for page in names}
+    files = {page: compact_page(TEMPLATES.get_template(f"{page}.j2").render(values)).encode() for page in names}
     return files | {PICTURE: svg(example, unit, slave_unit)}
