@@ -11,6 +11,7 @@ from ..interface.recipe import Fmi
 from ..interface.table import groups
 from ..interface.variables import members, summary, variables
 from ..native.platforms import TITLES
+from ..scenario.judge import read_reference
 from ..scenario.scenario import Scenario
 from .compact import compact_page
 from .pictures import svg
@@ -45,6 +46,7 @@ def pages(
     """
     text = rendered(readme(type(block)), PICTURE, example.title)
     use, head, details = text.partition(WIRED_BEFORE)
+    reference = read_reference(example) if related else None
     values = {
         "name": type(block).__name__,
         "version": __version__,
@@ -60,7 +62,8 @@ def pages(
         "describe": summary,
         "flavour": flavour,
         "fmi": fmi,
-        "related": related,
+        "title": example.title,
+        "tolerance": reference[2] if reference else None,
         "sources": sources,
         "platforms": {p: TITLES[p] for p in platforms},
     }
