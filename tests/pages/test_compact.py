@@ -23,7 +23,8 @@ def test_a_curve_is_left_as_it_is() -> None:
 
 
 def test_what_nobody_sees_is_left_out() -> None:
-    drawn = b"""<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN"
+    drawn = b"""<?xml version="1.0" encoding="utf-8" standalone="no"?>
+<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN"
 "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">
 <svg>
  <metadata>

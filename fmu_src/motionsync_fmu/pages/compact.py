@@ -23,7 +23,7 @@ def compact(drawn: bytes) -> bytes:
 
     Metadata, indentation, groups without a purpose, names that nothing refers to and turns by nothing are left out."""
     text = re.sub(rb"-?\d+\.\d{2,}", lambda number: b"%g" % round(float(number[0]), 1), drawn)
-    text = re.sub(rb"\s*<metadata>.*?</metadata>|<!DOCTYPE.*?>\s*", b"", text, flags=re.S)
+    text = re.sub(rb"\s*<metadata>.*?</metadata>|<\?xml.*?>\s*|<!DOCTYPE.*?>\s*", b"", text, flags=re.S)
     text = re.sub(rb' transform="rotate\(-?0 [^)]*\)"', b"", text)
     used = set(re.findall(rb"#(\w+)", text))
     text = re.sub(rb' id="([^"]*)"', lambda name: name[0] if name[1] in used else b"", text)
