@@ -181,6 +181,48 @@ else:
 return x
 
 return sqrt(min(self.a, 1.0)) + sqrt(max(self.b, -2.0))
+
+for j in range(3):
+    self.values[j] += 1.0
+j = self.m
+return self.values[j]
+
+x = 1.0 / self.m
+y = 0.0
+while y < 5.0:
+    y += 0.0 if x > 2.0 else 1.0
+return y
+
+x = 1.0 / self.m
+return self.climb(0.0 if x > 2.0 else 1.0)
+
+self.part.n = 1
+if self.values[self.part.n] < 1.0 and self.try_move() and self.values[self.part.n] < 1.0:
+    self.values[self.part.n] = self.part.values[self.part.n] + 1.0
+return self.values[self.part.n] - self.values[1]
+
+self.y = 1.0
+if self.y != 0.0 and self.try_move():
+    return 1.0 / self.y
+return 2.0 / self.y
+
+if self.m < 0:
+    self.values[self.m] = 1.0
+    x = self.values[self.m]
+elif self.m < 3:
+    return self.values[self.n] - self.values[self.n]
+else:
+    x = 2.0
+self.values[self.m] += x
+return self.values[self.m]
+
+x = 0.0
+for j in range(2):
+    for l in range(3):
+        self.rows[3 * j + l] = float(j - l)
+        x += self.rows[3 * self.n + l] + self.rows[3 * self.n + 2]
+    x += self.rows[3 * self.n + 3]
+return x - self.rows[2 * self.m + 1] * self.rows[2 * self.m]
 """
 
 

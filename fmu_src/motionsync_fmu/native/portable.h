@@ -38,7 +38,6 @@
 #define unit_deserialize OWN(UNIT_PREFIX, unit_deserialize)
 #define unit_enter_initialization OWN(UNIT_PREFIX, unit_enter_initialization)
 #define unit_exit_initialization OWN(UNIT_PREFIX, unit_exit_initialization)
-#define unit_fail OWN(UNIT_PREFIX, unit_fail)
 #define unit_free OWN(UNIT_PREFIX, unit_free)
 #define unit_free_state OWN(UNIT_PREFIX, unit_free_state)
 #define unit_get_booleans OWN(UNIT_PREFIX, unit_get_booleans)

@@ -243,11 +243,10 @@ def squared_acceleration(profile: Profile, i: int) -> float:
     l_n are the coefficients of a in Legendre's polynomials over the piece, which are orthogonal. The terms of this sum
     are squares, so they do not cancel."""
     d = profile.durations[i]
-    at = TERMS * i
-    a0 = 2.0 * profile.coefficients[at + 2]
-    a1 = 6.0 * profile.coefficients[at + 3]
-    a2 = 12.0 * profile.coefficients[at + 4]
-    a3 = 20.0 * profile.coefficients[at + 5]
+    a0 = 2.0 * profile.coefficients[TERMS * i + 2]
+    a1 = 6.0 * profile.coefficients[TERMS * i + 3]
+    a2 = 12.0 * profile.coefficients[TERMS * i + 4]
+    a3 = 20.0 * profile.coefficients[TERMS * i + 5]
     l0 = (a0 + a1 / 2.0 + a2 / 3.0 + a3 / 4.0) / d / d
     l1 = (a1 / 2.0 + a2 / 2.0 + 9.0 / 20.0 * a3) / d / d
     l2 = (a2 / 6.0 + a3 / 4.0) / d / d

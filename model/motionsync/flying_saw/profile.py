@@ -55,13 +55,12 @@ class Profile:
 
     def add(self, duration: float, c0: float, c1: float, c2: float, c3: float, c4: float, c5: float) -> None:
         """Append a piece; its position in powers of u counts from the origin."""
-        at = TERMS * self.pieces
-        self.coefficients[at] = c0
-        self.coefficients[at + 1] = c1
-        self.coefficients[at + 2] = c2
-        self.coefficients[at + 3] = c3
-        self.coefficients[at + 4] = c4
-        self.coefficients[at + 5] = c5
+        self.coefficients[TERMS * self.pieces] = c0
+        self.coefficients[TERMS * self.pieces + 1] = c1
+        self.coefficients[TERMS * self.pieces + 2] = c2
+        self.coefficients[TERMS * self.pieces + 3] = c3
+        self.coefficients[TERMS * self.pieces + 4] = c4
+        self.coefficients[TERMS * self.pieces + 5] = c5
         self.durations[self.pieces] = duration
         self.rates[self.pieces] = 1.0 / duration
         self.pieces += 1
@@ -104,24 +103,22 @@ class Profile:
     def within(self, i: int, u: float) -> tuple[float, float, float, float]:
         """The same as `at`, at u in piece i: a time would be rounded in a short piece, u is not."""
         rate = self.rates[i]
-        at = TERMS * i
         position, d1, d2, d3 = quintic(
-            self.coefficients[at],
-            self.coefficients[at + 1],
-            self.coefficients[at + 2],
-            self.coefficients[at + 3],
-            self.coefficients[at + 4],
-            self.coefficients[at + 5],
+            self.coefficients[TERMS * i],
+            self.coefficients[TERMS * i + 1],
+            self.coefficients[TERMS * i + 2],
+            self.coefficients[TERMS * i + 3],
+            self.coefficients[TERMS * i + 4],
+            self.coefficients[TERMS * i + 5],
             u,
         )
         return self.origin + position, d1 * rate, d2 * rate * rate, d3 * rate * rate * rate
 
     def distance_in(self, i: int, u: float) -> float:
         """From the beginning of piece i to u in it, u, with its sign."""
-        at = TERMS * i
-        c1 = self.coefficients[at + 1]
-        c2 = self.coefficients[at + 2]
-        c3 = self.coefficients[at + 3]
-        c4 = self.coefficients[at + 4]
-        c5 = self.coefficients[at + 5]
+        c1 = self.coefficients[TERMS * i + 1]
+        c2 = self.coefficients[TERMS * i + 2]
+        c3 = self.coefficients[TERMS * i + 3]
+        c4 = self.coefficients[TERMS * i + 4]
+        c5 = self.coefficients[TERMS * i + 5]
         return u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))

@@ -49,6 +49,7 @@ class Expressions:
     def __init__(self, program: "Program", reading: Reading) -> None:
         self.program, self.reading = program, reading
         self.package, self.names = program.package, program.names
+        self.checked: dict[ast.expr, str] = {}  # indices or parts of them, as they are once they have been checked
 
     def kind(self, node: ast.expr) -> Kind:
         return self.reading.kinds[node]
@@ -99,7 +100,9 @@ class Expressions:
         return Code(f"{name}({', '.join([*arguments, *failed])})")
 
     def expression(self, node: ast.expr) -> Code:
-        if isinstance(node, ast.Call):
+        if node in self.checked:
+            found = Code(self.checked[node])
+        elif isinstance(node, ast.Call):
             found = self.own_call(node) or self.outside(node)
         elif isinstance(node, ast.Constant | ast.Name | ast.Attribute | ast.Subscript):
             found = self.simple(node)
@@ -112,7 +115,7 @@ class Expressions:
             case ast.Name() | ast.Attribute():
                 return Code(self.named(node))
             case ast.Subscript(value=values, slice=index):
-                return Code(f"{self.code(values)}[{self.index(node, values, index)}]")
+                return Code(f"{self.code(values)}[{self.index(node, index)}]")
             case ast.Constant(value=bool() | int() | float() as value):
                 return Code(literal(value))
         raise AssertionError(ast.unparse(node))
@@ -140,10 +143,15 @@ class Expressions:
         sign, text = "-" if isinstance(op, ast.USub) else "+", self.code(operand, UNARY, kind)
         return Code(f"{sign}({text})" if text.startswith(sign) else f"{sign}{text}", UNARY)
 
-    def index(self, node: ast.Subscript, values: ast.expr, index: ast.expr) -> str:
-        if not self.program.raising.may(self.reading, node):
-            return self.code(index)
-        return self.helper("index_in", self.code(index, 0, "int"), str(self.length(values))).text
+    def index(self, node: ast.Subscript, index: ast.expr) -> str:
+        if self.program.raising.may(self.reading, node):
+            part, length = self.program.raising.checks[self.reading].indices[node]
+            if part not in self.checked:
+                self.checked[part] = self.in_range(part, length)
+        return self.code(index)
+
+    def in_range(self, index: ast.expr, length: int) -> str:
+        return self.helper("index_in", self.code(index, 0, "int"), str(length)).text
 
     def length(self, values: ast.expr) -> int:
         return self.program.effects.length(self.reading, values)

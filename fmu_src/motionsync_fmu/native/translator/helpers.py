@@ -12,6 +12,7 @@ class Helper:
     parameters: str
     body: str
     needs: tuple[str, ...] = ()
+    seldom: bool = False
 
     @property
     def fails(self) -> bool:
@@ -23,10 +24,17 @@ FINITE = "if (!(fabs(x) <= DBL_MAX)) *failed = true;\n"
 HELPERS = {
     "nonzero": Helper("double", "double x", "if (x == 0.0) *failed = true;\nreturn x;"),
     "nonzero_int": Helper("int64_t", "int64_t n", "if (n != 0) return n;\n*failed = true;\nreturn 1;"),
+    "index_from_end": Helper(
+        "int64_t",
+        "int64_t i, int64_t length",
+        "if (i < 0 && i >= -length) return i + length;\n*failed = true;\nreturn 0;",
+        seldom=True,
+    ),
     "index_in": Helper(
         "int64_t",
         "int64_t i, int64_t length",
-        "if (i < 0) i += length;\nif (i >= 0 && i < length) return i;\n*failed = true;\nreturn 0;",
+        "return (uint64_t)i < (uint64_t)length ? i : index_from_end(i, length, failed);",
+        ("index_from_end",),
     ),
     "py_min": Helper("double", "double a, double b", "return b < a ? b : a;"),
     "py_max": Helper("double", "double a, double b", "return b > a ? b : a;"),
@@ -69,4 +77,5 @@ def texts(wanted: Iterable[str]) -> Iterator[str]:
         helper = HELPERS[name]
         end = ", bool *failed" if helper.fails else ""
         body = "".join(f"    {line}\n" for line in helper.body.splitlines())
-        yield f"static inline {helper.returns} {name}({helper.parameters}{end}) {{\n{body}}}\n"
+        how = "SELDOM static" if helper.seldom else "static inline"
+        yield f"{how} {helper.returns} {name}({helper.parameters}{end}) {{\n{body}}}\n"

@@ -71,7 +71,15 @@ HEAD = """\
 #endif
 
 """
-HELPERS = "/* --- as Python does it --- */\n"
+HELPERS = """\
+#if defined __GNUC__ || defined __clang__
+#define SELDOM __attribute__((cold, noinline)) /* not made part of what calls it */
+#else
+#define SELDOM
+#endif
+
+/* --- as Python does it --- */
+"""
 TUPLES = "/* --- what functions return that return several values --- */\n"
 BLOCK = """\
 /* ===== the block ===== */

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 
 from ..subset.effects import Effects
 from ..subset.package import Reading
-
-DIVISIONS = (ast.Div, ast.FloorDiv, ast.Mod)
+from .checks import DIVISIONS, Checks, KeptIndex
 
 
 class Raising:
@@ -14,9 +13,11 @@ class Raising:
 
     def __init__(self, effects: Effects) -> None:
         self.effects = effects
-        self.inside = {node for reading in effects.of for node in certain(effects, reading)}
+        self.checks = {reading: Checks(effects, reading) for reading in effects.of}
         self.failing = {
-            reading for reading in effects.of if any(self.may(reading, n) for n in reading.walk(reading.node))
+            reading
+            for reading, checks in self.checks.items()
+            if checks.endless or any(self.may(reading, n) for n in reading.walk(reading.node))
         }
         before = -1
         while before != len(self.failing):
@@ -27,10 +28,10 @@ class Raising:
     def may(self, reading: Reading, node: ast.AST) -> bool:
         """Whether an operation itself might raise, whatever its operands do."""
         match node:
-            case ast.BinOp(op=op, right=right) | ast.AugAssign(op=op, value=right):
-                return isinstance(op, DIVISIONS) and not reading.number(right)
-            case ast.Subscript(value=values) if node in reading.kinds and reading.kinds[values] == "list":
-                return node not in self.inside
+            case ast.BinOp(op=op) | ast.AugAssign(op=op):
+                return isinstance(op, DIVISIONS) and node not in self.checks[reading].needless
+            case ast.Subscript():
+                return node in reading.kinds and node not in self.checks[reading].needless
             case ast.Call(func=func, args=[value, *_]) if reading.callee(node) is None:
                 name = name_in_python(reading, func)
                 if name == "sqrt":
@@ -38,9 +39,9 @@ class Raising:
                 return name == "fmod" or (name in ("int", "round", "floor") and reading.kinds[value] == "float")
         return False
 
-    def anywhere(self, reading: Reading, node: ast.AST) -> bool:
-        """Whether something might raise in an expression or statement."""
-        return any(self.may(reading, n) or reading.callee(n) in self.failing for n in reading.walk(node))
+    def kept(self, reading: Reading, statement: ast.stmt) -> Iterator[KeptIndex]:
+        """The indices that are checked before a statement."""
+        return (kept for kept in self.checks[reading].kept if kept.statement is statement)
 
 
 def name_in_python(reading: Reading, func: ast.expr) -> str:
@@ -60,37 +61,3 @@ def never_negative(reading: Reading, node: ast.expr) -> bool:
             return ast.dump(left) == ast.dump(right) and not any(isinstance(n, ast.Call) for n in reading.walk(left))
     number = reading.number(node)
     return number is not None and number >= 0
-
-
-def certain(effects: Effects, reading: Reading) -> Iterator[ast.Subscript]:
-    """The elements whose index is inside the list: a constant, or the variable of a loop around it."""
-    for node in reading.walk(reading.node):
-        match node:
-            case ast.Subscript(value=values, slice=index) if node in reading.kinds:
-                at = reading.number(index)
-                if isinstance(at, int) and 0 <= at < effects.length(reading, values):
-                    yield node
-            case ast.For(target=ast.Name(id=name), iter=ast.Call(args=limits), body=body):
-                first, last = reach(effects, reading, limits)
-                for part in (n for s in body for n in reading.walk(s) if isinstance(n, ast.Subscript)):
-                    named = isinstance(part.slice, ast.Name) and part.slice.id == name
-                    if named and first >= 0 and last < effects.length(reading, part.value):
-                        yield part
-
-
-def reach(effects: Effects, reading: Reading, limits: list[ast.expr]) -> tuple[int, int]:
-    """The least and the greatest value of a loop's variable, where constants limit it; else something below 0."""
-    numbers = [whole(effects, reading, limit) for limit in limits]
-    if None in numbers:
-        return -1, -1
-    values = range(*(number for number in numbers if number is not None))
-    return (min(values), max(values)) if values else (-1, -1)
-
-
-def whole(effects: Effects, reading: Reading, node: ast.expr) -> int | None:
-    if isinstance(node, ast.Call) and ast.unparse(node.func) == "len":
-        return effects.length(reading, node.args[0]) or None
-    number = reading.number(node)
-    if isinstance(node, ast.UnaryOp):
-        number = reading.package.number(reading.file, node) if reading.number(node.operand) is not None else None
-    return number if isinstance(number, int) else None

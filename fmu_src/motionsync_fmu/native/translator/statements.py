@@ -9,6 +9,7 @@ from .declarations import Path, declarations
 from .expressions import AND, ARITHMETIC, RELATION, Expressions
 from .text import with_comment
 
+SPOKEN: dict[type[ast.operator], str] = {ast.Add: "plus", ast.Sub: "minus", ast.Mult: "times"}
 Lines = tuple[int, int]  # of the source: the first and the last
 
 
@@ -66,13 +67,16 @@ class Statements(Expressions):
             self.statement(statement, (*path, i))
 
     def inner(self, statements: list[ast.stmt], path: Path) -> None:
+        outside = {*self.used}
         self.indent += 1
         self.block(statements, path)
         self.indent -= 1
+        self.used = outside
 
     def statement(self, s: ast.stmt, here: Path) -> None:
         new = self.declared.get(here, [])
         source = s.lineno, s.end_lineno or s.lineno
+        self.keep_indices(s)
         match s:
             case ast.Assign(targets=[ast.Tuple(elts=parts)], value=ast.Call() as call):
                 self.unpack(call, parts, new, source)
@@ -86,6 +90,13 @@ class Statements(Expressions):
             self.compound_statement(s, here)
         else:
             self.simple_statement(s, source)
+
+    def keep_indices(self, s: ast.stmt) -> None:
+        """The indices that are checked here for this and later statements."""
+        for kept in self.program.raising.kept(self.reading, s):
+            name = self.fresh(f"at_{spoken(kept.places[0])}")
+            self.put(f"const int64_t {name} = {self.in_range(kept.places[0], kept.length)};")
+            self.checked |= dict.fromkeys(kept.places, name)
 
     def compound_statement(self, s: ast.If | ast.While | ast.For | ast.Match, here: Path) -> None:
         match s:
@@ -198,7 +209,7 @@ class Statements(Expressions):
 
     def guard(self, loop: ast.stmt) -> str:
         """What ends a loop at a failure, after which it might go on for ever."""
-        return "!*failed && " if self.program.raising.anywhere(self.reading, loop) else ""
+        return "!*failed && " if loop in self.program.raising.checks[self.reading].endless else ""
 
     def count(self, s: ast.For, here: Path) -> None:
         assert isinstance(s.iter, ast.Call)
@@ -263,6 +274,7 @@ class Statements(Expressions):
             self.inner(case.body, (*here, k))
             body, self.lines = self.lines[begin:], self.lines[:begin]
             declares = any(place[:-1] == (*here, k) for place in self.declared) or unpacks(case.body)
+            declares |= any(True for s in case.body for _ in self.program.raising.kept(self.reading, s))
             self.put(f"{labels[-1]}{' {' if declares else ''}", (case.pattern.lineno, case.body[0].lineno - 1))
             self.lines += body
             if not isinstance(case.body[-1], ast.Return | ast.Continue):
@@ -270,6 +282,18 @@ class Statements(Expressions):
             if declares:
                 self.put("}")
         self.put("}")
+
+
+def spoken(index: ast.expr) -> str:
+    """A name for an index, such as `piece_plus_1`."""
+    match index:
+        case ast.BinOp(left=left, op=op, right=right):
+            return f"{spoken(left)}_{SPOKEN[type(op)]}_{spoken(right)}"
+        case ast.UnaryOp(operand=operand):
+            return f"minus_{spoken(operand)}"
+        case ast.Attribute(attr=name) | ast.Name(id=name):
+            return name.lower()
+    return ast.unparse(index)
 
 
 def unpacks(body: list[ast.stmt]) -> bool:
