@@ -8,7 +8,7 @@ import struct
 import sys
 import time
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -40,18 +40,23 @@ def sources(module: str) -> Files:
         if name not in found:
             found[name] = path.read_bytes().replace(b"\r\n", b"\n")
             packages = (root / folder for folder in path.relative_to(root).parents)
-            wanted += [*packages, *_imported(ast.parse(found[name]), path)]
+            wanted += [*packages, *_imported(_relative_imports(found[name]), path)]
     return dict(sorted(found.items()))
 
 
-def _imported(tree: ast.Module, path: Path) -> Iterator[Path]:
+@cache
+def _relative_imports(text: bytes) -> Sequence[ast.ImportFrom]:
+    """Those of a module. Blocks share modules, and a build asks for the sources of a block again and again."""
+    return [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom) and node.level]
+
+
+def _imported(imports: Iterable[ast.ImportFrom], path: Path) -> Iterator[Path]:
     """The modules and packages that relative imports name, as paths without suffix."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            origin = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
-            yield origin
-            modules = (origin / alias.name for alias in node.names)  # a name imported from a package may be a module
-            yield from (m for m in modules if m.is_dir() or m.with_name(f"{m.name}.py").is_file())
+    for node in imports:
+        origin = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+        yield origin
+        modules = (origin / alias.name for alias in node.names)  # a name imported from a package may be a module
+        yield from (m for m in modules if m.is_dir() or m.with_name(f"{m.name}.py").is_file())
 
 
 def beside(block_type: type[Any], name: str) -> Path:

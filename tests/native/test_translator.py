@@ -10,7 +10,7 @@ import shutil
 import struct
 import subprocess
 import sys
-from ctypes import c_char
+from ctypes import create_string_buffer
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -540,7 +540,9 @@ def c_of(name: str) -> dict[str, bytes]:
 
 def test_the_start_image_has_each_field_where_python_and_numpy_see_it(block: str) -> None:
     memory = image(BLOCKS[block]())
-    assert (c_char * memory.nbytes).in_dll(library(BLOCKS[block]), "START").raw == memory.tobytes()
+    found = create_string_buffer(memory.nbytes)
+    library(BLOCKS[block]).block_start(found)
+    assert found.raw == memory.tobytes()
 
 
 # --- what C compilers say ---
@@ -576,7 +578,7 @@ def test_gcc_finds_nothing_to_warn_of_and_a_step_needs_little_stack(block: str, 
     done = gcc("-O2", *WARNINGS, "-fcallgraph-info=su", folder=folder)
     assert (done.returncode, done.stderr) == (0, "")
     own, calls = call_graph((folder / "block.ci").read_text())
-    assert {"block_initialize", "block_step"} <= own.keys()
+    assert {"block_start", "block_initialize", "block_step"} <= own.keys()
     outside = {callee for callees in calls.values() for callee in callees} - own.keys()
     assert outside <= {"sqrt", "floor", "rint", "fmod", "fabs", "memcpy", "memset"}
     needed = {entry: deepest(entry, own, calls, ()) for entry in ("block_initialize", "block_step")}

@@ -53,7 +53,7 @@ class Body(Expressions):
     def check(self) -> None:
         self.signature()
         self.bound: Bound = frozenset(self.kinds)
-        names = (name for name in ast.walk(self.node) if isinstance(name, ast.Name))
+        names = (name for name in self.reading.walk(self.node) if isinstance(name, ast.Name))
         self.locals = self.bound | {name.id for name in names if isinstance(name.ctx, ast.Store)}
         self.block(without_docstring(self.node.body))
         if self.bound is not None and self.returns not in ("?", "None"):

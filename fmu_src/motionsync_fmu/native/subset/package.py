@@ -5,6 +5,7 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import PurePosixPath
 from typing import TypeAlias
 
@@ -47,9 +48,11 @@ class Reading:
     inside: dict[ast.AST, list[ast.AST]] = field(default_factory=dict)
 
     def walk(self, node: ast.AST) -> list[ast.AST]:
-        """A node and all nodes in it, found once."""
+        """A node and all nodes in it, in the order of `ast.walk`, found once."""
         if node not in self.inside:
-            self.inside[node] = list(ast.walk(node))
+            self.inside[node] = found = [node]
+            for one in found:  # it grows meanwhile
+                found += children(one)
         return self.inside[node]
 
     @property
@@ -86,12 +89,25 @@ class Reading:
         return None
 
 
+@cache
+def parsed(file: str, text: str) -> ast.Module:
+    """The tree of a module, which nobody changes. Blocks share modules, and a block is checked, then translated."""
+    return ast.parse(text, file)
+
+
+@cache
+def children(node: ast.AST) -> list[ast.AST]:
+    """The nodes directly in a node."""
+    return list(ast.iter_child_nodes(node))
+
+
 class Package:
     """The modules of the model (path inside the package to text) and what their names stand for."""
 
     def __init__(self, sources: Mapping[str, str]) -> None:
-        self.trees = {file: ast.parse(text, file) for file, text in sorted(sources.items())}
+        self.trees = {file: parsed(file, text) for file, text in sorted(sources.items())}
         self.names = {file: dict(self.module_names(tree)) for file, tree in self.trees.items()}
+        self.found: dict[tuple[str, str], Meaning] = {}
         self.homes = {node: file for file, tree in self.trees.items() for node in tree.body}
         classes = [(node, file) for node, file in self.homes.items() if isinstance(node, ast.ClassDef)]
         self.constants: dict[ast.stmt, Kind] = {}  # kinds of the constants that have been visited
@@ -130,6 +146,11 @@ class Package:
 
     def find(self, file: str, name: str) -> Meaning:
         """What a name stands for in a module, through imports inside the package."""
+        if (file, name) not in self.found:
+            self.found[file, name] = self.search(file, name)
+        return self.found[file, name]
+
+    def search(self, file: str, name: str) -> Meaning:
         node, original = self.names.get(file, {}).get(name, (None, name))
         if isinstance(node, ast.Import):
             return original
