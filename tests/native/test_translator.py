@@ -253,6 +253,11 @@ y = 1.0 / x
 x = self.a
 return y / x
 
+self.y = 2.0
+x = 1.0 / self.y
+self.y: float = self.b
+return x + 1.0 / self.y
+
 return 7.5 / self.n + float(self.m % self.n) - float(self.m // self.n)
 
 x = 0.0
