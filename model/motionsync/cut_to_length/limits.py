@@ -115,7 +115,7 @@ def way_out(machine: Machine, velocity: float) -> tuple[float, float, float]:
 
 
 def change(speed: float, acceleration: float, jerk: float) -> tuple[float, float]:
-    """R and dR/dx, in s and s2/u: `change_time` and how it rises with the speed > 0; `reach` is a2/j."""
+    """R and dR/dx, in s and s2/u: `change_time`, and how it rises with the speed > 0."""
     if speed >= acceleration * acceleration / jerk:
         return speed / acceleration + acceleration / jerk, 1.0 / acceleration
     return 2.0 * sqrt(speed / jerk), 1.0 / sqrt(speed * jerk)
