@@ -1,6 +1,6 @@
 """Drawings and pages that are made small still show the same."""
 
-from motionsync_fmu.pages.compact import compact
+from motionsync_fmu.pages.compact import compact, compact_page
 
 
 def test_a_path_of_straight_lines_tells_steps() -> None:
@@ -23,7 +23,8 @@ def test_a_curve_is_left_as_it_is() -> None:
 
 
 def test_what_nobody_sees_is_left_out() -> None:
-    drawn = b"""<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN"
+    drawn = b"""<?xml version="1.0" encoding="utf-8" standalone="no"?>
+<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN"
 "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd">
 <svg>
  <metadata>
@@ -45,3 +46,39 @@ def test_what_nobody_sees_is_left_out() -> None:
 def test_a_group_with_a_purpose_is_kept() -> None:
     drawn = b'<g id="a">\n<g transform="scale(2)">\n<rect/>\n</g>\n</g>\n'
     assert compact(drawn) == b'<g>\n<g transform="scale(2)">\n<rect/>\n</g>\n</g>\n'
+
+
+def test_a_page_loses_end_tags_that_html_can_do_without() -> None:
+    page = """<p>One
+two</p>
+<table>
+<thead><tr><th>a</th></tr></thead>
+<tbody>
+<tr>
+<td>1</td>
+</tr>
+</tbody>
+</table>
+<ul>
+<li>an
+item</li>
+</ul>
+<pre><code>&lt;/td&gt; </li>
+   |
+</code></pre>
+"""
+    assert (
+        compact_page(page)
+        == """<p>One two</p>
+<table>
+<thead><tr><th>a</thead>
+<tbody>
+<tr>
+<td>1</table>
+<ul>
+<li>an item</ul>
+<pre><code>&lt;/td&gt; </li>
+   |
+</code></pre>
+"""
+    )

@@ -21,6 +21,7 @@ from motionsync.var import Enumeration
 SIZE = 5
 HALF = SIZE // 2
 RATIO = 1.0 / 3.0
+BELOW = -0.5
 
 
 class Refusal(Enumeration):
@@ -292,6 +293,8 @@ class Writer:
             self.item,
             self.aliased,
             self.again,
+            self.again,
+            self.divided,
             self.divided,
         ]
         nested = [self.branch, self.branch, self.count, self.repeat, self.match] if depth > 0 else []

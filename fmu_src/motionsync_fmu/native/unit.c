@@ -59,9 +59,9 @@ COLD static const char *name_of(const Variable *v) {
 }
 
 /* What block.c has. Here a block is so many bytes: the names in its header are those of its Python source, and some are
- * used here for other things. Both functions return the refusal, and set `failed` where Python would raise. */
+ * used here for other things. The latter two return the refusal, and set `failed` where Python would raise. */
 typedef struct Block Block;
-extern const Block START;
+void block_start(Block *self);
 int64_t block_initialize(Block *self, bool *failed);
 int64_t block_step(Block *self, double h, bool *failed);
 
@@ -296,7 +296,7 @@ COLD void unit_reset(Unit *u) {
     u->now.size = sizeof(State);
     u->now.mode = INSTANTIATED;
     u->now.stop = INFINITY;
-    memcpy(u->now.model.bytes, &START, MODEL_SIZE);
+    block_start((Block *)&u->now.model);
     look(u);
 }
 

@@ -1,4 +1,4 @@
-"""Makes Matplotlib's drawings small, so that an FMU stays small: they lose what nobody sees."""
+"""Makes drawings and pages small, so that an FMU stays small: they lose what nobody sees."""
 
 import re
 
@@ -6,12 +6,24 @@ PATH = re.compile(rb' d="((?:[ML] \S+ \S+ \n|z\n)+)"')  # of straight lines only
 POINT = re.compile(rb"([MLz])(?: (\S+) (\S+))?")
 
 
+PLOT = re.compile(r"(<pre>.*?</pre>)", re.S)  # of characters: its lines and blanks are seen
+LINE_END = re.compile(r"(?<=[^>])\n")  # in a running text
+OPTIONAL = re.compile(r"</(?:td|th|tr|tbody|li)>\n?")  # end tags that HTML can do without
+
+
+def compact_page(page: str) -> str:
+    """An HTML page without line ends in running texts, and without the end tags of cells, rows and items of lists."""
+    texts = PLOT.split(page)
+    texts[::2] = [OPTIONAL.sub("", LINE_END.sub(" ", text)) for text in texts[::2]]
+    return "".join(texts)
+
+
 def compact(drawn: bytes) -> bytes:
-    """The drawing with places to a tenth of a point, each relative to the one before it.
+    """Matplotlib's drawing with places to a tenth of a point, each relative to the one before it.
 
     Metadata, indentation, groups without a purpose, names that nothing refers to and turns by nothing are left out."""
     text = re.sub(rb"-?\d+\.\d{2,}", lambda number: b"%g" % round(float(number[0]), 1), drawn)
-    text = re.sub(rb"\s*<metadata>.*?</metadata>|<!DOCTYPE.*?>\s*", b"", text, flags=re.S)
+    text = re.sub(rb"\s*<metadata>.*?</metadata>|<\?xml.*?>\s*|<!DOCTYPE.*?>\s*", b"", text, flags=re.S)
     text = re.sub(rb' transform="rotate\(-?0 [^)]*\)"', b"", text)
     used = set(re.findall(rb"#(\w+)", text))
     text = re.sub(rb' id="([^"]*)"', lambda name: name[0] if name[1] in used else b"", text)

@@ -193,8 +193,6 @@ class Checks:
                 self.learn(before, truth)
             self.look(part, None)
         self.known = after
-        for part in (first, *others):
-            self.forget(part)
 
     def check(self, node: ast.AST, at: ast.stmt | None) -> None:
         match node:
