@@ -38,7 +38,8 @@ else:
 
 Finish = Callable[[Path, Callable[[str], None]], Path]  # of a build that is begun: target and `progress` to target
 
-LICENCES = "documentation/licenses"
+LICENCE = "documentation/licenses/license.txt"  # FMI 3.0 demands this name
+ICONS = {Fmi.TWO: "model.png", Fmi.THREE: f"{FOLDER}/icon.png"}  # where each version has the icon
 NO_COMPONENT = "--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3"
 NO_PYTHON = "the python flavour is of FMI 2.0 only: for --fmi 3 take --flavour native"
 
@@ -117,7 +118,7 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     libraries = list((pythonfmu / "resources" / "binaries").glob("*/*"))
     for library in libraries:
         files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
-    files |= {f"{LICENCES}/{n}": text for n, text in licences("motionsync", "pythonfmu").items()}
+    files[LICENCE] = in_sections(licences("motionsync", "pythonfmu"))
     files |= _documents(recipe, Flavour.PYTHON, (library.parent.name for library in libraries), ())
     return _write(target, recipe, files, OWN_MEMORY, ())
 
@@ -187,8 +188,7 @@ class NativeBuild:
         files = _documents(recipe, Flavour.NATIVE, folders, c_files) | self.compilation.libraries(progress)
         if self.with_component:
             files |= component.component_files(recipe.name, self.unit)
-        texts = licences("motionsync") | libraries.linked_licences(recipe.fmi)
-        files |= {f"{LICENCES}/{n}": text for n, text in texts.items()}
+        files[LICENCE] = in_sections(licences("motionsync") | libraries.linked_licences(recipe.fmi))
         if self.with_sources:
             files |= unit_sources.source_files(block, self.unit, recipe.fmi)
         memory = {} if self.with_sources else OWN_MEMORY
@@ -220,16 +220,14 @@ def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_fil
     related = {} if recipe.starts or recipe.turned else related_files(example)  # of the block as it is declared
     told = bool(related), recipe.fmi, bool(c_files)
     texts = pages(block, example, recipe.unit, flavour, sorted(platforms), recipe.slave_unit, recipe.turned, *told)
-    picture = icon(example)
-    files = related | {f"documentation/{n}": text for n, text in texts.items()}
-    files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(block, recipe.turned)}
-    return files if recipe.fmi == Fmi.THREE else files | {"model.png": picture}
+    place = ICONS[recipe.fmi]
+    listed = terminals(block, recipe.turned, icon=place.startswith(FOLDER))
+    pictured = {place: icon(example), f"{FOLDER}/terminalsAndIcons.xml": listed}
+    return related | pictured | {f"documentation/{n}": text for n, text in texts.items()}
 
 
 def _write(target: Path, recipe: Recipe, files: Files, abilities: Mapping[str, str], c_files: Sequence[str]) -> Path:
     """Write the FMU with these files and with its descriptions."""
-    if recipe.fmi == Fmi.THREE:
-        files[f"{LICENCES}/license.txt"] = files.pop(f"{LICENCES}/motionsync.txt")  # FMI 3.0 demands this name
     write(target, files | _descriptions(recipe, abilities, c_files))
     return target
 
@@ -252,14 +250,21 @@ def plain(value: Any) -> Any:
 
 
 def licences(*distributions: str) -> Files:
-    """The licence text of each installed distribution, by file name, without those of bundled software."""
+    """The licence text of each installed distribution, by its name, without those of bundled software."""
     found: Files = {}
     for name in distributions:
         texts = [file for file in metadata.files(name) or [] if "LICEN" in file.name.upper()]
         if not texts:
             raise UserError(f"the licence of {name} is not installed: install motionsync with pip")
-        found[f"{name}.txt"] = min(texts, key=lambda file: len(str(file))).read_binary()
+        found[name] = min(texts, key=lambda file: len(str(file))).read_binary()
     return found
+
+
+def in_sections(texts: Files) -> bytes:
+    """One text of several, each below its name."""
+    return (
+        b"\n\n".join(f"{name}\n{'=' * len(name)}\n\n".encode() + text.rstrip() for name, text in texts.items()) + b"\n"
+    )
 
 
 def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:

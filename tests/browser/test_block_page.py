@@ -6,6 +6,7 @@ import pytest
 
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import PLATFORMS
+from motionsync_fmu.pages import block_page
 from motionsync_fmu.pages.block_page import pages
 from motionsync_fmu.scenario.example import example_of
 from tests.browser.conftest import Open
@@ -33,6 +34,20 @@ def test_the_page_has_its_title_and_its_picture(open_page: Open, file: Path, blo
 @pytest.mark.parametrize("width", [1152, 800, 400])
 def test_the_page_is_no_wider_than_its_window(open_page: Open, file: Path, width: int) -> None:
     assert open_page(file, width).overflow() == 0.0
+
+
+def test_a_page_that_was_made_small_has_all_its_elements_and_texts(
+    open_page: Open, file: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """But for line ends in a text, which a browser shows as blanks, and for texts of nothing else."""
+    shown = """[...document.body.querySelectorAll('*')].map(element => [element.tagName, element.children.length,
+        [...element.childNodes].filter(node => node.nodeType === Node.TEXT_NODE && node.data.trim())
+            .map(node => node.data.replace(/\\s+/g, ' ')).join('|').trim()])"""
+    small = open_page(file).page.evaluate(shown)
+    monkeypatch.setattr(block_page, "compact_page", lambda page: page)
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    assert small == open_page(page_of(block, whole)).page.evaluate(shown)
 
 
 def test_in_a_window_of_1152_pixels_every_table_is_seen_whole(open_page: Open, file: Path) -> None:

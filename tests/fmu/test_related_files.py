@@ -18,6 +18,9 @@ from lxml import etree
 from motionsync_fmu.build import Flavour, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.turns import Interface
+from motionsync_fmu.pages.related_files import related_files
+from motionsync_fmu.scenario.example import example_of
+from motionsync_fmu.scenario.judge import read_reference
 from tests.support.fmus import Fmus
 from tests.support.references import assert_met
 
@@ -94,7 +97,7 @@ def test_an_importer_repeats_the_run_from_what_lies_in_the_fmu(
     assert parts == {"Parameters": files["parameter"], "Stimuli": files["other"], "References": files["result"]}
     with zipfile.ZipFile(fmu) as z:
         z.extractall(tmp_path)
-    text = (tmp_path / files["document"]).read_text("ascii")
+    text = (tmp_path / files["document"]).read_text("utf-8")
     (told,) = re.findall(r"within (\S+) times", " ".join(text.split()))
     reference = read_csv(tmp_path / parts["References"])
     names = list(reference.dtype.names[1:])
@@ -123,6 +126,19 @@ def parameters(fmu: Path, path: str) -> dict[str, str]:
     }
     given = read_ssv(str(fmu), path, validate=True).parameters
     return {p.name: members[p.name, p.value] if p.type == "Enumeration" else p.value for p in given}
+
+
+def test_the_reference_is_rounded_by_less_than_a_hundredth_of_its_tolerance(block: str) -> None:
+    example = example_of(block)
+    reference = read_reference(example)
+    assert reference
+    names, table, tolerance = reference
+    text = related_files(example)[f"{FOLDER}example_ref.csv"].decode()
+    header, *rows = (line.split(",") for line in text.splitlines())
+    columns = [0, *(1 + names.index(name.strip('"')) for name in header[1:])]
+    for row in np.array(rows, float):
+        found = np.abs(table[table[:, 0] == row[0]][:, columns] - row)  # two rows where there is a jump
+        assert (found <= 1e-2 * tolerance * np.maximum(1.0, np.abs(row))).all(axis=1).any()
 
 
 def test_the_reference_moves(block_fmu: Path) -> None:

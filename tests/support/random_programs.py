@@ -21,6 +21,7 @@ from motionsync.var import Enumeration
 SIZE = 5
 HALF = SIZE // 2
 RATIO = 1.0 / 3.0
+BELOW = -0.5
 
 
 class Refusal(Enumeration):
@@ -73,6 +74,7 @@ class Programs:
     k: int = 0
     on: bool = False
     calls: int = 0
+    rows: list[float] = var.ring(6)
     noted: list[float] = var.ring(32)
     notes: int = 0
 
@@ -93,6 +95,18 @@ class Programs:
     def called(self) -> int:
         self.calls += 1
         return self.calls % 3
+
+    def try_move(self) -> bool:
+        self.i = self.called() - 1
+        self.part.n -= 1
+        self.y = self.a
+        return self.f
+
+    def climb(self, step: float) -> float:
+        height = 0.0
+        while height < 5.0:
+            height += step
+        return height
 '''
 TAIL = """
 
@@ -278,6 +292,10 @@ class Writer:
             self.unpacked,
             self.item,
             self.aliased,
+            self.again,
+            self.again,
+            self.divided,
+            self.divided,
         ]
         nested = [self.branch, self.branch, self.count, self.repeat, self.match] if depth > 0 else []
         leaving = [self.leave] if loop else []
@@ -346,6 +364,77 @@ class Writer:
             return [f"{values} = self.part.values", f"{values}[{self.small()}] += {self.expression('float', 1)}"]
         part = self.new("p")
         return [f"{part} = self.longer", f"{part}.{self.pick(['x', 'y'])} = {self.expression('float', 2)}"]
+
+    def again(self) -> list[str]:
+        """Elements with the same index, which may change in between."""
+        at = self.pick([*self.locals["int"], "self.i", "self.part.n", "self.k"])
+        index = self.pick([at, at, f"{at} + 1", f"{at} - 1", f"3 * {at} + {self.pick(['0', '2', '3'])}"])
+        places = [f"self.rows[{index}]", *(f"{values}[{index}]" for values in LISTS)]
+        place = lambda: self.pick(places)  # noqa: E731
+        real = lambda: self.expression("float", 1)  # noqa: E731
+        lines = [f"{at} = {self.small()}", f"{place()} = {real()}"]
+        for _ in range(self.pick([1, 2, 3])):
+            lines += self.pick(
+                [
+                    [f"{place()} = {place()} * 0.5 + {place()}"],
+                    [f"{place()} {self.pick(['+', '-', '/', '%'])}= {place()}"],
+                    [f"self.on = {place()} > 0.5 {self.pick(['and', 'or'])} {place()} > {place()}"],
+                    [f"self.on = self.try_move() {self.pick(['and', 'or'])} {place()} > 0.0"],
+                    [f"self.x = {place()} if {self.expression('bool', 1)} else {place()}"],
+                    [f"self.x = {place()} / {place()} if {place()} != 0.0 else {real()}"],
+                    [f"self.note({place()})"],
+                    [f"if {place()} < 1.0:", f"    {at} = {self.small()}", "else:", f"    {place()} = {place()}"],
+                    [f"if {self.expression('bool', 1)}:", f"    {place()} += {place()}", f"self.note({place()})"],
+                    ["for _ in range(2):", f"    self.note({place()})", f"    self.x -= {place()}", f"    {at} += 1"],
+                    [f"while {at} < 2:", f"    {place()} += {place()}", f"    {at} += 1"],
+                    ["match self.m:", "    case 1 | 2:", f"        {place()} += {place()}", f"self.note({place()})"],
+                    ["self.i = self.called()"],
+                    [f"{at} = {self.small()}"],
+                    ["var.copy(self.part, self.other)"],
+                ]
+            )
+        return [*lines, f"self.note({place()})"]
+
+    def divided(self) -> list[str]:
+        """Divisions by the same number, which may be 0, may have been compared before, and may change in between."""
+        kind = self.pick(["float", "float", "int"])
+        n = self.pick([*self.locals[kind], "self.y" if kind == "float" else "self.i"])
+        test = lambda: self.comparison(n)  # noqa: E731
+        over = lambda: f"{self.leaf('float')} {self.pick(['/', '%'] if kind == 'float' else ['/'])} {n}"  # noqa: E731
+        if kind == "int":
+            over = lambda: self.pick([f"7.5 / {n}", f"float(self.m % {n})", f"float(self.m // {n})"])  # noqa: E731
+        zero = "0.0" if kind == "float" else "0"
+        lines = [f"{n} = {self.leaf(kind)}{' % 3 - 1' if kind == 'int' else ''}"]
+        for _ in range(self.pick([1, 2, 3])):
+            lines += self.pick(
+                [
+                    [f"self.x = {over()} - {over()}"],
+                    [f"self.x = {over()} if {test()} else {over()}"],
+                    [f"self.on = {test()} {self.pick(['and', 'or'])} {over()} > 1.0"],
+                    [f"self.on = {test()} and self.try_move() and {over()} > 1.0"],
+                    [f"if {test()} and self.try_move():", f"    self.x += {over()}"],
+                    [f"if {test()}:", f"    self.x = {over()}", "else:", f"    self.note({over()})"],
+                    [f"if {test()}:", f"    return {over()}"],
+                    [f"if {test()}:", f"    {n} = {self.leaf(kind)}", f"elif {test()}:", f"    self.note({over()})"],
+                    ["for _ in range(3):", f"    self.note({over()})", f"    {n} -= 1"],
+                    [
+                        f"while {test()}:",
+                        f"    self.note({over()})",
+                        f"    if {test()}:",
+                        "        break",
+                        f"    {n} = {zero}",
+                    ],
+                    [f"{n} = {self.leaf(kind)}"],
+                    ["self.on = self.try_move()"],
+                ]
+            )
+        return [*lines, f"self.note({over()})"] if self.pick([True, False]) else lines
+
+    def comparison(self, n: str) -> str:
+        limit, sign = self.pick(["0", "0.0", "0.0", "1", "2.5"]), self.pick(["<", "<=", ">", ">=", "==", "!="])
+        found = self.pick([f"{n} {sign} {limit}", f"{limit} {sign} {n}", f"0.0 < {n} {sign} 2.5"])
+        joined = self.pick([found, found, f"not {found}", f"({found} and self.f)", f"({found} or self.f)"])
+        return str(joined)
 
     def leave(self) -> list[str]:
         if self.pick([True, False]):

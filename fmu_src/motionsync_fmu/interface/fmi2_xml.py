@@ -116,8 +116,8 @@ def _variable(v: Variable, reference: int) -> Element:
     d = v.declaration
     scalar = Element(
         "ScalarVariable",
-        name=v.name,
         valueReference=str(reference),
+        name=v.name,
         description=d.description,
         causality=v.causality,
         variability=v.variability,

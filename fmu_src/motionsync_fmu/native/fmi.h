@@ -26,7 +26,11 @@ static const char *category(int i) {
     return i == 0 ? "logStatusWarning" : i == 1 ? DISCARDED : "logStatusError";
 }
 
-enum { SETTABLE = INSTANTIATED | INITIALIZING | STEPPING, READABLE = INITIALIZING | STEPPING | TERMINATED };
+enum {
+    SETTABLE = INSTANTIATED | INITIALIZING | STEPPING,
+    READABLE = INITIALIZING | STEPPING | TERMINATED,
+    STEPPED = STEPPING | TERMINATED
+};
 
 /* The function ends with the status of this call of the core. */
 #define ANSWER(status) return (Answer)(status)
@@ -46,10 +50,10 @@ static Unit *instantiate(const char *name, const char *guid, Memory memory, Logg
     importer->logger = logger;
     importer->environment = environment;
     memcpy(importer->name, called, strlen(called) + 1);
-    if (!*called) unit_fail(c, "%s: the instance needs a name", call);
-    else if (wrong) unit_fail(c, "%s: %s", call, wrong);
+    if (!*called) unit_say(c, UNIT_ERROR, "%s: the instance needs a name", call);
+    else if (wrong) unit_say(c, UNIT_ERROR, "%s: %s", call, wrong);
     else if (!guid || strcmp(guid, unit_guid()))
-        unit_fail(c, "%s: the GUID is not that of this unit, %s", call, unit_guid());
+        unit_say(c, UNIT_ERROR, "%s: the GUID is not that of this unit, %s", call, unit_guid());
     else {
         unit_reset(c);
         return c;
@@ -66,7 +70,7 @@ static Status find_categories(const Unit *c, size_t n, const char *const names[]
         int named = names[k] && !strcmp(names[k], "logAll") ? LOG_ALL : LOG_NOTHING;
         for (int i = 0; i < 3; i++)
             if (names[k] && !strcmp(names[k], category(i))) named |= LOG_WARNING << i;
-        if (!named) return unit_fail(c, "%s: the categories are " CATEGORIES, call);
+        if (!named) return unit_say(c, UNIT_ERROR, "%s: the categories are " CATEGORIES, call);
         *found |= named;
     }
     return UNIT_OK;
@@ -75,9 +79,9 @@ static Status find_categories(const Unit *c, size_t n, const char *const names[]
 /* Of a type that no variable has: only an empty list of them can be asked for or set. */
 static Status none_of(const Unit *c, const char *type, int modes, const uint32_t r[], size_t n, const char *call) {
     if (!unit_may(c, modes, call)) return UNIT_ERROR;
-    return n ? unit_fail(c, "no %s has the value reference %d", type, (int64_t)(r ? *r : 0)) : UNIT_OK;
+    return n ? unit_say(c, UNIT_ERROR, "no %s has the value reference %d", type, (int64_t)(r ? *r : 0)) : UNIT_OK;
 }
 
 static Status not_offered(const Unit *c, const char *call) {
-    return c ? unit_fail(c, "%s is not offered by this co-simulation unit", call) : UNIT_ERROR;
+    return c ? unit_say(c, UNIT_ERROR, "%s is not offered by this co-simulation unit", call) : UNIT_ERROR;
 }

@@ -77,7 +77,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
 
 fmi2Status fmi2CancelStep(fmi2Component c) {
     if (!c) return fmi2Error;
-    ANSWER(unit_fail(c, "%s is not allowed now: no step is under way", __func__));
+    ANSWER(unit_say(c, UNIT_ERROR, "%s is not allowed now: no step is under way", __func__));
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
@@ -109,85 +109,69 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
                                        const fmi2Integer orders[], const fmi2Real values[]) {
-    ONLY_WHEN(SETTABLE);
-    ANSWER(unit_set_input_derivatives(c, r, n, orders, values, __func__));
+    ANSWER(unit_set_input_derivatives(c, SETTABLE, r, n, orders, values, __func__));
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference r[], size_t n,
                                         const fmi2Integer orders[], fmi2Real values[]) {
-    ONLY_WHEN(STEPPING | TERMINATED);
-    ANSWER(unit_get_output_derivatives(c, r, n, orders, values, __func__));
+    ANSWER(unit_get_output_derivatives(c, STEPPED, r, n, orders, values, __func__));
 }
 
 /* --- FMU states --- */
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *s) {
-    ONLY_WHEN(ANY);
     ANSWER(unit_save(c, s, __func__));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate s) {
-    ONLY_WHEN(ANY);
     ANSWER(unit_restore(c, s, __func__));
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s) {
-    ONLY_WHEN(ANY);
     ANSWER(unit_free_state(c, s, __func__));
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n) {
-    ONLY_WHEN(ANY);
     ANSWER(unit_serialized_size(c, s, n, __func__));
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte bytes[], size_t n) {
-    ONLY_WHEN(ANY);
     ANSWER(unit_serialize(c, s, (uint8_t *)bytes, n, __func__));
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t n, fmi2FMUstate *s) {
-    ONLY_WHEN(ANY);
     ANSWER(unit_deserialize(c, (const uint8_t *)bytes, n, s, __func__));
 }
 
 /* --- status: every step ends within its call --- */
 
-static fmi2Status unknown(const Unit *c, const void *value, const char *call) {
-    if (!unit_given(c, value, call)) return fmi2Error;
-    unit_say(c, UNIT_DISCARD, "this status is not known: no step is pending");
-    return fmi2Discard;
+static Status ask(const Unit *c, const void *value, bool known, const char *call) {
+    if (!unit_may(c, STEPPED, call) || !unit_given(c, value, call)) return UNIT_ERROR;
+    return known ? UNIT_OK : unit_say(c, UNIT_DISCARD, "this status is not known: no step is pending");
 }
 
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
-    ONLY_WHEN(STEPPING | TERMINATED);
-    return unknown(c, value, __func__);
+    ANSWER(ask(c, value, false, __func__));
 }
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
-    ONLY_WHEN(STEPPING | TERMINATED);
-    return unknown(c, value, __func__);
+    ANSWER(ask(c, value, false, __func__));
 }
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
-    ONLY_WHEN(STEPPING | TERMINATED);
-    return unknown(c, value, __func__);
+    ANSWER(ask(c, value, false, __func__));
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
-    ONLY_WHEN(STEPPING | TERMINATED);
-    if (kind != fmi2LastSuccessfulTime) return unknown(c, value, __func__);
-    if (!unit_given(c, value, __func__)) return fmi2Error;
-    *value = unit_time(c);
-    return fmi2OK;
+    Status status = ask(c, value, kind == fmi2LastSuccessfulTime, __func__);
+    if (!status) *value = unit_time(c);
+    ANSWER(status);
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
-    ONLY_WHEN(STEPPING | TERMINATED);
-    if (kind != fmi2Terminated) return unknown(c, value, __func__);
-    if (!unit_given(c, value, __func__)) return fmi2Error;
-    *value = unit_mode(c) == TERMINATED;
-    return fmi2OK;
+    Status status = ask(c, value, kind == fmi2Terminated, __func__);
+    if (!status) *value = unit_mode(c) == TERMINATED;
+    ANSWER(status);
 }
 
 /* --- not offered; functions of model exchange exist since some importers look for all functions of the standard --- */

@@ -146,8 +146,6 @@ def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> byte
 
 
 def linked_licences(fmi: Fmi) -> Files:
-    """The licences of what the libraries hold beside the block: FMI's headers."""
+    """The licences of what the libraries hold beside the block, by its name: FMI's headers."""
     header = (HEADERS / f"fmi{fmi}Functions.h").read_text("utf-8")
-    return {
-        "fmi-headers.txt": header[header.index("Copyright") : header.index("*/")].rstrip().encode() + b"\n",
-    }
+    return {"FMI's headers": header[header.index("Copyright") : header.index("*/")].encode()}

@@ -30,15 +30,14 @@
 #ifdef UNIT_PREFIX
 #define JOINED(prefix, name) prefix##name
 #define OWN(prefix, name) JOINED(prefix, name)
+#define block_start OWN(UNIT_PREFIX, block_start)
 #define block_initialize OWN(UNIT_PREFIX, block_initialize)
 #define block_step OWN(UNIT_PREFIX, block_step)
 #define decimal OWN(UNIT_PREFIX, decimal)
-#define START OWN(UNIT_PREFIX, START)
 #define system_memory OWN(UNIT_PREFIX, system_memory)
 #define unit_deserialize OWN(UNIT_PREFIX, unit_deserialize)
 #define unit_enter_initialization OWN(UNIT_PREFIX, unit_enter_initialization)
 #define unit_exit_initialization OWN(UNIT_PREFIX, unit_exit_initialization)
-#define unit_fail OWN(UNIT_PREFIX, unit_fail)
 #define unit_free OWN(UNIT_PREFIX, unit_free)
 #define unit_free_state OWN(UNIT_PREFIX, unit_free_state)
 #define unit_get_booleans OWN(UNIT_PREFIX, unit_get_booleans)

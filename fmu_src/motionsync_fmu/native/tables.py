@@ -37,13 +37,16 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
     layout, vs, pool = dtype(block), variables(block, turned), Pool()
     index = {v.name: i for i, v in enumerate(vs)}
     ranges: dict[Row, int] = {}
+    for name in [*index, *([TIME] if fmi == Fmi.THREE else [])]:
+        pool.text(name)  # the names come first: nothing else has to tell where they are
     rows = [_variable(v, layout, pool, ranges.setdefault(_range(v, pool), len(ranges))) for v in vs]
     if fmi == Fmi.THREE:
         rows.append(_time(pool))
     messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
     for v in vs:
         if v.declaration.codes:
-            coded.append((offset(layout, v.name), pool.text(v.name), len(messages)))
+            group = v.name.rpartition(".")[0]
+            coded.append((offset(layout, v.name), pool.text(f"{group}: " if group else ""), len(messages)))
             messages += [*_messages(v.declaration.codes, index, pool, v.name), LAST_MESSAGE]
     return TEMPLATE.render(
         guid=guid,
@@ -98,10 +101,10 @@ class Pool:
 
 
 def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
-    texts = pool.text(v.name), pool.text(f"{v.variability} {v.causality}")
+    role = pool.text(f"{v.variability} {v.causality}")
     modes = "0" if not v.settable else BEFORE_STEPS if v.variability == "fixed" else f"{BEFORE_STEPS} | STEPPING"
     flags = (str(flag).lower() for flag in (v.causality == "input", v.judged))
-    return *texts, offset(layout, v.name), allowed, v.kind.upper(), modes, *flags
+    return role, offset(layout, v.name), allowed, v.kind.upper(), modes, *flags
 
 
 def _range(v: Variable, pool: Pool) -> Row:
@@ -115,7 +118,7 @@ def _range(v: Variable, pool: Pool) -> Row:
 
 def _time(pool: Pool) -> Row:
     """The row of the time, which lies in the unit and not in the block; since it is never set, no range is its own."""
-    return pool.text(TIME), pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "0", "false", "false"
+    return pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "0", "false", "false"
 
 
 def _distances(offsets: Iterable[int]) -> list[int]:

@@ -19,7 +19,7 @@ typedef struct { /* the allowed values of some variables */
 } Range;
 
 typedef struct {
-    uint16_t name, role; /* `role`: such as "fixed parameter" */
+    uint16_t role; /* such as "fixed parameter" */
     int16_t offset; /* in the model's memory; or TIME_OFFSET */
     uint16_t range; /* in RANGES */
     uint8_t kind; /* a Kind */
@@ -36,7 +36,7 @@ typedef struct {
 
 typedef struct {
     int16_t offset; /* in the model's memory; -1 in the last row */
-    uint16_t name; /* of the variable that holds the code */
+    uint16_t group; /* "group: " if the variable that holds the code lies in a group */
     uint16_t messages; /* where in MESSAGES the list of what its values mean begins */
 } Coded;
 
@@ -51,10 +51,17 @@ static const char *words(int place) { return TEXTS + place; }
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
 
+/* TEXTS begin with the names of the variables, in their order. */
+COLD static const char *name_of(const Variable *v) {
+    const char *name = TEXTS;
+    for (ptrdiff_t n = v - VARIABLES; n; n--) name += strlen(name) + 1;
+    return name;
+}
+
 /* What block.c has. Here a block is so many bytes: the names in its header are those of its Python source, and some are
- * used here for other things. Both functions return the refusal, and set `failed` where Python would raise. */
+ * used here for other things. The latter two return the refusal, and set `failed` where Python would raise. */
 typedef struct Block Block;
-extern const Block START;
+void block_start(Block *self);
 int64_t block_initialize(Block *self, bool *failed);
 int64_t block_step(Block *self, double h, bool *failed);
 
@@ -76,16 +83,38 @@ typedef struct { /* no member leaves a gap, so that all bytes of a state are det
 MUST_HOLD(the_time_lies_before_the_model, offsetof(State, model) + TIME_OFFSET == offsetof(State, time));
 MUST_HOLD(a_state_has_no_gaps, sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model));
 
+typedef struct { /* the inputs that a step replaces where derivatives of the master's position are given for it */
+    double values[2]; /* the master's velocity and acceleration */
+    int64_t mode;
+} Replaced;
+
 struct Unit {
     State now;
     int unfit; /* the number of judged Reals outside their ranges; a step needs 0 */
     int64_t codes[sizeof CODED / sizeof *CODED]; /* as the last step left them */
+    Replaced replaced; /* in a step */
     int logged; /* a set of Category */
     Status refused; /* what a refused step answers */
     Memory memory;
     Write *write;
     void *importer[]; /* of the size given to unit_new, aligned for pointers */
 };
+
+/* --- one value --- */
+
+static inline void *at(Unit *u, const Variable *v) { return (uint8_t *)&u->now + (offsetof(State, model) + v->offset); }
+static inline double *real(Unit *u, int variable) { return at(u, VARIABLES + variable); }
+static inline int64_t *integer(Unit *u, int variable) { return at(u, VARIABLES + variable); }
+static inline const void *held(const Unit *u, const Variable *v) { return at((Unit *)u, v); }
+
+/* A value as a number; that of a Boolean is 0 or 1. */
+COLD static double number_of(const Unit *u, const Variable *v) {
+    switch (v->kind) {
+    case REAL: return *(const double *)held(u, v);
+    case BOOLEAN: return *(const uint8_t *)held(u, v);
+    default: return (double)*(const int64_t *)held(u, v);
+    }
+}
 
 /* --- messages: no text has a percent sign, since many importers use the text as a format --- */
 
@@ -119,13 +148,22 @@ COLD static void append_real(Text *text, double x) {
     append(text, digits, decimal(x, digits));
 }
 
-COLD static void append_all(Text *text, const char *format, va_list arguments) {
-    for (; *format; format++) {
-        if (*format != '%') append(text, format, 1);
-        else if (*++format == 's') append_text(text, va_arg(arguments, const char *));
-        else if (*format == 'd') append_integer(text, va_arg(arguments, int64_t));
-        else append_real(text, va_arg(arguments, double));
+COLD static void append_value(Text *text, const Unit *u, const Variable *v) {
+    append_text(text, name_of(v));
+    append_text(text, " = ");
+    if (v->kind == REAL) append_real(text, number_of(u, v));
+    else if (v->kind == BOOLEAN) append_text(text, number_of(u, v) != 0.0 ? "True" : "False");
+    else append_integer(text, *(const int64_t *)held(u, v));
+}
+
+/* The variables of a list that -1 ends. */
+COLD static void append_values(Text *text, const Unit *u, const int16_t *list) {
+    if (*list < 0) return;
+    for (const char *before = " ("; *list >= 0; before = ", ") {
+        append_text(text, before);
+        append_value(text, u, VARIABLES + *list++);
     }
+    append_text(text, ")");
 }
 
 /* Whether anybody reads messages of this status: if not, no text is made. */
@@ -136,35 +174,27 @@ static bool heard(const Unit *u, Status status) {
 
 COLD void unit_log(Unit *u, int categories) { u->logged = categories; }
 
-COLD void unit_say(const Unit *u, Status status, const char *text) {
-    if (heard(u, status)) u->write(u->importer, status, text);
-}
-
-COLD static void say_all(const Unit *u, Status status, const char *format, va_list arguments) {
-    if (!heard(u, status)) return;
+/* Beside what the header tells, %v stands for a variable and its value, %l for a list of them. */
+COLD Status unit_say(const Unit *u, Status status, const char *format, ...) {
+    if (!heard(u, status)) return status;
     Text text;
     text.length = 0;
-    append_all(&text, format, arguments);
-    unit_say(u, status, text.bytes);
-}
-
-COLD Status unit_fail(const Unit *u, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    say_all(u, UNIT_ERROR, format, arguments);
+    for (; *format; format++) {
+        if (*format != '%') append(&text, format, 1);
+        else if (*++format == 's') append_text(&text, va_arg(arguments, const char *));
+        else if (*format == 'd') append_integer(&text, va_arg(arguments, int64_t));
+        else if (*format == 'v') append_value(&text, u, va_arg(arguments, const Variable *));
+        else if (*format == 'l') append_values(&text, u, va_arg(arguments, const int16_t *));
+        else append_real(&text, va_arg(arguments, double));
+    }
     va_end(arguments);
-    return UNIT_ERROR;
+    u->write(u->importer, status, text.bytes);
+    return status;
 }
 
-/* Says why a step is refused. */
-COLD static void refuse(const Unit *u, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    say_all(u, u->refused, format, arguments);
-    va_end(arguments);
-}
-
-COLD static const char *name_of(int64_t mode) {
+COLD static const char *phase_of(int64_t mode) {
     switch (mode) {
     case INSTANTIATED: return "is instantiated";
     case INITIALIZING: return "is in initialization mode";
@@ -175,110 +205,67 @@ COLD static const char *name_of(int64_t mode) {
 
 COLD bool unit_may(const Unit *u, int modes, const char *call) {
     if (!u) return false;
-    if (!(u->now.mode & modes)) unit_fail(u, "%s is not allowed now: the unit %s", call, name_of(u->now.mode));
+    if (!(u->now.mode & modes)) unit_say(u, UNIT_ERROR, "%s is not allowed now: the unit %s", call, phase_of(u->now.mode));
     return u->now.mode & modes;
 }
 
 /* The same for the functions that are called most: this one can be inlined, and calls only to report an error. */
-static HOT bool may(const Unit *u, int modes, const char *call) {
+static inline bool may(const Unit *u, int modes, const char *call) {
     return (u && u->now.mode & modes) || unit_may(u, modes, call);
 }
 
 COLD bool unit_given(const Unit *u, const void *pointer, const char *call) {
-    if (!pointer) unit_fail(u, "%s: a pointer is missing", call);
-    return pointer;
+    if (u && !pointer) unit_say(u, UNIT_ERROR, "%s: a pointer is missing", call);
+    return u && pointer;
 }
 
-/* --- one value --- */
+/* --- ranges --- */
 
-static HOT void *at(State *s, const Variable *v) { return (uint8_t *)s + (offsetof(State, model) + v->offset); }
-static HOT double *real(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
-static HOT int64_t *integer(Unit *u, int variable) { return at(&u->now, VARIABLES + variable); }
+static inline bool is_finite(double x) { return fabs(x) <= DBL_MAX; }
 
-COLD static void append_value(Text *text, Unit *u, const Variable *v) {
-    append_text(text, words(v->name));
-    append_text(text, " = ");
-    switch (v->kind) {
-    case REAL: append_real(text, *(double *)at(&u->now, v)); break;
-    case BOOLEAN: append_text(text, *(uint8_t *)at(&u->now, v) ? "True" : "False"); break;
-    default: append_integer(text, *(int64_t *)at(&u->now, v));
-    }
-}
-
-static HOT bool is_finite(double x) { return fabs(x) <= DBL_MAX; }
-
-static HOT const Range *range_of(const Variable *v) { return RANGES + v->range; }
+static inline const Range *range_of(const Variable *v) { return RANGES + v->range; }
 
 /* Whether a number is in its variable's range; NaN fails every comparison. */
-static HOT bool fits(const Variable *v, double x) {
+static inline bool fits(const Variable *v, double x) {
     const Range *range = range_of(v);
     return (x >= range->min) & (x <= range->max) & ((fabs(x) >= range->smallest) | ((x == 0.0) & range->zero));
 }
 
-static bool allows(Unit *u, const Variable *v) {
-    if (v->kind == REAL) return fits(v, *(double *)at(&u->now, v));
-    if (v->kind == INTEGER) return fits(v, (double)*(int64_t *)at(&u->now, v));
+COLD static bool allows(const Unit *u, const Variable *v) {
     if (v->kind == BOOLEAN) return true;
-    const int32_t *choices = NUMBERS + range_of(v)->choices;
-    for (int32_t i = 1; i <= choices[0]; i++)
-        if (choices[i] == *(int64_t *)at(&u->now, v)) return true;
+    if (v->kind != ENUMERATION) return fits(v, number_of(u, v));
+    const int16_t *choices = NUMBERS + range_of(v)->choices;
+    for (int i = 1; i <= choices[0]; i++)
+        if (choices[i] == *(const int64_t *)held(u, v)) return true;
     return false;
 }
 
-COLD static bool is_zero(Unit *u, const Variable *v) {
-    return v->kind == REAL ? *(double *)at(&u->now, v) == 0.0 : *(int64_t *)at(&u->now, v) == 0;
-}
-
 /* Whether a variable has an allowed value; if not, that is logged with this status. */
-COLD static bool judge(Unit *u, const Variable *v, Status status) {
+COLD static bool judge(const Unit *u, const Variable *v, Status status) {
     if (allows(u, v)) return true;
-    if (!heard(u, status)) return false;
-    Text text;
-    text.length = 0;
-    append_value(&text, u, v);
-    append_text(&text, " is not allowed: it must be ");
-    append_text(&text, words(range_of(v)->text));
-    if (v->input && is_zero(u, v)) append_text(&text, "; an unwired input gives 0");
-    unit_say(u, status, text.bytes);
+    const char *hint = v->input && number_of(u, v) == 0.0 ? "; an unwired input gives 0" : "";
+    unit_say(u, status, "%v is not allowed: it must be %s%s", v, words(range_of(v)->text), hint);
     return false;
 }
 
 /* No step is done while a Real is unfit that each step checks. Unfit Reals are counted where they are set, so that a
  * step need not look at each. */
-static HOT bool unfit(const Variable *v, double x) { return v->judged && !fits(v, x); }
+COLD static bool unfit(const Unit *u, const Variable *v) { return v->judged && !allows(u, v); }
 
-static HOT int64_t code_of(Unit *u, int i) { return *(int64_t *)(u->now.model.bytes + CODED[i].offset); }
+static inline int64_t code_of(Unit *u, int i) { return *(int64_t *)(u->now.model.bytes + CODED[i].offset); }
 
 /* Find out what the unit knows of its state beside it. */
 COLD static void look(Unit *u) {
     for (int i = 0; CODED[i].offset >= 0; i++) u->codes[i] = code_of(u, i);
     u->unfit = 0;
-    for (int i = 0; i < COUNT; i++)
-        if (VARIABLES[i].kind == REAL) u->unfit += unfit(VARIABLES + i, *real(u, i));
+    for (int i = 0; i < COUNT; i++) u->unfit += unfit(u, VARIABLES + i);
 }
 
-/* Log what a code means, with the values of the variables that its message shows. `of`: the name of the variable that
- * holds the code; the group in which this variable lies comes first. */
-COLD static void explain(Unit *u, Status status, const char *of, int messages, int64_t code) {
-    if (!heard(u, status)) return;
-    size_t group = 0;
-    for (size_t i = 0; of[i]; i++)
-        if (of[i] == '.') group = i;
-    for (const Message *m = MESSAGES + messages; m->code; m++) {
-        if (m->code != code) continue;
-        Text text;
-        text.length = 0;
-        append(&text, of, group);
-        if (group) append_text(&text, ": ");
-        append_text(&text, words(m->text));
-        const int32_t *shown = NUMBERS + m->shown;
-        for (const int32_t *v = shown; *v >= 0; v++) {
-            append_text(&text, v == shown ? " (" : ", ");
-            append_value(&text, u, VARIABLES + *v);
-        }
-        if (*shown >= 0) append_text(&text, ")");
-        unit_say(u, status, text.bytes);
-    }
+/* Log what a code means, with the values of the variables that its message shows; `group` comes first. */
+COLD static void explain(const Unit *u, Status status, const char *group, int messages, int64_t code) {
+    const Message *m = MESSAGES + messages;
+    while (m->code && m->code != code) m++;
+    if (m->code) unit_say(u, status, "%s%s%l", group, words(m->text), NUMBERS + m->shown);
 }
 
 /* --- life --- */
@@ -309,7 +296,7 @@ COLD void unit_reset(Unit *u) {
     u->now.size = sizeof(State);
     u->now.mode = INSTANTIATED;
     u->now.stop = INFINITY;
-    memcpy(u->now.model.bytes, &START, MODEL_SIZE);
+    block_start((Block *)&u->now.model);
     look(u);
 }
 
@@ -317,9 +304,9 @@ Mode unit_mode(const Unit *u) { return (Mode)u->now.mode; }
 double unit_time(const Unit *u) { return u->now.time; }
 
 COLD Status unit_set_times(Unit *u, double start, double stop, const char *call) {
-    if (!is_finite(start)) return unit_fail(u, "%s: start time = %r is not allowed: it must be finite", call, start);
+    if (!is_finite(start)) return unit_say(u, UNIT_ERROR, "%s: start time = %r is not allowed: it must be finite", call, start);
     if (!(stop >= start))
-        return unit_fail(u, "%s: stop time = %r is not allowed: it must be >= the start time %r", call, stop, start);
+        return unit_say(u, UNIT_ERROR, "%s: stop time = %r is not allowed: it must be >= the start time %r", call, stop, start);
     u->now.time = start;
     u->now.stop = stop;
     return UNIT_OK;
@@ -335,7 +322,7 @@ COLD static Status initialize(Unit *u) {
     bool failed = false;
     int64_t refusal = block_initialize((Block *)&u->now.model, &failed);
     if (!failed && !refusal) return UNIT_OK;
-    if (failed) unit_fail(u, "an arithmetic error: these values lead to no result");
+    if (failed) unit_say(u, UNIT_ERROR, "an arithmetic error: these values lead to no result");
     else explain(u, UNIT_ERROR, "", REFUSALS, refusal);
     u->now.model = before;
     return UNIT_ERROR;
@@ -358,36 +345,31 @@ COLD Status unit_exit_initialization(Unit *u) {
 
 /* --- steps --- */
 
-/* The inputs that a step replaces where derivatives of the master's position are given: the master's velocity and
- * acceleration, and the mode, since the inputs then hold the master at the step's beginning. */
-typedef struct {
-    double values[2];
-    int64_t mode;
-} Replaced;
-
 static bool has_derivatives(void) { return MASTER[0] >= 0; }
 
-COLD static Replaced replace(Unit *u) {
-    Replaced inputs = {{*real(u, MASTER[1]), *real(u, MASTER[2])}, *integer(u, INPUT_MODE)};
+/* Puts the derivatives that are given for this step in the place of the inputs, which then hold the master at the step's
+ * beginning. Whether they are allowed. */
+COLD static bool replace(Unit *u) {
+    u->replaced = (Replaced){{*real(u, MASTER[1]), *real(u, MASTER[2])}, *integer(u, INPUT_MODE)};
     for (int order = 1; order <= 2; order++)
         if (u->now.given & 1 << order) *real(u, MASTER[order]) = u->now.derivatives[order];
     *integer(u, INPUT_MODE) = START_OF_STEP;
-    return inputs;
+    return judge(u, VARIABLES + MASTER[1], u->refused) && judge(u, VARIABLES + MASTER[2], u->refused);
 }
 
-COLD static void put_back(Unit *u, const Replaced *inputs) {
-    for (int order = 1; order <= 2; order++) *real(u, MASTER[order]) = inputs->values[order - 1];
-    *integer(u, INPUT_MODE) = inputs->mode;
+COLD static void put_back(Unit *u) {
+    for (int order = 1; order <= 2; order++) *real(u, MASTER[order]) = u->replaced.values[order - 1];
+    *integer(u, INPUT_MODE) = u->replaced.mode;
 }
 
 /* A refused step has changed nothing: the block guarantees that, so no copy is made. After an arithmetic error, which
  * no block should have, the state is undefined: the unit must be reset. */
-static HOT Status run(Unit *u, double h) {
+static inline Status run(Unit *u, double h) {
     bool failed = false;
     int64_t refusal = block_step((Block *)&u->now.model, h, &failed);
     if (failed) {
         u->now.mode = TERMINATED;
-        return unit_fail(u, "an arithmetic error: these values lead to no result, and the unit must be reset");
+        return unit_say(u, UNIT_ERROR, "an arithmetic error: these values lead to no result, and the unit must be reset");
     }
     if (refusal) explain(u, u->refused, "", REFUSALS, refusal);
     return refusal ? u->refused : UNIT_OK;
@@ -396,16 +378,16 @@ static HOT Status run(Unit *u, double h) {
 /* By how much of itself a step may end past the stop time: importers add up times, and these sums are inexact. */
 static const double PAST_STOP = 0.01;
 
-static HOT bool in_time(const Unit *u, double time, double h) {
+static inline bool in_time(const Unit *u, double time, double h) {
     return (h > 0.0) & (h <= LONGEST_STEP) & is_finite(time) & (time + h <= u->now.stop + PAST_STOP * h);
 }
 
 COLD static void tell_time(const Unit *u, double time, double h) {
     if (!(h > 0.0 && h <= LONGEST_STEP))
-        refuse(u, "step size = %r is not allowed: it must be > 0 and <= %r", h, LONGEST_STEP);
-    else if (!is_finite(time)) refuse(u, "a step at the time %r is not allowed: it must be finite", time);
+        unit_say(u, u->refused, "step size = %r is not allowed: it must be > 0 and <= %r", h, LONGEST_STEP);
+    else if (!is_finite(time)) unit_say(u, u->refused, "a step at the time %r is not allowed: it must be finite", time);
     else
-        refuse(u, "a step of %r at the time %r is not allowed: it would end past the stop time %r", h, time,
+        unit_say(u, u->refused, "a step of %r at the time %r is not allowed: it would end past the stop time %r", h, time,
                u->now.stop);
 }
 
@@ -415,7 +397,7 @@ COLD static bool judge_all(Unit *u) {
     return true;
 }
 
-static HOT bool ready(Unit *u, double time, double h) {
+static inline bool ready(Unit *u, double time, double h) {
     if (!in_time(u, time, h)) {
         tell_time(u, time, h);
         return false;
@@ -423,25 +405,17 @@ static HOT bool ready(Unit *u, double time, double h) {
     return !u->unfit || judge_all(u);
 }
 
-/* A step with the derivatives of the master's position that were given for it. */
-COLD static Status run_with_derivatives(Unit *u, double h) {
-    Replaced inputs = replace(u);
-    bool fit = judge(u, VARIABLES + MASTER[1], u->refused) && judge(u, VARIABLES + MASTER[2], u->refused);
-    Status status = fit ? run(u, h) : u->refused;
-    put_back(u, &inputs);
-    return status;
-}
-
 COLD static void tell_code(Unit *u, int i) {
     int64_t code = u->codes[i] = code_of(u, i);
-    if (code) explain(u, UNIT_WARNING, words(CODED[i].name), CODED[i].messages, code);
+    if (code) explain(u, UNIT_WARNING, words(CODED[i].group), CODED[i].messages, code);
 }
 
 Status unit_step(Unit *u, double time, double h, const char *call) {
     if (!may(u, STEPPING, call)) return UNIT_ERROR;
     if (!ready(u, time, h)) return u->refused;
     bool derived = has_derivatives() && u->now.given && *integer(u, INPUT_MODE) != END_OF_STEP;
-    Status status = derived ? run_with_derivatives(u, h) : run(u, h);
+    Status status = !derived || replace(u) ? run(u, h) : u->refused;
+    if (derived) put_back(u);
     if (status) return status;
     u->now.given = 0;
     u->now.time = time + h;
@@ -462,26 +436,31 @@ COLD static const char *kind_names(int kinds) {
     }
 }
 
-static HOT bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds & VARIABLES[r].kind; }
+static inline bool is_one(uint32_t r, int kinds) { return r < COUNT && kinds & VARIABLES[r].kind; }
 
 COLD static bool none_has(const Unit *u, uint32_t r, int kinds) {
-    unit_fail(u, "no %s has the value reference %d", kind_names(kinds), (int64_t)r);
+    unit_say(u, UNIT_ERROR, "no %s has the value reference %d", kind_names(kinds), (int64_t)r);
     return false;
 }
 
 COLD static bool cannot_be_set(const Unit *u, uint32_t r) {
-    unit_fail(u, "%s (%s) cannot be set now", words(VARIABLES[r].name), words(VARIABLES[r].role));
+    unit_say(u, UNIT_ERROR, "%s (%s) cannot be set now", name_of(VARIABLES + r), words(VARIABLES[r].role));
     return false;
 }
 
-static HOT bool may_get(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
+static inline bool can_get(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const void *values,
+                        const char *call) {
+    if (!may(u, modes, call)) return false;
     if (n && !(r && values)) return unit_given(u, NULL, call);
     for (size_t i = 0; i < n; i++)
         if (!is_one(r[i], kinds)) return none_has(u, r[i], kinds);
+    if (u->now.mode == INITIALIZING) follow(u);
     return true;
 }
 
-static HOT bool may_set(const Unit *u, int kinds, const uint32_t r[], size_t n, const void *values, const char *call) {
+static inline bool can_set(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const void *values,
+                        const char *call) {
+    if (!may(u, modes, call)) return false;
     if (n && !(r && values)) return unit_given(u, NULL, call);
     for (size_t i = 0; i < n; i++) {
         if (!is_one(r[i], kinds)) return none_has(u, r[i], kinds);
@@ -490,43 +469,53 @@ static HOT bool may_set(const Unit *u, int kinds, const uint32_t r[], size_t n, 
     return true;
 }
 
-COLD static void put_unfit(Unit *u, const Variable *v, double x) {
-    double *place = at(&u->now, v);
-    u->unfit += unfit(v, x) - unfit(v, *place);
-    *place = x;
+/* The same for the kinds that are got and set less often than Reals: one function for all of them. */
+static bool can_get_others(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const void *values,
+                           const char *call) {
+    return can_get(u, modes, kinds, r, n, values, call);
 }
 
-static HOT void put_real(Unit *u, const Variable *v, double x) {
+static bool can_set_others(Unit *u, int modes, int kinds, const uint32_t r[], size_t n, const void *values,
+                           const char *call) {
+    return can_set(u, modes, kinds, r, n, values, call);
+}
+
+COLD static void put_unfit(Unit *u, const Variable *v, double x) {
+    u->unfit -= unfit(u, v);
+    *(double *)at(u, v) = x;
+    u->unfit += unfit(u, v);
+}
+
+static inline void put_real(Unit *u, const Variable *v, double x) {
     const Range *range = range_of(v);
     bool fit = x >= range->min && x <= range->max && fabs(x) >= range->smallest; /* as mostly, but for some zeros */
-    if (fit && !u->unfit) *(double *)at(&u->now, v) = x;
+    if (fit && !u->unfit) *(double *)at(u, v) = x;
     else put_unfit(u, v, x);
 }
-static HOT void put_integer(Unit *u, const Variable *v, int64_t x) { *(int64_t *)at(&u->now, v) = x; }
-static HOT void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(&u->now, v) = x != 0; }
+static inline void put_integer(Unit *u, const Variable *v, int64_t x) { *(int64_t *)at(u, v) = x; }
+static inline void put_boolean(Unit *u, const Variable *v, int32_t x) { *(uint8_t *)at(u, v) = x != 0; }
 
 /* A getter and a setter. FURTHER: a further parameter, `kinds`, or nothing; Given and Held: the type of the values for the
- * importer, and in the model's memory. */
-#define ACCESS(names, name, FURTHER, kinds, Given, Held)                                                             \
-    Status unit_get_##names(Unit *u, int modes, FURTHER const uint32_t r[], size_t n, Given values[],                \
-                            const char *call) {                                                                      \
-        if (!may(u, modes, call) || !may_get(u, kinds, r, n, values, call)) return UNIT_ERROR;                       \
-        if (u->now.mode == INITIALIZING) follow(u);                                                                  \
-        for (size_t i = 0; i < n; i++) values[i] = (Given)*(Held *)at(&u->now, VARIABLES + r[i]);                    \
-        return UNIT_OK;                                                                                              \
-    }                                                                                                                \
-    Status unit_set_##names(Unit *u, int modes, FURTHER const uint32_t r[], size_t n, const Given values[],          \
-                            const char *call) {                                                                      \
-        if (!may(u, modes, call) || !may_set(u, kinds, r, n, values, call)) return UNIT_ERROR;                       \
-        for (size_t i = 0; i < n; i++) put_##name(u, VARIABLES + r[i], values[i]);                                   \
-        return UNIT_OK;                                                                                              \
+ * importer, and in the model's memory; `others`: what can_get and can_set end with. */
+#define ACCESS(names, name, FURTHER, kinds, Given, Held, others)                                             \
+    Status unit_get_##names(Unit *u, int modes, FURTHER const uint32_t r[], size_t n, Given values[],        \
+                            const char *call) {                                                              \
+        if (!can_get##others(u, modes, kinds, r, n, values, call)) return UNIT_ERROR;                        \
+        for (size_t i = 0; i < n; i++) values[i] = (Given)*(const Held *)held(u, VARIABLES + r[i]);          \
+        return UNIT_OK;                                                                                      \
+    }                                                                                                        \
+    Status unit_set_##names(Unit *u, int modes, FURTHER const uint32_t r[], size_t n, const Given values[],  \
+                            const char *call) {                                                              \
+        if (!can_set##others(u, modes, kinds, r, n, values, call)) return UNIT_ERROR;                        \
+        for (size_t i = 0; i < n; i++) put_##name(u, VARIABLES + r[i], values[i]);                           \
+        return UNIT_OK;                                                                                      \
     }
 #define KINDS int kinds,
-ACCESS(reals, real, , REAL, double, double)
-ACCESS(integers, integer, KINDS, kinds, int32_t, int64_t)
-ACCESS(enumerations, integer, , ENUMERATION, int64_t, int64_t)
-ACCESS(booleans, boolean, , BOOLEAN, int32_t, uint8_t)
-ACCESS(flags, boolean, , BOOLEAN, bool, uint8_t)
+ACCESS(reals, real, , REAL, double, double, )
+ACCESS(integers, integer, KINDS, kinds, int32_t, int64_t, _others)
+ACCESS(enumerations, integer, , ENUMERATION, int64_t, int64_t, _others)
+ACCESS(booleans, boolean, , BOOLEAN, int32_t, uint8_t, _others)
+ACCESS(flags, boolean, , BOOLEAN, bool, uint8_t, _others)
 
 /* --- derivatives --- */
 
@@ -537,20 +526,20 @@ COLD static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n
         if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL);
         const Variable *v = VARIABLES + r[i];
         if (!v->input) {
-            unit_fail(u, "%s: %s (%s) is no input", call, words(v->name), words(v->role));
+            unit_say(u, UNIT_ERROR, "%s: %s (%s) is no input", call, name_of(v), words(v->role));
             return false;
         }
         if (orders[i] < 1) {
-            unit_fail(u, "%s: order = %d is not allowed: it must be >= 1", call, (int64_t)orders[i]);
+            unit_say(u, UNIT_ERROR, "%s: order = %d is not allowed: it must be >= 1", call, (int64_t)orders[i]);
             return false;
         }
     }
     return true;
 }
 
-COLD Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],
-                                  const char *call) {
-    if (!may_set_derivatives(u, r, n, orders, values, call)) return UNIT_ERROR;
+COLD Status unit_set_input_derivatives(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t orders[],
+                                       const double values[], const char *call) {
+    if (!unit_may(u, modes, call) || !may_set_derivatives(u, r, n, orders, values, call)) return UNIT_ERROR;
     bool ignored = false;
     for (size_t i = 0; i < n; i++) {
         if (has_derivatives() && (int)r[i] == MASTER[0] && orders[i] <= 2 && *integer(u, INPUT_MODE) != END_OF_STEP) {
@@ -561,22 +550,20 @@ COLD Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, co
         }
     }
     if (!ignored) return UNIT_OK;
-    Text text;
-    text.length = 0;
-    append_text(&text, call);
-    append_text(&text, ": ignored but for orders 1 and 2 of the master's position where it is the one at the step's "
-                       "beginning");
-    unit_say(u, UNIT_WARNING, text.bytes);
-    return UNIT_WARNING;
+    return unit_say(u, UNIT_WARNING,
+                    "%s: ignored but for orders 1 and 2 of the master's position where it is the one at the step's "
+                    "beginning",
+                    call);
 }
 
-COLD Status unit_get_output_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], double values[],
-                                   const char *call) {
+COLD Status unit_get_output_derivatives(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t orders[],
+                                        double values[], const char *call) {
+    if (!unit_may(u, modes, call)) return UNIT_ERROR;
     if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return UNIT_ERROR;
     for (size_t i = 0; i < n; i++) {
         if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL), UNIT_ERROR;
         if ((int)r[i] != SLAVE[0] || orders[i] < 1 || orders[i] > 2)
-            return unit_fail(u, "%s: only orders 1 and 2 of the slave's position are known", call);
+            return unit_say(u, UNIT_ERROR, "%s: only orders 1 and 2 of the slave's position are known", call);
     }
     for (size_t i = 0; i < n; i++) values[i] = *real(u, SLAVE[orders[i]]);
     return UNIT_OK;
@@ -599,13 +586,13 @@ static uint64_t checksum(const uint8_t *state) {
 COLD static bool ours(const Unit *u, const void *state, const char *call) {
     if (!unit_given(u, state, call)) return false;
     bool same = !memcmp(state, &u->now, offsetof(State, checksum)); /* magic, GUID and size */
-    if (!same) unit_fail(u, "%s: this FMU state belongs to another FMU", call);
+    if (!same) unit_say(u, UNIT_ERROR, "%s: this FMU state belongs to another FMU", call);
     return same;
 }
 
 COLD static State *new_state(const Unit *u, const char *call) {
     State *made = u->memory.allocate(1, sizeof *made);
-    if (!made) unit_fail(u, "%s: out of memory", call);
+    if (!made) unit_say(u, UNIT_ERROR, "%s: out of memory", call);
     return made;
 }
 
@@ -624,6 +611,7 @@ COLD Status unit_restore(Unit *u, const void *state, const char *call) {
 }
 
 COLD Status unit_free_state(const Unit *u, void **state, const char *call) {
+    if (!u) return UNIT_ERROR;
     if (!state || !*state) return UNIT_OK; /* the standard: nothing to do */
     if (!ours(u, *state, call)) return UNIT_ERROR;
     u->memory.release(*state);
@@ -639,7 +627,7 @@ COLD Status unit_serialized_size(const Unit *u, const void *state, size_t *n, co
 
 COLD Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], size_t n, const char *call) {
     if (!ours(u, state, call) || !unit_given(u, bytes, call)) return UNIT_ERROR;
-    if (n < sizeof(State)) return unit_fail(u, "%s: there must be room for %d bytes", call, (int64_t)sizeof(State));
+    if (n < sizeof(State)) return unit_say(u, UNIT_ERROR, "%s: there must be room for %d bytes", call, (int64_t)sizeof(State));
     memcpy(bytes, state, sizeof(State));
     uint64_t sum = checksum(bytes);
     memcpy(bytes + offsetof(State, checksum), &sum, sizeof sum);
@@ -669,18 +657,18 @@ COLD static bool possible(const State *s) {
 COLD Status unit_deserialize(const Unit *u, const uint8_t bytes[], size_t n, void **state, const char *call) {
     if (!unit_given(u, bytes, call) || !unit_given(u, state, call)) return UNIT_ERROR;
     if (n != sizeof(State))
-        return unit_fail(u, "%s: an FMU state of this unit has %d bytes", call, (int64_t)sizeof(State));
+        return unit_say(u, UNIT_ERROR, "%s: an FMU state of this unit has %d bytes", call, (int64_t)sizeof(State));
     if (!ours(u, bytes, call)) return UNIT_ERROR;
     uint64_t sum;
     memcpy(&sum, bytes + offsetof(State, checksum), sizeof sum);
-    if (sum != checksum(bytes)) return unit_fail(u, "%s: this FMU state is damaged", call);
+    if (sum != checksum(bytes)) return unit_say(u, UNIT_ERROR, "%s: this FMU state is damaged", call);
     State *made = new_state(u, call);
     if (!made) return UNIT_ERROR;
     memcpy(made, bytes, sizeof *made);
     made->checksum = 0;
     if (!possible(made)) {
         u->memory.release(made);
-        return unit_fail(u, "%s: this FMU state is none that this unit makes", call);
+        return unit_say(u, UNIT_ERROR, "%s: this FMU state is none that this unit makes", call);
     }
     *state = made;
     return UNIT_OK;

@@ -42,7 +42,7 @@ const char *unit_guid(void);
 
 /* A unit that logs all, if there is a `write`; `size` bytes, all 0, are for what the FMI functions keep with it; `refused`:
  * what a step answers that is refused, UNIT_DISCARD or UNIT_ERROR. NULL if memory is lacking. It must be reset before
- * anything but unit_importer, unit_fail and unit_free is called with it. */
+ * anything but unit_importer, unit_say and unit_free is called with it. */
 Unit *unit_new(size_t size, Memory memory, Write *write, Status refused);
 void unit_free(Unit *u);
 void *unit_importer(Unit *u);
@@ -59,10 +59,9 @@ void unit_terminate(Unit *u);
 /* --- messages --- */
 
 void unit_log(Unit *u, int categories);
-void unit_say(const Unit *u, Status status, const char *text);
 
-/* Logs an error, and answers UNIT_ERROR. In the format %s stands for a text, %d for an int64_t, %r for a double. */
-Status unit_fail(const Unit *u, const char *format, ...);
+/* Logs a message, and answers its status. In the format %s stands for a text, %d for an int64_t, %r for a double. */
+Status unit_say(const Unit *u, Status status, const char *format, ...);
 bool unit_may(const Unit *u, int modes, const char *call); /* false, and an error is logged, in any other mode */
 bool unit_given(const Unit *u, const void *pointer, const char *call); /* false, and an error is logged, for NULL */
 
@@ -86,10 +85,10 @@ Status unit_set_booleans(Unit *u, int modes, const uint32_t r[], size_t n, const
 Status unit_set_flags(Unit *u, int modes, const uint32_t r[], size_t n, const bool values[], const char *call);
 
 /* Derivatives of inputs act in the next step only; those of the slave's position are always there. */
-Status unit_set_input_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const double values[],
-                                  const char *call);
-Status unit_get_output_derivatives(Unit *u, const uint32_t r[], size_t n, const int32_t orders[], double values[],
-                                   const char *call);
+Status unit_set_input_derivatives(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t orders[],
+                                  const double values[], const char *call);
+Status unit_get_output_derivatives(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t orders[],
+                                   double values[], const char *call);
 
 /* --- states: copies of all that steps and setters change; any instance of this unit can restore them --- */
 

@@ -11,7 +11,9 @@ from ..interface.recipe import Fmi
 from ..interface.table import groups
 from ..interface.variables import members, summary, variables
 from ..native.platforms import TITLES
+from ..scenario.judge import read_reference
 from ..scenario.scenario import Scenario
+from .compact import compact_page
 from .pictures import svg
 from .readme import readme, rendered
 from .style import TEMPLATES
@@ -44,6 +46,7 @@ def pages(
     """
     text = rendered(readme(type(block)), PICTURE, example.title)
     use, head, details = text.partition(WIRED_BEFORE)
+    reference = read_reference(example) if related else None
     values = {
         "name": type(block).__name__,
         "version": __version__,
@@ -59,10 +62,11 @@ def pages(
         "describe": summary,
         "flavour": flavour,
         "fmi": fmi,
-        "related": related,
+        "title": example.title,
+        "tolerance": reference[2] if reference else None,
         "sources": sources,
         "platforms": {p: TITLES[p] for p in platforms},
     }
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
-    files = {page: TEMPLATES.get_template(f"{page}.j2").render(values).encode() for page in names}
+    files = {page: compact_page(TEMPLATES.get_template(f"{page}.j2").render(values)).encode() for page in names}
     return files | {PICTURE: svg(example, unit, slave_unit)}

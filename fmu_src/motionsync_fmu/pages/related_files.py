@@ -13,10 +13,12 @@ from ..interface.roles import MOTION
 from ..scenario.crosscheck import csv_text, inputs_csv
 from ..scenario.judge import read_reference
 from ..scenario.scenario import Scenario
+from .numbers import rounded
 from .style import TEMPLATES
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 POINTS = 100  # of the reference, about: every FMU carries it
+DIGITS = 12  # of its values: the error is below a hundredth of the tolerance
 COLUMNS = (
     *(f"slave.{name}" for name in MOTION),
     "state_code",
@@ -25,7 +27,6 @@ TEXTS = {
     f"{FOLDER}/fmi-ls-manifest.xml": "fmi-ls-manifest.xml",
     f"{FOLDER}/example.exp": "example.exp",
     f"{FOLDER}/example.ssv": "parameters.ssv",
-    "documentation/fmi-ls-ref.txt": "fmi-ls-ref.txt",
 }
 
 
@@ -38,14 +39,13 @@ def related_files(example: Scenario) -> Files:
     reference = read_reference(example)
     if reference is None:
         return {}
-    names, table, tolerance = reference
+    names, table, _ = reference
     kept = [name for name in COLUMNS if name in names]
     columns = [0, *(1 + names.index(name) for name in kept)]
     times = np.unique(table[:, 0])
     shown = np.isin(table[:, 0], [*times[:: max(len(times) // POINTS, 1)], times[-1]])
     values: dict[str, Any] = {
         "example": example,
-        "tolerance": tolerance,
         "name": "example",
         "values": [
             {"name": name, "kind": v.kind, "value": v.text(given) if v.choices else v.literal(given)}
@@ -53,8 +53,9 @@ def related_files(example: Scenario) -> Files:
             if (v := example.recipe.variables[name])
         ],
     }
+    rows = [[time, *rounded(outputs, DIGITS)] for time, *outputs in table[shown][:, columns].tolist()]
     files = {path: TEMPLATES.get_template(f"{name}.j2").render(values).encode() for path, name in TEXTS.items()}
     return files | {
         f"{FOLDER}/example_in.csv": inputs_csv(example).encode(),
-        f"{FOLDER}/example_ref.csv": csv_text(["time", *kept], table[shown][:, columns].tolist()).encode(),
+        f"{FOLDER}/example_ref.csv": csv_text(["time", *kept], rows).encode(),
     }

@@ -14,21 +14,22 @@ from markupsafe import Markup, escape
 TRANSITION = re.compile(r"\s*(\S+)\s*-->\s*(\S+)\s*(?::\s*(.*?)\s*)?$")
 GROUP = re.compile(r'\s*state\s+(?:".*"\s+as\s+)?(\w+)\s*\{')
 START = "[*]"  # the source of the transition that leads to the first state
-BOX, GAP, LETTER, ARC, DISC, MARGIN = 30.0, 20.0, 8.6, 30.0, 11.0, 24.0  # px
+BOX, GAP, LETTER, ARC, DISC, MARGIN = 30.0, 20.0, 8.6, 30.0, 12.0, 24.0  # px
 HEAD = (
     '<svg class="states" viewBox="0 0 {width:g} {height:g}" width="{width:g}" role="img" aria-label="state diagram">'
     '<defs><marker id="arrow" viewBox="0 0 8 8" refX="7.5" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
-    '<path d="M0 0.5 8 4 0 7.5z" fill="#53616e"/></marker></defs>'
+    '<path d="M0 0.5 8 4 0 7.5z" fill="#53616e"/></marker></defs>\n'
 )
-FRAME = '<rect x="{x:g}" y="{y:g}" width="{w:g}" height="{h:g}" rx="9" fill="{fill}" stroke="#7a8793"{dash}/>'
-DASHED = ' stroke-dasharray="5 4"'
-TEXT = '<text x="{x:g}" y="{y:g}" text-anchor="middle">{text}</text>'
-PATH = (
-    '<path d="M{edge:g} {a:g}C{control:g} {a:g} {control:g} {b:g} {edge:g} {b:g}" fill="none" stroke="#53616e" '
-    'marker-end="url(#arrow)"/>'
-)
-NUMBER = '<rect x="{x:g}" y="{y:g}" width="{w:g}" height="18" rx="9" fill="#fff" stroke="#c8451b"/>'
-DOT = '<circle cx="{x:g}" cy="{y:g}" r="4" fill="#1d2730"/>'
+LAYER = "<g {look}>\n{shapes}</g>\n"
+STATES = 'fill="#e8edf2" stroke="#7a8793"'
+GROUPS = 'fill="#fff" stroke="#7a8793" stroke-dasharray="5 4"'
+ARCS = 'fill="none" stroke="#53616e" marker-end="url(#arrow)"'
+NUMBERS = 'fill="#fff" stroke="#c8451b"'
+DOTS = 'fill="#1d2730"'
+RECT = '<rect rx="9" x="{x:g}" y="{y:g}" width="{w:g}" height="{h:g}"/>'
+PATH = '<path d="M{edge:g} {a:g}c{control:g} 0 {control:g} {down:g} 0 {down:g}"/>\n'
+DOT = '<circle r="4" cx="{x:g}" cy="{y:g}"/>\n'
+LABELLED = '<g transform="translate({x:g} {y:g})">{rect}<text y="4.5">{text}</text></g>\n'
 
 
 @dataclass(frozen=True)
@@ -95,57 +96,60 @@ def _picture(diagram: Diagram, found: list[Transition], begins: set[str]) -> Mar
         numbers.setdefault((t.source, t.target), []).append(number)
     spans = [row[target] - row[source] for source, target in numbers]
     left = MARGIN + ARC * max([1, *(-span for span in spans)])
-    width = LETTER * max(map(len, row), default=0) + 3.0 * DISC
+    width = 2.0 * round(LETTER / 2.0 * max(map(len, row), default=0)) + 3.0 * DISC
     middle = {name: GAP + i * (BOX + GAP) + BOX / 2.0 for name, i in row.items()}
-    parts = [_frame(len(names), middle[group], left, width) for group, names in diagram.groups.items()]
-    parts += [_arc(middle[a], middle[b], row[b] - row[a], left, width) for a, b in numbers]
-    parts += [_box(name, middle[name], left, width, name in diagram.groups, name in begins) for name in row]
-    parts += [_numbers(middle[a], middle[b], row[b] - row[a], left, width, ns) for (a, b), ns in numbers.items()]
+    arcs = [(_place(middle[a], middle[b], row[b] - row[a], left, width), ns) for (a, b), ns in numbers.items()]
+    layers = (
+        (GROUPS, [_frame(len(names), middle[group], left, width) for group, names in diagram.groups.items()]),
+        (ARCS, [_arc(*place) for place, _ in arcs]),
+        (STATES, [_labelled(left + width / 2.0, middle[name], width, BOX, name) for name in diagram.states]),
+        (GROUPS, [_labelled(left + width / 2.0, middle[name], width, BOX, name) for name in diagram.groups]),
+        (DOTS, [DOT.format(x=left + DISC, y=middle[name]) for name in row if name in begins]),
+        (NUMBERS, [_numbers(*place, ns) for place, ns in arcs]),
+    )
     total = left + width + ARC * max([1, *spans]) + 2.0 * MARGIN
-    return Markup(HEAD.format(width=total, height=len(row) * (BOX + GAP) + GAP) + "".join(parts) + "</svg>\n")
+    head = HEAD.format(width=total, height=len(row) * (BOX + GAP) + GAP)
+    shown = (LAYER.format(look=look, shapes="".join(shapes)) for look, shapes in layers if shapes)
+    return Markup(head + "".join(shown) + "</svg>\n")
 
 
 def _frame(members: int, y: float, left: float, width: float) -> str:
     """The frame around the states of a group, with the name of the group above them."""
     height = members * (BOX + GAP) + BOX + 12.0
-    return FRAME.format(x=left - 8.0, y=y - BOX / 2.0 - 6.0, w=width + 16.0, h=height, fill="none", dash=DASHED)
+    return RECT.format(x=left - 8.0, y=y - BOX / 2.0 - 6.0, w=width + 16.0, h=height) + "\n"
 
 
-def _box(name: str, y: float, left: float, width: float, group: bool, begins: bool) -> str:
-    """The box of a state, or of a group's name; the one in which the block begins has a dot beside it."""
-    fill, dash = ("#fff", DASHED) if group else ("#e8edf2", "")
-    box = FRAME.format(x=left, y=y - BOX / 2.0, w=width, h=BOX, fill=fill, dash=dash)
-    dot = DOT.format(x=left + 12.0, y=y) if begins else ""
-    return box + dot + TEXT.format(x=left + width / 2.0, y=y + 4.5, text=escape(name))
+def _labelled(x: float, y: float, width: float, height: float, text: str) -> str:
+    """A text in a box; both have their middle at a place."""
+    rect = RECT.format(x=-width / 2.0, y=-height / 2.0, w=width, h=height)
+    return LABELLED.format(x=x, y=y, rect=rect, text=escape(text))
 
 
 def _place(begin: float, end: float, span: int, left: float, width: float) -> tuple[float, float, float, float]:
-    """The geometry of an arc: the edge of its boxes, how far the arc reaches, and the heights of both its ends."""
+    """The geometry of an arc between the middles of two boxes: the edge of the boxes, where the arc is farthest from
+    them, and the heights of both its ends. The more rows the arc spans, the farther it reaches."""
     side = -1.0 if span < 0 else 1.0
     edge = left if span < 0 else left + width
     a, b = (begin + side * 6.0, end - side * 6.0) if span else (begin - 7.0, begin + 7.0)
     return edge, edge + side * ARC * max(abs(span), 1), a, b
 
 
-def _arc(begin: float, end: float, span: int, left: float, width: float) -> str:
-    """A transition between the middles of two boxes; the more rows the arc spans, the farther it reaches."""
-    edge, far, a, b = _place(begin, end, span, left, width)
-    control = edge + (far - edge) * 4.0 / 3.0  # a cubic reaches 3/4 of the distance to its two control points
-    return PATH.format(edge=edge, control=control, a=a, b=b)
+def _arc(edge: float, far: float, a: float, b: float) -> str:
+    """A transition."""
+    control = (far - edge) * 4.0 / 3.0  # a cubic reaches 3/4 of the distance to its two control points
+    return PATH.format(edge=edge, control=control, a=a, down=b - a)
 
 
-def _numbers(begin: float, end: float, span: int, left: float, width: float, numbers: list[int]) -> str:
+def _numbers(_: float, far: float, a: float, b: float, numbers: list[int]) -> str:
     """The numbers of the transitions that an arc stands for, where it is farthest from the boxes."""
-    _, x, a, b = _place(begin, end, span, left, width)
-    y, text = (a + b) / 2.0, ", ".join(map(str, numbers))
-    room = 12.0 + 6.5 * len(text)
-    return NUMBER.format(x=x - room / 2.0, y=y - 9.0, w=room) + TEXT.format(x=x, y=y + 4.5, text=text)
+    text = ", ".join(map(str, numbers))
+    return _labelled(far, (a + b) / 2.0, 12.0 + 6.0 * len(text), 18.0, text)
 
 
 def _table(found: list[Transition], starts: list[Transition]) -> Markup:
     """The table of the transitions by number; a condition for the state in which the block begins comes first."""
-    head = Markup("<table>\n<tr><th></th><th>from</th><th>to</th><th>when</th></tr>\n")
-    row = Markup('<tr><td>{}</td><td class="name">{}</td><td class="name">{}</td><td>{}</td></tr>\n')
+    head = Markup("<table>\n<thead><tr><th></th><th>from</th><th>to</th><th>when</th></tr></thead>\n")
+    row = Markup("<tr><td>{}</td><th>{}</th><th>{}</th><td>{}</td></tr>\n")
     markdown = MarkdownIt("commonmark", {"html": False})
     rows = [("", "the start", t.target, t.when) for t in starts]
     rows += [(str(number), t.source, t.target, t.when) for number, t in enumerate(found, 1)]

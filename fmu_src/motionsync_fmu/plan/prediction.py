@@ -113,7 +113,7 @@ def cycle_at(machine: Machine, velocity: float) -> Cycle:
     carriage = machine.coupling * velocity
     approach = 2.0 * approach_distance(machine, velocity) / carriage
     cut = machine.cut_distance / carriage if machine.by_distance else machine.cut_time
-    sync, gap, rest = tool_time(machine, velocity), gap_time(machine, velocity), machine.homing_settle_time
+    sync, gap, rest = tool_time(machine, carriage, approach), gap_time(machine, carriage), machine.homing_settle_time
     settling = max(sync - cut - machine.retract_time, 0.0)
     home = cycle_time(machine, velocity) - approach - sync - gap - rest
     return Cycle(approach, settling, cut, gap, machine.retract_time, home, rest)

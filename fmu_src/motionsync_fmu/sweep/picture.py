@@ -16,7 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..pages.pictures import STYLE, compact
+from ..pages.compact import compact
+from ..pages.pictures import STYLE
 from ..pages.style import MASTER, SLAVE
 
 Reals = NDArray[np.float64]

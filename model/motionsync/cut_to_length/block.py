@@ -161,13 +161,21 @@ class CutToLength(CutToLengthInterface):
         return Refusal.NONE
 
     def advance_clocks(self, h: float) -> None:
+        """Only the clocks go on that can be read before they are started anew."""
         self.block_clock.advance(h)
         self.phase.advance(h)
-        self.start_clock.advance(h)
         self.cycle_clock.advance(h)
-        self.ready_clock.advance(h)
-        self.tool_clock.advance(h)
-        self.way_home.motion.advance(h)
+        if self.tool.command or self.tool.blade_down:
+            self.tool_clock.advance(h)
+        match self.stage:
+            case Stage.WAITING:
+                self.ready_clock.advance(h)
+            case Stage.APPROACHING | Stage.SYNCHRONOUS | Stage.CUTTING:
+                self.start_clock.advance(h)
+            case Stage.HOMING | Stage.RETURNING:
+                self.way_home.motion.advance(h)
+            case _:
+                pass
 
     # --- the parameters ---
 
@@ -501,13 +509,17 @@ class CutToLength(CutToLengthInterface):
     def is_far_from_start(self, until: float) -> bool:
         """Whether no start can be due up to a time since the step's beginning: it spares the search for one.
 
-        On a line no faster than that for which the approach was predicted last, this is no longer than predicted."""
-        fastest = max(self.master.begin_velocity, self.master.end_velocity)
+        The approach is no longer than predicted on a line no faster than then, and else than that of a faster line."""
+        begin = self.master.begin_velocity
+        end = self.master.end_velocity
+        fastest = max(begin, end)
+        machine = self.predictions.machine
+        distance = self.local.approach_distance
         if not self.predictions.solved or fastest > self.predictions.velocity:
-            return False
+            distance = approach_distance(machine, fastest + FASTER * (abs(begin) + abs(end)))
         place = self.material.piece.end
         mu = max(self.beyond(place, self.now), self.beyond(place, until))
-        return self.predictions.machine.coupling * mu < self.way_home.home - self.local.approach_distance
+        return machine.coupling * mu < self.way_home.home - distance
 
     def is_far_from_ends(self, until: float) -> bool:
         """Whether the carriage, in sync, need not stop for an end of its stroke up to a time since the step begins: it

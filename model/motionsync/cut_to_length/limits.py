@@ -12,6 +12,7 @@ from ..limits import clamp
 
 LEAST = 1e-100  # a line velocity below it counts as this one, a pitch below it as none: no quotient overflows
 SHARPNESS = 1e-13  # relative width of the bracket that is left of the greatest line velocity
+BELOW = 1.0 - 1e-9  # of a bound: what is less is below it, whatever rounding does
 ITERATIONS = 200  # a bound that no search comes near: about 10 steps are usual, 30 the most
 
 
@@ -70,13 +71,6 @@ def change_time(speed: float, acceleration: float, jerk: float) -> float:
     return 2.0 * sqrt(max(speed, 0.0) / jerk)
 
 
-def change_rate(speed: float, acceleration: float, jerk: float) -> float:
-    """dR/dx: how `change_time` rises with the speed (> 0), in s2/u."""
-    if speed >= acceleration * acceleration / jerk:
-        return 1.0 / acceleration
-    return 1.0 / sqrt(speed * jerk)
-
-
 def lead(machine: Machine, velocity: float) -> float:
     """The shortest way of an approach, in u, that keeps its limits at the line velocity v, in u/s.
 
@@ -93,67 +87,47 @@ def approach_distance(machine: Machine, velocity: float) -> float:
     return max(machine.approach_distance, lead(machine, velocity * (1.0 + machine.approach_reserve)))
 
 
-def tool_time(machine: Machine, velocity: float) -> float:
-    """t_s: the time in sync, in s, without that of the gap: settling, cut, retracting. The line velocity v is > 0.
+def tool_time(machine: Machine, carriage: float, approach: float) -> float:
+    """t_s: the time in sync, in s, without that of the gap: settling, cut, retracting. The carriage has the velocity
+    V > 0 in sync, and its approach takes so long, in s.
 
-    A delay of the tool that is longer than the approach, 2D/V, keeps the carriage waiting in sync.
+    A delay of the tool that is longer than the approach keeps the carriage waiting in sync.
     """
-    v = machine.coupling * max(velocity, LEAST)
-    early = machine.on_delay - 2.0 * approach_distance(machine, velocity) / v
-    cut = machine.cut_distance / v if machine.by_distance else machine.cut_time
-    return max(machine.settle_time, early, 0.0) + cut + machine.retract_time
+    cut = machine.cut_distance / carriage if machine.by_distance else machine.cut_time
+    return max(machine.settle_time, machine.on_delay - approach, 0.0) + cut + machine.retract_time
 
 
-def gap_time(machine: Machine, velocity: float) -> float:
-    """The time in which the gap is opened, in s: gap_travel/V, or 0 without a gap. The line velocity v is > 0."""
-    if machine.gap_distance <= 0.0:
-        return 0.0
-    return machine.gap_travel / (machine.coupling * max(velocity, LEAST))
+def gap_time(machine: Machine, carriage: float) -> float:
+    """The time in which the gap is opened at the carriage's velocity V > 0, in s: gap_travel/V, or 0 without a gap."""
+    return machine.gap_travel / carriage if machine.gap_distance > 0.0 else 0.0
 
 
-def cut_travel(machine: Machine, velocity: float) -> float:
-    """S: the way from home, in u, at which the carriage begins to return: approach, time in sync, gap."""
+def way_out(machine: Machine, velocity: float) -> tuple[float, float, float]:
+    """S, D and t_s: the way from home, in u, at which the carriage begins to return, which is made of approach, time in
+    sync and gap; the way of the approach, in u; the time in sync without that of the gap, in s. For v <= 0 the carriage
+    returns from the end of the approach."""
     distance = approach_distance(machine, velocity)
     if velocity <= 0.0:
-        return distance
-    if machine.gap_distance > 0.0:
-        distance += machine.gap_travel + machine.gap_distance
-    return distance + machine.coupling * velocity * tool_time(machine, velocity)
+        return distance, distance, 0.0
+    carriage = machine.coupling * max(velocity, LEAST)
+    time = tool_time(machine, carriage, 2.0 * distance / carriage)
+    gap = machine.gap_travel + machine.gap_distance if machine.gap_distance > 0.0 else 0.0
+    return distance + gap + machine.coupling * velocity * time, distance, time
 
 
-def return_way(velocity: float, peak: float, up: float, down: float, jerk: float) -> float:
-    """G(w): the way back, in u, of a return from the velocity V to -w, the peak, and to rest.
+def change(speed: float, acceleration: float, jerk: float, reach: float) -> tuple[float, float]:
+    """R and dR/dx, in s and s2/u: `change_time` and how it rises with the speed > 0; `reach` is a2/j."""
+    if speed >= reach:
+        return speed / acceleration + acceleration / jerk, 1.0 / acceleration
+    return 2.0 * sqrt(speed / jerk), 1.0 / sqrt(speed * jerk)
+
+
+def return_way(velocity: float, peak: float, turn: float, stop: float) -> float:
+    """G(w): the way back, in u, of a return from the velocity V to -w, the peak, and to rest, which take these times.
 
     Each change of velocity is symmetric in time: it covers its mean velocity times its time. G rises and is convex.
     """
-    turn = 0.5 * (peak - velocity) * change_time(velocity + peak, up, jerk)
-    return turn + 0.5 * peak * change_time(peak, down, jerk)
-
-
-def return_way_rate(velocity: float, peak: float, up: float, down: float, jerk: float) -> float:
-    """dG/dw, in s, at a peak w > 0."""
-    total = velocity + peak
-    turn = change_time(total, up, jerk) + (peak - velocity) * change_rate(total, up, jerk)
-    return 0.5 * (turn + change_time(peak, down, jerk) + peak * change_rate(peak, down, jerk))
-
-
-def peak_return_velocity(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
-    """w with G(w) = distance, in u/s, where that is at most `speed` (then G(speed) > distance).
-
-    Newton's method from above: G is convex and rises, so no step passes the solution. The last part of the way is at
-    most the distance and the overshoot, hence w2/(2 down) <= distance + V R(V)/2.
-    """
-    way = distance + 0.5 * velocity * change_time(velocity, up, jerk)
-    peak = min(speed, sqrt(2.0 * down * way))
-    for _ in range(ITERATIONS):
-        if peak <= 0.0:
-            break
-        beyond = return_way(velocity, peak, up, down, jerk) - distance
-        step = beyond / return_way_rate(velocity, peak, up, down, jerk)
-        if step <= 1e-16 * peak:
-            break
-        peak -= step
-    return max(peak, 0.0)
+    return 0.5 * (peak - velocity) * turn + 0.5 * peak * stop
 
 
 def return_time(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
@@ -161,14 +135,41 @@ def return_time(velocity: float, distance: float, up: float, down: float, jerk: 
 
     `up` limits the acceleration while the carriage turns round and speeds up, `down` while it stops, `speed` its
     velocity. Where the peak G(speed) leaves a rest of the way, it is covered at `speed`.
+
+    The last part of the way is at most the distance and the overshoot, so the peak w with G(w) = distance has
+    w2/(2 down) <= distance + V R(V)/2.
     """
-    peak = speed
-    cruise = distance - return_way(velocity, speed, up, down, jerk)
-    if cruise < 0.0:
-        peak = peak_return_velocity(velocity, distance, up, down, jerk, speed)
-        cruise = 0.0
-    time = change_time(velocity + peak, up, jerk) + change_time(peak, down, jerk)
-    return time + cruise / speed
+    way = distance + 0.5 * velocity * change_time(velocity, up, jerk)
+    bound = sqrt(2.0 * down * way)
+    if bound > BELOW * speed:
+        turn = change_time(velocity + speed, up, jerk)
+        stop = change_time(speed, down, jerk)
+        cruise = distance - return_way(velocity, speed, turn, stop)
+        if cruise >= 0.0:
+            return turn + stop + cruise / speed
+    return short_return_time(velocity, distance, up, down, jerk, min(speed, bound))
+
+
+def short_return_time(velocity: float, distance: float, up: float, down: float, jerk: float, bound: float) -> float:
+    """T_r of a way that is too short for the full speed; its peak is at most `bound`, in u/s.
+
+    Newton's method from above: G is convex and rises, so no step passes the solution.
+    """
+    peak = bound
+    up_reach = up * up / jerk
+    down_reach = down * down / jerk
+    for _ in range(ITERATIONS):
+        if peak <= 0.0:
+            break
+        turn, turn_rate = change(velocity + peak, up, jerk, up_reach)
+        stop, stop_rate = change(peak, down, jerk, down_reach)
+        beyond = return_way(velocity, peak, turn, stop) - distance
+        step = 2.0 * beyond / (turn + (peak - velocity) * turn_rate + stop + peak * stop_rate)
+        if step <= 1e-16 * peak:
+            return turn + stop
+        peak -= step
+    peak = max(peak, 0.0)
+    return change_time(velocity + peak, up, jerk) + change_time(peak, down, jerk)
 
 
 def turning_acceleration(machine: Machine) -> float:
@@ -176,22 +177,34 @@ def turning_acceleration(machine: Machine) -> float:
     return min(machine.homing_acceleration, machine.homing_deceleration)
 
 
-def cycle_time(machine: Machine, velocity: float) -> float:
-    """T_c: the shortest time from start to start, in s, at the line velocity v; 0 for v <= 0."""
-    if velocity <= 0.0:
-        return 0.0
-    line = max(velocity, LEAST)
-    v = machine.coupling * line
+def overshoot(machine: Machine, carriage: float) -> float:
+    """The way in which the carriage comes to a stand, in u, from its velocity V >= 0 in sync."""
+    return 0.5 * carriage * change_time(carriage, turning_acceleration(machine), machine.homing_jerk)
+
+
+def cycle(machine: Machine, velocity: float) -> tuple[float, float, float]:
+    """T_c, D and the stroke: `cycle_time`, `approach_distance` and `stroke` at a line velocity v > 0."""
+    carriage = machine.coupling * velocity
+    travel, distance, tool = way_out(machine, velocity)
     home = return_time(
-        v,
-        cut_travel(machine, line),
+        carriage,
+        travel,
         turning_acceleration(machine),
         machine.homing_deceleration,
         machine.homing_jerk,
         machine.homing_velocity,
     )
-    sync = tool_time(machine, line) + gap_time(machine, line)
-    return 2.0 * approach_distance(machine, line) / v + sync + home + machine.homing_settle_time
+    sync = tool + gap_time(machine, carriage)
+    time = 2.0 * distance / carriage + sync + home + machine.homing_settle_time
+    return time, distance, travel + overshoot(machine, carriage)
+
+
+def cycle_time(machine: Machine, velocity: float) -> float:
+    """T_c: the shortest time from start to start, in s, at the line velocity v; 0 for v <= 0."""
+    if velocity <= 0.0:
+        return 0.0
+    time, _, _ = cycle(machine, max(velocity, LEAST))
+    return time
 
 
 def shortest_pitch(machine: Machine, velocity: float) -> float:
@@ -201,9 +214,8 @@ def shortest_pitch(machine: Machine, velocity: float) -> float:
 
 def stroke(machine: Machine, velocity: float) -> float:
     """The farthest that a cycle takes the carriage from home, in u: S, and the way in which it comes to a stand."""
-    v = machine.coupling * max(velocity, 0.0)
-    overshoot = 0.5 * v * change_time(v, turning_acceleration(machine), machine.homing_jerk)
-    return cut_travel(machine, velocity) + overshoot
+    travel, _, _ = way_out(machine, velocity)
+    return travel + overshoot(machine, machine.coupling * max(velocity, 0.0))
 
 
 def is_admissible(machine: Machine, velocity: float) -> bool:
@@ -215,9 +227,10 @@ def is_admissible(machine: Machine, velocity: float) -> bool:
 
 def excess(machine: Machine, velocity: float, pitch: float) -> float:
     """By what share the line velocity v asks too much of stroke or pitch; at most 0 where neither. Rises with v."""
-    end = machine.home_position + stroke(machine, velocity) - machine.max_position
+    time, _, way = cycle(machine, velocity)
+    end = machine.home_position + way - machine.max_position
     of_stroke = end / max(machine.max_position - machine.home_position, LEAST)
-    return max(of_stroke, (shortest_pitch(machine, velocity) - pitch) / pitch)
+    return max(of_stroke, (velocity * time - pitch) / pitch)
 
 
 def next_try(low: float, below: float, high: float, above: float) -> float:

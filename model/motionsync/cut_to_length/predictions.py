@@ -4,13 +4,7 @@ from dataclasses import dataclass
 
 from .. import var
 from .interface import CutToLengthInterface
-from .limits import (
-    Machine,
-    approach_distance,
-    cycle_time,
-    max_line_velocity,
-    stroke,
-)
+from .limits import Machine, cycle, max_line_velocity
 from .material import Material, correction_of
 from .piece import UNLIMITED
 from .settings import Settings
@@ -60,17 +54,21 @@ class Predictions:
     def solve_cycle(self, block: CutToLengthInterface, settings: Settings) -> None:
         """The cycle at the line velocity: what a piece and a sensor need."""
         velocity = self.velocity
-        time = cycle_time(self.machine, velocity)
-        distance = approach_distance(self.machine, velocity)
-        self.shortest_pitch = velocity * time
-        block.limits.cycle_time = time
-        block.limits.stroke = stroke(self.machine, velocity) if velocity > 0.0 else self.machine.approach_distance
+        machine = self.machine
+        limits = block.limits
+        limits.cycle_time = 0.0
+        limits.min_length = 0.0
+        limits.stroke = machine.approach_distance
+        distance = machine.approach_distance
+        if velocity > 0.0:
+            time, distance, way = cycle(machine, velocity)
+            self.shortest_pitch = velocity * time
+            limits.cycle_time = time
+            limits.stroke = way
+            limits.min_length = max(settings.factor * self.shortest_pitch - settings.kerf - self.correction, 0.0)
         block.local.approach_distance = distance
-        length = settings.factor * self.shortest_pitch - settings.kerf - self.correction
-        block.limits.min_length = max(length, 0.0) if velocity > 0.0 else 0.0
-        sensor = (distance - self.machine.home_position) / self.machine.coupling
-        sensor += max(velocity, 0.0) * settings.mark.delay
-        block.limits.min_sensor_distance = max(settings.factor * sensor, 0.0)
+        sensor = (distance - machine.home_position) / machine.coupling + max(velocity, 0.0) * settings.mark.delay
+        limits.min_sensor_distance = max(settings.factor * sensor, 0.0)
 
     def solve_line_velocity(self, block: CutToLengthInterface, pitch: float, pitch_orders: float) -> None:
         """The highest admissible line velocities."""

@@ -18,7 +18,6 @@ from motionsync.cut_to_length.limits import (
     Machine,
     approach_distance,
     change_time,
-    cut_travel,
     cycle_time,
     gap_time,
     is_admissible,
@@ -27,7 +26,7 @@ from motionsync.cut_to_length.limits import (
     return_time,
     shortest_pitch,
     stroke,
-    tool_time,
+    way_out,
 )
 from motionsync.motion import Motion
 
@@ -54,6 +53,18 @@ CLAMPED = replace(
 )
 
 
+def cut_travel(machine: Machine, velocity: float) -> float:
+    """S, in u."""
+    travel, _, _ = way_out(machine, velocity)
+    return travel
+
+
+def time_in_sync(machine: Machine, velocity: float) -> float:
+    """t_s, in s."""
+    _, _, time = way_out(machine, velocity)
+    return time
+
+
 def within(digits: float) -> float:
     """The tolerance of a number that is given with so many decimal places."""
     return 0.5000001 * 10.0**-digits
@@ -67,7 +78,7 @@ def test_at_1000_the_reference_machine_needs_nearly_a_second_a_cut() -> None:
     assert lead(REFERENCE, 1000.0) == pytest.approx(86.602540378, abs=within(9))
     assert approach_distance(REFERENCE, 1000.0) == lead(REFERENCE, 1000.0)
     assert 2.0 * approach_distance(REFERENCE, 1000.0) / 1000.0 == pytest.approx(0.173205081, abs=within(9))
-    assert tool_time(REFERENCE, 1000.0) == 0.25
+    assert time_in_sync(REFERENCE, 1000.0) == 0.25
     assert cut_travel(REFERENCE, 1000.0) == pytest.approx(336.602540378, abs=within(9))
     home = return_time(1000.0, cut_travel(REFERENCE, 1000.0), 1e4, 1e4, 2e5, 1500.0)
     assert home == pytest.approx(0.574401694, abs=within(9))
@@ -149,14 +160,14 @@ def test_a_mitre_with_a_gap() -> None:
 def test_a_delay_of_the_tool_longer_than_the_approach_waits_in_sync() -> None:
     """At 1000 the approach takes 0.173205 s: of a delay of 0.3 s, 0.126795 s is waited in sync."""
     machine = replace(REFERENCE, on_delay=0.3, settle_time=0.1)
-    assert tool_time(machine, 1000.0) == pytest.approx(0.126794919 + 0.25, abs=within(9))
-    assert tool_time(replace(machine, settle_time=0.2), 1000.0) == 0.2 + 0.25
+    assert time_in_sync(machine, 1000.0) == pytest.approx(0.126794919 + 0.25, abs=within(9))
+    assert time_in_sync(replace(machine, settle_time=0.2), 1000.0) == 0.2 + 0.25
 
 
 def test_a_cut_by_distance_takes_less_time_on_a_faster_line() -> None:
     machine = replace(REFERENCE, by_distance=True, cut_distance=200.0)
-    assert tool_time(machine, 1000.0) == 0.2
-    assert tool_time(machine, 500.0) == 0.4
+    assert time_in_sync(machine, 1000.0) == 0.2
+    assert time_in_sync(machine, 500.0) == 0.4
 
 
 def test_the_gap_takes_its_travel_and_moves_the_carriage_farther() -> None:
@@ -253,6 +264,15 @@ def test_the_way_home_takes_as_long_as_the_carriage_s_own_motion(
     assume(distance > 0.0 or velocity > 0.0)
     found = return_time(velocity, distance, turning, deceleration, jerk, speed)
     assert found == pytest.approx(motion.end(), rel=1e-12)
+
+
+@pytest.mark.parametrize("more", [-1e-2, -1e-8, -1e-9, -1e-10, 0.0, 1e-10, 1e-9, 1e-8, 1e-2])
+def test_a_way_home_that_just_leads_to_the_full_speed(more: float) -> None:
+    """From rest at once at the peak w, then braked with 1: w2/2 is covered in w. From 1/2 on w is the speed, 1, at
+    which the rest is covered."""
+    distance = 0.5 * (1.0 + more)
+    expected = math.sqrt(1.0 + more) if more < 0.0 else 1.0 + 0.5 * more
+    assert return_time(0.0, distance, 1e12, 1.0, 1e30, 1.0) == pytest.approx(expected, rel=1e-11)
 
 
 @repeatable

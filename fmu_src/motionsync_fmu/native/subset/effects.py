@@ -174,7 +174,8 @@ def standing_for(reading: Reading, name: str) -> ast.expr | None:
 def stored(reading: Reading, node: ast.AST) -> Iterator[ast.expr]:
     """The fields and elements that statements assign to."""
     for n in reading.walk(node):
-        targets = n.targets if isinstance(n, ast.Assign) else [n.target] if isinstance(n, ast.AugAssign) else []
+        single = [n.target] if isinstance(n, ast.AnnAssign | ast.AugAssign) else []
+        targets = n.targets if isinstance(n, ast.Assign) else single
         yield from (t for t in targets if isinstance(t, ast.Attribute | ast.Subscript))
 
 

@@ -36,12 +36,11 @@ class Integers:
                 return (length, length) if length else EVERYWHERE
         return EVERYWHERE
 
-    def enter(self, loop: ast.For) -> None:
-        """Find the bounds of a loop's variable."""
+    def of_loop(self, loop: ast.For) -> Bounds:
+        """The bounds of a loop's variable."""
         assert isinstance(loop.iter, ast.Call)
-        assert isinstance(loop.target, ast.Name)
         limits = loop.iter.args
         first, end = limits[:2] if len(limits) > 1 else (ast.Constant(0), limits[0])
         (low, high), (least, greatest) = self.bounds(first), self.bounds(end)
         step = self.reading.package.number(self.reading.file, limits[2]) if len(limits) > 2 else 1
-        self.loops[loop.target.id] = (low, greatest - 1) if step and step > 0 else (least + 1, high)
+        return (low, greatest - 1) if step and step > 0 else (least + 1, high)

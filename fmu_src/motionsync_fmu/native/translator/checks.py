@@ -6,30 +6,16 @@ been checked, and whose names and fields nothing has changed since; the divisors
 
 import ast
 from dataclasses import dataclass, field
+from math import isinf
 
 from ..subset.effects import Effects, Places
 from ..subset.functions import without_docstring
 from ..subset.package import Reading
-from .bounds import Integers
+from .bounds import EVERYWHERE, Integers
+from .conditions import not_zero
 
 DIVISIONS = (ast.Div, ast.FloorDiv, ast.Mod)
 PLAIN = (ast.Name, ast.Attribute, ast.Constant, ast.BinOp, ast.UnaryOp, ast.expr_context, ast.operator, ast.unaryop)
-MIRRORED: dict[type[ast.cmpop], type[ast.cmpop]] = {
-    ast.Lt: ast.Gt,
-    ast.Gt: ast.Lt,
-    ast.LtE: ast.GtE,
-    ast.GtE: ast.LtE,
-    ast.Eq: ast.Eq,
-    ast.NotEq: ast.NotEq,
-}
-OPPOSITE: dict[type[ast.cmpop], type[ast.cmpop]] = {
-    ast.Lt: ast.GtE,
-    ast.GtE: ast.Lt,
-    ast.Gt: ast.LtE,
-    ast.LtE: ast.Gt,
-    ast.Eq: ast.NotEq,
-    ast.NotEq: ast.Eq,
-}
 
 
 @dataclass(eq=False)
@@ -67,18 +53,17 @@ class Checks:
     """The checks of one function.
 
     Attributes:
-        indices: of the elements that may be outside their list, what is checked of the index, and the length inside
-            which that has to be.
+        needless: the elements and divisions that need no check.
+        indices: what is checked of the index of any other element, and the length inside which that has to be.
         kept: the indices that are checked once for several places.
-        nonzero: the divisions whose divisor is not 0.
-        checked: the divisions whose divisor has been checked before.
+        endless: the loops that no constants end; after a failure they might go on for ever.
     """
 
     def __init__(self, effects: Effects, reading: Reading) -> None:
         self.effects, self.reading = effects, reading
         self.indices: dict[ast.Subscript, tuple[ast.expr, int]] = {}
-        self.nonzero: set[ast.AST] = set()
-        self.checked: set[ast.AST] = set()
+        self.endless: set[ast.stmt] = set()
+        self.needless: set[ast.AST] = set()
         self.operands: dict[str, tuple[set[str], Places]] = {}
         self.integers = Integers(effects, reading)
         self.found: list[KeptIndex] = []
@@ -144,9 +129,12 @@ class Checks:
 
     def loop(self, s: ast.While | ast.For) -> None:
         """What the loop changes is not known in it, nor after it."""
+        name, (low, high) = "", EVERYWHERE
         if isinstance(s, ast.For):
+            assert isinstance(s.target, ast.Name)
             self.look(s.iter, s)
-            self.integers.enter(s)
+            name = s.target.id
+            self.integers.loops[name] = low, high = self.integers.of_loop(s)
         self.forget(s)
         before = self.known.copy()
         if isinstance(s, ast.While):
@@ -154,6 +142,9 @@ class Checks:
             self.learn(s.test, True)
         self.block(s.body)
         self.known = before
+        self.integers.loops.pop(name, None)
+        if isinf(high - low):
+            self.endless.add(s)
 
     def match(self, s: ast.Match) -> bool:
         self.look(s.subject, s)
@@ -188,8 +179,8 @@ class Checks:
                 for other in others:
                     self.sometimes(right, [other], None)
             case _:
-                for part in ast.iter_child_nodes(node):
-                    self.look(part, at)
+                for inner in ast.iter_child_nodes(node):
+                    self.look(inner, at)
                 self.check(node, at)
 
     def sometimes(self, first: ast.expr, others: list[ast.expr], truth: bool | None) -> None:
@@ -202,20 +193,20 @@ class Checks:
                 self.learn(before, truth)
             self.look(part, None)
         self.known = after
-        for part in (first, *others):
-            self.forget(part)
 
     def check(self, node: ast.AST, at: ast.stmt | None) -> None:
         match node:
             case ast.Subscript(value=values, slice=index) if node in self.reading.kinds:
                 length = self.effects.length(self.reading, values)
                 low, high = self.integers.bounds(index)
-                if low < 0 or high >= length:
+                if 0 <= low <= high < length:
+                    self.needless.add(node)
+                else:
                     part, length = self.indices[node] = self.row(index, length)
                     self.index(part, length, at)
-            case ast.BinOp(op=ast.Div() | ast.FloorDiv() | ast.Mod(), right=right):
+            case ast.BinOp(op=op, right=right) if isinstance(op, DIVISIONS):
                 self.divisor(node, right, self.reading.kinds[node] == "float")
-            case ast.AugAssign(op=ast.Div() | ast.FloorDiv() | ast.Mod(), target=target, value=right):
+            case ast.AugAssign(op=op, target=target, value=right) if isinstance(op, DIVISIONS):
                 self.divisor(node, right, self.reading.kinds[target] == "float")
 
     def index(self, index: ast.expr, length: int, at: ast.stmt | None) -> None:
@@ -236,11 +227,8 @@ class Checks:
             first = first.left
         match first:
             case ast.BinOp(left=left, op=ast.Mult(), right=row):
-                size, low, high = (
-                    self.reading.number(left),
-                    sum(low for low, _ in parts),
-                    sum(high for _, high in parts),
-                )
+                size = self.reading.number(left)
+                low, high = sum(least for least, _ in parts), sum(greatest for _, greatest in parts)
                 if isinstance(size, int) and size > 0 and length % size == 0 and 0 <= low <= high < size:
                     return row, length // size
         return index, length
@@ -248,10 +236,8 @@ class Checks:
     def divisor(self, node: ast.AST, divisor: ast.expr, is_float: bool) -> None:
         """An integer that has been checked is checked again: it may be 0, and C must not divide by it."""
         key = self.name(divisor)
-        if self.known.divisors.get(key):
-            self.nonzero.add(node)
-        elif is_float and key in self.known.divisors:
-            self.checked.add(node)
+        if self.reading.number(divisor) or self.known.divisors.get(key) or (is_float and key in self.known.divisors):
+            self.needless.add(node)
         elif is_float and self.plain(divisor):
             self.known.divisors[key] = False
 
@@ -286,27 +272,7 @@ class Checks:
 
     def learn(self, test: ast.expr, truth: bool) -> None:
         """A condition is true or false: what is then not 0, unless a call in the condition changes it."""
-        self.conclude(test, truth)
+        for value in not_zero(self.reading, test, truth):
+            if self.plain(value):
+                self.known.divisors[self.name(value)] = True
         self.forget(test)
-
-    def conclude(self, test: ast.expr, truth: bool) -> None:
-        match test:
-            case ast.UnaryOp(op=ast.Not(), operand=operand):
-                self.conclude(operand, not truth)
-            case ast.BoolOp(op=op, values=values) if isinstance(op, ast.And) == truth:
-                for value in values:
-                    self.conclude(value, truth)
-            case ast.Compare(left=left, ops=[op, *more], comparators=rights) if truth or not more:
-                for a, sign, b in zip([left, *rights], [op, *more], rights, strict=False):
-                    sort = type(sign) if truth else OPPOSITE.get(type(sign))
-                    self.compared(a, sort, b)
-                    self.compared(b, MIRRORED.get(sort) if sort else None, a)
-
-    def compared(self, value: ast.expr, sign: type[ast.cmpop] | None, other: ast.expr) -> None:
-        limit = self.reading.number(other)
-        if limit is None or not self.plain(value):
-            return
-        beyond = (sign is ast.Gt and limit >= 0) or (sign is ast.Lt and limit <= 0)
-        apart = (sign is ast.GtE and limit > 0) or (sign is ast.LtE and limit < 0)
-        if beyond or apart or (sign is ast.NotEq and limit == 0) or (sign is ast.Eq and limit != 0):
-            self.known.divisors[self.name(value)] = True

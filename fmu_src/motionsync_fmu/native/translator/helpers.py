@@ -12,7 +12,7 @@ class Helper:
     parameters: str
     body: str
     needs: tuple[str, ...] = ()
-    seldom: bool = False
+    apart: bool = False
 
     @property
     def fails(self) -> bool:
@@ -28,7 +28,7 @@ HELPERS = {
         "int64_t",
         "int64_t i, int64_t length",
         "if (i < 0 && i >= -length) return i + length;\n*failed = true;\nreturn 0;",
-        seldom=True,
+        apart=True,
     ),
     "index_in": Helper(
         "int64_t",
@@ -77,5 +77,5 @@ def texts(wanted: Iterable[str]) -> Iterator[str]:
         helper = HELPERS[name]
         end = ", bool *failed" if helper.fails else ""
         body = "".join(f"    {line}\n" for line in helper.body.splitlines())
-        how = "SELDOM static" if helper.seldom else "static inline"
+        how = "APART static" if helper.apart else "static inline"
         yield f"{how} {helper.returns} {name}({helper.parameters}{end}) {{\n{body}}}\n"

@@ -24,9 +24,10 @@ from .text import comments, docstring, literal, with_comment
 HEADER = """\
 /* {name}, as portable C99: generated from the Python source, whose names, words and order it keeps.
  *
- * A block's memory is one struct of fixed size, without pointers. START is its content before `block_initialize`, which
- * may be called again and again. Both functions return the refusal, 0 if there is none. They set `failed` where Python
- * would raise, at a division by zero for instance: the memory then holds no good values, and is to be set to START. */
+ * A block's memory is one struct of fixed size, without pointers. `block_start` puts the start values into it; then
+ * `block_initialize` may be called again and again. It and `block_step` return the refusal, 0 if there is none. They
+ * set `failed` where Python would raise, at a division by zero for instance: the memory then holds no good values, and
+ * is to get the start values anew. */
 #ifndef BLOCK_H
 #define BLOCK_H
 
@@ -36,8 +37,7 @@ HEADER = """\
 {types}
 typedef {name} Block;
 
-extern const Block START;
-
+void block_start(Block *self);
 int64_t block_initialize(Block *self, bool *failed);
 int64_t block_step(Block *self, double h, bool *failed); /* from t to t + h, in s */
 
@@ -73,9 +73,9 @@ HEAD = """\
 """
 HELPERS = """\
 #if defined __GNUC__ || defined __clang__
-#define SELDOM __attribute__((cold, noinline)) /* not made part of what calls it */
+#define APART __attribute__((noinline)) /* not made part of what calls it */
 #else
-#define SELDOM
+#define APART
 #endif
 
 /* --- as Python does it --- */
@@ -86,7 +86,11 @@ BLOCK = """\
 
 typedef char doubles_are_aligned_to_8_bytes[sizeof(Block) == {size} ? 1 : -1]; /* else no variable would be found */
 
-const Block START = {start};
+static const Block START = {start};
+
+void block_start(Block *self) {{
+    *self = START;
+}}
 """
 ENTRY = """\
 int64_t block_{method}(Block *self{parameter}, bool *failed) {{

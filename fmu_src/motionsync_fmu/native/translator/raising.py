@@ -15,7 +15,9 @@ class Raising:
         self.effects = effects
         self.checks = {reading: Checks(effects, reading) for reading in effects.of}
         self.failing = {
-            reading for reading in effects.of if any(self.may(reading, n) for n in reading.walk(reading.node))
+            reading
+            for reading, checks in self.checks.items()
+            if checks.endless or any(self.may(reading, n) for n in reading.walk(reading.node))
         }
         before = -1
         while before != len(self.failing):
@@ -26,10 +28,10 @@ class Raising:
     def may(self, reading: Reading, node: ast.AST) -> bool:
         """Whether an operation itself might raise, whatever its operands do."""
         match node:
-            case ast.BinOp(op=op, right=right) | ast.AugAssign(op=op, value=right):
-                return isinstance(op, DIVISIONS) and not reading.number(right) and not self.needless(reading, node)
+            case ast.BinOp(op=op) | ast.AugAssign(op=op):
+                return isinstance(op, DIVISIONS) and node not in self.checks[reading].needless
             case ast.Subscript():
-                return node in self.checks[reading].indices
+                return node in reading.kinds and node not in self.checks[reading].needless
             case ast.Call(func=func, args=[value, *_]) if reading.callee(node) is None:
                 name = name_in_python(reading, func)
                 if name == "sqrt":
@@ -37,20 +39,9 @@ class Raising:
                 return name == "fmod" or (name in ("int", "round", "floor") and reading.kinds[value] == "float")
         return False
 
-    def needless(self, reading: Reading, division: ast.AST) -> bool:
-        checks = self.checks[reading]
-        return division in checks.nonzero or division in checks.checked
-
     def kept(self, reading: Reading, statement: ast.stmt) -> Iterator[KeptIndex]:
         """The indices that are checked before a statement."""
         return (kept for kept in self.checks[reading].kept if kept.statement is statement)
-
-    def anywhere(self, reading: Reading, node: ast.AST) -> bool:
-        """Whether something might raise in an expression or statement, if nothing has raised before."""
-        checked = self.checks[reading].checked
-        return any(
-            self.may(reading, n) or n in checked or reading.callee(n) in self.failing for n in reading.walk(node)
-        )
 
 
 def name_in_python(reading: Reading, func: ast.expr) -> str:

@@ -209,7 +209,7 @@ class Statements(Expressions):
 
     def guard(self, loop: ast.stmt) -> str:
         """What ends a loop at a failure, after which it might go on for ever."""
-        return "!*failed && " if self.program.raising.anywhere(self.reading, loop) else ""
+        return "!*failed && " if loop in self.program.raising.checks[self.reading].endless else ""
 
     def count(self, s: ast.For, here: Path) -> None:
         assert isinstance(s.iter, ast.Call)
