@@ -52,7 +52,7 @@ from motionsync_fmu.archive import write
 from motionsync_fmu.build import build_native, build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.native.libraries import FLAGS, libraries, zig_cc
+from motionsync_fmu.native.libraries import FLAGS, Compilation, zig_cc
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
@@ -298,7 +298,7 @@ def idle_block(recipe: Recipe, folder: Path) -> Path:
     back = "".join(f"#undef {name}\n" for name in both).encode()
     files["block.c"] = away + files["block.c"] + back + IDLE_BLOCK.encode()
     library = folder / "idle_block.so"
-    library.write_bytes(libraries(recipe.name, files, [PLATFORM])[PLATFORM.library(recipe.name)])
+    library.write_bytes(Compilation(recipe.name, files, [PLATFORM]).libraries()[PLATFORM.library(recipe.name)])
     return library
 
 

@@ -3,7 +3,6 @@
 import zipfile
 import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from enum import StrEnum
 from importlib import metadata
 from importlib.resources import files as package_files
@@ -37,6 +36,8 @@ else:
         turned = {turned!r}
 """
 
+Finish = Callable[[Path, Callable[[str], None]], Path]  # of a build that is begun: target and `progress` to target
+
 LICENCE = "documentation/licenses/license.txt"  # FMI 3.0 demands this name
 ICONS = {Fmi.TWO: "model.png", Fmi.THREE: f"{FOLDER}/icon.png"}  # where each version has the icon
 NO_COMPONENT = "--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3"
@@ -60,16 +61,31 @@ def build(
     with_sources: bool = False,
     with_component: bool = False,
 ) -> Path:
-    """Build the FMU of a recipe; `progress` and what follows: as for `build_native`.
+    """Build the FMU of a recipe; `progress` and what follows: as for `NativeBuild`.
 
     Raises:
-        UserError: as `build_native`; or the python flavour cannot be of the recipe's version.
+        UserError: as `begun`, or as the flavour's build.
+    """
+    finish = begun(flavour, recipe, platforms, with_sources=with_sources, with_component=with_component)
+    return finish(target, progress)
+
+
+def begun(
+    flavour: Flavour,
+    recipe: Recipe,
+    platforms: Sequence[Platform] = (),
+    *,
+    with_sources: bool = False,
+    with_component: bool = False,
+) -> Finish:
+    """The build of an FMU, begun; the function that is given finishes it, as `NativeBuild.finish`.
+
+    Raises:
+        UserError: as `NativeBuild`.
     """
     if flavour == Flavour.NATIVE:
-        return build_native(
-            recipe, target, progress, platforms, with_sources=with_sources, with_component=with_component
-        )
-    return build_python(recipe, target)
+        return NativeBuild(recipe, platforms, with_sources=with_sources, with_component=with_component).finish
+    return lambda target, progress: build_python(recipe, target)
 
 
 def build_python(recipe: Recipe, target: Path) -> Path:
@@ -116,41 +132,67 @@ def build_native(
     with_sources: bool = False,
     with_component: bool = False,
 ) -> Path:
-    """Build the FMU with a library for each of these platforms (none: for all), without Python.
+    """Build the native FMU of a recipe, as `NativeBuild` does."""
+    build = NativeBuild(recipe, platforms, with_sources=with_sources, with_component=with_component)
+    return build.finish(target, progress)
 
-    `progress` is called with lines of text if compiling takes long. `with_sources`: the C that the libraries are
-    compiled from is in the FMU, too; `with_component`: so is the unit as a WebAssembly component, of FMI 3.0 only.
+
+class NativeBuild:
+    """An FMU with a library for each of these platforms (none: for all), without Python, while it is built: zig's
+    processes compile from the beginning on, whatever the program does before it finishes the build.
+
+    `with_sources`: the C that the libraries are compiled from is in the FMU, too; `with_component`: so is the unit as a
+    WebAssembly component, of FMI 3.0 only.
 
     Raises:
-        UserError: what builds it is not installed or failed, the block is outside the kernel subset, or an FMU of this
-            version has no component.
+        UserError: what builds it is not installed, the block is outside the kernel subset, or an FMU of this version
+            has no component.
     """
-    block, fmi = recipe.block(), recipe.fmi
-    if with_component and fmi != Fmi.THREE:
-        raise UserError(NO_COMPONENT)
-    check_kernel(type(block).__module__)
-    try:
-        from .native import libraries, tables, unit_sources  # noqa: PLC0415 (it asks where zig is)
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        platforms: Sequence[Platform] = (),
+        *,
+        with_sources: bool = False,
+        with_component: bool = False,
+    ) -> None:
+        block, fmi = recipe.block(), recipe.fmi
+        if with_component and fmi != Fmi.THREE:
+            raise UserError(NO_COMPONENT)
+        check_kernel(type(block).__module__)
+        try:
+            from .native import libraries, unit_sources  # noqa: PLC0415 (it asks where zig is)
+        except ModuleNotFoundError as e:
+            other = "; or take --flavour python" if fmi == Fmi.TWO else ""
+            raise UserError(
+                f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
+            ) from None
+        self.recipe, self.platforms = recipe, platforms or OF_VERSION[fmi]
+        self.with_sources, self.with_component = with_sources, with_component
+        self.unit = unit_sources.c_sources(block, recipe.guid(), recipe.turned, fmi)
+        self.compilation = libraries.Compilation(recipe.name, self.unit, self.platforms)
+
+    def finish(self, target: Path, progress: Callable[[str], None] = lambda text: None) -> Path:
+        """Write the FMU; `progress` is called with lines of text if compiling takes long.
+
+        Raises:
+            UserError: zig failed.
+        """
+        from .native import libraries, tables, unit_sources  # noqa: PLC0415
         from .native.wasm import component  # noqa: PLC0415
-    except ModuleNotFoundError as e:
-        other = "; or take --flavour python" if fmi == Fmi.TWO else ""
-        raise UserError(
-            f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
-        ) from None
-    unit, rows = unit_sources.c_sources(block, recipe.guid(), recipe.turned, fmi), platforms or OF_VERSION[fmi]
-    c_files = unit_sources.c_names(unit) if with_sources else ()
-    folders = [*(row.folder for row in rows), *([WASM] if with_component else [])]
-    with ThreadPoolExecutor(1) as pool:  # zig's processes compile meanwhile
-        documents = pool.submit(_documents, recipe, Flavour.NATIVE, folders, c_files)
-        files = libraries.libraries(recipe.name, unit, rows, progress)
-        if with_component:
-            files |= component.component_files(recipe.name, unit)
-    licence = in_sections(licences("motionsync") | libraries.linked_licences(fmi))
-    files |= documents.result() | {LICENCE: licence}
-    if with_sources:
-        files |= unit_sources.source_files(block, unit, fmi)
-    memory = {} if with_sources else OWN_MEMORY
-    return _write(target, recipe, files, tables.abilities(block) | memory, c_files)
+
+        recipe, block = self.recipe, self.recipe.block()
+        c_files = unit_sources.c_names(self.unit) if self.with_sources else ()
+        folders = [*(row.folder for row in self.platforms), *([WASM] if self.with_component else [])]
+        files = _documents(recipe, Flavour.NATIVE, folders, c_files) | self.compilation.libraries(progress)
+        if self.with_component:
+            files |= component.component_files(recipe.name, self.unit)
+        files[LICENCE] = in_sections(licences("motionsync") | libraries.linked_licences(recipe.fmi))
+        if self.with_sources:
+            files |= unit_sources.source_files(block, self.unit, recipe.fmi)
+        memory = {} if self.with_sources else OWN_MEMORY
+        return _write(target, recipe, files, tables.abilities(block) | memory, c_files)
 
 
 def check_kernel(module: str) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from fmpy.validation import validate_fmu
 
-from motionsync_fmu.build import Flavour, build, fmu_path, outdated
+from motionsync_fmu.build import Finish, Flavour, begun, fmu_path, outdated
 from motionsync_fmu.commands import build as commands
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.platforms import OF_VERSION, here
@@ -73,11 +73,11 @@ def test_a_component_is_added_for_fmi_3_only(built: Command, monkeypatch: pytest
         "--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3",
     )
 
-    def quickly(flavour: Flavour, recipe: Recipe, target: Path, tell: object, **chosen: bool) -> Path:
+    def quickly(flavour: Flavour, recipe: Recipe, **chosen: bool) -> Finish:
         """For this machine alone."""
-        return build(flavour, recipe, target, platforms=[platform], **chosen)
+        return begun(flavour, recipe, [platform], **chosen)
 
-    monkeypatch.setattr(commands, "build_fmu", quickly)
+    monkeypatch.setattr(commands, "begun", quickly)
     assert "kB" in built("build", "Synchronizer", "--fmi", "3", "--wasm").out  # what is there has none
     component = "binaries/wasm32-wasip2/Synchronizer.wasm"
     with zipfile.ZipFile(FMU) as z:

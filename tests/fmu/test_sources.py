@@ -22,7 +22,7 @@ from fmpy.validation import validate_fmu
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import places
 from motionsync_fmu.archive import write
-from motionsync_fmu.build import Flavour, build_native
+from motionsync_fmu.build import Finish, Flavour, build_native
 from motionsync_fmu.commands import build as command
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.libraries import FREESTANDING
@@ -336,13 +336,17 @@ def test_the_command_builds_anew_what_lacks_the_sources_or_should(
     """What is built is another test's."""
     built = []
 
-    def build(flavour: Flavour, recipe: Recipe, target: Path, *_: object, with_sources: bool, **__: object) -> Path:
+    def begun(flavour: Flavour, recipe: Recipe, *, with_sources: bool, **_: object) -> Finish:
         built.append((flavour, with_sources))
         held = {"modelDescription.xml": f'<fmiModelDescription guid="{recipe.guid()}"/>'.encode()}
-        write(target, held | ({"sources/unit.c": b""} if with_sources else {}))
-        return target
 
-    monkeypatch.setattr(command, "build_fmu", build)
+        def finish(target: Path, progress: object) -> Path:
+            write(target, held | ({"sources/unit.c": b""} if with_sources else {}))
+            return target
+
+        return finish
+
+    monkeypatch.setattr(command, "begun", begun)
     monkeypatch.setattr(places, "OUTPUT", tmp_path)
     call = ["build", "Synchronizer", "--flavour", "native", "--folder", "made"]
     for further in ([], [], ["--sources"], ["--sources"], []):

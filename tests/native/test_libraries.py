@@ -284,7 +284,7 @@ def test_a_failing_compiler_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPa
 def test_a_slow_compilation_is_told_target_by_target(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
     monkeypatch.setattr(libraries, "PATIENCE", 0.0)
-    libraries.libraries(RECIPE.name, c_sources(RECIPE.block(), RECIPE.guid()), progress=told.append)
+    libraries.Compilation(RECIPE.name, c_sources(RECIPE.block(), RECIPE.guid())).libraries(told.append)
     assert told[0] == libraries.SLOW
     assert sorted(told[1:]) == sorted(f"compiled for {target}" for row in ROWS for target in row.targets)
 

@@ -1,5 +1,7 @@
 """motionsync build"""
 
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -10,8 +12,7 @@ from motionsync.blocks import BLOCKS
 
 from .. import places
 from ..archive import build_time
-from ..build import NO_COMPONENT, Flavour, fmu_path, has_component, has_sources, outdated
-from ..build import build as build_fmu
+from ..build import NO_COMPONENT, Finish, Flavour, begun, fmu_path, has_component, has_sources, outdated
 from ..builds import chosen
 from ..errors import UserError, spelled
 from ..interface.recipe import Fmi, Recipe
@@ -100,19 +101,46 @@ def build(
         raise UserError("--sources: the python flavour has no C; take --flavour native")
     if wasm and fmi != Fmi.THREE:
         raise UserError(NO_COMPONENT)
-    for recipe in recipes:
-        for one in flavours:
-            target = fmu_path(recipe, folder, one)
-            with_sources = sources and one == Flavour.NATIVE
-            stale = force or outdated(target, recipe) or has_sources(target) != with_sources
-            if not (stale or has_component(target) != wasm):
-                out.print(f"{escape(str(target))}  is up to date")
-                continue
-            target.parent.mkdir(parents=True, exist_ok=True)
-            with doing(f"building {target}") as tell:
-                build_fmu(one, recipe, target, tell, with_sources=with_sources, with_component=wasm)
-            of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
-            out.print(f"{escape(str(target))}  {target.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")
+    wanted = [
+        Wanted(recipe, one, fmu_path(recipe, folder, one), sources and one == Flavour.NATIVE, wasm, force)
+        for recipe in recipes
+        for one in flavours
+    ]
+    ahead: Finish | None = None
+    for this, following in zip(wanted, [*wanted[1:], None], strict=True):
+        finish, ahead = ahead, None
+        if this.is_up_to_date():
+            out.print(f"{escape(str(this.target))}  is up to date")
+            continue
+        this.target.parent.mkdir(parents=True, exist_ok=True)
+        with doing(f"building {this.target}") as tell:
+            finish = finish or this.begun()
+            with suppress(UserError):  # it is told when the following one's turn comes
+                ahead = following.begun() if following and not following.is_up_to_date() else None
+            finish(this.target, tell)
+        of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
+        size = this.target.stat().st_size
+        out.print(f"{escape(str(this.target))}  {size / 1000:.0f} kB, positions in {unit}{of_slave}")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """An FMU that is asked for, and what is to be in it."""
+
+    recipe: Recipe
+    flavour: Flavour
+    target: Path
+    sources: bool
+    wasm: bool
+    force: bool
+
+    def is_up_to_date(self) -> bool:
+        stale = self.force or outdated(self.target, self.recipe) or has_sources(self.target) != self.sources
+        return not stale and has_component(self.target) == self.wasm
+
+    def begun(self) -> Finish:
+        """Its build, begun: zig compiles it while the one before is finished."""
+        return begun(self.flavour, self.recipe, with_sources=self.sources, with_component=self.wasm)
 
 
 def _check(recipe: Recipe) -> None:

@@ -6,9 +6,8 @@ Python and zig are only needed to build the libraries, not to run them.
 import os
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, as_completed, wait
-from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -47,44 +46,54 @@ HEADERS = _package("fmpy") / "c-code"  # FMI's
 ZIG = _package("ziglang")
 
 
-def libraries(
-    name: str,
-    unit: Files,
-    platforms: Sequence[Platform] = ROWS,
-    progress: Callable[[str], None] = lambda text: None,
-) -> Files:
-    """The library of each platform, by its path in the FMU; `progress` gets lines of text if this takes long.
+class Compilation:
+    """The libraries of a unit, which zig's processes compile while the program does something else."""
 
-    `name`: the block's; `unit`: the C of its unit (`c_sources`), of the platforms' version of FMI.
-
-    Raises:
-        UserError: zig failed.
-    """
-    shared = [shared_file(file) for file in unit if is_shared(file) and file.endswith(".c")]
-    with workplace(unit) as work, ThreadPoolExecutor(os.cpu_count()) as pool:
-        jobs = {
-            target: pool.submit(
-                compiled, target, f"{COMPACT} {flags}", f"{target}/{name}.{platform.suffix}", work, shared
+    def __init__(self, name: str, unit: Files, platforms: Sequence[Platform] = ROWS) -> None:
+        """Begin it. `name`: the block's; `unit`: the C of its unit (`c_sources`), of the platforms' version of FMI."""
+        shared = [shared_file(file) for file in unit if is_shared(file) and file.endswith(".c")]
+        self.name, self.platforms = name, platforms
+        self.folder = workplace(unit)
+        self.pool = ThreadPoolExecutor(os.cpu_count())
+        self.jobs = {
+            target: self.pool.submit(
+                compiled,
+                target,
+                f"{COMPACT} {flags}",
+                f"{target}/{name}.{platform.suffix}",
+                Path(self.folder.name),
+                shared,
             )
             for platform in platforms
             for target, flags in platform.targets.items()
         }
-        if wait(jobs.values(), PATIENCE, FIRST_EXCEPTION).not_done:
-            progress(SLOW)
-            targets = {job: target for target, job in jobs.items()}
-            for job in as_completed(targets):
-                progress(f"compiled for {targets[job]}")
-        return {p.library(name): p.join(*(jobs[target].result() for target in p.targets)) for p in platforms}
+
+    def libraries(self, progress: Callable[[str], None] = lambda text: None) -> Files:
+        """Wait for the library of each platform, by its path in the FMU; `progress` gets lines of text if that takes
+        long.
+
+        Raises:
+            UserError: zig failed.
+        """
+        with self.folder, self.pool:
+            if wait(self.jobs.values(), PATIENCE, FIRST_EXCEPTION).not_done:
+                progress(SLOW)
+                targets = {job: target for target, job in self.jobs.items()}
+                for job in as_completed(targets):
+                    progress(f"compiled for {targets[job]}")
+            return {
+                p.library(self.name): p.join(*(self.jobs[target].result() for target in p.targets))
+                for p in self.platforms
+            }
 
 
-@contextmanager
-def workplace(files: Files) -> Iterator[Path]:
+def workplace(files: Files) -> tempfile.TemporaryDirectory[str]:
     """A folder for a while that holds those of these C files and headers that are not shared."""
-    with tempfile.TemporaryDirectory() as folder:
-        for name, text in files.items():
-            if not is_shared(name):
-                Path(folder, name).write_bytes(text)
-        yield Path(folder)
+    folder = tempfile.TemporaryDirectory()
+    for name, text in files.items():
+        if not is_shared(name):
+            Path(folder.name, name).write_bytes(text)
+    return folder
 
 
 def is_shared(name: str) -> bool:

@@ -1,6 +1,7 @@
 """A unit as a core module of WebAssembly: zig compiles the same text as for the platforms."""
 
 from collections.abc import Iterable
+from pathlib import Path
 
 from ...archive import Files
 from ..libraries import is_shared, shared_file, workplace, zig_cc
@@ -22,4 +23,4 @@ def core_module(files: Files, compiled: Iterable[str]) -> bytes:
     """
     sources = [shared_file(name) if is_shared(name) else name for name in compiled]
     with workplace(files) as work:
-        return zig_cc(TARGET, [*FLAGS.split(), *sources], "core.wasm", work)
+        return zig_cc(TARGET, [*FLAGS.split(), *sources], "core.wasm", Path(work))
