@@ -535,9 +535,14 @@ ACCESS(flags, boolean, , BOOLEAN, bool, uint8_t, _others)
 
 /* --- derivatives --- */
 
-COLD static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n, const int32_t orders[],
-                                const double values[], const char *call) {
-    if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return false;
+/* Whether derivatives can be handed over now, and are lists of n things each. */
+COLD static bool may_derive(const Unit *u, int modes, const uint32_t r[], size_t n, const int32_t orders[],
+                            const double values[], const char *call) {
+    if (!unit_may(u, modes, call)) return false;
+    return !n || (unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call));
+}
+
+COLD static bool are_settable(const Unit *u, const uint32_t r[], size_t n, const int32_t orders[], const char *call) {
     for (size_t i = 0; i < n; i++) {
         if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL);
         const Variable *v = VARIABLES + r[i];
@@ -555,7 +560,7 @@ COLD static bool may_set_derivatives(const Unit *u, const uint32_t r[], size_t n
 
 COLD Status unit_set_input_derivatives(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t orders[],
                                        const double values[], const char *call) {
-    if (!unit_may(u, modes, call) || !may_set_derivatives(u, r, n, orders, values, call)) return UNIT_ERROR;
+    if (!may_derive(u, modes, r, n, orders, values, call) || !are_settable(u, r, n, orders, call)) return UNIT_ERROR;
     bool ignored = false;
     for (size_t i = 0; i < n; i++) {
         if (has_derivatives() && (int)r[i] == MASTER[0] && orders[i] <= 2 && *integer(u, INPUT_MODE) != END_OF_STEP) {
@@ -574,8 +579,7 @@ COLD Status unit_set_input_derivatives(Unit *u, int modes, const uint32_t r[], s
 
 COLD Status unit_get_output_derivatives(Unit *u, int modes, const uint32_t r[], size_t n, const int32_t orders[],
                                         double values[], const char *call) {
-    if (!unit_may(u, modes, call)) return UNIT_ERROR;
-    if (n && !(unit_given(u, r, call) && unit_given(u, orders, call) && unit_given(u, values, call))) return UNIT_ERROR;
+    if (!may_derive(u, modes, r, n, orders, values, call)) return UNIT_ERROR;
     for (size_t i = 0; i < n; i++) {
         if (!is_one(r[i], REAL)) return none_has(u, r[i], REAL), UNIT_ERROR;
         if ((int)r[i] != SLAVE[0] || orders[i] < 1 || orders[i] > 2)
