@@ -228,6 +228,20 @@ for l in range(-1, 2):
     self.rows[3 * self.m + l] += 1.0 + self.rows[3 * self.m]
 return self.rows[0] - self.rows[2]
 
+x = 0.0
+for j in range(3):
+    for l in range(3):
+        if j + l < self.m:
+            x += self.part.values[j + l]
+return x
+
+if self.m < 0:
+    self.values[self.m] = 1.0
+    x = self.values[self.m]
+else:
+    return 2.0
+return x + self.values[self.m]
+
 i = 1
 self.values[i] = 2.0
 x = self.values[i]
@@ -238,6 +252,11 @@ x = 2.0
 y = 1.0 / x
 x = self.a
 return y / x
+
+self.y = 2.0
+x = 1.0 / self.y
+self.y: float = self.b
+return x + 1.0 / self.y
 
 return 7.5 / self.n + float(self.m % self.n) - float(self.m // self.n)
 

@@ -13,7 +13,7 @@ from motionsync.master import MasterInput
 
 from ..interface.fmi3_xml import TIME
 from ..interface.recipe import Fmi
-from ..interface.variables import LONGEST_STEP, Variable, cells, refusals, spoken_of, variables
+from ..interface.variables import LONGEST_STEP, Variable, cells, refusals, variables
 from .memory_layout import dtype, offset
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
@@ -35,19 +35,21 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
 
     `turned`: as for `variables`; `fmi`: the version, of which the third has the time as one more variable."""
     layout, vs, pool = dtype(block), variables(block, turned), Pool()
-    index = {v.name: i for i, v in enumerate(vs)}
+    names = [*(v.name for v in vs), *([TIME] if fmi == Fmi.THREE else [])]
+    index = {name: i for i, name in enumerate(names)}
     ranges: dict[Row, int] = {}
-    for name in [*index, *([TIME] if fmi == Fmi.THREE else [])]:
-        pool.text(name)  # the names come first: nothing else has to tell where they are
+    for name in names:
+        pool.text(name)  # they come first: nothing else has to tell where they are
     rows = [_variable(v, layout, pool, ranges.setdefault(_range(v, pool), len(ranges))) for v in vs]
     if fmi == Fmi.THREE:
         rows.append(_time(pool))
-    messages, coded = [*_messages(refusals(type(block)), index, pool), LAST_MESSAGE], []
+    messages, places, coded = _messages(refusals(type(block)), index, pool), {}, []
     for v in vs:
-        if v.declaration.codes:
-            group = v.name.rpartition(".")[0]
-            coded.append((offset(layout, v.name), pool.text(f"{group}: " if group else ""), len(messages)))
-            messages += [*_messages(v.declaration.codes, index, pool, v.name), LAST_MESSAGE]
+        if codes := v.declaration.codes:
+            if codes not in places:
+                places[codes] = len(messages)
+                messages += _messages(codes, index, pool)
+            coded.append((offset(layout, v.name), pool.text(v.name.rpartition(".")[0]), places[codes]))
     return TEMPLATE.render(
         guid=guid,
         longest_step=repr(LONGEST_STEP),
@@ -133,14 +135,17 @@ def _counts(block: Any, layout: Any) -> list[Row]:
     return [(offset(layout, c.name), metadata["most"]) for c, metadata in found if "most" in metadata]
 
 
-def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool, coded: str = "") -> list[Row]:
-    """The message of each code except 0: its meaning in words, and the variables whose values the message shows."""
+def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool) -> list[Row]:
+    """The message of each code except 0: its meaning in words, and the variables whose values the message shows.
+
+    A variable is given by its number. One in the group of the variable that holds the code, such as `.velocity`, is
+    given by the place of its text behind all numbers."""
     rows: list[Row] = []
     for m in codes:
         if m != 0:
-            shown = pool.numbers(*(index[name] for name in spoken_of(m, index, coded)), -1)
-            rows.append((int(m), pool.text(m.description), shown))
-    return rows
+            numbers = (len(index) + pool.text(name) if name.startswith(".") else index[name] for name in m.names)
+            rows.append((int(m), pool.text(m.description), pool.numbers(*numbers, -1)))
+    return [*rows, LAST_MESSAGE]
 
 
 def number(x: float) -> str:

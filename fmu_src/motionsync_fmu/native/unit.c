@@ -31,12 +31,12 @@ typedef struct {
 typedef struct {
     int32_t code; /* 0 in the last message of a list */
     uint16_t text;
-    uint16_t shown; /* the variables whose values the message shows; the list ends with -1 */
+    uint16_t shown; /* whose values the message shows: a list for `named`, which ends with -1 */
 } Message;
 
 typedef struct {
     int16_t offset; /* in the model's memory; -1 in the last row */
-    uint16_t group; /* "group: " if the variable that holds the code lies in a group */
+    uint16_t group; /* in which the variable lies that holds the code; empty if in none */
     uint16_t messages; /* where in MESSAGES the list of what its values mean begins */
 } Coded;
 
@@ -156,14 +156,27 @@ COLD static void append_value(Text *text, const Unit *u, const Variable *v) {
     else append_integer(text, *(const int64_t *)held(u, v));
 }
 
-/* The variables of a list that -1 ends. */
-COLD static void append_values(Text *text, const Unit *u, const int16_t *list) {
-    if (*list < 0) return;
-    for (const char *before = " ("; *list >= 0; before = ", ") {
+/* A variable by its number; or, with a number from COUNT on, the one in this group whose name ends with the text at that
+ * place, NULL if the group has none. */
+COLD static const Variable *named(int number, const char *group) {
+    if (number < COUNT) return VARIABLES + number;
+    const char *name = TEXTS;
+    size_t length = strlen(group);
+    for (const Variable *v = VARIABLES; v < VARIABLES + COUNT; v++, name += strlen(name) + 1)
+        if (!memcmp(name, group, length) && !strcmp(name + length, words(number - COUNT))) return v;
+    return NULL;
+}
+
+COLD static void append_values(Text *text, const Unit *u, const int16_t *list, const char *group) {
+    const char *before = " (";
+    for (; *list >= 0; list++) {
+        const Variable *v = named(*list, group);
+        if (!v) continue;
         append_text(text, before);
-        append_value(text, u, VARIABLES + *list++);
+        append_value(text, u, v);
+        before = ", ";
     }
-    append_text(text, ")");
+    if (*before == ',') append_text(text, ")");
 }
 
 /* Whether anybody reads messages of this status: if not, no text is made. */
@@ -174,7 +187,7 @@ static bool heard(const Unit *u, Status status) {
 
 COLD void unit_log(Unit *u, int categories) { u->logged = categories; }
 
-/* Beside what the header tells, %v stands for a variable and its value, %l for a list of them. */
+/* Beside what the header tells, %v stands for a variable and its value, %l for those of a list, of which a group follows. */
 COLD Status unit_say(const Unit *u, Status status, const char *format, ...) {
     if (!heard(u, status)) return status;
     Text text;
@@ -186,8 +199,11 @@ COLD Status unit_say(const Unit *u, Status status, const char *format, ...) {
         else if (*++format == 's') append_text(&text, va_arg(arguments, const char *));
         else if (*format == 'd') append_integer(&text, va_arg(arguments, int64_t));
         else if (*format == 'v') append_value(&text, u, va_arg(arguments, const Variable *));
-        else if (*format == 'l') append_values(&text, u, va_arg(arguments, const int16_t *));
-        else append_real(&text, va_arg(arguments, double));
+        else if (*format == 'r') append_real(&text, va_arg(arguments, double));
+        else {
+            const int16_t *list = va_arg(arguments, const int16_t *);
+            append_values(&text, u, list, va_arg(arguments, const char *));
+        }
     }
     va_end(arguments);
     u->write(u->importer, status, text.bytes);
@@ -261,11 +277,11 @@ COLD static void look(Unit *u) {
     for (int i = 0; i < COUNT; i++) u->unfit += unfit(u, VARIABLES + i);
 }
 
-/* Log what a code means, with the values of the variables that its message shows; `group` comes first. */
+/* Log what a code means, with the values of the variables that its message shows. */
 COLD static void explain(const Unit *u, Status status, const char *group, int messages, int64_t code) {
     const Message *m = MESSAGES + messages;
     while (m->code && m->code != code) m++;
-    if (m->code) unit_say(u, status, "%s%s%l", group, words(m->text), NUMBERS + m->shown);
+    if (m->code) unit_say(u, status, "%s%s%s%l", group, *group ? ": " : "", words(m->text), NUMBERS + m->shown, group);
 }
 
 /* --- life --- */

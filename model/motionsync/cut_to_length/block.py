@@ -161,21 +161,13 @@ class CutToLength(CutToLengthInterface):
         return Refusal.NONE
 
     def advance_clocks(self, h: float) -> None:
-        """Only the clocks go on that can be read before they are started anew."""
         self.block_clock.advance(h)
         self.phase.advance(h)
+        self.start_clock.advance(h)
         self.cycle_clock.advance(h)
-        if self.tool.command or self.tool.blade_down:
-            self.tool_clock.advance(h)
-        match self.stage:
-            case Stage.WAITING:
-                self.ready_clock.advance(h)
-            case Stage.APPROACHING | Stage.SYNCHRONOUS | Stage.CUTTING:
-                self.start_clock.advance(h)
-            case Stage.HOMING | Stage.RETURNING:
-                self.way_home.motion.advance(h)
-            case _:
-                pass
+        self.ready_clock.advance(h)
+        self.tool_clock.advance(h)
+        self.way_home.motion.advance(h)
 
     # --- the parameters ---
 

@@ -12,7 +12,6 @@ from ..limits import clamp
 
 LEAST = 1e-100  # a line velocity below it counts as this one, a pitch below it as none: no quotient overflows
 SHARPNESS = 1e-13  # relative width of the bracket that is left of the greatest line velocity
-BELOW = 1.0 - 1e-9  # of a bound: what is less is below it, whatever rounding does
 ITERATIONS = 200  # a bound that no search comes near: about 10 steps are usual, 30 the most
 
 
@@ -115,9 +114,9 @@ def way_out(machine: Machine, velocity: float) -> tuple[float, float, float]:
     return distance + gap + machine.coupling * velocity * time, distance, time
 
 
-def change(speed: float, acceleration: float, jerk: float, reach: float) -> tuple[float, float]:
-    """R and dR/dx, in s and s2/u: `change_time` and how it rises with the speed > 0; `reach` is a2/j."""
-    if speed >= reach:
+def change(speed: float, acceleration: float, jerk: float) -> tuple[float, float]:
+    """R and dR/dx, in s and s2/u: `change_time`, and how it rises with the speed > 0."""
+    if speed >= acceleration * acceleration / jerk:
         return speed / acceleration + acceleration / jerk, 1.0 / acceleration
     return 2.0 * sqrt(speed / jerk), 1.0 / sqrt(speed * jerk)
 
@@ -135,41 +134,36 @@ def return_time(velocity: float, distance: float, up: float, down: float, jerk: 
 
     `up` limits the acceleration while the carriage turns round and speeds up, `down` while it stops, `speed` its
     velocity. Where the peak G(speed) leaves a rest of the way, it is covered at `speed`.
+    """
+    turn = change_time(velocity + speed, up, jerk)
+    stop = change_time(speed, down, jerk)
+    cruise = distance - return_way(velocity, speed, turn, stop)
+    if cruise < 0.0:
+        return short_return_time(velocity, distance, up, down, jerk, speed)
+    return turn + stop + cruise / speed
 
-    The last part of the way is at most the distance and the overshoot, so the peak w with G(w) = distance has
-    w2/(2 down) <= distance + V R(V)/2.
+
+def short_return_time(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
+    """T_r where the way is too short for `speed`: G(speed) > distance. Its peak is the w with G(w) = distance.
+
+    Newton's method from above: G is convex and rises, so no step passes the solution. The last part of the way is at
+    most the distance and the overshoot, hence w2/(2 down) <= distance + V R(V)/2. Without either there is no way.
     """
     way = distance + 0.5 * velocity * change_time(velocity, up, jerk)
-    bound = sqrt(2.0 * down * way)
-    if bound > BELOW * speed:
-        turn = change_time(velocity + speed, up, jerk)
-        stop = change_time(speed, down, jerk)
-        cruise = distance - return_way(velocity, speed, turn, stop)
-        if cruise >= 0.0:
-            return turn + stop + cruise / speed
-    return short_return_time(velocity, distance, up, down, jerk, min(speed, bound))
-
-
-def short_return_time(velocity: float, distance: float, up: float, down: float, jerk: float, bound: float) -> float:
-    """T_r of a way that is too short for the full speed; its peak is at most `bound`, in u/s.
-
-    Newton's method from above: G is convex and rises, so no step passes the solution.
-    """
-    peak = bound
-    up_reach = up * up / jerk
-    down_reach = down * down / jerk
+    peak = min(speed, sqrt(2.0 * down * way))
+    turn = 0.0
+    stop = 0.0
     for _ in range(ITERATIONS):
         if peak <= 0.0:
             break
-        turn, turn_rate = change(velocity + peak, up, jerk, up_reach)
-        stop, stop_rate = change(peak, down, jerk, down_reach)
+        turn, turn_rate = change(velocity + peak, up, jerk)
+        stop, stop_rate = change(peak, down, jerk)
         beyond = return_way(velocity, peak, turn, stop) - distance
         step = 2.0 * beyond / (turn + (peak - velocity) * turn_rate + stop + peak * stop_rate)
         if step <= 1e-16 * peak:
-            return turn + stop
+            break
         peak -= step
-    peak = max(peak, 0.0)
-    return change_time(velocity + peak, up, jerk) + change_time(peak, down, jerk)
+    return turn + stop
 
 
 def turning_acceleration(machine: Machine) -> float:

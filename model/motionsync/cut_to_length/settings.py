@@ -68,7 +68,13 @@ class Settings:
     def are_those_of(self, block: CutToLengthInterface) -> bool:
         """Whether no parameter has been tuned since they were taken."""
         return (
-            self.home_position == block.home_position
+            is_same_axis(self.axis, block.axis)
+            and is_same_approach(self.approach, block.approach)
+            and is_same_homing(self.homing, block.homing)
+            and is_same_tool(self.tool, block.tool)
+            and is_same_gap(self.gap, block.gap)
+            and is_same_mark(self.mark, block.mark)
+            and self.home_position == block.home_position
             and self.material_factor == block.material_factor
             and self.kerf == block.kerf
             and self.length_tolerance == block.length_tolerance
@@ -81,12 +87,6 @@ class Settings:
             and self.start_mode == block.start_mode
             and self.change_mode == block.change_mode
             and self.late_mode == block.late_mode
-            and is_same_axis(self.axis, block.axis)
-            and is_same_approach(self.approach, block.approach)
-            and is_same_homing(self.homing, block.homing)
-            and is_same_tool(self.tool, block.tool)
-            and is_same_gap(self.gap, block.gap)
-            and is_same_mark(self.mark, block.mark)
         )
 
     def judge(self, block: CutToLengthInterface) -> None:

@@ -144,6 +144,7 @@ class Expressions:
         return Code(f"{sign}({text})" if text.startswith(sign) else f"{sign}{text}", UNARY)
 
     def index(self, node: ast.Subscript, index: ast.expr) -> str:
+        """An element's index; what is to be checked of it is, unless that was done before."""
         if self.program.raising.may(self.reading, node):
             part, length = self.program.raising.checks[self.reading].indices[node]
             if part not in self.checked:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Helper:
-    """One function: what it returns, its parameters without `failed`, its body, and the functions that it calls."""
+    """One function: what it returns, its parameters without `failed`, its body, the functions that it calls, and
+    whether it is kept apart from what calls it."""
 
     returns: str
     parameters: str

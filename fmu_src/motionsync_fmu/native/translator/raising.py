@@ -1,4 +1,5 @@
-"""Where Python might raise: there the C sets `failed`, and so has each function that may come there."""
+"""Where Python might raise: there the C sets `failed`, and each function that may come there has that parameter; so has
+each function with a loop that a failure has to end."""
 
 import ast
 from collections.abc import Iterator

@@ -285,7 +285,7 @@ class Statements(Expressions):
 
 
 def spoken(index: ast.expr) -> str:
-    """A name for an index, such as `piece_plus_1`."""
+    """An index in words, such as `piece_plus_1`."""
     match index:
         case ast.BinOp(left=left, op=op, right=right):
             return f"{spoken(left)}_{SPOKEN[type(op)]}_{spoken(right)}"
