@@ -39,7 +39,6 @@ else:
 Finish = Callable[[Path, Callable[[str], None]], Path]  # of a build that is begun: target and `progress` to target
 
 LICENCE = "documentation/licenses/license.txt"  # FMI 3.0 demands this name
-ICONS = {Fmi.TWO: "model.png", Fmi.THREE: f"{FOLDER}/icon.png"}  # where each version has the icon
 NO_COMPONENT = "--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3"
 NO_PYTHON = "the python flavour is of FMI 2.0 only: for --fmi 3 take --flavour native"
 
@@ -220,10 +219,10 @@ def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_fil
     related = {} if recipe.starts or recipe.turned else related_files(example)  # of the block as it is declared
     told = bool(related), recipe.fmi, bool(c_files)
     texts = pages(block, example, recipe.unit, flavour, sorted(platforms), recipe.slave_unit, recipe.turned, *told)
-    place = ICONS[recipe.fmi]
-    listed = terminals(block, recipe.turned, icon=place.startswith(FOLDER))
-    pictured = {place: icon(example), f"{FOLDER}/terminalsAndIcons.xml": listed}
-    return related | pictured | {f"documentation/{n}": text for n, text in texts.items()}
+    picture = icon(example)
+    files = related | {f"documentation/{n}": text for n, text in texts.items()}
+    files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(block, recipe.turned)}
+    return files if recipe.fmi == Fmi.THREE else files | {"model.png": picture}
 
 
 def _write(target: Path, recipe: Recipe, files: Files, abilities: Mapping[str, str], c_files: Sequence[str]) -> Path:

@@ -1,6 +1,5 @@
 """The descriptions in an FMU of FMI 3.0, and the terminals: by the standard's schemas, and beside those of FMI 2.0."""
 
-import io
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +7,6 @@ import fmpy
 import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
-from fmu_manipulation_toolbox.terminals import Terminals
 from lxml import etree
 
 from motionsync.blocks import BLOCKS
@@ -113,22 +111,12 @@ def members(terminal: Any) -> dict[str, str]:
 
 
 def test_terminals_follow_the_schema_and_name_what_can_be_wired(block: str) -> None:
-    for icon in (True, False):
-        assert faults(terminals(BLOCKS[block](), icon=icon), "fmi3TerminalsAndIcons.xsd") == []
+    assert faults(terminals(BLOCKS[block]()), "fmi3TerminalsAndIcons.xsd") == []
     causalities = {v.name: v.causality for v in Recipe(block).variables.values()}
     found = [name for terminal in listed(block).values() for name in members(terminal).values()]
     wired = [name for name, causality in causalities.items() if causality in ("input", "output") and "." in name]
     assert sorted(found) == sorted(wired)
     assert all(terminal.get("description") for terminal in listed(block).values())
-
-
-def test_terminals_of_an_fmu_with_its_icon_elsewhere_say_nothing_of_an_icon(block: str) -> None:
-    """FMI 2.0 has it in model.png. The FMU Manipulation Toolbox finds terminals only where they come first."""
-    text = terminals(BLOCKS[block](), icon=False)
-    assert etree.fromstring(text).find("GraphicalRepresentation") is None
-    read = Terminals.from_xml_source(io.BytesIO(text))
-    found = {terminal.name: terminal.members for terminal in read}
-    assert found == {name: members(terminal) for name, terminal in listed(block).items()}
 
 
 def test_a_turned_variable_is_a_member_only_where_it_can_be_wired() -> None:

@@ -1,5 +1,5 @@
 """terminalsAndIcons.xml (FMI 3.0, section 2.4.9; FMI 2.0.4 allows the same file): what is wired together, and where the
-icon beside it is drawn."""
+icon is drawn."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,16 +14,15 @@ EXTENT = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 MILLIMETRES = "0.1"  # of a unit of the extent: the icon is 20 mm wide
 
 
-def terminals(block: Any, turned: Mapping[str, str] | None = None, icon: bool = True) -> bytes:
+def terminals(block: Any, turned: Mapping[str, str] | None = None) -> bytes:
     """The content of the file: a terminal for each group of variables that has inputs or outputs.
 
     Two terminals of the kind AXIS are wired by the members that both have: the slave of one block to the master or
-    remote axis of another. `turned`: as for `variables`; `icon`: whether the FMU's icon lies beside the file."""
+    remote axis of another. `turned`: as for `variables`."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
-    if icon:
-        graphics = SubElement(root, "GraphicalRepresentation")
-        SubElement(graphics, "CoordinateSystem", EXTENT | {"suggestedScalingFactorTo_mm": MILLIMETRES})
-        SubElement(graphics, "Icon", EXTENT)
+    graphics = SubElement(root, "GraphicalRepresentation")
+    SubElement(graphics, "CoordinateSystem", EXTENT | {"suggestedScalingFactorTo_mm": MILLIMETRES})
+    SubElement(graphics, "Icon", EXTENT)
     listed = SubElement(root, "Terminals")
     for group in groups(block, "1", turned=turned):
         if group.name:

@@ -17,14 +17,13 @@ UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables fo
 LINUX = f"-nostdlib -Wl,--gc-sections,--hash-style=gnu {UNWINDING}"
 WINDOWS = f"-nostdlib -lkernel32 -Wl,-e,library_main {UNWINDING}"
 # zig links libSystem nevertheless: every library of macOS has to name it. Behind the header it leaves 4 kB for tools
-# that lengthen it; Apple's linker leaves 32 bytes.
-MACOS = f"-nostdlib -Wl,-headerpad,20 {UNWINDING}"
-# Leaves out the names of inner functions, which -s keeps there. For arm64 zig would leave a table half unwritten.
-NAMELESS = "-Wl,-x"
+# that lengthen it; Apple's linker leaves 32 bytes. The names of inner functions are left out, which -s keeps there.
+MACOS = f"-nostdlib -Wl,-headerpad,20,-x {UNWINDING}"
 ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, but it compresses worse
 # Instructions stay in the order of the source, which compresses best (zig does so for Apple's processors by itself);
 # all places in a library are within 1 MB, so that one instruction finds them instead of two.
 ARM_LINUX = f"{ARM} -mllvm -enable-misched=false -mllvm -enable-post-misched=false -mcmodel=tiny"
+QUICK = "-mllvm -inline-threshold=10"  # no more becomes part of its callers than makes a step quicker
 # A step takes an eighth longer; Linux on x86-64, where most sweeps run, has the room. Blocks of code stay in the order
 # of the source, too.
 SMALL = "-Xclang -Oz -mllvm -disable-block-placement"
@@ -73,13 +72,13 @@ def parts(target: str) -> tuple[str, str]:
 
 
 ROWS = (
-    Platform("linux64", "so", {"x86_64-linux-none": LINUX}),
+    Platform("linux64", "so", {"x86_64-linux-none": f"{LINUX} {QUICK}"}),
     Platform("aarch64-linux", "so", {"aarch64-linux-none": f"{LINUX} {ARM_LINUX} {SMALL}"}),
     Platform("win64", "dll", {"x86_64-windows-gnu": f"{WINDOWS} {SMALL}"}),
     Platform(
         "darwin64",
         "dylib",
-        {"x86_64-macos.11.0": f"{MACOS} {NAMELESS} {SMALL}", "aarch64-macos.11.0": f"{MACOS} {ARM} {SMALL}"},
+        {"x86_64-macos.11.0": f"{MACOS} {SMALL}", "aarch64-macos.11.0": f"{MACOS} {ARM} {SMALL}"},
         universal,
     ),
 )

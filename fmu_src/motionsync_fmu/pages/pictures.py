@@ -43,7 +43,7 @@ STYLE: Any = {  # the same picture at every build
     "grid.alpha": 0.3,
 }
 VARIANTS = (SLAVE, "#1f6fb2")  # the slave's colour in each of an example's runs
-ICON_COLOURS = 16  # an icon needs few shades
+ICON_COLOURS = 8  # an icon needs few shades
 SHADE: Any = {"color": "#d5ead8", "linewidth": 0.0, "zorder": 0}
 BESIDE = 0.35  # of the saw's range, beside it, in which ends of pieces are drawn
 MOST_POINTS = 270  # of a line; of a longer recording only every n-th point is drawn
