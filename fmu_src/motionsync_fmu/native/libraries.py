@@ -24,11 +24,11 @@ FLAGS = (
     "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -DOWN_MEMORY"
 )
 # What LLVM does for long loops is left out: code copied to paths that have not computed a value yet, values kept from
-# one place to another, indices turned into pointers. Calls save only those registers that the called function uses. A
-# block's steps are as quick so, and smaller.
+# one place to another, indices turned into pointers. Calls save only those registers that the called function uses; a
+# switch is a chain of comparisons. A block's steps are as quick so, and smaller.
 COMPACT = (
     "-mllvm -enable-pre=false -mllvm -disable-machine-licm -mllvm -disable-machine-cse -mllvm -disable-lsr "
-    "-mllvm -enable-ipra"
+    "-mllvm -enable-ipra -fno-jump-tables"
 )
 PATIENCE = 15.0  # s
 SLOW = "compiling takes longer than usual"

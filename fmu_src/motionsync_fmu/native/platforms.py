@@ -14,7 +14,7 @@ from .macho import universal
 # holds one library for each platform. No library of zig's is linked, nor a C library: freestanding.c has what is then
 # missing. zig would have to compile these libraries first, which takes minutes.
 UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for exceptions: none passes through
-LINUX = f"-nostdlib -Wl,--gc-sections,--hash-style=gnu {UNWINDING}"
+LINUX = f"-nostdlib -Wl,--gc-sections,--hash-style=sysv {UNWINDING}"
 WINDOWS = f"-nostdlib -lkernel32 -Wl,-e,library_main {UNWINDING}"
 # zig links libSystem nevertheless: every library of macOS has to name it. Behind the header it leaves 4 kB for tools
 # that lengthen it; Apple's linker leaves 32 bytes. The names of inner functions are left out, which -s keeps there.

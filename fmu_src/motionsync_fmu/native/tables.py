@@ -40,7 +40,10 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
     ranges: dict[Row, int] = {}
     for name in names:
         pool.text(name)  # they come first: nothing else has to tell where they are
-    rows = [_variable(v, layout, pool, ranges.setdefault(_range(v, pool), len(ranges))) for v in vs]
+    rows = []
+    for v in vs:  # the range of a variable that is never set is not looked at
+        allowed = ranges.setdefault(_range(v, pool), len(ranges)) if v.settable else 0
+        rows.append(_variable(v, layout, pool, allowed))
     if fmi == Fmi.THREE:
         rows.append(_time(pool))
     messages, places, coded = _messages(refusals(type(block)), index, pool), {}, []
@@ -105,8 +108,7 @@ class Pool:
 def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
     role = pool.text(f"{v.variability} {v.causality}")
     modes = "0" if not v.settable else BEFORE_STEPS if v.variability == "fixed" else f"{BEFORE_STEPS} | STEPPING"
-    flags = (str(flag).lower() for flag in (v.causality == "input", v.judged))
-    return role, offset(layout, v.name), allowed, v.kind.upper(), modes, *flags
+    return offset(layout, v.name), allowed, modes, flag(v.causality == "input"), role, flag(v.judged), v.kind.upper()
 
 
 def _range(v: Variable, pool: Pool) -> Row:
@@ -115,12 +117,12 @@ def _range(v: Variable, pool: Pool) -> Row:
     low, high = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
     smallest = d.smallest if d.zero else max(d.smallest, nextafter(0.0, inf))
     choices = pool.numbers(len(v.choices), *(int(m) for m in v.choices))
-    return number(low), number(high), number(smallest), str(d.zero).lower(), choices, pool.text(v.allowed_range)
+    return number(low), number(high), number(smallest), flag(d.zero), choices, pool.text(v.allowed_range)
 
 
 def _time(pool: Pool) -> Row:
     """The row of the time, which lies in the unit and not in the block; since it is never set, no range is its own."""
-    return pool.text("continuous independent"), "TIME_OFFSET", 0, "REAL", "0", "false", "false"
+    return "TIME_OFFSET", 0, "0", "false", pool.text("continuous independent"), "false", "REAL"
 
 
 def _distances(offsets: Iterable[int]) -> list[int]:
@@ -151,6 +153,11 @@ def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool) -> list[R
 def number(x: float) -> str:
     """A number in C, with all its bits."""
     return ("-" if x < 0 else "") + "INFINITY" if isinf(x) else float(x).hex()
+
+
+def flag(value: bool) -> str:
+    """A Boolean in C."""
+    return "true" if value else "false"
 
 
 def quoted(text: str) -> str:

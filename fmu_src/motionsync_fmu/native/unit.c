@@ -18,14 +18,14 @@ typedef struct { /* the allowed values of some variables */
     uint16_t text; /* the same in words */
 } Range;
 
-typedef struct {
-    uint16_t role; /* such as "fixed parameter" */
+typedef struct { /* in this order the table is smallest, packed */
     int16_t offset; /* in the model's memory; or TIME_OFFSET */
     uint16_t range; /* in RANGES */
-    uint8_t kind; /* a Kind */
     uint8_t modes; /* those in which it can be set */
     bool input;
+    uint16_t role; /* such as "fixed parameter" */
     bool judged; /* a Real whose range each step checks */
+    uint8_t kind; /* a Kind */
 } Variable;
 
 typedef struct {

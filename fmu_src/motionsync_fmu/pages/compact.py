@@ -12,8 +12,10 @@ OPTIONAL = re.compile(r"</(?:td|th|tr|tbody|li)>\n?")  # end tags that HTML can 
 
 
 def compact_page(page: str) -> str:
-    """An HTML page without line ends in running texts, and without the end tags of cells, rows and items of lists."""
-    texts = PLOT.split(page)
+    """An HTML page without line ends in running texts, and without the end tags of cells, rows and items of lists.
+
+    Apostrophes stand as such: attributes are in quotation marks."""
+    texts = PLOT.split(page.replace("&#39;", "'"))
     texts[::2] = [OPTIONAL.sub("", LINE_END.sub(" ", text)) for text in texts[::2]]
     return "".join(texts)
 

@@ -42,6 +42,15 @@ ITSELF(strcmp) int strcmp(const char *a, const char *b) {
     return (uint8_t)*a - (uint8_t)*b;
 }
 
+#ifdef __APPLE__ /* here the compiler calls these where memory is set to 0: one on ARM, the other on x86 */
+ITSELF(memset) void bzero(void *to, size_t n) {
+    uint8_t *t = to;
+    for (size_t i = 0; i < n; i++) t[i] = 0;
+}
+
+void __bzero(void *to, size_t n) { bzero(to, n); }
+#endif
+
 /* --- <math.h> --- */
 
 static const double LARGE = 0x1p52; /* no number from here on has a fraction */
