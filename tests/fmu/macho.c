@@ -17,9 +17,9 @@
 #include <sys/mman.h>
 
 #ifdef __x86_64__
-static const uint32_t PROCESSOR = 0x01000007;
-#else
-static const uint32_t PROCESSOR = 0x0100000C; /* arm64 */
+enum { PROCESSOR = 0x01000007, PAGE = 1 << 12 };
+#else /* arm64 */
+enum { PROCESSOR = 0x0100000C, PAGE = 1 << 14 };
 #endif
 
 typedef struct {
@@ -59,7 +59,7 @@ static void fail(const char *form, ...) {
 /* --- the functions of the system --- */
 
 static void zero(void *room, size_t n) { memset(room, 0, n); }
-static void binder(void) { fail("the library asks for a function that is filled in already"); }
+static void binder(void) { fail("the library wants to have a function filled in, but all of them are"); }
 
 static uint64_t function_of_the_system(const char *name) {
     if (!strcmp(name, "_calloc")) return (uintptr_t)calloc;
@@ -157,7 +157,10 @@ static const uint8_t *own_part(const uint8_t *content) {
     if (big_endian(content) == 0xCAFEBABE)
         for (uint32_t i = 0; i < big_endian(content + 4); i++) {
             const uint8_t *part = content + 8 + 20 * i;
-            if (big_endian(part) == PROCESSOR) return content + big_endian(part + 8);
+            uint32_t offset = big_endian(part + 8);
+            if (big_endian(part) != PROCESSOR) continue;
+            if (offset % PAGE) fail("the part for this processor does not begin with a page");
+            return content + offset;
         }
     return content;
 }
@@ -172,7 +175,13 @@ static void read_commands(void) {
         if (command->command == (uint32_t)TABLES) tables = (const Tables *)at;
         at += command->size;
     }
-    if (!tables || !segment_count) fail("the library has no tables of addresses and functions, or none that are known");
+    if (!tables || !segment_count) fail("the library has no tables of addresses and functions of the known kind");
+}
+
+/* Put what the file has of a segment where it belongs. macOS maps the pages of the file itself, so both are aligned. */
+static void lay_out(const Segment *segment) {
+    if (segment->address % PAGE || segment->offset % PAGE) fail("%.16s does not begin with a page", segment->name);
+    memcpy(image + segment->address, file + segment->offset, segment->filled);
 }
 
 static void protect(const Segment *segment) {
@@ -189,8 +198,7 @@ void *dlopen(const char *path, int mode) {
     size_t size = last->address + last->room;
     image = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (image == MAP_FAILED) fail("there is no memory");
-    for (size_t i = 0; i < segment_count; i++)
-        memcpy(image + segments[i]->address, file + segments[i]->offset, segments[i]->filled);
+    for (size_t i = 0; i < segment_count; i++) lay_out(segments[i]);
     rebase(file + tables->rebase, file + tables->rebase + tables->rebase_size);
     bind(file + tables->bind, file + tables->bind + tables->bind_size);
     bind(file + tables->lazy, file + tables->lazy + tables->lazy_size);
