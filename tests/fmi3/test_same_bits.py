@@ -11,14 +11,14 @@ import pytest
 
 from motionsync_fmu.build import build_native
 from motionsync_fmu.interface.recipe import Fmi, Recipe
-from motionsync_fmu.native.platforms import OF_VERSION, here
+from motionsync_fmu.native.platforms import here
 from motionsync_fmu.scenario.example import example_of
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.run import simulate
 from tests.support.fmus import Fmus, Shared
 from tests.support.importers import bits, through_fmpy
 from tests.support.random_runs import calm, drawn
-from tests.support.replay import double, orders, replayed, tried
+from tests.support.replay import TARGETS, double, orders, replayed, tried
 from tests.support.runs import Run
 
 H = 2.0**-7  # s; exact, however an importer adds up its steps
@@ -159,8 +159,6 @@ def test_ecos_gets_the_bits_of_fmi_2(native: Path, tmp_path: Path) -> None:
 
 # --- a host in C, without any Python ---
 
-RUN = [platform.folder for platform in OF_VERSION[Fmi.THREE] if "darwin" not in platform.folder]  # no emulator of macOS
-
 
 @pytest.fixture(scope="module")
 def told(native: Path) -> list[tuple[str, str]]:
@@ -189,13 +187,12 @@ def in_words_of_fmi_3(orders: Iterator[tuple[str, str]], kinds: dict[str, str]) 
         yield ("E" + order[1:] if chosen else order), f"{answer} {double(time)}" if what == "g" else status
 
 
-@pytest.mark.parametrize("folder", RUN)
+@pytest.mark.parametrize("target", TARGETS)
 def test_a_host_in_c_gets_the_bits_of_fmi_2(
-    folder: str, fmus: Fmus, shared: Shared, told: list[tuple[str, str]], tmp_path: Path
+    target: str, fmus: Fmus, shared: Shared, told: list[tuple[str, str]], tmp_path: Path
 ) -> None:
     extracted = Path(fmpy.extract(str(fmus.fmi3_everywhere("Synchronizer")), unzipdir=str(tmp_path / "fmu")))
-    (platform,) = (p for p in OF_VERSION[Fmi.THREE] if p.folder == folder)
-    answers = replayed(platform, extracted, [order for order, _ in told], tmp_path, shared)
+    answers = replayed(target, extracted, [order for order, _ in told], tmp_path, shared)
     for (order, answer), found in zip(told, answers, strict=True):
         assert found == answer, order
     assert {answer for order, answer in told if order.startswith("s")} == {"0", "2"}

@@ -32,7 +32,7 @@ from tests import ROOT
 from tests.support.fmus import Fmus, build_here
 
 RECIPE = Recipe("Synchronizer")
-LARGEST = 200_000  # bytes, of an FMU
+LARGEST = {"FlyingSaw": 170_000}  # bytes, of an FMU
 MACHO_OWN = {"_mh_dylib_header", "__dso_handle"}  # zig's linker gives them to every library: where it begins
 FUNCTIONS = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", (HEADERS / "fmi2Functions.h").read_text()))
 
@@ -135,7 +135,7 @@ def test_a_universal_file_holds_its_parts() -> None:
 
 
 def test_the_fmu_is_small_and_says_what_it_holds(block_native: Path, folder: Path) -> None:
-    assert block_native.stat().st_size < LARGEST
+    assert block_native.stat().st_size <= LARGEST.get(block, 200_000)
     assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
     page = (folder / "documentation" / "index.html").read_text()
     assert all(text in page for platform in ROWS for text in (platform.folder, platform.title))

@@ -12,7 +12,6 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP, variables
-from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.scenario.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.reader import load
 from motionsync_fmu.scenario.run import simulate
@@ -23,7 +22,7 @@ from tests.support.cosim import cosim
 from tests.support.fmus import Fmus, Shared
 from tests.support.importers import bits
 from tests.support.random_runs import drawn, strategy
-from tests.support.replay import orders, replayed, tried
+from tests.support.replay import TARGETS, orders, replayed, tried
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
 SCENARIOS = find(ROOT / "scenarios")
@@ -125,9 +124,6 @@ def test_both_fmus_give_the_same_bits_in_every_scenario(fmus: Fmus, file: Path) 
 # --- a host in C, without any Python ---
 
 
-NOT_RUN = {"darwin64"}  # there is no emulator of macOS
-
-
 @pytest.fixture(scope="module")
 def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
     """A few runs through the python flavour."""
@@ -138,12 +134,12 @@ def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
     return found
 
 
-@pytest.mark.parametrize("platform", [p for p in PLATFORMS if p not in NOT_RUN])
+@pytest.mark.parametrize("target", TARGETS)
 def test_a_host_in_c_without_python_gets_the_same_bits(
-    platform: str, block: str, block_native: Path, shared: Shared, expected: list[tuple[str, str]], tmp_path: Path
+    target: str, block: str, block_native: Path, shared: Shared, expected: list[tuple[str, str]], tmp_path: Path
 ) -> None:
     folder = Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path / "fmu")))
-    answers = replayed(PLATFORMS[platform], folder, [order for order, _ in expected], tmp_path, shared)
+    answers = replayed(target, folder, [order for order, _ in expected], tmp_path, shared)
     for (order, answer), found in zip(expected, answers, strict=True):
         assert found == answer, order
 

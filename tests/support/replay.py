@@ -14,7 +14,7 @@ import pytest
 
 from motionsync_fmu.interface.recipe import Fmi
 from motionsync_fmu.native.libraries import HEADERS
-from motionsync_fmu.native.platforms import Platform
+from motionsync_fmu.native.platforms import OF_VERSION, ROWS, parts
 from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance, version
 from tests import ROOT
 from tests.support.fmus import Shared
@@ -24,6 +24,15 @@ KINDS = {  # those of the orders, by the types of the variables
     Fmi.TWO: {"Real": "R", "Integer": "I", "Enumeration": "I", "Boolean": "B"},
     Fmi.THREE: {"Float64": "R", "Int32": "I", "Enumeration": "E", "Boolean": "B"},
 }
+
+SOURCES = ROOT / "tests" / "fmu"
+# The host for libraries of each system: zig's name of the system it runs on itself and of its C library, its sources.
+HOSTS = {
+    "linux": ("linux-gnu.2.17", ["replay.c"]),
+    "windows": ("windows-gnu", ["replay.c"]),
+    "macos": ("linux-gnu.2.17", ["replay.c", "macho.c"]),
+}
+TARGETS = [target for platform in ROWS for target in platform.targets]  # in both versions of FMI
 
 
 def tried(call: Any, *arguments: Any) -> str:
@@ -53,11 +62,10 @@ def qemu(processor: str) -> list[str]:
 
 
 def launcher(target: str) -> list[str]:
-    """The command that runs a program for zig's target on this machine."""
-    processor, system, *_ = target.split("-")
+    """The command that runs the host for libraries of zig's target on this machine."""
+    processor, system = parts(target)
     if system == "windows":
         return wine()
-    assert system == "linux", f"nothing is known that runs programs of {target} here: see NOT_RUN"
     if sys.platform != "linux":
         pytest.skip("this is not Linux")
     return [] if os.uname().machine == processor else qemu(processor)
@@ -96,14 +104,15 @@ def orders(host: FmuInstance, run: Run) -> Iterator[tuple[str, str]]:
 
 
 def host_program(target: str, fmi: Fmi, shared: Shared) -> Path:
-    """The host for zig's target and a version of FMI, compiled once in a test run."""
+    """The host for libraries of zig's target and of a version of FMI, compiled once in a test run."""
     name = f"replay{'.exe' if 'windows' in target else ''}"
+    processor, system = parts(target)
+    runs_on, sources = HOSTS[system]
 
     def fill(folder: Path) -> None:
-        source = ROOT / "tests" / "fmu" / "replay.c"
-        system = target.replace("-none", "-gnu.2.17")  # the host needs a C library, unlike the unit
-        compiler = [sys.executable, "-m", "ziglang", "cc", "-target", system, "-O1", f"-DFMI={fmi}", "-I", str(HEADERS)]
-        subprocess.run([*compiler, str(source), "-o", str(folder / name)], check=True)
+        compiler = [sys.executable, "-m", "ziglang", "cc", "-target", f"{processor}-{runs_on}", "-O1"]
+        options = [f"-DFMI={fmi}", f"-I{HEADERS}", "-o", str(folder / name)]
+        subprocess.run([*compiler, *options, *(str(SOURCES / source) for source in sources)], check=True)
 
     return shared.once(f"replay-{target}-{fmi}", fill) / name
 
@@ -119,16 +128,16 @@ def wine_environment(start: Sequence[str], shared: Shared) -> dict[str, str]:
     return {"WINEDEBUG": "-all", "WINEPREFIX": str(shared.once("wine", fill))}
 
 
-def replayed(platform: Platform, folder: Path, orders: Sequence[str], scratch: Path, shared: Shared) -> list[str]:
+def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path, shared: Shared) -> list[str]:
     """What the unit of an extracted FMU answers to the orders.
 
-    `platform`: on which it runs, with one processor; `scratch`: an empty folder."""
-    (target,) = platform.targets
+    `target`: zig's name of the processor and the system of its library; `scratch`: an empty folder."""
     start = launcher(target)
     description = fmpy.read_model_description(str(folder))
     fmi = version(description)
     kinds = "".join(KINDS[fmi][v.type] for v in description.modelVariables)
     program = host_program(target, fmi, shared)
+    (platform,) = (platform for platform in OF_VERSION[fmi] if target in platform.targets)
     asked, answered = scratch / "orders.txt", scratch / "answers.txt"
     asked.write_text("".join(f"{order}\n" for order in orders))
     library = folder / platform.library(description.coSimulation.modelIdentifier)
