@@ -4,8 +4,6 @@ import re
 
 PATH = re.compile(rb' d="((?:[ML] \S+ \S+ \n|z\n)+)"')  # of straight lines only
 POINT = re.compile(rb"([MLz])(?: (\S+) (\S+))?")
-
-
 PLOT = re.compile(r"(<pre>.*?</pre>)", re.S)  # of characters: its lines and blanks are seen
 LINE_END = re.compile(r"(?<=[^>])\n")  # in a running text
 OPTIONAL = re.compile(r"</(?:td|th|tr|tbody|li)>\n?")  # end tags that HTML can do without
