@@ -42,13 +42,16 @@ ITSELF(strcmp) int strcmp(const char *a, const char *b) {
     return (uint8_t)*a - (uint8_t)*b;
 }
 
-#ifdef __APPLE__ /* here the compiler calls these where memory is set to 0: one on ARM, the other on x86 */
+#ifdef __APPLE__ /* here the compiler calls one of these where memory is set to 0: the first on ARM, the other on x86 */
 ITSELF(memset) void bzero(void *to, size_t n) {
     uint8_t *t = to;
     for (size_t i = 0; i < n; i++) t[i] = 0;
 }
 
-void __bzero(void *to, size_t n) { bzero(to, n); }
+ITSELF(memset) void __bzero(void *to, size_t n) { /* to call bzero would be to call itself */
+    uint8_t *t = to;
+    for (size_t i = 0; i < n; i++) t[i] = 0;
+}
 #endif
 
 /* --- <math.h> --- */
