@@ -32,6 +32,7 @@ HOSTS = {
     "windows": ("windows-gnu", ["replay.c"]),
     "macos": ("linux-gnu.2.17", ["replay.c", "macho.c"]),
 }
+PATIENCE = 120.0  # s, until a library that does not answer is given up
 TARGETS = [target for platform in ROWS for target in platform.targets]  # in both versions of FMI
 
 
@@ -147,6 +148,7 @@ def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path, sh
             stdin=stdin,
             stdout=stdout,
             check=True,
+            timeout=PATIENCE,
             env=os.environ | (wine_environment(start, shared) if "windows" in target else {}),
         )
     return [line.strip() for line in answered.read_text().splitlines()]
