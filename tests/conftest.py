@@ -1,6 +1,5 @@
 """What all tests have in common: the built FMUs, and the rule that CI accepts no skipped test."""
 
-import os
 import re
 import sys
 from pathlib import Path
@@ -90,10 +89,10 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 @pytest.fixture(scope="session")
-def shared(tmp_path_factory: pytest.TempPathFactory) -> Shared:
+def shared(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shared:
     """What the processes of pytest-xdist share: each of them has its temporary folder in that of the whole run."""
     own = tmp_path_factory.getbasetemp()
-    return Shared((own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared")
+    return Shared((own.parent if hasattr(request.config, "workerinput") else own) / "shared")
 
 
 @pytest.fixture(scope="session")
