@@ -6,9 +6,9 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { BASE = 10, MOST_DIGITS = 17, ROOM = 800 };
+enum { BASE = 10, MOST_DIGITS = 17, ROOM = 800, MOST_FIVES = 25 }; /* ten times 5^25 is below 2^64 */
 
-/* A whole number >= 0 in decimal digits, the least significant first; 0 follows. None here has more than 770 digits. */
+/* A whole number >= 0 in decimal digits, the least significant first. None here has more than 770 digits. */
 typedef struct {
     int n;
     uint8_t digits[ROOM];
@@ -17,23 +17,28 @@ typedef struct {
 COLD static void multiply(Whole *a, uint64_t by) {
     uint64_t carry = 0;
     for (int i = 0; i < a->n || carry; i++) {
+        if (i == a->n) a->digits[a->n++] = 0;
         carry += a->digits[i] * by;
         a->digits[i] = (uint8_t)(carry % BASE);
         carry /= BASE;
-        if (i == a->n) a->n++;
     }
 }
 
 COLD static void times_power(Whole *a, uint64_t of, int power) {
-    for (; power >= 10; power -= 10) multiply(a, of == 2 ? 1024 : 9765625);
-    for (; power > 0; power--) multiply(a, of);
+    while (power) {
+        uint64_t by = 1;
+        for (int i = 0; i < MOST_FIVES && power; i++, power--) by *= of;
+        multiply(a, by);
+    }
 }
+
+static inline int digit(const Whole *a, int i) { return i < a->n ? a->digits[i] : 0; }
 
 /* < 0, 0 or > 0: a is less than, equal to or greater than b. */
 COLD static int compare(const Whole *a, const Whole *b) {
     int i = a->n > b->n ? a->n : b->n;
-    while (i && a->digits[i] == b->digits[i]) i--;
-    return a->digits[i] - b->digits[i];
+    while (i && digit(a, i) == digit(b, i)) i--;
+    return digit(a, i) - digit(b, i);
 }
 
 /* A number x > 0. */
@@ -49,11 +54,11 @@ COLD static void expand(Expansion *e, uint64_t bits) {
     int biased = (int)(bits >> 52);
     uint64_t mantissa = (bits & 0xFFFFFFFFFFFFF) | (biased ? (uint64_t)1 << 52 : 0);
     int power = (biased ? biased : 1) - 1075; /* x is mantissa * 2^power */
-    memset(e, 0, sizeof *e);
     e->margin.digits[0] = 1;
     e->margin.n = 1;
     times_power(&e->margin, power < 0 ? 5 : 2, power < 0 ? -power : power);
-    e->digits = e->margin;
+    e->digits.n = e->margin.n;
+    memcpy(e->digits.digits, e->margin.digits, (size_t)e->margin.n);
     multiply(&e->digits, mantissa);
     e->exponent = e->digits.n + (power < 0 ? power : 0);
     e->closer_below = mantissa == (uint64_t)1 << 52 && biased > 1;
@@ -73,7 +78,9 @@ COLD static bool rounds_up(const Whole *x, int tail) {
  * the next number. */
 COLD static bool reads_back(const Expansion *e, int tail, bool up) {
     Whole error;
-    memset(&error, 0, sizeof error);
+    int nothing = up ? BASE - 1 : 0; /* a digit by which the error does not grow */
+    for (int i = tail - 1; i >= e->margin.n; i--) /* it is seldom small enough */
+        if (e->digits.digits[i] != nothing) return false;
     error.n = tail;
     for (int i = 0, less = 0; i < tail; i++) { /* 10^tail minus these digits, if it is rounded up */
         int digit = up ? -e->digits.digits[i] - less : e->digits.digits[i];
@@ -88,6 +95,7 @@ COLD static bool reads_back(const Expansion *e, int tail, bool up) {
 /* Leaves out the last digits. */
 COLD static void round_off(Expansion *e, int tail, bool up) {
     int i = tail;
+    e->digits.digits[e->digits.n] = 0;
     while (up && e->digits.digits[i] == BASE - 1) e->digits.digits[i++] = 0;
     e->digits.digits[i] = (uint8_t)(e->digits.digits[i] + up);
     if (i < e->digits.n) return;
