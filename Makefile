@@ -14,12 +14,12 @@ BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*
 run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
 
-line: $(WIRABLE) ## wire a remote axis through RemoteSync into its followers, and tell the errors
+line: $(WIRABLE) ## wire a remote axis through RemoteSync into its followers, and print the errors
 	$(BIN)/motionsync line
 
 quick: $(TESTABLE) ## what the blocks do, without an FMU: about a minute
-	$(BIN)/python -m pytest --quick --numprocesses 2 --dist worksteal tests/model tests/native/test_subset.py \
-		tests/native/test_memory_layout.py $(PYTEST)
+	$(BIN)/python -m pytest --quick --numprocesses 2 --dist worksteal tests/model \
+		tests/compiler $(PYTEST)
 
 check: $(TESTABLE) ## one block, B=gearing say: its tests, its scenarios in this process, its compiled code
 	@$(if $(filter $(B),$(BLOCKS)),:,echo "make check B=<block>: the blocks are $(BLOCKS)" >&2; exit 2)
@@ -32,21 +32,22 @@ test: lint ## everything that proves the project; PYTEST="-k edge" passes option
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build
 
-lint: $(TESTABLE) ## style and types
+lint: $(TESTABLE) ## style, types and words
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/python -m tools.words
 
 format: $(TESTABLE) ## repair the style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-references: $(TESTABLE) ## the cross-check files of all scenarios, from the scripts and the oracles
-	$(BIN)/python -m tests.regenerate
+references: $(TESTABLE) ## the cross-check files of all scenarios, or of B=flying_saw alone, from scripts and oracles
+	$(BIN)/python -m tests.regenerate $(B)
 
 pictures: $(READY) ## the README's pictures
 	$(BIN)/python -m motionsync_fmu.pages.pictures docs
-	$(BIN)/python -m motionsync_fmu.sweep.picture docs
+	$(BIN)/python -m tools.shortest_length_picture docs
 
 benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are like
 	$(BIN)/python benchmarks/step_cost.py

@@ -27,16 +27,16 @@ class ProjectMetadata(MetadataHookInterface):
             "Issues": f"{home}/issues",
         }
         text = Path(self.root, "README.md").read_text("utf-8")
-        metadata["readme"] = {"content-type": "text/markdown", "text": absolute(text, home, version)}
+        metadata["readme"] = {"content-type": "text/markdown", "text": make_links_absolute(text, home, version)}
 
 
-def absolute(text: str, home: str, version: str) -> str:
+def make_links_absolute(text: str, home: str, version: str) -> str:
     """A text in Markdown whose links and pictures name no file, but its address in the repository.
 
     A picture that is itself a link, `[![...](picture)](file)`, is two of them."""
 
-    def address(found: re.Match[str]) -> str:
-        picture, label, file = found.groups()
+    def address(match: re.Match[str]) -> str:
+        picture, label, file = match.groups()
         kind = "raw" if picture else "blob"
         return f"{picture}{RELATIVE.sub(address, label)}({home}/{kind}/v{version}/{file})"
 

@@ -21,7 +21,7 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsync.remote_sync.interface import INDICES, Estimator
-from motionsync_fmu.native.batch import simulate_many
+from motionsync_fmu.batch.simulation import simulate_many
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 
 Reals = NDArray[np.float64]
@@ -33,7 +33,7 @@ JITTERS = (0.0, 0.01)  # of a cycle, one standard deviation on both sides
 FIRST_INDEX = 100
 WAITING = 90  # end_of_transition_limit and new_drift_blending_cycles
 SETTLED = WAITING + 1  # cycles after the identification
-SEEN = 3.0  # the number of beats for which a run goes on after that
+BEATS_AFTER = 3.0  # the number of beats for which a run goes on after that
 GROUP = 12  # runs at a time: their inputs and results take 100 MB
 
 
@@ -83,7 +83,7 @@ class Case:
     @property
     def cycles(self) -> int:
         """The number of cycles of a run: two beats until the first two are identified, then those that are measured."""
-        return int((2.0 + SEEN) / self.size) + 4 * WAITING
+        return int((2.0 + BEATS_AFTER) / self.size) + 4 * WAITING
 
     def drift(self, seed: int) -> float:
         return -self.size if seed % 2 else self.size
@@ -109,13 +109,13 @@ class Reached:
 
 def reached(case: Case, seeds: Sequence[int], threads: int) -> list[Reached]:
     """The results of each column, on the same clocks."""
-    found = [Reached() for _ in COLUMNS]
+    reached_by_column = [Reached() for _ in COLUMNS]
     times = np.arange(float(case.cycles)) * TASK_CYCLE
     for group in (seeds[i : i + GROUP] for i in range(0, len(seeds), GROUP)):
         clocks = [case.clocks(seed) for seed in group]
-        index = np.array([c.received(case.cycles) for c in clocks]) % INDICES
+        index = np.array([c.received_indices(case.cycles) for c in clocks]) % INDICES
         true = [c.true_index(times) for c in clocks]
-        for column, achieved in zip(COLUMNS, found, strict=True):
+        for column, achieved in zip(COLUMNS, reached_by_column, strict=True):
             names = ["corrected_cycle_index", "beats"]
             run = simulate_many(
                 "RemoteSync", TASK_CYCLE, {"remote.cycle_index": index}, names, start=column.start, threads=threads
@@ -127,7 +127,7 @@ def reached(case: Case, seeds: Sequence[int], threads: int) -> list[Reached]:
                 achieved.lowest.append(float(error[begin:].min()))
                 achieved.highest.append(float(error[begin:].max()))
                 achieved.steps.append(float(np.abs(np.diff(error[begin:])).max()))
-    return found
+    return reached_by_column
 
 
 def rows(cases: Sequence[Case], seeds: Sequence[int], threads: int) -> Iterator[tuple[str, ...]]:

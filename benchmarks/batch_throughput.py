@@ -1,4 +1,4 @@
-"""Steps per second and core of `simulate_many` on the Synchronizer, beside the plain Python block, in one run.
+"""Steps per second and core of `simulate_many` on the Synchronizer, compared with the plain Python block, in one run.
 
     python benchmarks/batch_throughput.py
 
@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsync.synchronizer.block import Synchronizer
-from motionsync_fmu.native.batch import simulate_many
+from motionsync_fmu.batch.simulation import simulate_many
 
 INSTANCES, STEPS, H, VELOCITY, TURN = 64, 20_000, 1e-3, 180.0, 360.0
 OUTPUTS = ["slave.position", "slave.velocity", "state"]
@@ -77,18 +77,18 @@ CASES = [
 ]
 
 
-def shortest(repetitions: int, action: Callable[[], Any]) -> tuple[float, float]:
+def measure_shortest(repetitions: int, action: Callable[[], Any]) -> tuple[float, float]:
     """Processor time and time by the clock, in s, each the shortest of all repetitions."""
     processor, clock = [], []
     for _ in range(repetitions):
-        begin = time.process_time(), time.perf_counter()
+        start = time.process_time(), time.perf_counter()
         action()
-        processor.append(time.process_time() - begin[0])
-        clock.append(time.perf_counter() - begin[1])
+        processor.append(time.process_time() - start[0])
+        clock.append(time.perf_counter() - start[1])
     return min(processor), min(clock)
 
 
-def plain(case: Case) -> None:
+def step_python_block(case: Case) -> None:
     """Run one instance as a Python block, whose inputs and outputs are set and read one by one."""
     block = Synchronizer()
     block.master.period = case.period
@@ -106,7 +106,7 @@ def plain(case: Case) -> None:
         _ = block.slave.position, block.slave.velocity, block.state
 
 
-def measured(case: Case, repetitions: int) -> dict[str, float]:
+def measure_step_times(case: Case, repetitions: int) -> dict[str, float]:
     """Processor time of a step in s: without outputs, with measures, and with the last step's outputs alone."""
     last = np.lib.stride_tricks.as_strided(np.zeros(len(FOUR)), (INSTANCES, STEPS, len(FOUR)), (0, 0, 8))
     run = partial(simulate_many, "Synchronizer", H, case.inputs, start=case.start, threads=1)
@@ -115,22 +115,22 @@ def measured(case: Case, repetitions: int) -> dict[str, float]:
     times: dict[str, list[float]] = {name: [] for name in actions}
     for _ in range(repetitions):
         for name, action in actions.items():
-            times[name].append(shortest(1, action)[0])
-    return {name: min(found) / INSTANCES / STEPS for name, found in times.items()}
+            times[name].append(measure_shortest(1, action)[0])
+    return {name: min(seconds) / INSTANCES / STEPS for name, seconds in times.items()}
 
 
 def print_measures(repetitions: int) -> None:
     print(f"\nMeasures. Target: {SHARE:g} of the speed without outputs.\n")
     for case in CASES:
-        found = measured(case, repetitions)
-        for name, seconds in found.items():
-            share = found["no outputs"] / seconds
+        step_times = measure_step_times(case, repetitions)
+        for name, seconds in step_times.items():
+            share = step_times["no outputs"] / seconds
             print(f"{case.name:20}  {name:30}{seconds * 1e9:>8.1f} ns a step  share {share:.2f}")
     print()
     for block in ("Synchronizer", "FlyingSaw", "CutToLength"):
         simulate_many(block, H, {})
         call = partial(simulate_many, block, H, {}, reduce={"slave.position": "max"}, threads=1)
-        print(f"A call for one step of {block}: {shortest(50, call)[1] * 1e3:.2f} ms.")
+        print(f"A call for one step of {block}: {measure_shortest(50, call)[1] * 1e3:.2f} ms.")
 
 
 def peak_memory(steps: int) -> int:
@@ -169,12 +169,12 @@ def print_throughput(repetitions: int) -> None:
         states = simulate_many("Synchronizer", H, case.inputs, ["state", "syn_ramp_on"], start=case.start)
         assert not states.failures
         executing, ramping = float((states["state"] > 0.0).mean()), float(states["syn_ramp_on"].mean())
-        python = shortest(3, partial(plain, case))[0] / STEPS
+        python = measure_shortest(3, partial(step_python_block, case))[0] / STEPS
         for threads in (1, 2):
             batch = partial(
                 simulate_many, "Synchronizer", H, case.inputs, OUTPUTS, start=case.start, threads=threads, out=out
             )
-            processor, clock = (seconds / INSTANCES / STEPS for seconds in shortest(repetitions, batch))
+            processor, clock = (seconds / INSTANCES / STEPS for seconds in measure_shortest(repetitions, batch))
             values = (
                 f"{executing:.0%}",
                 f"{ramping:.0%}",

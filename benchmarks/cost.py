@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from cases.measured import VELOCITY, Axis, H, Steady, counted
+from cases.measured import VELOCITY, H, MovingAxis, Steady, counted
 from rich.table import Table
 
 from motionsync_fmu.native.libraries import HEADERS
-from motionsync_fmu.scenario.fmu_instance import FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 
 ROUNDS = 7
 OUTPUTS = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk")
@@ -25,21 +25,21 @@ def timed(steps: Callable[[int], None]) -> Subject:
     """The subject that calls `steps` and measures the time."""
 
     def subject(n: int) -> float:
-        begun = time.perf_counter()
+        start = time.perf_counter()
         steps(n)
-        return (time.perf_counter() - begun) / n * 1e9
+        return (time.perf_counter() - start) / n * 1e9
 
     return subject
 
 
-def begun(host: FmuInstance, case: Steady, axis: Axis) -> FmuInstance:
-    """The host after it has been led to where the case begins."""
+def start_case(host: FmuInstance, case: Steady, axis: MovingAxis) -> FmuInstance:
+    """The host after it has been led to where the case starts."""
     host.initialize(case.start)
     host.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
     return host
 
 
-def through_fmpy(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int], None]:
+def through_fmpy(host: FmuInstance, case: Steady, axis: MovingAxis) -> Callable[[int], None]:
     """Set three inputs, doStep, get four outputs: each a call into the FMU, as FMPy's own simulation does; one more
     call if the axis has a counter."""
     inputs, outputs = host.references(axis.motion), host.references(OUTPUTS)
@@ -58,14 +58,14 @@ def through_fmpy(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int],
     return steps
 
 
-def through_ctypes(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int], None]:
+def through_ctypes(host: FmuInstance, case: Steady, axis: MovingAxis) -> Callable[[int], None]:
     """The same calls with ctypes alone: arrays made once, nothing checked."""
     inputs = (ctypes.c_uint * 3)(*host.references(axis.motion))
     outputs = (ctypes.c_uint * len(OUTPUTS))(*host.references(OUTPUTS))
     counter = (ctypes.c_uint * 1)(*host.references([axis.counter] if axis.counter else []))
     values = (ctypes.c_double * 3)(0.0, VELOCITY, 0.0)
     count = (ctypes.c_int * 1)()
-    found = (ctypes.c_double * len(OUTPUTS))()
+    values = (ctypes.c_double * len(OUTPUTS))()
     reals = (ctypes.c_void_p, ctypes.POINTER(ctypes.c_uint), ctypes.c_size_t, ctypes.POINTER(ctypes.c_double))
     access = ctypes.CFUNCTYPE(ctypes.c_int, *reals)
     stepping = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int)
@@ -85,7 +85,7 @@ def through_ctypes(host: FmuInstance, case: Steady, axis: Axis) -> Callable[[int
                 set_integer(unit, counter, 1, count)
             do_step(unit, t, H, 1)
             t += H
-            get_real(unit, outputs, len(OUTPUTS), found)
+            get_real(unit, outputs, len(OUTPUTS), values)
         host.time = t
 
     return steps
@@ -100,13 +100,13 @@ def compile_c(source: Path, target: Path) -> Path:
 
 def measure(subjects: Mapping[str, Subject], n: int) -> dict[str, list[float]]:
     """Nanoseconds a step of each subject, in several rounds; the subjects take turns in each round."""
-    found: dict[str, list[float]] = {name: [] for name in subjects}
+    times_by_subject: dict[str, list[float]] = {name: [] for name in subjects}
     for subject in subjects.values():
         subject(max(n // 10, 1))
     for _ in range(ROUNDS):
         for name, subject in subjects.items():
-            found[name].append(subject(n))
-    return found
+            times_by_subject[name].append(subject(n))
+    return times_by_subject
 
 
 def ratio(times: list[float], base: list[float]) -> float:
@@ -114,10 +114,10 @@ def ratio(times: list[float], base: list[float]) -> float:
     return statistics.median(t / b for t, b in zip(times, base, strict=True))
 
 
-def cost_table(found: Mapping[str, list[float]], base: str, title: str) -> Any:
+def cost_table(times_by_subject: Mapping[str, list[float]], base: str, title: str) -> Any:
     """The subjects' cost a step, and its ratio to the subject `base`."""
     table = Table("subject", "ns a step (median)", "fastest", "slowest", title, box=None)
-    for name, times in found.items():
+    for name, times in times_by_subject.items():
         figures = (f"{f(times):,.0f}" for f in (statistics.median, min, max))
-        table.add_row(name, *figures, f"{ratio(times, found[base]):.2f}")
+        table.add_row(name, *figures, f"{ratio(times, times_by_subject[base]):.2f}")
     return table

@@ -144,7 +144,7 @@ static fmi2Status set_master(double velocity) {
     return fmi.SetReal(unit, master.r, 3, inputs);
 }
 
-/* The counter does not change where a step of a run begins, since that time is inexact. */
+/* The counter does not change where a step of a run starts, since that time is inexact. */
 static fmi2Status set_counter(void) {
     fmi2Integer count = (fmi2Integer)(int64_t)(counts * now + 0.25);
     return fmi.SetInteger(unit, counter.r, 1, &count);
@@ -168,9 +168,9 @@ static void steady(long n, double h, double velocity, double change) {
     double took = 0.0, quickest = INFINITY;
     for (long done = 0, slice; done < n; done += slice) {
         slice = n - done < SLICE ? n - done : SLICE;
-        double begun = clock_ns();
+        double start = clock_ns();
         for (long i = 0; i < slice; i++) status |= full_step(h, velocities[i % 2]);
-        double one = clock_ns() - begun;
+        double one = clock_ns() - start;
         took += one;
         if (one / (double)slice < quickest) quickest = one / (double)slice;
     }
@@ -223,10 +223,10 @@ static double command_step(double h, double velocity, double pause) {
     status |= set_master(velocity); /* the aheads may lie before it */
     status |= set_aheads();
     status |= set_level(&between, fmi2False);
-    double begun = clock_ns();
+    double start = clock_ns();
     status |= set_level(&commands, fmi2True);
     status |= full_step(h, velocity);
-    double took = clock_ns() - begun;
+    double took = clock_ns() - start;
     want(status, "a step");
     return took;
 }
@@ -280,11 +280,11 @@ static void worst(long n, double h, double velocity, double pause) {
 /* --- the commands --- */
 
 static Range range(char *text, int based) {
-    Range found = {.r = (fmi2ValueReference)strtoul(text, &text, 10)};
-    if (based) found.base = (fmi2ValueReference)strtoul(text, &text, 10);
-    found.low = strtod(text, &text);
-    found.high = strtod(text, NULL);
-    return found;
+    Range range = {.r = (fmi2ValueReference)strtoul(text, &text, 10)};
+    if (based) range.base = (fmi2ValueReference)strtoul(text, &text, 10);
+    range.low = strtod(text, &text);
+    range.high = strtod(text, NULL);
+    return range;
 }
 
 static void obey(char *line) {
@@ -331,7 +331,7 @@ static void obey(char *line) {
     } else if (!strcmp(line, "steady") || !strcmp(line, "worst")) {
         long n = strtol(rest, &after, 10);
         double h = strtod(after, &after), velocity = strtod(after, &after), last = strtod(after, NULL);
-        if (n < 1 || !master.n) end("first tell the steps and the master for", line);
+        if (n < 1 || !master.n) end("first give the steps and the master for", line);
         if (*line == 's') steady(n, h, velocity, last);
         else worst(n, h, velocity, last);
     } else {

@@ -62,7 +62,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t nUnknown,
-                                        const fmi2ValueReference known[], size_t nKnown, const fmi2Real dKnown[],
+                                        const fmi2ValueReference knowns[], size_t nKnown, const fmi2Real dKnown[],
                                         fmi2Real dUnknown[]) {
     return fmi2OK;
 }

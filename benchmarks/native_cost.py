@@ -31,15 +31,15 @@ from types import TracebackType
 from typing import Any, Self
 
 from cases import cases_of
-from cases.measured import VELOCITY, Axis, H, Steady, Worst
+from cases.measured import VELOCITY, H, MovingAxis, Steady, Worst
 from cost import (
     OUTPUTS,
     ROUNDS,
-    begun,
     compile_c,
     cost_table,
     measure,
     ratio,
+    start_case,
     through_ctypes,
     through_fmpy,
     timed,
@@ -48,16 +48,17 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.archive import write
-from motionsync_fmu.build import build_native, build_python
+from motionsync_fmu.build.fmu import build, build_python
+from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.build.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.libraries import FLAGS, Compilation, zig_cc
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.native.unit_sources import c_sources
-from motionsync_fmu.scenario.fmu_instance import FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 
-HERE = Path(__file__).parent
+FOLDER = Path(__file__).parent
 PLATFORM = PLATFORMS["linux64"]
 IN_C = 100  # a round of a C host has so many times the steps, since they are short
 WORST = ("median_ns", "p999_ns", "slowest_ns", "undisturbed_ns")
@@ -67,23 +68,17 @@ int64_t block_initialize(Block *self, bool *failed) { return 0; }
 int64_t block_step(Block *self, double h, bool *failed) { return 0; }
 """
 IN_C_HOST, FMPY, CTYPES = "C host: ", "FMPy: ", "ctypes: "
-NEVER_BUILT = {  # a start value to be changed
-    "Synchronizer": "rest_value",
-    "FlyingSaw": "axis.initial_position",
-    "Gearing": "slave.initial_position",
-    "Follower": "slave.initial_position",
-    "RemoteSync": "remote.position",
-    "CutToLength": "front_position",
-}
-BUILD = "from pathlib import Path; from motionsync_fmu.build import *; build_{}(Recipe({!r}, starts={!r}), Path({!r}))"
+BUILD = (
+    "from pathlib import Path; from motionsync_fmu.build.fmu import *; build_{}(Recipe({!r}, starts={!r}), Path({!r}))"
+)
 
 
 class CHost:
     """The C host in a process of its own, which gets its commands line by line (host.c lists them)."""
 
-    def __init__(self, program: Path, library: Path, recipe: Recipe, axis: Axis) -> None:
+    def __init__(self, program: Path, library: Path, recipe: Recipe, axis: MovingAxis) -> None:
         self.variables = {v.name: (i, v.kind) for i, v in enumerate(variables(recipe.block()))}
-        command = [str(program), str(library), recipe.guid()]
+        command = [str(program), str(library), compute_guid(recipe)]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
         self.axis = axis
         self.send("master", *self.index(*axis.motion))
@@ -119,7 +114,7 @@ class CHost:
             else:
                 self.send("boolean" if kind == "Boolean" else "integer", index, int(value))
 
-    def ask(self, *words: object) -> str:
+    def query(self, *words: object) -> str:
         self.send(*words)
         assert self.process.stdout
         return self.process.stdout.readline()
@@ -127,7 +122,7 @@ class CHost:
     def get(self, name: str) -> int:
         """The value of an Integer, enumeration or Boolean."""
         index, kind = self.variables[name]
-        return int(self.ask("booleans" if kind == "Boolean" else "integers", index))
+        return int(self.query("booleans" if kind == "Boolean" else "integers", index))
 
 
 class SteadySteps:
@@ -146,15 +141,15 @@ class SteadySteps:
         host.count(case.counts)
 
     def __call__(self, n: int) -> float:
-        found: dict[str, float] = json.loads(self.host.ask("steady", n * IN_C, H, VELOCITY, self.case.change))
-        self.undisturbed = min(self.undisturbed, found["undisturbed_ns"])
-        return found["ns"]
+        times: dict[str, float] = json.loads(self.host.query("steady", n * IN_C, H, VELOCITY, self.case.change))
+        self.undisturbed = min(self.undisturbed, times["undisturbed_ns"])
+        return times["ns"]
 
     def check(self) -> None:
         """The case has held what it promises, up to the end."""
         for name, value in self.case.holds.items():
-            found = self.host.get(name)
-            assert found == int(value), f"{self.case.name}: {name} is {found}, it should be {int(value)}"
+            actual = self.host.get(name)
+            assert actual == int(value), f"{self.case.name}: {name} is {actual}, it should be {int(value)}"
 
 
 class WorstSteps:
@@ -176,9 +171,9 @@ class WorstSteps:
             host.send("ahead", *host.index(name, base), *bounds)
 
     def measure(self, n: int) -> None:
-        found = json.loads(self.host.ask("worst", n, H, self.case.velocity, self.case.pause))
-        self.met.update({tuple(map(int, key.split())): times for key, times in found.pop("met").items()})
-        self.rounds.append(found)
+        worst = json.loads(self.host.query("worst", n, H, self.case.velocity, self.case.pause))
+        self.met.update({tuple(map(int, key.split())): times for key, times in worst.pop("met").items()})
+        self.rounds.append(worst)
 
     @property
     def planned(self) -> float:
@@ -199,7 +194,7 @@ def idle(native: Path, block: str, library: Path, target: Path) -> Path:
     """The native FMU with the do-nothing library as its only one."""
     with zipfile.ZipFile(native) as z:
         files = {n: z.read(n) for n in z.namelist() if not n.startswith("binaries/")}
-    write(target, files | {PLATFORM.library(block): library.read_bytes()})
+    write_zip(target, files | {PLATFORM.library(block): library.read_bytes()})
     return target
 
 
@@ -208,14 +203,16 @@ def build_seconds(
 ) -> float:
     """How long a Python of its own takes to build a flavour, imports included."""
     folders = {f"ZIG_{kind}_CACHE_DIR": str(cache / kind) for kind in ("GLOBAL", "LOCAL")} if cache else {}
-    begun = time.perf_counter()
+    start = time.perf_counter()
     command = [sys.executable, "-c", BUILD.format(flavour, block, dict(starts), str(target))]
     subprocess.run(command, check=True, env=os.environ | folders)
-    return time.perf_counter() - begun
+    return time.perf_counter() - start
 
 
 def build_table(folder: Path, block: str, *, cold: bool) -> Any:
-    target, never_seen = folder / "again.fmu", {NEVER_BUILT[block]: repr(time.time())}
+    target, now = folder / "again.fmu", time.time()
+    takes = (v.name for v in Recipe(block).variables.values() if v.kind == "Real" and v.start is not None)
+    never_seen = {next(name for name in takes if Recipe(block).variables[name].allows(now)): repr(now)}
     table = Table("build", "s", box=None)
     if cold:
         empty = build_seconds("native", block, target, {}, folder / f"cache of {block}")
@@ -267,8 +264,8 @@ def target_table(
         ("", "python / native, both through FMPy", FMPY + PYTHON, FMPY + NATIVE),
     ]
     for target, reading, over, under in rows:
-        found = ratio(steady[over], steady[under])
-        table.add_row(target, reading, f"{found:.1f}", f"{undisturbed[over] / undisturbed[under]:.1f}")
+        speedup = ratio(steady[over], steady[under])
+        table.add_row(target, reading, f"{speedup:.1f}", f"{undisturbed[over] / undisturbed[under]:.1f}")
     for target, reading, key in (
         ("below 20 µs", "worst step undisturbed: each the quickest of 5, the slowest of them all", "undisturbed_ns"),
         ("", "worst step, 99.9 % of them", "p999_ns"),
@@ -284,7 +281,7 @@ def do_nothing(folder: Path) -> Path:
     ((target, flags),) = PLATFORM.targets.items()
     zig_cc(
         target,
-        [*FLAGS.split(), "-O2", "-fno-builtin", *flags.split(), str(HERE / "idle.c")],
+        [*FLAGS.split(), "-O2", "-fno-builtin", *flags.split(), str(FOLDER / "idle.c")],
         "idle.so",
         folder,
     )
@@ -293,11 +290,11 @@ def do_nothing(folder: Path) -> Path:
 
 def idle_block(recipe: Recipe, folder: Path) -> Path:
     """The library of the block's FMU, compiled as the FMU's own, but its block does nothing."""
-    files = c_sources(recipe.block(), recipe.guid())
-    both = ("block_initialize", "block_step")
-    away = "".join(f"#define {name} {name}_of_the_block\n" for name in both).encode()
-    back = "".join(f"#undef {name}\n" for name in both).encode()
-    files["block.c"] = away + files["block.c"] + back + IDLE_BLOCK.encode()
+    files = c_sources(recipe.block(), compute_guid(recipe))
+    functions = ("block_initialize", "block_step")
+    rename_functions = "".join(f"#define {name} {name}_of_the_block\n" for name in functions).encode()
+    restore_names = "".join(f"#undef {name}\n" for name in functions).encode()
+    files["block.c"] = rename_functions + files["block.c"] + restore_names + IDLE_BLOCK.encode()
     library = folder / "idle_block.so"
     library.write_bytes(Compilation(recipe.name, files, [PLATFORM]).libraries()[PLATFORM.library(recipe.name)])
     return library
@@ -308,7 +305,7 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
     recipe, cases = Recipe(block), cases_of(block)
     first, axis = cases.steady[0], cases.axis
     fmus = {
-        NATIVE: build_native(recipe, folder / "native.fmu", console.print),
+        NATIVE: build(recipe, folder / "native.fmu", progress=console.print),
         PYTHON: build_python(recipe, folder / "python.fmu"),
     }
     nothing = do_nothing(folder)
@@ -320,7 +317,7 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
             return stack.enter_context(CHost(program, library, recipe, axis))
 
         def host(fmu: Path) -> FmuInstance:
-            return begun(stack.enter_context(FmuInstance(fmu)), first, axis)
+            return start_case(stack.enter_context(FmuInstance(fmu)), first, axis)
 
         in_c = {f"{IN_C_HOST}{NATIVE}, {case.name}": SteadySteps(by_c(native), case) for case in cases.steady}
         doing_nothing = {
@@ -363,7 +360,7 @@ def main() -> None:
         parser.error("this benchmark is for Linux on x86-64")
     console = Console(highlight=False, width=120)
     with tempfile.TemporaryDirectory() as root:
-        program = compile_c(HERE / "host.c", Path(root) / "host")
+        program = compile_c(FOLDER / "host.c", Path(root) / "host")
         for block in [options.block] if options.block else BLOCKS:
             console.rule(block)
             folder = Path(root) / block

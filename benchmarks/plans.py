@@ -3,9 +3,10 @@
     python benchmarks/plans.py [--plans 1000000] [--seed 1]
 
 Half of the plans are ones that a machine might ask for, half are wild: sizes, times, ratios and limits over many powers
-of ten. The slave stands, moves at its initial velocity, or is under way by another command; the master has either
+of ten. The slave is at rest, moves at its initial velocity, or is under way by another command; the master has either
 direction, mostly an acceleration of 0 at the edge, and goes on at constant velocity, so that the characteristics must
-bound what the slave does. Each plan is checked by `broken`, which tests/benchmarks/test_plans.py applies as well.
+bound what the slave does. Each plan is checked by `find_broken_rules`, which tests/benchmarks/test_plans.py applies as
+well.
 """
 
 import argparse
@@ -27,8 +28,8 @@ from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.var import LARGEST_INPUT
+from motionsync_fmu.batch.simulation import BatchResult, simulate_many
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.native.batch import BatchResult, simulate_many
 
 Values = dict[str, Any]
 
@@ -70,16 +71,16 @@ EPSILON = 2.0**-52
 
 
 @dataclass(frozen=True)
-class Orders:
-    """Random orders, one for each instance: the arguments of `simulate_many`."""
+class Requests:
+    """Random requests, one for each instance: the arguments of `simulate_many`."""
 
     step_size: Reals
     inputs: Values
     start: Values
 
 
-def drawn(seed: int, number: int) -> Orders:
-    """Random orders for `number` instances; the same seed gives the same orders."""
+def draw_requests(seed: int, number: int) -> Requests:
+    """Random requests for `number` instances; the same seed gives the same requests."""
     d = Dice(seed, number)
     sign = d.choice(-1.0, 1.0)
     duration = d.either(d.uniform(0.2, 4.0), d.powers(-3.0, 3.0))
@@ -89,7 +90,7 @@ def drawn(seed: int, number: int) -> Orders:
     angle = np.where(d.seldom(0.2), d.uniform(-80.0, 80.0), 0.0)
     synchronous = ratio / denominator / np.cos(np.radians(angle)) * speed
     travel = np.abs(synchronous) * duration
-    place = d.either(d.uniform(-1e3, 1e3), np.clip(speed * duration * d.powers(-2.0, 6.0), -1e11, 1e11))
+    edge_position = d.either(d.uniform(-1e3, 1e3), np.clip(speed * duration * d.powers(-2.0, 6.0), -1e11, 1e11))
     position = d.either(d.uniform(-1e3, 1e3), travel * d.powers(-2.0, 6.0) * sign)
     velocity = synchronous * d.either(
         d.choice(0.0, 1.0, -0.5, 0.5, 2.0) * d.choice(1.0, 0.9), d.normal() * d.powers(-2.0, 2.0)
@@ -109,7 +110,7 @@ def drawn(seed: int, number: int) -> Orders:
         "axis.initial_velocity": initial,
         "gear_in_pos.ratio_numerator": ratio,
         "gear_in_pos.ratio_denominator": denominator,
-        "gear_in_pos.master_sync_position": place + speed * duration * np.where(d.seldom(0.01), -1.0, 1.0),
+        "gear_in_pos.master_sync_position": edge_position + speed * duration * np.where(d.seldom(0.01), -1.0, 1.0),
         "gear_in_pos.slave_sync_position": position + initial * before + distance * np.where(d.seldom(0.01), -1.0, 1.0),
         "gear_in_pos.master_start_distance": np.abs(speed) * duration * _distance(d),
         "gear_in_velo.ratio_numerator": ratio,
@@ -121,13 +122,13 @@ def drawn(seed: int, number: int) -> Orders:
 
     speed = np.where(d.seldom(0.003), 0.0, speed)
     acceleration = speed / duration * d.either(d.normal(0.3), d.powers(-12.0, 1.0))
-    h, inputs = _path(d, place, speed, np.where(d.seldom(0.7), 0.0, acceleration), before, duration)
-    chosen = d.r.choice(len(BEFORE), number, p=[0.4, 0.3, 0.2, 0.08, 0.02])
+    h, inputs = _path(d, edge_position, speed, np.where(d.seldom(0.7), 0.0, acceleration), before, duration)
+    choice = d.r.choice(len(BEFORE), number, p=[0.4, 0.3, 0.2, 0.08, 0.02])
     for i, group in enumerate(BEFORE):
-        inputs[f"{group}.execute"] = np.repeat((moved & (chosen == i))[:, None], STEPS, axis=1)
+        inputs[f"{group}.execute"] = np.repeat((moved & (choice == i))[:, None], STEPS, axis=1)
     for name, values in _wrong(d, start).items():
         inputs[name] = np.repeat(values[:, None], STEPS, axis=1)
-    return Orders(h, inputs, start)
+    return Requests(h, inputs, start)
 
 
 def _wrong(d: Dice, start: Values) -> Values:
@@ -142,7 +143,7 @@ def _wrong(d: Dice, start: Values) -> Values:
 
 
 def _limits(d: Dice, scale: Reals, duration: Reals, position: Reals, length: Reals) -> Values:
-    """The axis' limits, and the order's own, for velocities of this scale; some limits are tight."""
+    """The axis' limits, and the request's own, for velocities of this scale; some limits are tight."""
     limits = {
         "velocity": scale * (1.0 + d.either(d.powers(-2.0, 1.0), d.powers(-3.0, 4.0))),
         "acceleration": scale / duration * d.either(d.powers(-0.3, 1.5), d.powers(-4.0, 5.0)),
@@ -166,16 +167,16 @@ def _distance(d: Dice) -> Reals:
 
 
 def _path(
-    d: Dice, place: Reals, speed: Reals, acceleration: Reals, before: Reals, duration: Reals
+    d: Dice, edge_position: Reals, speed: Reals, acceleration: Reals, before: Reals, duration: Reals
 ) -> tuple[Reals, Values]:
-    """Random step sizes, and the master's inputs: it passes `place` at the edge with `speed`, and keeps this speed."""
+    """Random step sizes, and the master's inputs: it is at `edge_position` at the edge, with `speed` from then on."""
     rest = d.r.exponential(1.0, (d.number, STEPS - 2)) + 0.01
     rest *= (PAST * duration / rest.sum(axis=1))[:, None]
     h = np.column_stack([before, SHORT * duration, rest])
-    position = place[:, None] + speed[:, None] * (np.cumsum(h, axis=1) - h - before[:, None])
+    position = edge_position[:, None] + speed[:, None] * (np.cumsum(h, axis=1) - h - before[:, None])
     velocity = np.repeat(speed[:, None], STEPS, axis=1)
     accelerations = np.zeros_like(h)
-    position[:, 0] = place - (speed - 0.5 * acceleration * before) * before
+    position[:, 0] = edge_position - (speed - 0.5 * acceleration * before) * before
     velocity[:, 0] = speed - acceleration * before
     accelerations[:, : EDGE + 1] = acceleration[:, None]
     return h, {
@@ -186,16 +187,16 @@ def _path(
     }
 
 
-def simulated(orders: Orders, steps: int = STEPS) -> BatchResult:
-    inputs = {name: values[:, :steps] for name, values in orders.inputs.items()}
-    return simulate_many(FlyingSaw, orders.step_size[:, :steps], inputs, [*OUTPUTS, *WHOLE], start=orders.start)
+def simulate(requests: Requests, steps: int = STEPS) -> BatchResult:
+    inputs = {name: values[:, :steps] for name, values in requests.inputs.items()}
+    return simulate_many(FlyingSaw, requests.step_size[:, :steps], inputs, [*OUTPUTS, *WHOLE], start=requests.start)
 
 
 # --- what became of the plans ---
 
 
 @dataclass(frozen=True)
-class Outcome:
+class PlanOutcome:
     """The outcome of each instance: the profile that it took, or the error code, 0 if there is none."""
 
     profile: NDArray[np.int64]
@@ -215,34 +216,34 @@ def coded(code: int) -> str:
     return "failed" if code == FAILED else f"0x{code:04X} {Fault(code).name}"
 
 
-def outcome(result: BatchResult) -> Outcome:
+def outcome(result: BatchResult) -> PlanOutcome:
     """The outcome of a batch. A failed instance counts as refused, with the code FAILED."""
     profile, fault = (result[name][:, -1] for name in ("characteristics.profile", "gear_in_pos.error_id"))
     failed = np.isnan(fault)
-    return Outcome(np.where(failed, 0, profile).astype(np.int64), np.where(failed, FAILED, fault).astype(np.int64))
+    return PlanOutcome(np.where(failed, 0, profile).astype(np.int64), np.where(failed, FAILED, fault).astype(np.int64))
 
 
-def broken(orders: Orders, result: BatchResult) -> dict[str, NDArray[np.int64]]:
+def find_broken_rules(requests: Requests, result: BatchResult) -> dict[str, NDArray[np.int64]]:
     """The instances that break a rule, by the name of the rule.
 
     For all instances: every number is finite. For the accepted ones: they are in sync at the end, on the line that
     leads through both sync positions; during the profile nothing leaves the extremes in the characteristics; neither
     the characteristics nor the outputs break a check that was asked for.
     """
-    found = {"failed": np.array([f.instance for f in result.failures], np.int64)}
-    found["not finite"] = np.flatnonzero(~np.isfinite(result.values).all(axis=(1, 2)))
+    results = {"failed": np.array([f.instance for f in result.failures], np.int64)}
+    results["not finite"] = np.flatnonzero(~np.isfinite(result.values).all(axis=(1, 2)))
     accepted = outcome(result).accepted
-    found["not in sync at the end"] = np.flatnonzero(accepted & (result["state_code"][:, -1] != State.SYNCHRON))
-    for name, wrong in (*_off_the_line(orders, result), *_beyond_extremes(result), *_unchecked(orders, result)):
-        found[name] = np.flatnonzero(accepted & wrong)
-    return {name: instances for name, instances in found.items() if len(instances)}
+    results["not in sync at the end"] = np.flatnonzero(accepted & (result["state_code"][:, -1] != State.SYNCHRON))
+    for name, wrong in (*_off_the_line(requests, result), *_beyond_extremes(result), *_unchecked(requests, result)):
+        results[name] = np.flatnonzero(accepted & wrong)
+    return {name: instances for name, instances in results.items() if len(instances)}
 
 
-def _off_the_line(orders: Orders, result: BatchResult) -> Iterator[tuple[str, Bools]]:
+def _off_the_line(requests: Requests, result: BatchResult) -> Iterator[tuple[str, Bools]]:
     """The instances that are in sync, but not at slave_sync + factor (master - master_sync), up to rounding."""
-    h, master = orders.step_size[:, -1], orders.inputs["master.position"][:, -1]
-    master = master + orders.inputs["master.velocity"][:, -1] * h
-    sync, slave_sync = (orders.start[f"gear_in_pos.{name}_sync_position"] for name in ("master", "slave"))
+    h, master = requests.step_size[:, -1], requests.inputs["master.position"][:, -1]
+    master = master + requests.inputs["master.velocity"][:, -1] * h
+    sync, slave_sync = (requests.start[f"gear_in_pos.{name}_sync_position"] for name in ("master", "slave"))
     factor, slave = result["coupling_factor"][:, -1], result["slave.position"][:, -1]
     rounding = 16.0 * EPSILON * (np.abs(factor) * (np.abs(master) + np.abs(sync)) + np.abs(slave) + np.abs(slave_sync))
     yield "not on the line in sync", np.abs(slave - (slave_sync + factor * (master - sync))) > rounding
@@ -252,37 +253,37 @@ def _beyond_extremes(result: BatchResult) -> Iterator[tuple[str, Bools]]:
     """The instances that leave the extremes of the characteristics during the profile."""
     under_way = _under_way(result)
     for name in MOTION:
-        least, greatest = (result[f"characteristics.slave_{name}_{end}"][:, -1:] for end in ("min", "max"))
-        size = np.maximum(np.abs(least), np.abs(greatest))
-        tolerance = TOLERANCE * (greatest - least if name == "position" else size) + 8.0 * EPSILON * size
+        minimum, maximum = (result[f"characteristics.slave_{name}_{end}"][:, -1:] for end in ("min", "max"))
+        size = np.maximum(np.abs(minimum), np.abs(maximum))
+        tolerance = TOLERANCE * (maximum - minimum if name == "position" else size) + 8.0 * EPSILON * size
         x = result[f"slave.{name}"]
-        beyond = (x < least - tolerance) | (x > greatest + tolerance)
+        beyond = (x < minimum - tolerance) | (x > maximum + tolerance)
         yield f"slave.{name} beyond its characteristic extremes", (beyond & under_way).any(axis=1)
 
 
-def _unchecked(orders: Orders, result: BatchResult) -> Iterator[tuple[str, Bools]]:
+def _unchecked(requests: Requests, result: BatchResult) -> Iterator[tuple[str, Bools]]:
     """The instances that break a check that was asked for: by the characteristics, and by the outputs."""
     under_way = _under_way(result)
-    found = {name: result[f"characteristics.{name}"][:, -1] for name in _CHARACTERISTIC}
+    results = {name: result[f"characteristics.{name}"][:, -1] for name in _CHARACTERISTIC}
     outputs = {name: np.where(under_way, result[f"slave.{name}"], np.nan) for name in MOTION}
     for by, rows in (
-        ("characteristics", {name: (found[f"slave_{name}_min"], found[f"slave_{name}_max"]) for name in MOTION}),
+        ("characteristics", {name: (results[f"slave_{name}_min"], results[f"slave_{name}_max"]) for name in MOTION}),
         ("outputs", {name: _range(values) for name, values in outputs.items()}),
     ):
-        for name, wrong in _beyond_limits(orders, found, rows):
-            yield f"{name}, by {by}", _asked(orders, name) & wrong
+        for name, wrong in _beyond_limits(requests, results, rows):
+            yield f"{name}, by {by}", _is_check_active(requests, name) & wrong
     v, a = outputs["velocity"], outputs["acceleration"]
-    sure = np.abs(v) > TOLERANCE * _speed(found)[:, None]  # elsewhere the sign of v depends on rounding
+    sure = np.abs(v) > TOLERANCE * _speed(results)[:, None]  # elsewhere the sign of v depends on rounding
     for name, along, peak in (
         ("acceleration", v * a > 0.0, "plan_acceleration"),
         ("deceleration", v * a < 0.0, "plan_deceleration"),
     ):
-        most = _limit(orders, name) * (1.0 + 2.0 * TOLERANCE)
-        greatest = np.where(along & sure, np.abs(a), 0.0).max(axis=1)
-        yield f"check_max_{name}, by outputs", _asked(orders, f"check_max_{name}") & (greatest > most)
+        limit = _limit(requests, name) * (1.0 + 2.0 * TOLERANCE)
+        maximum = np.where(along & sure, np.abs(a), 0.0).max(axis=1)
+        yield f"check_max_{name}, by outputs", _is_check_active(requests, f"check_max_{name}") & (maximum > limit)
         yield (
             f"check_max_{name}, by local",
-            _asked(orders, f"check_max_{name}") & (result[f"local.{peak}"][:, -1] > most),
+            _is_check_active(requests, f"check_max_{name}") & (result[f"local.{peak}"][:, -1] > limit),
         )
 
 
@@ -293,35 +294,35 @@ _CHARACTERISTIC = (
 
 
 def _beyond_limits(
-    orders: Orders, found: dict[str, Reals], rows: dict[str, tuple[Reals, Reals]]
+    requests: Requests, result: dict[str, Reals], rows: dict[str, tuple[Reals, Reals]]
 ) -> Iterator[tuple[str, Bools]]:
     """The instances that break a check other than those of acceleration and deceleration.
 
     `rows`: the least and the greatest value of each quantity.
     """
     low, high = rows["position"]
-    size = np.maximum(np.abs(found["slave_position_min"]), np.abs(found["slave_position_max"]))
-    near = 2.0 * TOLERANCE * (found["slave_position_max"] - found["slave_position_min"]) + 8.0 * EPSILON * size
-    first, last = found["slave_position_start"], found["slave_position_end"]
-    yield "check_min_position", low < orders.start["axis.min_position"] - near
-    yield "check_max_position", high > orders.start["axis.max_position"] + near
-    yield "check_undershoot_position", low < np.minimum(first, last) - near
-    yield "check_overshoot_position", high > np.maximum(first, last) + near
+    size = np.maximum(np.abs(result["slave_position_min"]), np.abs(result["slave_position_max"]))
+    tolerance = 2.0 * TOLERANCE * (result["slave_position_max"] - result["slave_position_min"]) + 8.0 * EPSILON * size
+    first, last = result["slave_position_start"], result["slave_position_end"]
+    yield "check_min_position", low < requests.start["axis.min_position"] - tolerance
+    yield "check_max_position", high > requests.start["axis.max_position"] + tolerance
+    yield "check_undershoot_position", low < np.minimum(first, last) - tolerance
+    yield "check_overshoot_position", high > np.maximum(first, last) + tolerance
     low, high = rows["velocity"]
-    near = 2.0 * TOLERANCE * _speed(found)
-    first, last = found["slave_velocity_start"], found["slave_velocity_end"]
-    most = _limit(orders, "velocity")
-    yield "check_max_velocity", (high > most + near) | (low < -most - near)
-    ahead = last > 0.0
-    begin, end = np.where(ahead, first, -first), np.abs(last)
-    least, greatest = np.where(ahead, low, -high), np.where(ahead, high, -low)
-    yield "check_overshoot_velocity", greatest > np.maximum(begin, end) + near
-    yield "check_undershoot_velocity", least < np.minimum(begin, end) - near
-    yield "check_overshoot_velocity_zero", high > near
-    yield "check_undershoot_velocity_zero", (begin >= 0.0) & (least < -near)
+    tolerance = 2.0 * TOLERANCE * _speed(result)
+    first, last = result["slave_velocity_start"], result["slave_velocity_end"]
+    limit = _limit(requests, "velocity")
+    yield "check_max_velocity", (high > limit + tolerance) | (low < -limit - tolerance)
+    is_forwards = last > 0.0
+    begin, end = np.where(is_forwards, first, -first), np.abs(last)
+    minimum, maximum = np.where(is_forwards, low, -high), np.where(is_forwards, high, -low)
+    yield "check_overshoot_velocity", maximum > np.maximum(begin, end) + tolerance
+    yield "check_undershoot_velocity", minimum < np.minimum(begin, end) - tolerance
+    yield "check_overshoot_velocity_zero", high > tolerance
+    yield "check_undershoot_velocity_zero", (begin >= 0.0) & (minimum < -tolerance)
     low, high = rows["jerk"]
-    most = _limit(orders, "jerk") * (1.0 + 2.0 * TOLERANCE)
-    yield "check_max_jerk", (high > most) | (low < -most)
+    limit = _limit(requests, "jerk") * (1.0 + 2.0 * TOLERANCE)
+    yield "check_max_jerk", (high > limit) | (low < -limit)
 
 
 def _under_way(result: BatchResult) -> Bools:
@@ -331,24 +332,24 @@ def _under_way(result: BatchResult) -> Bools:
     return under_way
 
 
-def _asked(orders: Orders, check: str) -> Bools:
-    asked: Bools = orders.start[f"sync_mode.{check}"]
-    return asked
+def _is_check_active(requests: Requests, check: str) -> Bools:
+    is_active: Bools = requests.start[f"sync_mode.{check}"]
+    return is_active
 
 
-def _limit(orders: Orders, name: str) -> Reals:
-    own: Reals = orders.start[f"gear_in_pos.{name}"]
-    return np.where(own == 0.0, orders.start[f"axis.max_{name}"], own)
+def _limit(requests: Requests, name: str) -> Reals:
+    own: Reals = requests.start[f"gear_in_pos.{name}"]
+    return np.where(own == 0.0, requests.start[f"axis.max_{name}"], own)
 
 
-def _speed(found: dict[str, Reals]) -> Reals:
-    return np.maximum(np.abs(found["slave_velocity_min"]), np.abs(found["slave_velocity_max"]))
+def _speed(result: dict[str, Reals]) -> Reals:
+    return np.maximum(np.abs(result["slave_velocity_min"]), np.abs(result["slave_velocity_max"]))
 
 
 def _range(values: Reals) -> tuple[Reals, Reals]:
     """The least and the greatest of each row; for a row without values inf and -inf."""
-    least = np.where(np.isnan(values), np.inf, values).min(axis=1)
-    return least, np.where(np.isnan(values), -np.inf, values).max(axis=1)
+    minimum = np.where(np.isnan(values), np.inf, values).min(axis=1)
+    return minimum, np.where(np.isnan(values), -np.inf, values).max(axis=1)
 
 
 # --- the report ---
@@ -372,22 +373,22 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     console = Console(highlight=False, width=120)
-    simulated(drawn(0, 10))  # compiles
+    simulate(draw_requests(0, 10))  # compiles
     counted: Counter[str] = Counter()
     wrong: Counter[str] = Counter()
     seconds, alone = [], []
     plans = 0
     while plans < options.plans:
         seed, number = options.seed * 1_000_000 + plans // CHUNK, min(CHUNK, options.plans - plans)
-        orders = drawn(seed, number)
-        begun = time.perf_counter()
-        result = simulated(orders)
-        seconds.append(time.perf_counter() - begun)
-        begun = time.perf_counter()
-        simulated(orders, EDGE + 1)
-        alone.append(time.perf_counter() - begun)
+        requests = draw_requests(seed, number)
+        start = time.perf_counter()
+        result = simulate(requests)
+        seconds.append(time.perf_counter() - start)
+        start = time.perf_counter()
+        simulate(requests, EDGE + 1)
+        alone.append(time.perf_counter() - start)
         counted += outcome(result).count()
-        for name, instances in broken(orders, result).items():
+        for name, instances in find_broken_rules(requests, result).items():
             wrong[name] += len(instances)
             console.print(f"broken: {name}: seed {seed}, instances {instances[:10].tolist()}")
         plans += number

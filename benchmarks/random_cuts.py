@@ -3,9 +3,9 @@
     python benchmarks/random_cuts.py [--cuts 100000] [--seed 1]
 
 Half of the machines are ones that might be built, half are wild: sizes, times and limits over many powers of ten. Each
-is asked first how fast its line may run (`limits.max_line_velocity`, at standstill). Then the line runs at a constant
+reports first how fast its line may run (`limits.max_line_velocity`, at standstill). Then the line runs at a constant
 velocity: seven in ten at 0.2 to 0.999999 of that, so that every cut has to be on time, the others at up to 1.5 times
-that, so that cuts are left out, or made late. Each run is checked by `broken`, which
+that, so that cuts are left out, or made late. Each run is checked by `find_broken_rules`, which
 tests/benchmarks/test_random_cuts.py applies as well.
 """
 
@@ -24,9 +24,10 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.interface import LateMode, PieceKind, State, ToolMode
+from motionsync.cut_to_length.interface import State, ToolMode
+from motionsync.cutting.interface import LateMode, PieceKind
 from motionsync.var import LARGEST_INPUT
-from motionsync_fmu.native.batch import BatchResult, simulate_many
+from motionsync_fmu.batch.simulation import BatchResult, simulate_many
 
 Values = dict[str, Any]
 
@@ -43,7 +44,7 @@ OUTPUTS = (
     *("statistics.length_good", "statistics.length_waste", "next_cut.position", "last.error", "piece.kind"),
     *("warning.stroke", "warning.velocity"),
 )
-IN_SYNC_BEFORE_THE_BOOKS = (State.SYNCHRONOUS, State.CUTTING)
+IN_SYNC_BEFORE_RECORDING = (State.SYNCHRONOUS, State.CUTTING)
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,8 @@ class Machines:
 
     Attributes:
         velocity: of the line; 0 where the machine cannot cut at any velocity.
-        share: how fast the line is, of the highest velocity that the machine tells.
-        place: of the master where the cuts begin.
+        share: how fast the line is, of the highest velocity that the machine reports.
+        begin_position: of the master where the cuts begin.
         pitch, coupling: of the cuts, in master travel; carriage velocity per line velocity.
     """
 
@@ -62,7 +63,7 @@ class Machines:
     start: Values
     velocity: Reals
     share: Reals
-    place: Reals
+    begin_position: Reals
     pitch: Reals
     coupling: Reals
 
@@ -79,21 +80,21 @@ class Machines:
         return (self.velocity > 0.0) & (self.share > 1.0) & (self.start["late_mode"] == LateMode.LATE)
 
 
-def drawn(seed: int, number: int) -> Machines:
+def draw_machines(seed: int, number: int) -> Machines:
     """Random machines, `number` of them; the same seed gives the same machines."""
     d = Dice(seed, number)
     start, coupling, pitch = _machine(d)
-    highest = _asked(start)
+    highest = _highest_velocities(start)
     share = np.where(d.seldom(0.7), d.uniform(0.2, 1.0), d.uniform(1.0, 1.5))
     share = np.where(d.seldom(0.1), SHARP, np.where(share < 1.0, np.minimum(share, SHARP), share + 1e-6))
     velocity = highest * share
-    place = pitch * d.either(d.uniform(-10.0, 10.0), d.powers(-2.0, 5.0) * d.choice(-1.0, 1.0))
+    begin_position = pitch * d.either(d.uniform(-10.0, 10.0), d.powers(-2.0, 5.0) * d.choice(-1.0, 1.0))
     moving = np.where(velocity > 0.0, velocity, 1.0)
     h = d.r.exponential(1.0, (number, STEPS)) + 0.01
     h *= (CUTS * pitch / moving / h.sum(axis=1))[:, None]
-    position = place[:, None] + velocity[:, None] * (np.cumsum(h, axis=1) - h)
+    position = begin_position[:, None] + velocity[:, None] * (np.cumsum(h, axis=1) - h)
     inputs = {"master.position": position, "master.velocity": np.repeat(velocity[:, None], STEPS, axis=1)}
-    return Machines(h, inputs, start, velocity, share, place, pitch, coupling)
+    return Machines(h, inputs, start, velocity, share, begin_position, pitch, coupling)
 
 
 def _machine(d: Dice) -> tuple[Values, Reals, Reals]:
@@ -174,33 +175,34 @@ def _gap(d: Dice, scale: Reals, duration: Reals) -> Values:
     }
 
 
-def _asked(start: Values) -> Reals:
-    """The highest line velocity of each machine, as it tells it while the line stands."""
-    told = simulate_many(CutToLength, 1e-3, {}, "limits.max_line_velocity", start=start)
-    assert not told.failures, told.failures[0].message
-    return told["limits.max_line_velocity"][:, 0]
+def _highest_velocities(start: Values) -> Reals:
+    """The highest line velocity of each machine, as it reports it while the line is at rest."""
+    result = simulate_many(CutToLength, 1e-3, {}, "limits.max_line_velocity", start=start)
+    assert not result.failures, result.failures[0].message
+    return result["limits.max_line_velocity"][:, 0]
 
 
-def simulated(machines: Machines) -> BatchResult:
+def simulate(machines: Machines) -> BatchResult:
     return simulate_many(CutToLength, machines.step_size, machines.inputs, OUTPUTS, start=machines.start)
 
 
-# --- what became of the cuts ---
+# --- the rules ---
 
 
-def broken(machines: Machines, result: BatchResult) -> dict[str, NDArray[np.int64]]:
+def find_broken_rules(machines: Machines, result: BatchResult) -> dict[str, NDArray[np.int64]]:
     """The machines that break a rule, by the name of the rule.
 
     For all machines: every number is finite; the carriage keeps the limits of the phase that it is in, and its ends;
-    the blade is in the material only in sync, and then carriage and material are at the same place. Where the line is
-    no faster than the machine said, every cut is made on time and every piece has its length; where it is faster and
-    cuts are left out, the pieces are whole multiples; where they are made late, no piece is shorter.
+    the blade is in the material only in sync, and then carriage and material are at the same position. Where the line
+    is no faster than the machine reported, every cut is made on time and every piece has its length; where it is faster
+    and cuts are left out, the pieces are whole multiples; where they are made late, no piece is shorter.
     """
-    found = {"failed": np.array([f.instance for f in result.failures], np.int64)}
-    found["not finite"] = np.flatnonzero(~np.isfinite(result.values).all(axis=(1, 2)))
-    for name, wrong in (*_beyond_limits(machines, result), *_off_the_cut(machines, result), *_pieces(machines, result)):
-        found[name] = np.flatnonzero((machines.velocity > 0.0) & wrong)
-    return {name: machines_ for name, machines_ in found.items() if len(machines_)}
+    broken_rules = {"failed": np.array([f.instance for f in result.failures], np.int64)}
+    broken_rules["not finite"] = np.flatnonzero(~np.isfinite(result.values).all(axis=(1, 2)))
+    for check in (_check_limits, _check_cut_positions, _check_pieces):
+        for name, wrong in check(machines, result):
+            broken_rules[name] = np.flatnonzero((machines.velocity > 0.0) & wrong)
+    return {name: instances for name, instances in broken_rules.items() if len(instances)}
 
 
 def _limit(machines: Machines, group: str, name: str) -> Reals:
@@ -209,7 +211,7 @@ def _limit(machines: Machines, group: str, name: str) -> Reals:
     return np.asarray(np.where(own == 0.0, machines.start[f"axis.max_{name}"], own))[:, None]
 
 
-def shares(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Reals]]:
+def limit_shares(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Reals]]:
     """How much of each limit is used, at each point: the phase's limits in an approach and on the way home.
 
     Forwards the way home brakes and backwards it speeds up; where it does both in one, the lower limit holds.
@@ -235,26 +237,26 @@ def _gap_limit(machines: Machines) -> Reals:
     return np.minimum(_limit(machines, "axis", "acceleration"), _limit(machines, "axis", "deceleration"))
 
 
-def _beyond_limits(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Bools]]:
-    for name, share in shares(machines, result):
+def _check_limits(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Bools]]:
+    for name, share in limit_shares(machines, result):
         yield f"{name} beyond its limit", (share > 1.0 + TOLERANCE).any(axis=1)
     position, home = result["slave.position"], machines.start["home_position"][:, None]
-    near = TOLERANCE * np.abs(position - home).max(axis=1, keepdims=True) + 1e-12 * np.abs(home)
+    tolerance = TOLERANCE * np.abs(position - home).max(axis=1, keepdims=True) + 1e-12 * np.abs(home)
     for end, sign in (("min_position", -1.0), ("max_position", 1.0)):
         beyond = sign * (position - machines.start[f"axis.{end}"][:, None])
-        yield f"beyond axis.{end}", (beyond > near).any(axis=1)
-    yield "behind home", (position < home - near).any(axis=1)
+        yield f"beyond axis.{end}", (beyond > tolerance).any(axis=1)
+    yield "behind home", (position < home - tolerance).any(axis=1)
     yield "warning.limit_exceeded", result["warning.limit_exceeded"].any(axis=1)
 
 
-def _off_the_cut(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Bools]]:
-    """Places are compared in the carriage's travel, to rounding of the master's position and of the pitch."""
-    state, place = result["state_code"], result["next_cut.position"]
+def _check_cut_positions(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Bools]]:
+    """Positions are compared in the carriage's travel, to rounding of the master's position and of the pitch."""
+    state, cut_position = result["state_code"], result["next_cut.position"]
     master = machines.inputs["master.position"] + machines.velocity[:, None] * machines.step_size
     size = np.abs(master).max(axis=1, keepdims=True) + machines.pitch[:, None]
-    off = np.abs(result["slave.position"] - machines.coupling[:, None] * (master - place))
-    wrong = off > 1e-12 * machines.coupling[:, None] * size
-    yield "not at its cut in sync", (np.isin(state, IN_SYNC_BEFORE_THE_BOOKS) & wrong).any(axis=1)
+    deviation = np.abs(result["slave.position"] - machines.coupling[:, None] * (master - cut_position))
+    wrong = deviation > 1e-12 * machines.coupling[:, None] * size
+    yield "not at its cut in sync", (np.isin(state, IN_SYNC_BEFORE_RECORDING) & wrong).any(axis=1)
     line = (machines.coupling * machines.velocity)[:, None]
     slip = np.abs(result["slave.velocity"] - line) > TOLERANCE * line
     yield "not as fast as the material in sync", ((result["in_sync"] > 0.0) & slip).any(axis=1)
@@ -263,51 +265,54 @@ def _off_the_cut(machines: Machines, result: BatchResult) -> Iterator[tuple[str,
     yield "blade down without sync", (down & ~(gap & (state == State.CLEARING))).any(axis=1)
 
 
-def _pieces(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Bools]]:
+def _check_pieces(machines: Machines, result: BatchResult) -> Iterator[tuple[str, Bools]]:
     last = {name: result[name][:, -1] for name in OUTPUTS}
     on_time, skips, late = machines.on_time, machines.skips, machines.is_late
     cuts, skipped = last["statistics.cuts"], last["statistics.skipped"]
     kerf, correction = machines.start["kerf"], machines.start["length_correction"]
     pitch = machines.start["length"] + kerf + correction
-    size = 1e-11 * (np.abs(machines.place) + 2.0 * CUTS * machines.pitch) * machines.start["material_factor"]
+    size = 1e-11 * (np.abs(machines.begin_position) + 2.0 * CUTS * machines.pitch) * machines.start["material_factor"]
     yield "an error", last["error_id"] != 0.0
     yield "a cut missed", on_time & ((skipped > 0.0) | (last["statistics.late"] > 0.0))
     yield "a false warning", on_time & (result["warning.line_too_fast"].any(axis=1))
     yield "no warning", (skips | late) & ~result["warning.line_too_fast"].any(axis=1)
-    yield "too few or too many cuts", on_time & ((cuts < _least_cuts(machines)) | (cuts > _least_cuts(machines) + 1.0))
+    lowest_count = _least_cut_count(machines)
+    yield "too few or too many cuts", on_time & ((cuts < lowest_count) | (cuts > lowest_count + 1.0))
     error = np.abs(result["last.error"]).max(axis=1)
     yield "a wrong length", on_time & (error > size)
-    made = last["statistics.length_good"] + last["statistics.length_waste"] + cuts * (kerf + correction)
-    whole = np.round(made / pitch)
+    balance = last["statistics.length_good"] + last["statistics.length_waste"] + cuts * (kerf + correction)
+    whole = np.round(balance / pitch)
     missing = cuts + skipped - whole  # what is left out of the piece in progress
     open_ = (missing < 0.0) | ((missing > 0.0) & (last["piece.kind"] != PieceKind.MERGED))
-    yield "the books do not balance", (on_time | skips) & ((np.abs(made - whole * pitch) > size) | open_)
+    yield "the records do not balance", (on_time | skips) & ((np.abs(balance - whole * pitch) > size) | open_)
     able = ~(result["warning.stroke"].any(axis=1) | result["warning.velocity"].any(axis=1))
     yield "left out instead of late", late & able & (skipped > 0.0)
     yield "a piece too short", late & (result["last.error"].min(axis=1) < -size)
 
 
-def _least_cuts(machines: Machines) -> Reals:
-    """The cuts of a run: the one whose books are kept last lies less than a pitch behind home at the end."""
-    begin = machines.place - machines.start["front_position"] / machines.coupling
+def _least_cut_count(machines: Machines) -> Reals:
+    """The cuts of a run: the one that is recorded last is less than a pitch behind home at the end."""
+    begin = machines.begin_position - machines.start["front_position"] / machines.coupling
     begin -= 0.5 * machines.start["kerf"] / machines.start["material_factor"]
-    end = machines.place + CUTS * machines.pitch - machines.start["home_position"] / machines.coupling
+    end = machines.begin_position + CUTS * machines.pitch - machines.start["home_position"] / machines.coupling
     return np.floor((end - begin) / machines.pitch) - 1.0
 
 
 # --- the report ---
 
 
-def counts(machines: Machines, result: BatchResult) -> dict[str, NDArray[np.int64]]:
-    """What the machines of each group have made: machines, cuts, cuts left out, late cuts."""
-    made = [result[f"statistics.{name}"][:, -1] for name in ("cuts", "skipped", "late")]
+def count_cuts(machines: Machines, result: BatchResult) -> dict[str, NDArray[np.int64]]:
+    """Of each group: its machines, and their cuts, cuts left out and late cuts."""
+    counts = [result[f"statistics.{name}"][:, -1] for name in ("cuts", "skipped", "late")]
     groups = {"on time": machines.on_time, "too fast, SKIP": machines.skips, "too fast, LATE": machines.is_late}
-    return {name: np.array([of.sum(), *(x[of].sum() for x in made)], np.int64) for name, of in groups.items()}
+    return {
+        name: np.array([group.sum(), *(x[group].sum() for x in counts)], np.int64) for name, group in groups.items()
+    }
 
 
-def tables(counted: dict[str, NDArray[np.int64]], used: dict[str, float]) -> Iterator[Any]:
+def result_tables(counts: dict[str, NDArray[np.int64]], used: dict[str, float]) -> Iterator[Any]:
     table = Table("line", "machines", "cuts", "left out", "late", box=None)
-    for name, figures in counted.items():
+    for name, figures in counts.items():
         table.add_row(name, *(f"{n:,}" for n in figures.tolist()))
     yield table
     table = Table("limit", "greatest share used", box=None)
@@ -322,26 +327,26 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     console = Console(highlight=False, width=120)
-    simulated(drawn(0, 10))  # compiles
-    counted: dict[str, NDArray[np.int64]] = {}
+    simulate(draw_machines(0, 10))  # compiles
+    counts: dict[str, NDArray[np.int64]] = {}
     used: dict[str, float] = {}
     wrong: Counter[str] = Counter()
     seconds, cuts, chunk = 0.0, 0, 0
     while cuts < options.cuts:
         seed = options.seed * 1_000_000 + chunk
-        machines = drawn(seed, CHUNK)
-        begun = time.perf_counter()
-        result = simulated(machines)
-        seconds += time.perf_counter() - begun
-        counted = {name: counted.get(name, 0) + n for name, n in counts(machines, result).items()}
+        machines = draw_machines(seed, CHUNK)
+        begin_time = time.perf_counter()
+        result = simulate(machines)
+        seconds += time.perf_counter() - begin_time
+        counts = {name: counts.get(name, 0) + n for name, n in count_cuts(machines, result).items()}
         moves = machines.velocity > 0.0
-        used = {name: max(used.get(name, 0.0), float(x[moves].max())) for name, x in shares(machines, result)}
-        for name, instances in broken(machines, result).items():
+        used = {name: max(used.get(name, 0.0), float(x[moves].max())) for name, x in limit_shares(machines, result)}
+        for name, instances in find_broken_rules(machines, result).items():
             wrong[name] += len(instances)
             console.print(f"broken: {name}: seed {seed}, machines {instances[:10].tolist()}")
-        cuts = sum(int(figures[1]) for figures in counted.values())
+        cuts = sum(int(figures[1]) for figures in counts.values())
         chunk += 1
-    for table in tables(counted, used):
+    for table in result_tables(counts, used):
         console.print(table)
         console.print()
     console.print(

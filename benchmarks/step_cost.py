@@ -13,16 +13,16 @@ from pathlib import Path
 from typing import Any
 
 from cases import cases_of
-from cases.measured import VELOCITY, Axis, H, Steady, counted
-from cost import begun, cost_table, measure, through_fmpy, timed
+from cases.measured import VELOCITY, H, MovingAxis, Steady, counted
+from cost import cost_table, measure, start_case, through_fmpy, timed
 from rich.console import Console
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.archive import write
-from motionsync_fmu.build import build_python
+from motionsync_fmu.build.fmu import build_python
+from motionsync_fmu.build.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
-from motionsync_fmu.scenario.fmu_instance import FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 
 LEAD = 2000  # steps until a remote axis is in sync; nothing is checked before
 NOTHING = "do-nothing slave through FMPy"
@@ -61,30 +61,30 @@ def idle(fmu: Path, block: str, target: Path) -> Path:
     with zipfile.ZipFile(fmu) as z:
         files = {n: z.read(n) for n in z.namelist() if f"/{block.lower()}_" not in n}
     files |= {"resources/slavemodule.txt": b"idle_slave", "resources/idle_slave.py": IDLE.encode()}
-    write(target, files)
+    write_zip(target, files)
     return target
 
 
-def bare(block: Any, case: Steady, axis: Axis) -> Callable[[int], None]:
+def bare(block: Any, case: Steady, axis: MovingAxis) -> Callable[[int], None]:
     """A function that does a number of steps of the block in plain Python."""
     stepper = Stepper(block).initialize(case.start)
     stepper.step(case.first, {f"{axis.group}.velocity": VELOCITY, **case.begin})
     moving, counter = getattr(block, axis.group), axis.counter.rpartition(".")[2]
     moving.position = 0.0
-    done = 0
+    steps_done = 0
 
     def steps(n: int) -> None:
-        nonlocal done
+        nonlocal steps_done
         step = block.step
-        for i in range(done, done + n):
+        for i in range(steps_done, steps_done + n):
             moving.position += moving.velocity * H
             if case.change:
                 moving.velocity = VELOCITY * (1.0 + case.change * (i % 2))
             if counter:
                 setattr(moving, counter, counted(case.counts, i * H))
             step(H)
-        done += n
-        if done < LEAD:
+        steps_done += n
+        if steps_done < LEAD:
             return
         for name, value in case.holds.items():
             assert stepper[name] == value, f"{case.name}: {name} is {stepper[name]}, it should be {value}"
@@ -98,7 +98,7 @@ def report(block: str, n: int, folder: Path) -> Any:
     with FmuInstance(fmu) as whole, FmuInstance(idle(fmu, block, folder / f"{block} idle.fmu")) as nothing:
 
         def steps(host: FmuInstance) -> Callable[[int], None]:
-            return through_fmpy(begun(host, cases[0], axis), cases[0], axis)
+            return through_fmpy(start_case(host, cases[0], axis), cases[0], axis)
 
         subjects = {
             **{f"{block} bare, {case.name}": timed(bare(Recipe(block).block(), case, axis)) for case in cases},

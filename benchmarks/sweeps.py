@@ -3,7 +3,7 @@
     python benchmarks/sweeps.py
 
 Each ratio is one of figures of the same call. A machine that does other things makes all of it slower, and most of all
-two processes beside one. The greatest memory is told by Linux alone.
+two processes beside one. The greatest memory is known on Linux alone.
 """
 
 import argparse
@@ -15,11 +15,11 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
 
-from motionsync_fmu.scenario.shipped import find_one
-from motionsync_fmu.sweep.crew import cluster
-from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.scenario.files.shipped import find_scenario
+from motionsync_fmu.sweep.execution import execute
 from motionsync_fmu.sweep.rows import rows
-from motionsync_fmu.sweep.spread import go
+from motionsync_fmu.sweep.sweep_plan import SweepPlan
+from motionsync_fmu.sweep.worker_pool import cluster
 
 SCENARIO = "FlyingSaw/cyclic_cut"
 MACHINE = "CutToLength/cyclic_orders"
@@ -28,7 +28,7 @@ FLAT = 1.1  # memory of twice the steps to that of the steps: the target
 MEMORY = """
 import re, sys
 from pathlib import Path
-from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.sweep.sweep_plan import SweepPlan
 from motionsync_fmu.sweep.rows import rows
 plan = SweepPlan.of(Path(sys.argv[1]), sys.argv[2:], measures={"slave.velocity": ("max",)})
 rows(plan, 0, plan.runs)
@@ -37,7 +37,7 @@ print(re.search(r"VmHWM:\\s*(\\d+) kB", Path("/proc/self/status").read_text())[1
 START = """
 import sys
 from pathlib import Path
-from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.sweep.sweep_plan import SweepPlan
 from motionsync_fmu.sweep.rows import rows
 rows(SweepPlan.of(Path(sys.argv[1]), sys.argv[2:]), 0, 1)
 """
@@ -54,7 +54,7 @@ velocity = 100.0
 at = 0.1
 "move_velocity.execute" = true
 """
-"""A scenario that is judged without its course: nothing is recorded."""
+"""A scenario whose evaluation needs no recording."""
 SPEED = "move_velocity.velocity"  # what varies in it
 
 
@@ -64,9 +64,9 @@ class Pace:
 
     points: list[tuple[float, int]] = field(default_factory=list)
 
-    def __call__(self, done: int, whole: int) -> None:
-        if done:
-            self.points.append((perf_counter(), done))
+    def __call__(self, finished: int, whole: int) -> None:
+        if finished:
+            self.points.append((perf_counter(), finished))
 
     @property
     def rate(self) -> float:
@@ -79,14 +79,14 @@ def swept(plan: SweepPlan, workers: int) -> tuple[float, float]:
     """Runs a second once all processes work; the seconds of the whole sweep."""
     pace, begin = Pace(), perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        go(plan, Path(folder), rows, workers=workers, progress=pace)
+        execute(plan, Path(folder), rows, workers=workers, progress=pace)
     return pace.rate, perf_counter() - begin
 
 
 def plan_of(scenario: str, runs: int, chunk: int) -> SweepPlan:
     """A sweep of so many runs over the line's velocity or the carriage's acceleration."""
     name, low, high = "axis.max_acceleration", 8000, 20000
-    return SweepPlan.of(find_one(Path(scenario)), [f"{name}={low}:{high}:{runs}"], chunk=chunk)
+    return SweepPlan.of(find_scenario(Path(scenario)), [f"{name}={low}:{high}:{runs}"], chunk=chunk)
 
 
 def processes(runs: int, chunk: int) -> None:
@@ -94,8 +94,8 @@ def processes(runs: int, chunk: int) -> None:
     print(f"{'scenario':26}{'runs':>8}{'1 process':>14}{'2 processes':>14}{'ratio':>8}   target {RATIO:g}")
     for scenario in (SCENARIO, MACHINE):
         plan = plan_of(scenario, runs, chunk)
-        one, two = (swept(plan, workers)[0] for workers in (1, 2))
-        print(f"{scenario:26}{runs:8}{one:10.0f} /s{two:11.0f} /s{two / one:8.2f}")
+        single, double = (swept(plan, workers)[0] for workers in (1, 2))
+        print(f"{scenario:26}{runs:8}{single:10.0f} /s{double:11.0f} /s{double / single:8.2f}")
 
 
 def nothing(number: int) -> bytes:
@@ -110,23 +110,23 @@ def chunks(runs: int) -> None:
         file = Path(folder) / "steady.toml"
         file.write_text(STEADY.format(stop_time=0.5))
         plans = [SweepPlan.of(file, [f"{SPEED}=100:900:{runs}"], chunk=chunk) for chunk in (runs, runs // parts)]
-    few, many = (median(swept_here(plan) for _ in range(3)) for plan in plans)
-    print(f"\na chunk costs {(many - few) / (parts - 1) * 1e3:.1f} ms of processor time beside its runs")
+    one_chunk, many_chunks = (median(sweep_in_this_process(plan) for _ in range(3)) for plan in plans)
+    print(f"\na chunk costs {(many_chunks - one_chunk) / (parts - 1) * 1e3:.1f} ms of processor time beside its runs")
     count = 3000
-    with cluster(nothing, "", 2, lambda line: None) as crew:
-        while crew.places < 4:
-            crew.try_next()
+    with cluster(nothing, "", 2, lambda line: None) as pool:
+        while pool.capacity < 4:
+            pool.try_take_finished()
         begin = perf_counter()
-        crew.client.gather(crew.client.map(nothing, range(count), pure=False))
+        pool.client.gather(pool.client.map(nothing, range(count), pure=False))
         took = perf_counter() - begin
     print(f"Dask: {count / took:.0f} tasks a second that do nothing, on 2 workers")
 
 
-def swept_here(plan: SweepPlan) -> float:
+def sweep_in_this_process(plan: SweepPlan) -> float:
     """The seconds of processor time of a sweep in this process."""
     begin = process_time()
     with tempfile.TemporaryDirectory() as folder:
-        go(plan, Path(folder), rows, workers=1)
+        execute(plan, Path(folder), rows, workers=1)
     return process_time() - begin
 
 
@@ -145,7 +145,7 @@ def memory(runs: int) -> None:
 
 def start(repetitions: int) -> None:
     """From the start of a process to its first row, with what is compiled in the cache."""
-    file = find_one(Path(SCENARIO))
+    file = find_scenario(Path(SCENARIO))
     rows(SweepPlan.of(file, ["axis.max_jerk=2e5"]), 0, 1)
     taken = []
     for _ in range(repetitions):
@@ -157,10 +157,10 @@ def start(repetitions: int) -> None:
 
 def output(code: str, *arguments: object) -> str:
     """What a program prints, in a Python of its own."""
-    done = subprocess.run(
+    finished = subprocess.run(
         [sys.executable, "-c", code, *map(str, arguments)], stdout=subprocess.PIPE, text=True, check=True
     )
-    return done.stdout
+    return finished.stdout
 
 
 def main() -> None:

@@ -1,8 +1,10 @@
 """What all tests have in common: the built FMUs, and the rule that CI accepts no skipped test."""
 
+import inspect
 import re
 import sys
 from pathlib import Path
+from types import CodeType, FunctionType
 from typing import Any
 
 import pytest
@@ -12,15 +14,15 @@ from hypothesis.internal.conjecture import providers
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import cli
 from motionsync_fmu.pages import progress
-from tests.support.by_block import folder
+from tests.support.by_block import block_folder
 from tests.support.command_line import Command, Outcome
 from tests.support.fmus import Fmus, Shared
 
-HERE = Path(__file__).parent
+FOLDER = Path(__file__).parent
 
 
-# Hypothesis mixes numbers from the project's loaded modules into what it draws. Without them, runs that are drawn the
-# same every time depend neither on which tests run together nor on the numbers in the source.
+# Hypothesis mixes numbers from the project's loaded modules into what it draws. Without them, and with the seed of
+# `repeat_examples`, random runs depend neither on which tests run together nor on the source: a rename changes none.
 providers._get_local_constants = lambda: providers._local_constants
 
 
@@ -28,48 +30,81 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--no-skips", action="store_true", help="a skipped test fails the run: for machines that have all")
     parser.addoption("--quick", action="store_true", help="no FMU, no slow test, a tenth of the random examples")
     parser.addoption("--block", metavar="FOLDER", help="the tests of one block that need no FMU: gearing, say")
+    parser.addoption("--registered", metavar="NAME", help="the tests that concern a registered block: Gearing, say")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    for room in sorted(path.parent.name for path in HERE.glob("*/__init__.py")):
-        config.addinivalue_line("markers", f"{room}: a test in tests/{room}")
+    for package in sorted(path.parent.name for path in FOLDER.glob("*/__init__.py")):
+        config.addinivalue_line("markers", f"{package}: a test in tests/{package}")
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
-        item.add_marker(item.path.relative_to(HERE).parts[0])
-    chosen = items
+        if item.path.parent != FOLDER:
+            item.add_marker(item.path.relative_to(FOLDER).parts[0])
+        repeat_examples(item)
+    selected = list(items)
     if config.getoption("--quick"):
-        chosen = [item for item in chosen if not slow(item) and not needs_fmu(item)]
-        for item in chosen:
-            fewer_examples(item)
+        selected = [item for item in selected if not is_slow(item) and not needs_fmu(item)]
+        for item in selected:
+            reduce_examples(item)
     if block := config.getoption("--block"):
-        named = {folder(name): name for name in BLOCKS}
-        if block not in named:
-            raise pytest.UsageError(f"no block has the folder {block!r}: choose one of {', '.join(sorted(named))}")
-        chosen = [item for item in chosen if belongs(item, block, named[block]) and not needs_fmu(item)]
-    chosen = sorted(chosen, key=lambda item: item.get_closest_marker("slow") is None)  # none of them is left to the end
-    kept = set(chosen)
-    config.hook.pytest_deselected(items=[item for item in items if item not in kept])
-    items[:] = chosen
+        folders = {block_folder(name): name for name in BLOCKS}
+        if block not in folders:
+            raise pytest.UsageError(f"no block has the folder {block!r}: choose one of {', '.join(sorted(folders))}")
+        selected = [item for item in selected if belongs_to_block(item, block, folders[block]) and not needs_fmu(item)]
+    if name := config.getoption("--registered"):
+        selected = [item for item in selected if concerns_block(item, name)]
+    # Slow tests come first: none of them runs alone at the end.
+    selected.sort(key=lambda item: item.get_closest_marker("slow") is None)
+    remaining = set(selected)
+    config.hook.pytest_deselected(items=[item for item in items if item not in remaining])
+    items[:] = selected
 
 
-def slow(item: pytest.Item) -> bool:
+def is_slow(item: pytest.Item) -> bool:
     """Whether a test is marked slow, or tests an oracle, on which a change of a block has no effect."""
-    return item.get_closest_marker("slow") is not None or item.path.name == "test_oracle.py"
+    return item.get_closest_marker("slow") is not None or item.path.name.startswith("test_oracle")
 
 
 def needs_fmu(item: pytest.Item) -> bool:
     return "shared" in getattr(item, "fixturenames", ())
 
 
-def belongs(item: pytest.Item, block: str, name: str) -> bool:
-    """Whether a test belongs to this block: it stands in the block's folder, or has the block's name as a parameter."""
-    return item.path.parent == HERE / "model" / block or re.search(rf"\[.*\b{name}\b", item.name) is not None
+def belongs_to_block(item: pytest.Item, block: str, name: str) -> bool:
+    """Whether a test belongs to this block: it is in the block's folder, or has the block's name as a parameter."""
+    return item.path.parent == FOLDER / "model" / block or re.search(rf"\[.*\b{name}\b", item.name) is not None
 
 
-def fewer_examples(item: pytest.Item) -> None:
+def concerns_block(item: pytest.Item, name: str) -> bool:
+    """Whether a test concerns a registered block: it belongs to the block, or it goes over all blocks by itself."""
+    goes_over_all = isinstance(item, pytest.Function) and names_all_blocks(item.function)
+    return belongs_to_block(item, block_folder(name), name) or (
+        goes_over_all and not any(other in item.name for other in BLOCKS)
+    )
+
+
+def names_all_blocks(function: FunctionType) -> bool:
+    """Whether a test, or a function of its module that it calls, names BLOCKS."""
+    names, codes = set[str](), [inspect.unwrap(function).__code__]
+    for code in codes:  # also those of its inner functions, which are appended meanwhile
+        names |= set(code.co_names)
+        codes += [inner for inner in code.co_consts if isinstance(inner, CodeType)]
+    module = function.__globals__
+    called = (module.get(name) for name in names)
+    own = (f for f in called if isinstance(f, FunctionType) and f is not function and f.__globals__ is module)
+    return "BLOCKS" in names or any(map(names_all_blocks, own))
+
+
+def repeat_examples(item: pytest.Item) -> None:
+    """Draw from a fixed seed where a test asks for the same examples every time; `derandomize` alone takes its text."""
+    test = getattr(item, "obj", None)
+    if is_hypothesis_test(test) and test._hypothesis_internal_use_settings.derandomize:
+        test._hypothesis_internal_use_seed = 0
+
+
+def reduce_examples(item: pytest.Item) -> None:
     """Run a tenth of the random examples, at least 5. A profile of Hypothesis would not change a test's own number."""
     test = getattr(item, "obj", None)
     if is_hypothesis_test(test):
@@ -79,7 +114,7 @@ def fewer_examples(item: pytest.Item) -> None:
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
     if config.getoption("--no-skips") and terminalreporter.stats.get("skipped"):
-        terminalreporter.write_line("skipped tests are not allowed here (--no-skips)", red=True)
+        terminalreporter.write_line("skipped tests are not allowed (--no-skips)", red=True)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
@@ -142,8 +177,8 @@ def motionsync(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.C
         status: Any = 0
         try:
             cli.main()
-        except SystemExit as e:
-            status = e.code or 0
+        except SystemExit as exit_:
+            status = exit_.code or 0
         captured = capsys.readouterr()
         return Outcome(status, captured.out, captured.err)
 

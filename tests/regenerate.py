@@ -1,10 +1,11 @@
 """Writes the cross-check files of every scenario and example: inputs from its script, the reference from the oracle.
 
-python -m tests.regenerate
+python -m tests.regenerate [FOLDER ...]
 """
 
+import sys
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,19 +13,19 @@ from typing import Any
 
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
-from motionsync_fmu.archive import beside
-from motionsync_fmu.scenario import example
-from motionsync_fmu.scenario.crosscheck import csv_text, inputs_csv, options_text
-from motionsync_fmu.scenario.reactions import scans
-from motionsync_fmu.scenario.reader import load
-from motionsync_fmu.scenario.run import inputs, schedule
+from motionsync_fmu.interface.block_folder import block_file
+from motionsync_fmu.scenario.evaluate.reference_files import csv_text, inputs_csv, options_text
+from motionsync_fmu.scenario.files import example
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.files.shipped import find_files
+from motionsync_fmu.scenario.run.reactions import scan_times
+from motionsync_fmu.scenario.run.simulation import axis_inputs, scheduled_steps
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from motionsync_fmu.scenario.settings import Reaction, Setting
-from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 from tests.oracle.reactions import settled
-from tests.support.by_block import folder
+from tests.support.by_block import block_folder
 
 SCENARIOS = ROOT / "scenarios"
 POINTS = 200  # of a reference, about
@@ -40,19 +41,23 @@ def oracle(name: str) -> Any:
     Raises:
         LookupError: the block has no oracle that makes references.
     """
-    module = f"tests.oracle.{folder(name)}"
-    found = import_module(module) if find_spec(module) else None
-    if not hasattr(found, "COLUMNS"):
-        raise LookupError(f"{name} needs tests/oracle/{folder(name)}.py with COLUMNS and reference(script, times)")
-    return found
+    module = f"tests.oracle.{block_folder(name)}"
+    result = import_module(module) if find_spec(module) else None
+    if not hasattr(result, "COLUMNS"):
+        raise LookupError(
+            f"{name} needs tests/oracle/{block_folder(name)}.py with COLUMNS and reference(script, times)"
+        )
+    return result
 
 
 def files(scenario_file: Path) -> dict[Path, str]:
     """The cross-check files that belong beside a scenario, with their text; the inputs of an example are made from it
     where they are wanted."""
-    scenario = load(scenario_file)
+    scenario = load_scenario(scenario_file)
     script = independent_script(scenario)
-    scenario = scenario.settled(settings(script), master(scenario, script)) if scenario.reacts else scenario
+    scenario = (
+        scenario.with_recorded_inputs(settings(script), master(scenario, script)) if scenario.reacts else scenario
+    )
     name = scenario.recipe.name
     steps = round(scenario.stop_time / scenario.step_size)
     stride = max(steps // POINTS, 1)
@@ -74,9 +79,9 @@ def files(scenario_file: Path) -> dict[Path, str]:
     return {scenario_file.with_name(file): text for file, text in texts.items()}
 
 
-def examples() -> list[Path]:
+def examples(names: Iterable[str] = BLOCKS) -> list[Path]:
     """The example of each block."""
-    return [beside(block, example.FILE) for block in BLOCKS.values()]
+    return [block_file(BLOCKS[name], example.FILE) for name in names]
 
 
 def independent_script(scenario: Scenario) -> dict[str, Any]:
@@ -114,33 +119,34 @@ def master(scenario: Scenario, script: Mapping[str, Any]) -> Script:
     """The scenario's master; one that follows the block has its motion from the script's segments, one a scan."""
     if not scenario.drive:
         return scenario.master
-    begin = scenario.master.at(0.0)
-    following = Script(begin.position, begin.velocity, begin.acceleration, ())
-    times = scans(scenario.scan, scenario.stop_time).tolist()
+    start = scenario.master.at(0.0)
+    following = Script(start.position, start.velocity, start.acceleration, ())
+    times = scan_times(scenario.scan, scenario.stop_time).tolist()
     for at, segment in zip(times, script["master"]["segments"][1:], strict=True):
-        following.go_on(at, float(segment["acceleration"]))
+        following.accelerate_from(at, float(segment["acceleration"]))
     return following
 
 
-def stepped(made: Callable[..., Any], scenario: Scenario, times: Sequence[float]) -> list[dict[str, float]]:
+def stepped(oracle_type: Callable[..., Any], scenario: Scenario, times: Sequence[float]) -> list[dict[str, float]]:
     """The outputs, at some of the steps' ends, of an oracle that gets in each step the inputs of the FMU."""
     declared = scenario.recipe.variables
     parameters = {name: value for name, value in scenario.start.items() if declared[name].causality == "parameter"}
-    seen = {name: value for name, value in scenario.start.items() if declared[name].causality == "input"}
-    seen |= inputs(scenario, scenario.master, 0.0, 0.0)
-    running = made(parameters, seen)
-    wanted = {round(t / scenario.step_size, 6): t for t in times}
+    inputs = {name: value for name, value in scenario.start.items() if declared[name].causality == "input"}
+    inputs |= axis_inputs(scenario, scenario.master, 0.0, 0.0)
+    running = oracle_type(parameters, inputs)
+    required = {round(t / scenario.step_size, 6): t for t in times}
     rows = []
-    for begin, end, changed in schedule(scenario, scenario.step_size):
-        seen |= changed
-        found = running.step(dict(seen), end - begin)
-        if (place := round(end / scenario.step_size, 6)) in wanted:
-            rows.append({"time": wanted[place], **{name: float(value) for name, value in found.items()}})
+    for start, end, changed in scheduled_steps(scenario, scenario.step_size):
+        inputs |= changed
+        result = running.step(dict(inputs), end - start)
+        if (step := round(end / scenario.step_size, 6)) in required:
+            rows.append({"time": required[step], **{name: float(value) for name, value in result.items()}})
     return rows
 
 
 if __name__ == "__main__":
-    for scenario_file in [*find(SCENARIOS), *examples()]:
+    blocks = [name for name in BLOCKS if not sys.argv[1:] or block_folder(name) in sys.argv[1:]]
+    for scenario_file in [*(file for name in blocks for file in find_files(SCENARIOS / name)), *examples(blocks)]:
         for file, text in files(scenario_file).items():
             file.write_text(text)
         print(scenario_file.parent)

@@ -4,7 +4,7 @@
 | --- | --- |
 | motionsync-<version>-py3-none-any.whl, motionsync-<version>.tar.gz | the package, as wheel and as source |
 | motionsync-<version>-fmus.zip | the FMUs of all blocks (FMI 2.0 and 3.0, in several units), pages, pages to explore |
-| RELEASE_NOTES.md | what CHANGELOG.md says of this version |
+| RELEASE_NOTES.md | this version's section of CHANGELOG.md |
 | SHA256SUMS | the other files' checksums, for `sha256sum --check` |
 
 The date of the version in CHANGELOG.md is that of all files, unless SOURCE_DATE_EPOCH gives another: the same sources
@@ -28,14 +28,16 @@ from pathlib import Path
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import HOME, __version__
-from motionsync_fmu.archive import Files, build_time, write
-from motionsync_fmu.build import Flavour, build
+from motionsync_fmu.build.fmu import BuildOptions, Flavour, build
+from motionsync_fmu.build.zip import write_zip
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.explore.page import scenarios_of, write_page
+from motionsync_fmu.interface.build_time import build_time
+from motionsync_fmu.interface.fingerprint import Files
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import summary
 from motionsync_fmu.pages.block_page import PICTURE
-from motionsync_fmu.pages.style import TEMPLATES
+from motionsync_fmu.pages.style import load_template
 
 ROOT = Path(__file__).parent.parent
 UNITS = ("mm", "m", "deg")
@@ -45,7 +47,7 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Notes:
-    """What the changelog says of a version.
+    """The changelog's section on a version.
 
     Attributes:
         text: in Markdown, without the section's heading.
@@ -56,23 +58,23 @@ class Notes:
     time: int
 
 
-def notes(changelog: str, version: str) -> Notes:
+def read_notes(changelog: str, version: str) -> Notes:
     """The changelog's section of a version.
 
     Raises:
-        UserError: there is none, or nothing stands in it.
+        UserError: there is none, or it is empty.
     """
-    found = re.search(SECTION.format(version=re.escape(version)), changelog, re.M | re.S)
-    if not found or not found[4].strip():
+    match = re.search(SECTION.format(version=re.escape(version)), changelog, re.M | re.S)
+    if not match or not match[4].strip():
         raise UserError(
-            f"CHANGELOG.md says nothing of version {version}: write what has changed under "
+            f"CHANGELOG.md has no text on version {version}: write what has changed under "
             f"'## [{version}] - <year>-<month>-<day>' before it is released"
         )
-    year, month, day = (int(part) for part in found.groups()[:3])
-    return Notes(found[4].strip() + "\n", calendar.timegm((year, month, day, 0, 0, 0)))
+    year, month, day = (int(part) for part in match.groups()[:3])
+    return Notes(match[4].strip() + "\n", calendar.timegm((year, month, day, 0, 0, 0)))
 
 
-def release(
+def make_release(
     folder: Path,
     progress: Progress,
     blocks: Iterable[str] = BLOCKS,
@@ -85,25 +87,28 @@ def release(
     each version of FMI.
 
     Raises:
-        UserError: the changelog says nothing of this version, or an FMU cannot be built.
+        UserError: the changelog has no text on this version, or an FMU cannot be built.
     """
-    told = notes((ROOT / "CHANGELOG.md").read_text("utf-8"), __version__)
+    current = read_notes((ROOT / "CHANGELOG.md").read_text("utf-8"), __version__)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with dated(told.time), tempfile.TemporaryDirectory(dir=folder.parent, prefix=f"{folder.name}.") as made:
-        part = Path(made, folder.name)
+    with (
+        date_files(current.time),
+        tempfile.TemporaryDirectory(dir=folder.parent, prefix=f"{folder.name}.") as work,
+    ):
+        part = Path(work, folder.name)
         part.mkdir()
         progress("wheel and source")
-        package(part)
-        write(part / f"motionsync-{__version__}-fmus.zip", fmus(list(blocks), list(units), flavour, progress))
-        (part / "RELEASE_NOTES.md").write_bytes(told.text.encode())
+        build_package(part)
+        write_zip(part / f"motionsync-{__version__}-fmus.zip", build_fmus(list(blocks), list(units), flavour, progress))
+        (part / "RELEASE_NOTES.md").write_bytes(current.text.encode())
         (part / "SHA256SUMS").write_bytes(checksums(part).encode())
         shutil.rmtree(folder, ignore_errors=True)
         part.rename(folder)
 
 
 @contextmanager
-def dated(time: int) -> Iterator[None]:
-    """All that is made meanwhile has this time, in s since 1970, unless SOURCE_DATE_EPOCH gives one already.
+def date_files(time: int) -> Iterator[None]:
+    """In this context all files get this time, in s since 1970, unless SOURCE_DATE_EPOCH gives another one.
 
     Raises:
         UserError: SOURCE_DATE_EPOCH is no such time.
@@ -120,44 +125,44 @@ def dated(time: int) -> Iterator[None]:
             os.environ["SOURCE_DATE_EPOCH"] = before
 
 
-def package(folder: Path) -> None:
+def build_package(folder: Path) -> None:
     """The package as wheel and as source.
 
     Raises:
         UserError: Hatchling failed.
     """
     command = [sys.executable, "-m", "hatchling", "build", "--directory", str(folder)]
-    done = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
-    if done.returncode:
-        raise UserError(f"the package cannot be made: {done.stderr.strip()}")
+    result = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
+    if result.returncode:
+        raise UserError(f"the package cannot be made: {result.stderr.strip()}")
 
 
-def fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: Progress) -> Files:
-    """What lies in the archive of FMUs: <unit>/<block>_<unit>.fmu and its page, <unit>/fmi3/<block>_<unit>.fmu, a first
+def build_fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: Progress) -> Files:
+    """The files in the archive of FMUs: <unit>/<block>_<unit>.fmu and its page, <unit>/fmi3/<block>_<unit>.fmu, a first
     page, the licence; natively explore/<block>.html, too."""
     native = flavour == Flavour.NATIVE
     versions = list(Fmi) if native else [Fmi.TWO]
-    first = first_page(blocks, units, native=native)
-    files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first}
+    first_page = make_first_page(blocks, units, native=native)
+    files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first_page}
     recipes = [Recipe(block, unit, fmi=fmi) for unit in units for fmi in versions for block in blocks]
     with tempfile.TemporaryDirectory() as folder:
         for i, recipe in enumerate(recipes, 1):
-            place = recipe.unit if recipe.fmi == Fmi.TWO else f"{recipe.unit}/fmi3"
-            name = f"{place}/{recipe.name}_{recipe.unit}"
+            folder_name = recipe.unit if recipe.fmi == Fmi.TWO else f"{recipe.unit}/fmi3"
+            name = f"{folder_name}/{recipe.name}_{recipe.unit}"
             progress(f"{name}.fmu ({i} of {len(recipes)})")
-            fmu = build(flavour, recipe, Path(folder, f"{name}.fmu"), progress, with_sources=flavour == Flavour.NATIVE)
+            fmu = build(recipe, Path(folder, f"{name}.fmu"), BuildOptions(flavour, with_sources=native), progress)
             files[f"{name}.fmu"] = fmu.read_bytes()
             if recipe.fmi == Fmi.TWO:
-                files[f"{name}.html"] = page(fmu, recipe.name, native=native)
+                files[f"{name}.html"] = page_with_picture(fmu, recipe.name, native=native)
             if native and (recipe.unit, recipe.fmi) == (units[0], Fmi.TWO):
-                explored = Path(folder, f"{recipe.name}.html")
-                write_page(recipe.name, scenarios_of(recipe.name), fmu, explored, progress)
-                files[f"explore/{recipe.name}.html"] = explored.read_bytes()
+                explore_page = Path(folder, f"{recipe.name}.html")
+                write_page(recipe.name, scenarios_of(recipe.name), fmu, explore_page, progress)
+                files[f"explore/{recipe.name}.html"] = explore_page.read_bytes()
     return files
 
 
-def first_page(blocks: list[str], units: list[str], *, native: bool) -> bytes:
-    """The page that says what the FMUs are; `native`: whether there are some of FMI 3.0, and pages to explore."""
+def make_first_page(blocks: list[str], units: list[str], *, native: bool) -> bytes:
+    """The page that describes the FMUs; `native`: whether there are some of FMI 3.0, and pages to explore."""
     values = {
         "version": __version__,
         "home": HOME,
@@ -165,10 +170,10 @@ def first_page(blocks: list[str], units: list[str], *, native: bool) -> bytes:
         "native": native,
         "blocks": {block: summary(BLOCKS[block]) for block in blocks},
     }
-    return TEMPLATES.from_string(Path(__file__).with_name("fmus.html.j2").read_text("utf-8")).render(values).encode()
+    return load_template(Path(__file__).parent, "fmus.html.j2").render(values).encode()
 
 
-def page(fmu: Path, name: str, *, native: bool) -> bytes:
+def page_with_picture(fmu: Path, name: str, *, native: bool) -> bytes:
     """An FMU's page with its picture in it, as one file; `native`: with a link to the page to explore the block."""
     with zipfile.ZipFile(fmu) as z:
         text, picture = (z.read(f"documentation/{name}") for name in ("index.html", PICTURE))
@@ -180,10 +185,10 @@ def page(fmu: Path, name: str, *, native: bool) -> bytes:
 
 
 def checksums(folder: Path) -> str:
-    return "".join(f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in listed(folder))
+    return "".join(f"{hashlib.sha256(file.read_bytes()).hexdigest()}  {file.name}\n" for file in sorted_files(folder))
 
 
-def listed(folder: Path) -> Iterator[Path]:
+def sorted_files(folder: Path) -> Iterator[Path]:
     """The files in a folder, by name."""
     yield from sorted(folder.iterdir())
 
@@ -192,10 +197,10 @@ def main() -> None:
     """Make the release of all FMUs in build/release, and list its files."""
     folder = ROOT / "build" / "release"
     try:
-        release(folder, lambda text: print(text, flush=True))
+        make_release(folder, lambda text: print(text, flush=True))
     except UserError as e:
         sys.exit(f"release: {e}")
-    for file in listed(folder):
+    for file in sorted_files(folder):
         print(f"{file.relative_to(ROOT)}  {file.stat().st_size / 1000:.0f} kB")
 
 

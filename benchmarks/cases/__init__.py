@@ -19,5 +19,5 @@ def cases_of(name: str) -> Cases:
     folder = type(Recipe(name).block()).__module__.split(".")[1]
     if not find_spec(f"cases.{folder}"):
         raise LookupError(f"{name} needs benchmarks/cases/{folder}.py")
-    found: Cases = import_module(f"cases.{folder}").CASES
-    return found
+    result: Cases = import_module(f"cases.{folder}").CASES
+    return result

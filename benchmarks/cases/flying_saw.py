@@ -1,6 +1,6 @@
 """What the FlyingSaw is measured in."""
 
-from cases.measured import FAR, VELOCITY, Bounds, Cases, Steady, Values, Worst
+from cases.measured import FAR_AWAY, VELOCITY, Bounds, Cases, Steady, Values, Worst
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
@@ -88,18 +88,18 @@ CASES = Cases(
             begin={"gear_in_velo.execute": True},
             holds={"state_code": State.SYNCHRON},
         ),
-        Steady("standing", holds={"state_code": State.INACTIVE}),
+        Steady("at rest", holds={"state_code": State.INACTIVE}),
         Steady(
             "own motion, cruising in a long move",
-            begin={"move_absolute.position": FAR, "move_absolute.execute": True},
+            begin={"move_absolute.position": FAR_AWAY, "move_absolute.execute": True},
             first=1.0,
             holds={"state_code": State.CONSTANT_VELOCITY},
         ),
         Steady(
             "in the profile",
             begin={
-                "gear_in_pos.master_sync_position": FAR,
-                "gear_in_pos.slave_sync_position": FAR,
+                "gear_in_pos.master_sync_position": FAR_AWAY,
+                "gear_in_pos.slave_sync_position": FAR_AWAY,
                 "gear_in_pos.execute": True,
             },
             holds={"state_code": State.SYNCHRONIZING, "characteristics.profile": P5},
@@ -151,7 +151,7 @@ CASES = Cases(
         refused("its limits are wrong", (Fault.LIMIT,), (100.0, 1500.0), (-2.0, -1.0)),
         refused("a check is broken", (Fault.CHECK,), (1000.0, 9000.0), (0.0, 0.0), *CHECKS),
         refused(
-            "the broken check is told",
+            "the broken check is reported",
             tuple(fault for fault in Fault if fault > Fault.CHECK),
             (1000.0, 9000.0),
             (0.0, 0.0),

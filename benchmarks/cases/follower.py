@@ -1,6 +1,6 @@
 """What the Follower is measured in."""
 
-from cases.measured import FAR, Cases, H, Steady, Worst
+from cases.measured import FAR_AWAY, Cases, H, Steady, Worst
 from motionsync.follower.interface import State
 
 CYCLES_A_STEP = 5.0
@@ -23,13 +23,20 @@ def passed(name: str, state: State, sync_slave: float, sync_out: float, sync_mas
 
 CASES = Cases(
     steady=(
-        passed("with the master", State.M_SYNCHRONIZED, 1.0, FAR, 10.0, 1.0),
-        passed("waiting at the park", State.M_WAITING, 1.0, 2.0, FAR, H),
-        passed("on the way to the meeting", State.M_FOLLOWING, FAR, 2.0 * FAR, 2.0 * FAR + 10.0, 1.0),
+        passed("with the master", State.M_SYNCHRONIZED, 1.0, FAR_AWAY, 10.0, 1.0),
+        passed("waiting at the park", State.M_WAITING, 1.0, 2.0, FAR_AWAY, H),
+        passed(
+            "on the way to the meeting",
+            State.M_FOLLOWING,
+            FAR_AWAY,
+            2.0 * FAR_AWAY,
+            2.0 * FAR_AWAY + 10.0,
+            1.0,
+        ),
         passed("on the way home", State.M_HOMING, 1.0, 2.0, 10.0, 1.0),
         Steady(
             "in a positioning, cruising",
-            start={"slave.initial_position": FAR},
+            start={"slave.initial_position": FAR_AWAY},
             begin=TO_PARK,
             first=1.0,
             holds={"state_code": State.M_POSITIONING},

@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from cases.measured import FAR, PERIOD, TURNS_A_STEP, Cases, H, Steady, Worst
+from cases.measured import FAR_AWAY, PERIOD, TURNS_A_STEP, Cases, H, Steady, Worst
 from motionsync.gearing.interface import StartMode, State, StopMode, Transition
 
 STRAIGHT_IN = {"gear_in.start_mode": StartMode.CW_CCW_DIRECT, "gear_in.transition": Transition.NONE}
 STRAIGHT_OUT = {"gear_out.stop_mode": StopMode.CW_CCW_DIRECT, "gear_out.transition": Transition.NONE}
 AT_REFERENCE = {"gear_in.start_mode": StartMode.WITH_CW_CCW_REFERENCE_POSITION}
 AT_STOP = {"gear_out.stop_mode": StopMode.WITH_CW_CCW_STOP_POSITION}
-SHORT = 0.1  # u and H: a transition within the step that begins it
+SHORT = 0.1  # u and H: a transition within the step that starts it
 ROTARY = {"master.period": PERIOD, "slave.period": PERIOD, "gearing.numerator": 7, "gearing.denominator": -3}
 
 
@@ -46,18 +46,18 @@ CASES = Cases(
         Steady("in gear", start=STRAIGHT_IN, begin={"start": True}, holds={"state_code": State.ACTIVE}),
         Steady(
             "waiting for the reference position",
-            begin={"start": True, "gear_in.reference_position": FAR},
+            begin={"start": True, "gear_in.reference_position": FAR_AWAY},
             holds={"state_code": State.WAITING_FOR_STARTPOSITION},
         ),
         Steady(
             "in a master-based transition",
-            start=STRAIGHT_IN | {"gear_in.transition": Transition.MASTER_BASED, "gear_in.distance": FAR},
+            start=STRAIGHT_IN | {"gear_in.transition": Transition.MASTER_BASED, "gear_in.distance": FAR_AWAY},
             begin={"start": True},
             holds={"state_code": State.GEAR_IN},
         ),
         Steady(
             "in a time-based transition",
-            start=STRAIGHT_IN | {"gear_in.transition": Transition.TIME_BASED, "gear_in.time": FAR},
+            start=STRAIGHT_IN | {"gear_in.transition": Transition.TIME_BASED, "gear_in.time": FAR_AWAY},
             begin={"start": True},
             holds={"state_code": State.GEAR_IN},
         ),

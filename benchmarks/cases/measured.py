@@ -9,14 +9,14 @@ VELOCITY = 90.0  # of the axis that moves, u/s
 H = 1e-3  # s a step
 PERIOD = 360.0  # of a rotary axis, u
 TURNS_A_STEP = 5.0  # of a rotary master, so that much happens in each step
-FAR = 1e9  # no benchmark gets there
+FAR_AWAY = 1e9  # no benchmark gets there
 
 Values = Mapping[str, Any]
 Bounds = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Axis:
+class MovingAxis:
     """The axis that moves: what is set at each step.
 
     Attributes:
@@ -67,8 +67,8 @@ class Worst:
         between: Booleans that are raised in the step between.
         draws: Real inputs, drawn from these bounds before the step between.
         ahead: Real inputs, drawn from these bounds after the step between and added to the variable of that name.
-        watch: integers and enumerations that show after the step whether the command was planned.
-        planned: the values of `watch` after a planned command: any of these tuples.
+        watch: integers and enumerations that show after the step whether the command's motion was planned.
+        planned: the values of `watch` after such a step: any of these tuples, at least one.
         counts: the rate of the axis' counter, 1/s.
     """
 
@@ -91,9 +91,9 @@ class Cases:
 
     steady: tuple[Steady, ...]
     worst: tuple[Worst, ...]
-    axis: Axis = Axis()
+    axis: MovingAxis = MovingAxis()
 
 
 def counted(counts: float, time: float) -> int:
-    """The axis' counter at a time. It does not change where a step of a run begins, since that time is inexact."""
+    """The axis' counter at a time. It does not change where a step of a run starts, since that time is inexact."""
     return math.floor(counts * time + 0.25)

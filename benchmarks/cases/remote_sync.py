@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from cases.measured import Axis, Cases, H, Steady, Values, Worst
+from cases.measured import Cases, H, MovingAxis, Steady, Values, Worst
 from motionsync.remote_sync.faults import Fault
 from motionsync.remote_sync.interface import MOST_PERIODS, Estimator, Mode, StartUpMode
 
@@ -46,5 +46,5 @@ CASES = Cases(
         identified("a beat identified by PHASE", EQUAL, Estimator.PHASE),
         identified("the same by BEAT, 10 cycles in the step", TEN_CYCLES, Estimator.BEAT, MOST_PERIODS),
     ),
-    axis=Axis("remote", "remote.cycle_index"),
+    axis=MovingAxis("remote", "remote.cycle_index"),
 )

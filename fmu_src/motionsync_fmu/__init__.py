@@ -1,6 +1,6 @@
 """From a block to an FMU: variables, modelDescription, documentation, both flavours, and the command line."""
 
-# What package, FMUs and pages tell of the project: it stands here only, and hatch_build.py reads it too.
+# What package, FMUs and pages state about the project: it is written here only, and hatch_build.py reads it too.
 __version__ = "0.2.0"
 HOME = "https://github.com/motionsync/motionsync"
 AUTHORS = "The motionsync authors"

@@ -1,6 +1,6 @@
-"""The command line: its commands lie in `commands`, a module each.
+"""The command line; each command is a module of `commands`.
 
-A command imports what it needs where it runs: the libraries of all of them together take a second to load.
+A command imports what it needs when it runs, since the libraries of all commands take a second to load.
 """
 
 import io
@@ -30,7 +30,7 @@ from .pages.console import err
 app = typer.Typer(
     name="motionsync",
     help="FMI co-simulation units of master/slave motion synchronisation.",
-    epilog="""Begin with:\n
+    epilog="""Start with:\n
     motionsync list\n
     motionsync build Synchronizer\n
     motionsync run Synchronizer\n
@@ -45,14 +45,14 @@ COMMANDS: dict[
     "list": (list_all, "List the blocks, and what can be run by name."),
     "build": (build, "Build FMUs."),
     "describe": (describe, "Show variables, enumerations, fault codes."),
-    "new": (new, "Write a scenario to begin your own with."),
-    "run": (run, "Run scenarios, judge them, write reports."),
+    "new": (new, "Write a first scenario of your own."),
+    "run": (run, "Run scenarios, check them, write reports."),
     "explore": (explore, "Write a page to move a block by hand."),
     "line": (line, "Run a production line of several FMUs."),
-    "plan-line": (plan_line, "Tell how fast a cutting line may run, and why."),
-    "sweep": (sweep, "Run a scenario with many values: a row a run."),
+    "plan-line": (plan_line, "Show how fast a cutting line may run, and why."),
+    "sweep": (sweep, "Run a scenario with many values: a row per run."),
     "sweep-plot": (sweep_plot, "Write a page about a sweep's rows."),
-    "search": (search, "Find where in a range a run begins to succeed."),
+    "search": (search, "Find where in a range a run starts to succeed."),
     "error": (error, "Explain a fault code."),
     "export-crosscheck": (export_crosscheck, "Write models for the FMI cross-check."),
 }
@@ -60,22 +60,22 @@ for name, (command, help_line) in COMMANDS.items():
     app.command(name, short_help=help_line)(command)
 
 
-def _tell_version(asked: bool) -> None:
-    if asked:
+def _print_version(requested: bool) -> None:
+    if requested:
         print(f"motionsync {__version__}")
         raise typer.Exit
 
 
 @app.callback()
-def without_command(
+def accept_global_options(
     version: Annotated[
-        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Show the version.")
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
-    """What can be asked for without a command."""
+    """Accept the options that need no command."""
 
 
-USAGE: Any = typer.BadParameter.__base__  # what typer raises at wrong usage; it has no public name of its own
+USAGE: Any = typer.BadParameter.__base__  # what typer raises at wrong usage; it has no public name
 
 
 def main() -> None:
@@ -84,7 +84,7 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a console without ± still prints the rest
     try:
-        sys.exit(app(standalone_mode=False))  # the status that a command gave to typer.Exit; else None, which is 0
+        sys.exit(app(standalone_mode=False))  # the status that a command gives to typer.Exit; else None, which is 0
     except USAGE as e:
         text = e.format_message().replace("Value error, ", "")  # if no argument was given, this text is the help
         if text.startswith("No such command"):

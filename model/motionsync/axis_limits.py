@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from . import var
-from .limits import MOST
+from .computable_range import LARGEST
 from .var import Role, Unit
 
 
@@ -12,7 +12,7 @@ from .var import Role, Unit
 class AxisLimits:
     """The slave axis's machine data: where it starts, and its limits."""
 
-    initial_position: float = var.parameter(0.0, "where the axis is at first", Unit.POSITION, min=-MOST, max=MOST)
+    initial_position: float = var.parameter(0.0, "where the axis is at first", Unit.POSITION, min=-LARGEST, max=LARGEST)
     max_velocity: float = var.limit(2000.0, "velocity limit, not 0", Unit.VELOCITY, zero=False, role=Role.MAX_VELOCITY)
     max_acceleration: float = var.limit(
         10000.0, "acceleration limit, not 0", Unit.ACCELERATION, zero=False, role=Role.MAX_ACCELERATION
@@ -21,12 +21,8 @@ class AxisLimits:
         0.0, "deceleration limit; 0: as the acceleration limit", Unit.ACCELERATION, role=Role.MAX_DECELERATION
     )
     max_jerk: float = var.limit(100000.0, "jerk limit, not 0", Unit.JERK, zero=False, role=Role.MAX_JERK)
-    min_position: float = var.parameter(
-        -1e9, "lower software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST, role=Role.MIN_POSITION
-    )
-    max_position: float = var.parameter(
-        1e9, "upper software end position", Unit.POSITION, tunable=True, min=-MOST, max=MOST, role=Role.MAX_POSITION
-    )
+    min_position: float = var.position(-1e9, "lower software end position", role=Role.MIN_POSITION)
+    max_position: float = var.position(1e9, "upper software end position", role=Role.MAX_POSITION)
 
     def deceleration(self) -> float:
         """The deceleration limit in use, u/s2."""
@@ -34,11 +30,10 @@ class AxisLimits:
 
 
 def limit_in_use(limit: float, otherwise: float) -> float:
-    """A limit that stands for another one where it is 0: a command's for the axis's, the deceleration's for the
-    acceleration's."""
+    """A limit, or `otherwise` where it is 0: for a command's the axis's, for the deceleration's the acceleration's."""
     return otherwise if limit == 0.0 else limit
 
 
-def are_finite(lowest: float, highest: float) -> bool:
-    """Whether both software end positions are finite; tunable parameters are judged by the command that reads them."""
+def are_ends_finite(lowest: float, highest: float) -> bool:
+    """Whether both software end positions are finite; the command that reads tunable parameters checks them."""
     return isfinite(lowest) and isfinite(highest)

@@ -1,7 +1,7 @@
-"""Places on an axis that repeat: the turns of a modulo axis, and grids of equal spacing."""
+"""Positions that repeat on an axis: the turns of a modulo axis, and grids of equal spacing."""
 
 ROUNDING = 1e-15  # of a position: what is smaller is taken for a rounding error
-SAME_PLACE = 1e-12  # of a grid's spacing: what is smaller is taken for a rounding error, summed up over many places
+SPACING_ROUNDING = 1e-12  # of a grid's spacing: a smaller distance is rounding, summed up over many spacings
 
 
 def wrap(position: float, period: float) -> float:
@@ -26,39 +26,38 @@ def floor(x: float) -> float:
     return whole - 1.0 if whole > x else whole
 
 
-def nearest(base: float, spacing: float, position: float) -> float:
-    """Of the places base + n spacing the one nearest to `position`; with a spacing of 0, `base`."""
+def nearest_on_grid(base: float, spacing: float, position: float) -> float:
+    """Of the positions base + n spacing the one nearest to `position`; with a spacing of 0, `base`."""
     if spacing == 0.0:
         return base
     return base + floor((position - base) / spacing + 0.5) * spacing
 
 
-def rounding(a: float, b: float) -> float:
+def rounding_tolerance(a: float, b: float) -> float:
     """The difference of two positions, u, up to which they are taken for the same: 1e-15 of both magnitudes."""
     return ROUNDING * (abs(a) + abs(b))
 
 
-def grid_tolerance(base: float, spacing: float, here: float) -> float:
-    """The distance, u, up to which `here` is at a place of the grid base + n spacing: the `rounding` of base and
-    here, and 1e-12 of the spacing."""
-    return rounding(here, base) + SAME_PLACE * spacing
+def grid_tolerance(base: float, spacing: float, position: float) -> float:
+    """The distance, u, up to which `position` is on the grid base + n spacing: rounding, and 1e-12 of the spacing."""
+    return rounding_tolerance(position, base) + SPACING_ROUNDING * spacing
 
 
-def first_ahead(base: float, spacing: float, direction: float, here: float, counts_here: bool) -> float:
-    """Of the places base + n spacing the first one ahead of `here` in a direction, 1 or -1.
+def first_on_grid_ahead(base: float, spacing: float, direction: float, position: float, including: bool) -> float:
+    """Of the positions base + n spacing the first one ahead of `position` in a direction, 1 or -1.
 
-    A place within `grid_tolerance` of `here` is ahead if `counts_here`, and is passed already if not. With a spacing
-    of 0 there is only the place `base`, which is the answer wherever it lies.
+    One within `grid_tolerance` of `position` counts as ahead if `including`, and as passed if not. With a spacing of 0
+    the result is `base`, ahead or not.
     """
     if spacing == 0.0:
         return base
-    margin = grid_tolerance(base, spacing, here)
-    missing = direction * (here - base) + (-margin if counts_here else margin)
+    margin = grid_tolerance(base, spacing, position)
+    missing = direction * (position - base) + (-margin if including else margin)
     return base - direction * floor(-missing / spacing) * spacing
 
 
-def first_at_or_after(base: float, spacing: float, least: float) -> float:
-    """Of the places base + n spacing the first one that is not before `least`; with a spacing of 0, `base`."""
+def first_on_grid_from(base: float, spacing: float, lowest: float) -> float:
+    """Of the positions base + n spacing the first one that is not before `lowest`; with a spacing of 0, `base`."""
     if spacing == 0.0:
         return base
-    return base - floor((base - least) / spacing) * spacing
+    return base - floor((base - lowest) / spacing) * spacing

@@ -2,7 +2,7 @@
 
 A ramp's law is normalised (VDI 2143) and has its first three derivatives with it. `parabola` and `polynomial_3_4_5` are
 the first halves, 0 <= z <= 1/2, of rest-to-rest laws f with f(1/2) = 1/2; doubled in height and stretched by two they
-are ramps. Beside each law are the master's travel over such a ramp, in units D of the slave's travel, and the greatest
+are ramps. Next to each law are the master's travel over such a ramp, in units D of the slave's travel, and the greatest
 acceleration and jerk at the constant master velocity v.
 """
 
@@ -78,8 +78,8 @@ def quintic(
 class Quintic:
     """The polynomial of order 5 whose position and first two derivatives are given at both ends.
 
-    The coefficients c0 to c5 belong to the powers of u = x / length. `rate` is 1 / length, kept because a division
-    takes longer than everything else here."""
+    The coefficients c0 to c5 belong to the powers of u = x / length. `rate` is 1 / length, stored because a division
+    takes longer than all the rest."""
 
     length: float = 1.0
     rate: float = 1.0
@@ -91,18 +91,11 @@ class Quintic:
     c5: float = 0.0
 
     def fit(
-        self,
-        length: float,
-        position: float,
-        d1: float,
-        d2: float,
-        end: float,
-        end_d1: float,
-        end_d2: float,
+        self, length: float, position: float, d1: float, d2: float, end: float, end_d1: float, end_d2: float
     ) -> None:
-        """Lay the curve over 0 <= x <= length, length > 0, from position, d1, d2 to end, end_d1, end_d2.
+        """Fit the curve over 0 <= x <= length, length > 0, from position, d1, d2 to end, end_d1, end_d2.
 
-        A, B, C are what the first three terms still lack at the end in position, first and second derivative by u. Then
+        A, B, C are what the first three terms lack at the end in position, first and second derivative by u. Then
         c3 = 10 A - 4 B + C / 2, c4 = -15 A + 7 B - C, c5 = 6 A - 3 B + C / 2."""
         self.length = length
         self.rate = 1.0 / length

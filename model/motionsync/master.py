@@ -1,20 +1,20 @@
 """The master axis: from what the importer sets at its inputs to the master's path inside the step.
 
 The slave's setpoint for t+h is computed for the master at t+h. Inputs that describe the master at t are therefore
-extrapolated to t+h. Source: the three input modes are motionsync's own; they tell apart the orders in which
-co-simulation masters set inputs and step.
+extrapolated to t+h. Source: the three input modes are motionsync's own; they distinguish the sequences in
+which co-simulation masters set inputs and step.
 """
 
 from dataclasses import dataclass
 
 from . import var
+from .computable_range import clamp
 from .grid import wrap
-from .limits import clamp
-from .path import Path
+from .master_path import MasterPath
 from .var import LARGEST_INPUT, Enumeration, Unit
 
-MOST_TURNS = 1e15  # with more of them the fraction of a turn is lost to rounding
-TURNS = (  # a refusal's text and the variables it names, for the blocks that have a master
+LARGEST_TURN_COUNT = 1e15  # with more turns the fraction of a turn is lost to rounding
+TOO_MANY_TURNS = (  # a refusal's text and the variables it names, for the blocks that have a master
     "the master's position and its prediction must be at most 1e15 periods",
     "master.position",
     "master.velocity",
@@ -35,15 +35,15 @@ class MasterInput(Enumeration):
 class Master:
     """The master axis and its motion during the present step.
 
-    The step's `path` begins where the step before ended. Its piece 0 is the input correction: it takes no time and
+    The step's `path` starts where the step before ended. Its section 0 is the input correction: it takes no time and
     leads to `begin`, the present input. The commands act there, with the velocity and acceleration that the master has
-    at `begin`. The other pieces take `step` s and lead to `end`. With a period all these positions are unwrapped: they
-    are continuous, relative to a whole number of turns that `rebase` chooses.
+    at `begin`. The other sections take `step` s and lead to `end`. With a period all these positions are unwrapped:
+    they are continuous, relative to a whole number of turns that `rebase` selects.
 
-    In mode POSITION_ONLY velocity and acceleration are estimated from the present input and the two before it, `last`
-    and `before`, with the lengths of the steps that followed each of them. The estimates are limited to +-1e12, as Real
-    inputs are, so that samples taken at nearly the same instant cannot make them infinite. The mode START_OF_STEP keeps
-    the samples, too, so that single steps of that mode may come in between.
+    In mode POSITION_ONLY velocity and acceleration are estimated from the present input and the two before it,
+    `last_sample` and `second_last_sample`, with the lengths of the steps that followed each of them. The estimates are
+    limited to +-1e12, as Real inputs are, so that samples taken at nearly the same instant cannot make them infinite.
+    The mode START_OF_STEP stores the samples, too, so that single steps of that mode may come in between.
     """
 
     position: float = var.input(0.0, "the master's position", Unit.POSITION)
@@ -56,62 +56,64 @@ class Master:
     begin: float = 0.0
     begin_velocity: float = 0.0
     begin_acceleration: float = 0.0
-    path: Path = var.part(Path)
+    path: MasterPath = var.part(MasterPath)
     step: float = 1.0
     end: float = 0.0
     end_velocity: float = 0.0
     end_acceleration: float = 0.0
     samples: int = 0
-    last: float = 0.0
+    last_sample: float = 0.0
     last_step: float = 0.0
-    before: float = 0.0
-    before_step: float = 0.0
+    second_last_sample: float = 0.0
+    second_last_step: float = 0.0
 
     def try_initialize(self) -> bool:
-        """Set the master to its inputs; with POSITION_ONLY its velocity is not known yet and taken as 0.
+        """Set the master to its inputs; with POSITION_ONLY its velocity is not available yet and taken as 0.
 
-        The answer is False if the position has too many turns; nothing has changed then."""
+        False if the position has too many turns; nothing has changed then."""
         if self.has_too_many_turns(self.position):
             return False
-        known = self.input_mode != MasterInput.POSITION_ONLY
+        has_velocity = self.input_mode != MasterInput.POSITION_ONLY
         self.end = wrap(self.position, self.period)
-        self.end_velocity = self.velocity if known else 0.0
-        self.end_acceleration = self.acceleration if known else 0.0
+        self.end_velocity = self.velocity if has_velocity else 0.0
+        self.end_acceleration = self.acceleration if has_velocity else 0.0
         self.samples = 0
         return True
 
     def try_advance(self, h: float) -> bool:
-        """Lay the path of a step of h seconds. False if the path has too many turns: then nothing has changed."""
+        """Set the path of a step of h seconds. False if the path has too many turns: then nothing has changed."""
         if self.has_too_many_turns(self.position):
             return False
         match self.input_mode:
             case MasterInput.START_OF_STEP:
-                return self.try_predict(h, self.unwrapped(self.end), self.velocity, self.acceleration)
+                return self.try_predict(h, self.unwrap_input(self.end), self.velocity, self.acceleration)
             case MasterInput.END_OF_STEP:
                 return self.try_interpolate(h)
             case _:
-                return self.try_extrapolate(h)
+                position = self.unwrap_input(self.end)
+                velocity, acceleration = self.estimate(position)
+                return self.try_predict(h, position, velocity, acceleration)
 
     def longest_travel(self, h: float) -> float:
         """An upper bound of the distance that the master travels, back and forth, in the coming step, u.
 
-        A block that refuses steps with too much travel asks before `try_advance`. 0 if `try_advance` refuses the step
-        anyway."""
+        A block that refuses steps with too much travel calls this before `try_advance`. 0 if `try_advance` refuses the
+        step anyway."""
         if self.has_too_many_turns(self.position):
             return 0.0
         match self.input_mode:
             case MasterInput.START_OF_STEP:
-                correction = abs(self.unwrapped(self.end) - self.end) if self.samples > 0 else 0.0
+                correction = abs(self.unwrap_input(self.end) - self.end) if self.samples > 0 else 0.0
                 return correction + (abs(self.velocity) + 0.5 * abs(self.acceleration) * h) * h
             case MasterInput.END_OF_STEP:
                 expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
                 if self.has_too_many_turns(expected):
                     return 0.0
-                return abs(self.unwrapped(expected) - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h
+                return abs(self.unwrap_input(expected) - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h
             case _:
-                position = self.unwrapped(self.end)
+                position = self.unwrap_input(self.end)
                 correction = abs(position - self.end) if self.samples > 0 else 0.0
-                velocity, acceleration = self.estimated(position)
+                velocity, acceleration = self.estimate(position)
                 return correction + (abs(velocity) + 0.5 * abs(acceleration) * h) * h
 
     def velocity_at(self, time: float) -> float:
@@ -137,16 +139,16 @@ class Master:
     def rebase(self) -> None:
         """Drop whole turns, so that positions keep their last bits over any number of turns.
 
-        A block may call this whenever nothing in it lies in a particular turn."""
+        A block may call this whenever none of its positions belongs to a particular turn."""
         if self.period > 0.0:
             wrapped = wrap(self.end, self.period)
             turns = self.end - wrapped
             self.end = wrapped
-            self.last -= turns
-            self.before -= turns
+            self.last_sample -= turns
+            self.second_last_sample -= turns
 
     def try_predict(self, h: float, position: float, velocity: float, acceleration: float) -> bool:
-        """Lay the path from the unwrapped input at t, with constant acceleration, to t+h; False: too many turns."""
+        """Set the path from the unwrapped input at t, with constant acceleration, to t+h; False: too many turns."""
         end = position + (velocity + 0.5 * acceleration * h) * h
         if self.has_too_many_turns(end):
             return False
@@ -155,40 +157,34 @@ class Master:
         self.begin_velocity = velocity
         self.begin_acceleration = acceleration
         self.step = h
-        self.path.parabola(former, position, velocity, acceleration, h)
+        self.path.set_parabola(former, position, velocity, acceleration, h)
         self.end = end
         self.end_velocity = velocity + acceleration * h
         self.end_acceleration = acceleration
         self.samples = min(self.samples + 1, 3)
-        self.before = self.last
-        self.before_step = self.last_step
-        self.last = position
+        self.second_last_sample = self.last_sample
+        self.second_last_step = self.last_step
+        self.last_sample = position
         self.last_step = h
         return True
 
     def try_interpolate(self, h: float) -> bool:
-        """Lay the path along a cubic, from the end of the step before to the input at t+h; False: as `try_predict`."""
+        """Set the path along a cubic, from the end of the step before to the input at t+h; False: as `try_predict`."""
         expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
         if self.has_too_many_turns(expected):
             return False
-        position = self.unwrapped(expected)
+        position = self.unwrap_input(expected)
         self.begin = self.end
         self.begin_velocity = self.end_velocity
         self.begin_acceleration = self.end_acceleration
         self.step = h
-        self.path.cubic(self.end, self.end_velocity, position, self.velocity, h)
+        self.path.set_cubic(self.end, self.end_velocity, position, self.velocity, h)
         self.end = position
         self.end_velocity = self.velocity
         self.end_acceleration = self.acceleration
         return True
 
-    def try_extrapolate(self, h: float) -> bool:
-        """Lay the path from the input at t, with velocity and acceleration estimated from samples; False: as above."""
-        position = self.unwrapped(self.end)
-        velocity, acceleration = self.estimated(position)
-        return self.try_predict(h, position, velocity, acceleration)
-
-    def estimated(self, position: float) -> tuple[float, float]:
+    def estimate(self, position: float) -> tuple[float, float]:
         """Velocity and acceleration, at the newest sample `position`, of the parabola through the last three samples.
 
         Divided differences with the samples' own distances in time. Two samples give a velocity alone, one sample
@@ -196,23 +192,23 @@ class Master:
         rate = 0.0
         acceleration = 0.0
         if self.samples > 0:
-            rate = clamp((position - self.last) / self.last_step, -LARGEST_INPUT, LARGEST_INPUT)
+            rate = clamp((position - self.last_sample) / self.last_step, -LARGEST_INPUT, LARGEST_INPUT)
         if self.samples > 1:
-            former = clamp((self.last - self.before) / self.before_step, -LARGEST_INPUT, LARGEST_INPUT)
+            former = clamp(
+                (self.last_sample - self.second_last_sample) / self.second_last_step, -LARGEST_INPUT, LARGEST_INPUT
+            )
             acceleration = clamp(
-                2.0 * (rate - former) / (self.last_step + self.before_step), -LARGEST_INPUT, LARGEST_INPUT
+                2.0 * (rate - former) / (self.last_step + self.second_last_step), -LARGEST_INPUT, LARGEST_INPUT
             )
         return clamp(rate + 0.5 * acceleration * self.last_step, -LARGEST_INPUT, LARGEST_INPUT), acceleration
 
-    def unwrapped(self, expected: float) -> float:
+    def unwrap_input(self, expected: float) -> float:
         """The input's position, unwrapped into the turn in which it is nearest to the expected position."""
-        if self.period == 0.0:
+        if self.period == 0.0 or abs(expected - self.position) <= 0.5 * self.period:
             return self.position
-        if abs(expected - self.position) <= 0.5 * self.period:
-            return self.position
-        turned = wrap(self.position, self.period)  # this is exact, a large multiple of the period is not
-        return turned + round((expected - turned) / self.period) * self.period
+        wrapped_input = wrap(self.position, self.period)  # this is exact, a large multiple of the period is not
+        return wrapped_input + round((expected - wrapped_input) / self.period) * self.period
 
     def has_too_many_turns(self, position: float) -> bool:
         """Whether a position is so many periods away from 0 that the fraction of a turn is lost."""
-        return self.period > 0.0 and abs(position) / self.period > MOST_TURNS
+        return self.period > 0.0 and abs(position) / self.period > LARGEST_TURN_COUNT

@@ -1,7 +1,7 @@
 """The slave's own motion in time: jerk-limited changes of velocity and moves to a position, from any state of motion.
 
-A motion is a chain of pieces of constant jerk. It is planned once and may then last for hours: the state at any time
-is computed from the piece in which that time lies, so it does not depend on the step size.
+A motion is a chain of segments of constant jerk. It is planned once and may then last for hours: the state at any
+time is computed from the segment of that time, so it does not depend on the step size.
 
 Source: universal flying saw (TS5055), whose axis moves with limits of velocity, acceleration, deceleration and jerk;
 PLCopen's move_velocity, move_absolute and halt.
@@ -12,32 +12,32 @@ from math import sqrt
 
 from . import var
 from .clock import Clock
-from .limits import SHORTEST, clamp, computable
+from .computable_range import SHORTEST_TIME, clamp, to_computable_rate
 
 SAME_TIME = 1.0 - 1e-13  # of a time: from this share on the time is reached, but for rounding
-BISECTIONS = 200  # enough to halve any piece down to neighbouring numbers but for roots below 1e-40 of it
+BISECTIONS = 200  # enough to halve any segment down to neighbouring numbers but for roots below 1e-40 of it
 
 
 @dataclass(slots=True)
 class Motion:
-    """A motion in time of piecewise constant jerk; its last piece goes on for ever.
+    """A motion in time of piecewise constant jerk; its last segment goes on for ever.
 
-    Piece i, 0 <= i < pieces, begins at the time begins[i] (s, since the motion began) in the state positions[i],
+    Segment i, 0 <= i < segments, starts at start_times[i] (s, since the motion started) in the state positions[i],
     velocities[i], accelerations[i] (u, u/s, u/s2) and has the jerk jerks[i] (u/s3). `clock.time` is the time
     since the motion began.
 
     All limits are greater than 0. Nothing overflows for numbers within 1e12 and limits from 1e-12 on.
     """
 
-    pieces: int = 1
-    begins: list[float] = var.ring(9)
+    segments: int = 1
+    start_times: list[float] = var.ring(9)
     positions: list[float] = var.ring(9)
     velocities: list[float] = var.ring(9)
     accelerations: list[float] = var.ring(9)
     jerks: list[float] = var.ring(9)
     clock: Clock = var.part(Clock)
 
-    def run(self, position: float, velocity: float) -> None:
+    def run_at(self, position: float, velocity: float) -> None:
         """Constant velocity (u/s) for ever; 0 is standstill."""
         self.start(position, velocity, 0.0)
 
@@ -52,10 +52,10 @@ class Motion:
         high: float,
         jerk: float,
     ) -> bool:
-        """The time-optimal change to the velocity target + drift t (u/s, u/s2), which is then kept; low <= a <= high.
+        """The time-optimal change to the velocity target + drift t (u/s, u/s2), which then stays; low <= a <= high.
 
         An acceleration outside the limits is first brought to the nearer limit. False: the target runs away, because
-        its drift lies outside the limits, or on the limit that would be needed to catch up. Then the acceleration goes
+        its drift is outside the limits, or at the limit that would be needed to catch up. Then the acceleration goes
         to that limit and stays there for ever.
         """
         self.start(position, velocity, acceleration)
@@ -78,9 +78,9 @@ class Motion:
     ) -> None:
         """From any state to rest at `target`, u; |v| <= speed, |a| <= `up` away from standstill and `down` towards it.
 
-        If the motion stopped at once it would end somewhere: the target lies on one side of that place. The motion
-        ramps to the cruise velocity towards that side, cruises, and then stops, which begins at a time tau. The later
-        the stop begins, the further away it ends. (Where the ramp turns round more gently than the stop would, the end
+        If the motion stopped at once it would end somewhere: the target is on one side of that position. The motion
+        ramps to the cruise velocity towards that side, cruises, and then stops, from a time tau on. The later
+        the stop starts, the further away it ends. (Where the ramp reverses more gently than the stop would, the end
         first comes nearer.) So tau is closed form in the cruise, and bisected to rounding on the ramp. With equal
         limits the move is time-optimal.
 
@@ -94,99 +94,100 @@ class Motion:
         limit = acceleration_limit(velocity, direction * speed, up, down)
         self.try_approach(direction * speed, 0.0, -limit, limit, jerk)
         passed = 1
-        while passed < self.pieces and direction * (self.stop_at(passed, 0.0, down, jerk) - distance) <= 0.0:
+        while passed < self.segments and direction * (self.stop_position(passed, 0.0, down, jerk) - distance) <= 0.0:
             passed += 1
         last = passed - 1
-        if passed < self.pieces:
-            self.split_at(last, self.stop_begin(last, direction, distance, down, jerk))
+        if passed < self.segments:
+            self.split_at(last, self.stop_start_time(last, direction, distance, down, jerk))
         else:
-            self.split_at(last, max(direction * (distance - self.stop_at(last, 0.0, down, jerk)), 0.0) / speed)
+            self.split_at(last, max(direction * (distance - self.stop_position(last, 0.0, down, jerk)), 0.0) / speed)
         self.try_approach(0.0, 0.0, -down, down, jerk)
-        for i in range(self.pieces):
+        for i in range(self.segments):
             self.positions[i] += position
-        self.positions[self.pieces - 1] = target
+        self.positions[self.segments - 1] = target
 
     def brake(self, position: float, velocity: float, deceleration: float) -> None:
         """The stop with constant deceleration, without a limit of jerk; the velocity is not 0."""
         self.start(position, velocity, -deceleration if velocity > 0.0 else deceleration)
         self.extend(abs(velocity) / deceleration, 0.0, 0.0)
-        self.velocities[self.pieces - 1] = 0.0
+        self.velocities[self.segments - 1] = 0.0
 
-    def end(self) -> float:
-        """The time at which the last piece begins."""
-        return self.begins[self.pieces - 1]
+    def end_time(self) -> float:
+        """The time at which the last segment starts."""
+        return self.start_times[self.segments - 1]
 
-    def over(self, time: float) -> bool:
-        """Whether the last piece has begun, but for rounding of the time."""
-        return time >= self.end() * SAME_TIME
+    def is_over(self, time: float) -> bool:
+        """Whether the last segment has started, but for rounding of the time."""
+        return time >= self.end_time() * SAME_TIME
 
     def at(self, time: float) -> tuple[float, float, float, float]:
-        """Position, velocity, acceleration and jerk at a time >= 0; where two pieces meet, those of the later one."""
+        """Position, velocity, acceleration and jerk at a time >= 0; where two segments meet, those of the later one."""
         i = 0
-        while i + 1 < self.pieces and self.begins[i + 1] * SAME_TIME <= time:
+        while i + 1 < self.segments and self.start_times[i + 1] * SAME_TIME <= time:
             i += 1
-        return self.state(i, time - self.begins[i])
+        return self.state(i, time - self.start_times[i])
 
     def advance(self, h: float) -> None:
-        """Let the clock go on by h, s."""
+        """Advance the clock by h, s."""
         self.clock.advance(h)
 
-    def state(self, piece: int, time: float) -> tuple[float, float, float, float]:
-        """Position, velocity, acceleration and jerk at a time since the beginning of that piece."""
-        acceleration = self.accelerations[piece]
-        jerk = self.jerks[piece]
-        position, velocity = moved(self.positions[piece], self.velocities[piece], acceleration, jerk, time)
+    def state(self, segment: int, time: float) -> tuple[float, float, float, float]:
+        """Position, velocity, acceleration and jerk at a time since the start of that segment."""
+        acceleration = self.accelerations[segment]
+        jerk = self.jerks[segment]
+        position, velocity = advance_state(self.positions[segment], self.velocities[segment], acceleration, jerk, time)
         return position, velocity, acceleration + time * jerk, jerk
 
     def start(self, position: float, velocity: float, acceleration: float) -> None:
-        """A motion of one piece, which has no jerk; velocity and acceleration as far as they can be computed with."""
-        self.pieces = 1
-        self.begins[0] = 0.0
+        """A motion of one segment, which has no jerk; velocity and acceleration as far as they can be computed with."""
+        self.segments = 1
+        self.start_times[0] = 0.0
         self.positions[0] = position
-        self.velocities[0] = computable(velocity)
-        self.accelerations[0] = computable(acceleration)
+        self.velocities[0] = to_computable_rate(velocity)
+        self.accelerations[0] = to_computable_rate(acceleration)
         self.jerks[0] = 0.0
         self.clock.start(0.0)
 
     def extend(self, time: float, jerk: float, acceleration: float) -> None:
-        """The last piece gets this jerk for that time and ends with `acceleration`; there a new one begins.
+        """Give the last segment this jerk for that time, at the end of which it has `acceleration`; there a new one
+        starts.
 
         A time that is too short to be computed with, or is lost in rounding beside the piece's beginning, makes no new
-        piece, but it changes the state."""
+        segment, but it changes the state."""
         if time <= 0.0:
             return
-        last = self.pieces - 1
+        last = self.segments - 1
         self.jerks[last] = jerk
         position, velocity, _, _ = self.state(last, time)
-        begin = self.begins[last] + time
-        if begin > self.begins[last] and time >= SHORTEST:
-            last = self.pieces
-            self.pieces += 1
-        self.begins[last] = begin
+        begin = self.start_times[last] + time
+        if begin > self.start_times[last] and time >= SHORTEST_TIME:
+            last = self.segments
+            self.segments += 1
+        self.start_times[last] = begin
         self.positions[last] = position
         self.velocities[last] = velocity
         self.accelerations[last] = acceleration
         self.jerks[last] = 0.0
 
-    def split_at(self, piece: int, time: float) -> None:
-        """End that piece at a time since its beginning; there a new last piece begins."""
-        self.pieces = piece + 1
-        _, _, acceleration, jerk = self.state(piece, time)
-        self.jerks[piece] = 0.0  # should the time be 0
+    def split_at(self, segment: int, time: float) -> None:
+        """End that segment at a time since its start; there a new last segment starts."""
+        self.segments = segment + 1
+        _, _, acceleration, jerk = self.state(segment, time)
+        self.jerks[segment] = 0.0  # should the time be 0
         self.extend(time, jerk, acceleration)
 
     def try_approach(self, target: float, drift: float, low: float, high: float, jerk: float) -> bool:
-        """As `try_change`, from the state in which the last piece begins; t counts from the beginning of the motion.
+        """As `try_change`, from the state in which the last segment starts; t counts from the start of the motion.
 
         The velocity relative to the target, w = v - target - drift t, and its derivative, b = a - drift, are brought
         to 0, with the limits shifted by the drift."""
         if not low <= drift <= high:
             self.hold(low if drift < low else high, jerk)
             return False
-        self.hold(clamp(self.accelerations[self.pieces - 1], low, high), jerk)
-        last = self.pieces - 1
+        self.hold(clamp(self.accelerations[self.segments - 1], low, high), jerk)
+        last = self.segments - 1
         b = self.accelerations[last] - drift
-        direction, missing = pulse(self.velocities[last] - (target + drift * self.begins[last]), b, jerk)
+        direction, missing = pulse(self.velocities[last] - (target + drift * self.start_times[last]), b, jerk)
         limit = high - drift if direction > 0.0 else drift - low
         if limit == 0.0 and missing > 0.0:
             self.hold(high if direction > 0.0 else low, jerk)
@@ -196,33 +197,33 @@ class Motion:
         self.extend(rise, direction * jerk, top)
         self.extend(steady, 0.0, top)
         self.extend(fall, -direction * jerk, drift)
-        last = self.pieces - 1
-        self.velocities[last] = target + drift * self.begins[last]
+        last = self.segments - 1
+        self.velocities[last] = target + drift * self.start_times[last]
         self.accelerations[last] = drift
         return True
 
     def hold(self, acceleration: float, jerk: float) -> None:
-        """Append pieces in which the acceleration goes to a value and stays there."""
-        missing = acceleration - self.accelerations[self.pieces - 1]
+        """Append segments in which the acceleration goes to a value and stays there."""
+        missing = acceleration - self.accelerations[self.segments - 1]
         self.extend(abs(missing) / jerk, jerk if missing > 0.0 else -jerk, acceleration)
 
-    def stop_begin(self, piece: int, direction: float, distance: float, down: float, jerk: float) -> float:
-        """The time since that piece's beginning at which a stop must begin that ends at `distance`; by bisection."""
+    def stop_start_time(self, segment: int, direction: float, distance: float, down: float, jerk: float) -> float:
+        """The time since that segment's start at which a stop must start that ends at `distance`; by bisection."""
         first = 0.0
-        last = self.begins[piece + 1] - self.begins[piece]
+        last = self.start_times[segment + 1] - self.start_times[segment]
         for _ in range(BISECTIONS):
             middle = 0.5 * (first + last)
             if middle <= first or middle >= last:
                 break
-            if direction * (self.stop_at(piece, middle, down, jerk) - distance) <= 0.0:
+            if direction * (self.stop_position(segment, middle, down, jerk) - distance) <= 0.0:
                 first = middle
             else:
                 last = middle
         return first
 
-    def stop_at(self, piece: int, time: float, down: float, jerk: float) -> float:
-        """Where the stop ends that begins at a time since that piece's beginning."""
-        position, velocity, acceleration, _ = self.state(piece, time)
+    def stop_position(self, segment: int, time: float, down: float, jerk: float) -> float:
+        """Where the stop ends that starts at a time since that segment's start."""
+        position, velocity, acceleration, _ = self.state(segment, time)
         return position + stopping_distance(velocity, acceleration, down, jerk)
 
 
@@ -238,12 +239,12 @@ def stopping_distance(velocity: float, acceleration: float, down: float, jerk: f
     """The distance that the time-optimal stop (`Motion.halt`) takes, u; negative where it goes downwards."""
     bounded = clamp(acceleration, -down, down)
     back = jerk if bounded > acceleration else -jerk
-    x, v = moved(0.0, velocity, acceleration, back, abs(bounded - acceleration) / jerk)
+    x, v = advance_state(0.0, velocity, acceleration, back, abs(bounded - acceleration) / jerk)
     direction, missing = pulse(v, bounded, jerk)
     rise, steady, fall, peak = ramp(missing, direction * bounded, down, jerk)
-    x, v = moved(x, v, bounded, direction * jerk, rise)
-    x, v = moved(x, v, direction * peak, 0.0, steady)
-    x, v = moved(x, v, direction * peak, -direction * jerk, fall)
+    x, v = advance_state(x, v, bounded, direction * jerk, rise)
+    x, v = advance_state(x, v, direction * peak, 0.0, steady)
+    x, v = advance_state(x, v, direction * peak, -direction * jerk, fall)
     return x
 
 
@@ -272,7 +273,9 @@ def ramp(missing: float, acceleration: float, limit: float, jerk: float) -> tupl
     return rise, 0.0, peak / jerk, peak
 
 
-def moved(position: float, velocity: float, acceleration: float, jerk: float, time: float) -> tuple[float, float]:
+def advance_state(
+    position: float, velocity: float, acceleration: float, jerk: float, time: float
+) -> tuple[float, float]:
     """Position and velocity after a time of constant jerk."""
     return (
         position + time * (velocity + time * (0.5 * acceleration + time * (jerk / 6.0))),

@@ -25,7 +25,7 @@ class Polynomial:
 
     degree: int = 0
     coefficients: list[float] = var.ring(7)
-    count: int = 0
+    root_count: int = 0
     roots: list[float] = var.ring(6)
     chain: list[float] = var.ring(49)
     leading: int = 0
@@ -37,7 +37,7 @@ class Polynomial:
         self.coefficients[self.degree] = 0.0
         self.degree = max(self.degree - 1, 0)
 
-    def size(self) -> float:
+    def coefficient_sum(self) -> float:
         """Sum of the coefficients' magnitudes: |f| is not greater in [0, 1]."""
         size = 0.0
         for n in range(self.degree + 1):
@@ -51,16 +51,16 @@ class Polynomial:
         reported, and two roots closer than rounding are reported once.
         """
         self.fill_chain()
-        self.count = 0
+        self.root_count = 0
         for order in range(self.leading - 1, -1, -1):
-            self.descend(order, self.leading - order)
+            self.find_derivative_roots(order, self.leading - order)
 
     def fill_chain(self) -> None:
         """Fill the chain, scaled where squares would leave a double's range, and find the degree.
 
         The degree is 0, which means no roots, where f is 0 everywhere or a coefficient is not finite."""
         self.leading = 0
-        size = self.size()
+        size = self.coefficient_sum()
         if not isfinite(size) or size == 0.0:
             return
         scale = 1.0 if 1e-100 < size < 1e100 else size
@@ -73,26 +73,26 @@ class Polynomial:
             for n in range(self.leading - order + 1):
                 self.chain[at + n] = (n + 1.0) * self.chain[at - TERMS + n + 1]
 
-    def descend(self, order: int, degree: int) -> None:
+    def find_derivative_roots(self, order: int, degree: int) -> None:
         """Find the roots of the derivative of that order, which has that degree, from those of the next derivative.
 
-        The latter cut (0, 1) into pieces on which the derivative is monotone. Each root is read before a new one takes
-        its place in the list."""
-        cuts = self.count
-        found = 0
+        The latter cut (0, 1) into intervals on which the derivative is monotone. Each root is read before a new one is
+        stored in its element."""
+        cuts = self.root_count
+        root_count = 0
         low = 0.0
         before = self.chain[TERMS * order]
         for n in range(cuts + 1):
             high = self.roots[n] if n < cuts else 1.0
             after = self.value(order, degree, high)
             crossing = before < 0.0 < after or after < 0.0 < before
-            root = self.between(order, degree, low, high, before < 0.0) if crossing else high
+            root = self.find_root_between(order, degree, low, high, before < 0.0) if crossing else high
             if (crossing or after == 0.0) and 0.0 < root < 1.0:
-                self.roots[found] = root
-                found += 1
+                self.roots[root_count] = root
+                root_count += 1
             low = high
             before = after
-        self.count = found
+        self.root_count = root_count
 
     def value(self, order: int, degree: int, u: float) -> float:
         """The derivative of that order at u, or 0 if it is within the rounding of its terms; at u = 1 the rounding of
@@ -107,7 +107,7 @@ class Polynomial:
             terms = terms * u + abs(self.chain[n])
         return 0.0 if abs(value) <= (ROUNDING if u == 1.0 else degree * EPSILON) * terms else value
 
-    def between(self, order: int, degree: int, low: float, high: float, rising: bool) -> float:
+    def find_root_between(self, order: int, degree: int, low: float, high: float, rising: bool) -> float:
         """The root between two values of opposite signs.
 
         A Newton step is taken if it stays inside and is at most half as long as the step before, a bisection otherwise.

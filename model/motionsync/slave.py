@@ -1,4 +1,4 @@
-"""What every block has at its two ends: the edges of its commands, and the slave's setpoint."""
+"""What the blocks share at their inputs and outputs: the edges of commands, and the slave's setpoint."""
 
 from dataclasses import dataclass
 
@@ -15,12 +15,16 @@ class Slave:
     acceleration: float = var.output(0.0, "the slave's acceleration setpoint", Unit.ACCELERATION)
     jerk: float = var.output(0.0, "the slave's jerk setpoint", Unit.JERK)
 
-    def put(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
+    def set(self, position: float, velocity: float, acceleration: float, jerk: float) -> None:
         """Set the setpoint, in u, u/s, u/s2 and u/s3."""
         self.position = position
         self.velocity = velocity
         self.acceleration = acceleration
         self.jerk = jerk
+
+    def is_moving(self) -> bool:
+        """Whether the setpoint has a velocity or an acceleration."""
+        return self.velocity != 0.0 or self.acceleration != 0.0
 
 
 @dataclass(slots=True)
@@ -29,12 +33,12 @@ class Edge:
 
     before: bool = False
 
-    def hold(self, level: bool) -> None:
-        """Remember the input's level at the initialization: this level is no edge, only a later rise is."""
+    def take_level(self, level: bool) -> None:
+        """Take the input's level at the initialization: this level is no edge, only a later rise is."""
         self.before = level
 
     def try_rise(self, now: bool) -> bool:
-        """Take the input's level of this step, and answer whether that is a rising edge (IEC 61131: R_TRIG)."""
+        """Take the input's level of this step, and return whether that is a rising edge (IEC 61131: R_TRIG)."""
         rising = now and not self.before
         self.before = now
         return rising

@@ -1,4 +1,4 @@
-"""Declarations: what a field is to the outside world, written once, beside the field; and what a block promises.
+"""Declarations: what a field is to the outside world, written once, at the field; and what a block guarantees.
 
     from . import var
 
@@ -6,16 +6,18 @@
 
 To the type checker each function returns its start value's type, so the line is an ordinary typed dataclass field;
 at run time it returns a `dataclasses.field` whose metadata holds the `Declaration`. A field without a declaration
-belongs to the block's state, but nobody outside the block sees it.
+belongs to the block's state, but is not visible outside the block.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
-from enum import Enum, IntEnum
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
+from enum import Enum, EnumMeta, IntEnum
+from functools import cache
 from math import inf
-from typing import Protocol, Self, TypeVar
+from operator import eq
+from typing import Any, Protocol, Self, TypeVar, cast
 
-from .limits import LEAST_LIMIT, MOST
+from .computable_range import LARGEST, SMALLEST_LIMIT
 
 T = TypeVar("T")
 LARGEST_INPUT = 1e12  # a Real input beyond it is refused, as NaN is: squares and cubes of the allowed ones are finite
@@ -51,21 +53,20 @@ class Unit(Enum):
         self.slave = slave
 
     def of_slave(self) -> "Unit":
-        """The same measure in the slave's position unit instead of `u`, where there is such a member; else itself."""
+        """The member for the same quantity in the slave's position unit instead of `u`; itself if there is none."""
         return next((unit for unit in Unit if unit.quantity == f"Slave{self.quantity}"), self)
 
 
 class Role(Enum):
-    """What a variable is to a tool, which finds it by its role, whatever its name is. A block gives each role at most
-    once.
+    """What a variable is to a tool, which finds it by its role, not by its name. A block gives each role at most once.
 
     The first five belong to a block that works in cycles of its own, on telegrams from a controller with another clock.
-    A tool makes the telegrams from the motion of an axis, and it judges what the block puts out. The part in which the
-    CYCLE_INDEX lies is the remote axis: it also has `position`, `velocity` and `acceleration`. The next ones are the
-    limits of the slave's axis, beside which a tool shows what the slave did.
+    A tool makes the telegrams from the motion of an axis, and evaluates the block's outputs. The part with the
+    CYCLE_INDEX is the remote axis: it also has `position`, `velocity` and `acceleration`. The next ones are the limits
+    of the slave's axis, with which a tool compares the slave's motion.
 
-    The last ones belong to a block that keeps books of the pieces which it cuts off the master's material. The part in
-    which PIECES lies counts: it also has `skipped` and `late`. That of LAST_LENGTH describes the piece: it also has
+    The last ones belong to a block that records the pieces which it cuts off the master's material. The part with
+    PIECES counts: it also has `skipped` and `late`. That of LAST_LENGTH describes the piece: it also has
     `error`, `kind` (an enumeration with the member PRODUCT), `good`, `time` and `reserve`. That of MAX_MASTER_VELOCITY
     also has the `reserve` at the present velocity. A tool measures each piece once more, from the positions of slave
     and master while CUTTING: it is as long as the material's travel between two cuts, less KERF and LENGTH_CORRECTION.
@@ -74,7 +75,7 @@ class Role(Enum):
     TASK_CYCLE = "the length of the block's own cycles, s"
     DATA_CYCLE = "the nominal length of the sender's cycles, s; 0: the same as the block's own"
     DELAY = "a time by which the outputs are later than the cycle's instant, s"
-    CYCLE_INDEX = "the sender's cycle counter, as the telegram tells it"
+    CYCLE_INDEX = "the sender's cycle counter, as it is in the telegram"
     CORRECTED_INDEX = "the sender's cycle index at the cycle's instant, as the block estimates it"
     MIN_POSITION = "the lower end position of the slave's axis"
     MAX_POSITION = "the upper end position of the slave's axis"
@@ -90,10 +91,10 @@ class Role(Enum):
     MATERIAL_FACTOR = "the material's true travel over the master's"
     CALIBRATION_FACTOR = "a further factor of it, from a piece that was measured"
     KERF = "the length of material that a cut removes"
-    LENGTH_CORRECTION = "by how much a piece is cut longer than its told length"
-    LENGTH_TOLERANCE = "how far the length of a good piece may be off"
+    LENGTH_CORRECTION = "by how much a piece is cut longer than its recorded length"
+    LENGTH_TOLERANCE = "the greatest error of a good piece's length"
     MAX_MASTER_VELOCITY = "the greatest velocity of the master at which each cut is reached"
-    MASTER_REQUEST = "the velocity that the block asks the master for"
+    MASTER_REQUEST = "the velocity that the block requests of the master"
 
 
 class Enumeration(IntEnum):
@@ -115,41 +116,52 @@ class Enumeration(IntEnum):
         return member
 
 
+def merged(first: type[Enumeration], *others: type[Enumeration]) -> type[Enumeration]:
+    """An enumeration with the members of several, in the order of their values; the first one describes it.
+
+    Members of the same name are the same."""
+    every = sorted((member for kind in (first, *others) for member in kind), key=int)
+    values = {member.name: (member.value, member.description, *member.names) for member in every}
+    kind = EnumMeta.__call__(Enumeration, first.__name__, values, module=first.__module__)
+    kind.__doc__ = first.__doc__
+    return cast(type[Enumeration], kind)
+
+
 class Block(Protocol):
     """What every block is to the tools that run it: a dataclass whose declared fields are its variables.
 
-    Whoever runs a block sets its inputs and parameters, calls `initialize` once or more, and then sets inputs and calls
-    `step` again and again. The runner guarantees what `initialize` and `step` may rely on: every value is within its
+    A runner sets the block's inputs and parameters, calls `initialize` once or more, and then sets inputs and calls
+    `step` again and again. It guarantees what `initialize` and `step` may rely on: every value is within its
     declared limits, Real inputs are finite and within ±1e12, and a step is longer than 0 and at most 1e6 s. Only a
-    tunable parameter may have any value after initialization; a command that needs a good one is refused by the block.
+    tunable parameter may have any value after initialization; a command that needs a valid one is refused by the block.
     These are the causalities that the block declares; it does not know whether an FMU shows others.
 
     The block guarantees in return:
     - Neither method raises an exception, and no output and no part of the state ever becomes NaN or infinite.
     - Neither method allocates memory: all parts and lists are made with the block and keep their lengths. The same code
       therefore runs compiled, without Python.
-    - All that a later result depends on is in the block's fields: a copy of the fields is a copy of the block, and it
-      goes on with the same bits.
+    - All that a later result depends on is in the block's fields: a copy of the fields is a copy of the block, and
+      continues with the same bits.
     - Positions inside the block are unwrapped: they are continuous over the turns of a modulo axis, relative to a whole
-      number of turns that the block drops (`rebase`) whenever nothing in it lies at a particular turn.
+      number of turns that the block drops (`rebase`) whenever nothing in it is at a particular turn.
     """
 
     def initialize(self) -> Enumeration:
         """Set the outputs for the present parameters and inputs, before any time passes.
 
-        It may be called again and again while parameters and inputs still change; the last call counts. The answer is a
+        It may be called again and again while parameters and inputs still change; the last call counts. It returns a
         member of the block's own `Refusal` enumeration: 0 if done, else why the values contradict one another."""
 
     def step(self, h: float) -> Enumeration:
-        """Go on by h seconds, from t to t+h, with the present inputs; the outputs are those at t+h.
+        """Advance by h seconds, from t to t+h, with the present inputs; the outputs are those at t+h.
 
-        The answer is a member of the block's own `Refusal` enumeration: 0 if done. Any other answer means that the step
-        is refused and has changed nothing in the block, so that no copy is needed to go on with other inputs."""
+        It returns a member of the block's own `Refusal` enumeration: 0 if done. Any other one means that the step is
+        refused and has changed nothing in the block, so that no copy is needed to continue with other inputs."""
 
 
 @dataclass(frozen=True)
 class Declaration:
-    """What the outside world knows of a variable.
+    """The public properties of a variable.
 
     Attributes:
         causality: FMI's `input`, `parameter`, `output` or `local`; an FMU may be built with another one.
@@ -160,9 +172,9 @@ class Declaration:
         smallest: the least magnitude of a value other than 0.
         zero: whether 0 itself is allowed.
         depends: the inputs and parameters on which the value after initialization depends (of outputs and locals).
-        codes: what the values of a plain Integer mean; a log message says so when the value changes, but not to 0.
-        role: what the variable is to a block that works in cycles; None: nothing.
-        wraps_at: a counter that begins again at 0 where it would reach this number; 0: it does not wrap.
+        codes: what the values of a plain Integer mean; a log message reports them when the value changes, but not to 0.
+        role: what a tool knows of the variable beyond FMI; None: nothing.
+        wraps_at: a counter that restarts at 0 where it would reach this number; 0: it does not wrap.
         command: a Boolean input whose edge gives a command.
     """
 
@@ -184,7 +196,7 @@ class Declaration:
     command: bool = False
 
     def of_real_input(self) -> "Declaration":
-        """The declaration of a Real parameter that an FMU shows as an input: it lies within ±1e12, as Real inputs do.
+        """The declaration of a Real parameter that an FMU shows as an input: it is within ±1e12, as Real inputs are.
 
         It changes where a command reads it, not continuously."""
         return replace(self, discrete=True, min=max(self.min, -LARGEST_INPUT), max=min(self.max, LARGEST_INPUT))
@@ -199,15 +211,15 @@ def input(
     role: Role | None = None,
     wraps_at: int = 0,
 ) -> T:
-    """A Real input lies within ±1e12. Integers and Booleans have no limits but those of their type."""
+    """A Real input is within ±1e12. Integers and Booleans have no limits but those of their type."""
     limit = LARGEST_INPUT if isinstance(start, float) else inf
     declaration = Declaration("input", description, unit, discrete, min=-limit, max=limit, role=role, wraps_at=wraps_at)
-    return _declared(start, declaration)
+    return _declared_field(start, declaration)
 
 
 def command(start: bool, description: str) -> bool:
     """A Boolean input whose edge gives a command."""
-    return _declared(start, Declaration("input", description, command=True))
+    return _declared_field(start, Declaration("input", description, command=True))
 
 
 def parameter(
@@ -227,14 +239,38 @@ def parameter(
     declaration = Declaration(
         "parameter", description, unit, False, tunable, min, max, above, below, smallest=smallest, zero=zero, role=role
     )
-    return _declared(start, declaration)
+    return _declared_field(start, declaration)
+
+
+def position(start: float, description: str, unit: Unit = Unit.POSITION, *, role: Role | None = None) -> float:
+    """A tunable parameter that is a position: within ±1e12."""
+    return parameter(start, description, unit, tunable=True, min=-LARGEST, max=LARGEST, role=role)
+
+
+def length(
+    start: float,
+    description: str,
+    unit: Unit = Unit.POSITION,
+    *,
+    min: float = 0.0,
+    smallest: float = 0.0,
+    zero: bool = True,
+    role: Role | None = None,
+) -> float:
+    """A tunable parameter that is a length: at most 1e12."""
+    return parameter(
+        start, description, unit, tunable=True, min=min, max=LARGEST, smallest=smallest, zero=zero, role=role
+    )
+
+
+def duration(start: float, description: str) -> float:
+    """A tunable parameter that is a time: 0 to 1e6 s."""
+    return parameter(start, description, Unit.TIME, tunable=True, min=0.0, max=1e6)
 
 
 def limit(start: float, description: str, unit: Unit, *, zero: bool = True, role: Role | None = None) -> float:
-    """A tunable limit of a motion: one that can be computed with, and 0 where that has a meaning of its own."""
-    return parameter(
-        start, description, unit, tunable=True, min=0.0, max=MOST, smallest=LEAST_LIMIT, zero=zero, role=role
-    )
+    """A tunable limit of a motion: within the range for computations, or 0 where that has a meaning of its own."""
+    return length(start, description, unit, smallest=SMALLEST_LIMIT, zero=zero, role=role)
 
 
 def output(
@@ -248,7 +284,7 @@ def output(
     role: Role | None = None,
 ) -> T:
     declaration = Declaration("output", description, unit, discrete, depends=depends, codes=codes, role=role)
-    return _declared(start, declaration)
+    return _declared_field(start, declaration)
 
 
 def local(
@@ -263,7 +299,17 @@ def local(
     role: Role | None = None,
 ) -> T:
     declaration = Declaration("local", description, unit, discrete, min=min, max=max, codes=codes, role=role)
-    return _declared(start, declaration)
+    return _declared_field(start, declaration)
+
+
+def switch(start: bool, description: str) -> bool:
+    """A Boolean parameter that may change while running."""
+    return parameter(start, description, tunable=True)
+
+
+def snapshot(start: float, description: str, unit: Unit = Unit.NONE, *, role: Role | None = None) -> float:
+    """A Real local that holds a value as of some event, and does not change between events."""
+    return local(start, description, unit, discrete=True, role=role)
 
 
 def part(
@@ -276,7 +322,7 @@ def part(
     """An object that is made once with the block, and holds a part of its variables and state.
 
     `depends`: what the outputs and locals in the part depend on after initialization, by their names in the part.
-    `hidden`: the part's declared fields are not variables of the block; it keeps values that such variables had.
+    `hidden`: the part's declared fields are not variables of the block; it stores values that such variables had.
     `slave_unit`: what the part declares in the position unit is in the slave's own position unit.
     """
     return field(default_factory=kind, metadata={"depends": depends or {}, "hidden": hidden, "slave_unit": slave_unit})
@@ -295,7 +341,7 @@ def count(most: int) -> int:
 def copy(into: T, source: T) -> None:
     """Copy every field of one part into another part of the same class, with the parts and lists inside.
 
-    This function is also part of compiled code; nothing else in this module is."""
+    This function and `same` are also part of compiled code; nothing else in this module is."""
     for f in fields(source):  # type: ignore[arg-type]
         value = getattr(source, f.name)
         if is_dataclass(value):
@@ -306,5 +352,28 @@ def copy(into: T, source: T) -> None:
             setattr(into, f.name, value)
 
 
-def _declared(start: T, declaration: Declaration) -> T:
+def same(a: T, b: T) -> bool:
+    """Whether all fields of two parts of one class are equal, with those of the parts and the elements of the lists.
+
+    Numbers are compared by `==`: 0.0 is the same as -0.0, and a part with a NaN is not even the same as itself."""
+    return _comparison(type(a))(a, b)  # type: ignore[arg-type]
+
+
+@cache
+def _comparison(part_class: type) -> Callable[[Any, Any], bool]:
+    """The comparison of two parts of a class, written as one expression: a step may have many of them."""
+    function: Callable[[Any, Any], bool] = eval(f"lambda a, b: {' and '.join(_tests(part_class))}", {"eq": eq})
+    return function
+
+
+def _tests(part_class: type, path: str = "") -> Iterator[str]:
+    for f in fields(part_class):
+        name, factory = f"{path}.{f.name}", f.default_factory
+        if isinstance(factory, type) and is_dataclass(factory):
+            yield from _tests(factory, name)
+        else:
+            yield f"a{name} == b{name}" if factory is MISSING else f"all(map(eq, a{name}, b{name}))"
+
+
+def _declared_field(start: T, declaration: Declaration) -> T:
     return field(default=start, metadata={"declaration": declaration})

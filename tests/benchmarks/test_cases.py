@@ -1,4 +1,4 @@
-"""Every block is measured in cases of its own, in which it does what they say."""
+"""Every block is measured in cases of its own, in which it does what they describe."""
 
 from cases import cases_of
 from cases.measured import H
@@ -8,16 +8,18 @@ from motionsync_fmu.interface.recipe import Recipe
 
 
 def test_every_case_of_a_block_names_its_variables(block: str) -> None:
-    cases, known = cases_of(block), Recipe(block).variables
+    cases, variables = cases_of(block), Recipe(block).variables
     assert cases.steady
     assert cases.worst
     named = {*cases.axis.motion, *filter(None, [cases.axis.counter])}
     for steady in cases.steady:
         named |= {*steady.start, *steady.begin, *steady.holds}
     for worst in cases.worst:
+        assert worst.planned, f"{worst.name}: no values of {worst.watch} show that the command was planned"
+        assert {len(values) for values in worst.planned} == {len(worst.watch)}
         named |= {*worst.commands, *worst.start, *worst.between, *worst.draws, *worst.ahead, *worst.watch}
         named |= {name for name, _ in worst.ahead.values()}
-    assert named <= set(known)
+    assert named <= set(variables)
 
 
 def test_a_block_goes_on_in_its_steady_motions(block: str) -> None:

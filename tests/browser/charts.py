@@ -1,4 +1,4 @@
-"""What a reader sees of a chart: its legend, its scale, what is told under the pointer, its cursor."""
+"""What a reader sees of a chart: its legend, its scale, the texts next to the pointer, its cursor."""
 
 import re
 from typing import Any
@@ -9,7 +9,7 @@ FRAME = ".plot[aria-label^='{}']"
 
 
 class ChartView:
-    """A chart of a page, found by the beginning of what it is for those who cannot see it."""
+    """A chart of a page, located by the beginning of its label for screen readers."""
 
     def __init__(self, visit: Visit, name: str) -> None:
         self.visit = visit
@@ -27,7 +27,7 @@ class ChartView:
         return list(self.frame.locator(".legend .legendtext").evaluate_all("all => all.map(e => e.textContent)"))
 
     def scale(self) -> tuple[float, float]:
-        """Where 0 s lies, in px of the window, and how many px a second has: from two numbers below the chart."""
+        """Where 0 s is, in px of the window, and how many px a second has: from two numbers below the chart."""
         read = "all => all.map(e => [e.textContent, e.getBoundingClientRect().x + e.getBoundingClientRect().width / 2])"
         ticks = self.frame.locator(".xtick text").evaluate_all(read)
         (first, left), (last, right) = ticks[0], ticks[-1]
@@ -35,7 +35,7 @@ class ChartView:
         return left - pixels * float(first), pixels
 
     def point(self, time: float) -> list[str]:
-        """Put the pointer on a time; the answer is what is told there, the time first."""
+        """Move the pointer to a time; return the texts next to it, the time first."""
         self.frame.scroll_into_view_if_needed()
         zero, pixels = self.scale()
         box = self.frame.locator(".nsewdrag").first.bounding_box()
@@ -45,8 +45,8 @@ class ChartView:
         texts.first.wait_for()
         return list(texts.evaluate_all("all => all.map(e => e.textContent)"))
 
-    def told(self, time: float) -> tuple[float, dict[str, float]]:
-        """What is told at a time: the time in s, and values by their names."""
+    def hover_values(self, time: float) -> tuple[float, dict[str, float]]:
+        """What the pointer shows at a time: the time in s, and values by their names."""
         title, *texts = self.point(time)
         pairs = [
             re.fullmatch(r"(.+?) : (-?[\d.e+-]+|-?[\d.]+[kMGmµun]?).*", t.replace("\N{MINUS SIGN}", "-")) for t in texts
@@ -55,7 +55,7 @@ class ChartView:
 
     @property
     def cursor(self) -> float | None:
-        """The time at which the cursor stands, in s; None: it is not to be seen."""
+        """The time at which the cursor is, in s; None: it is invisible."""
         line = self.frame.locator(".cursor")
         if not line.count() or not line.is_visible():
             return None

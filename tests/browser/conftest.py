@@ -38,9 +38,9 @@ def open_page(chromium: Any) -> Iterator[Open]:
         return visits[-1]
 
     yield opened
-    said = [visit.said for visit in visits]
+    messages = [visit.messages for visit in visits]
     strange = [uri for visit in visits for uri in visit.asked if not uri.startswith(visit.file.parent.as_uri())]
     for visit in visits:
         visit.context.close()
-    assert said == [[] for _ in visits]
+    assert messages == [[] for _ in visits]
     assert strange == []

@@ -7,8 +7,8 @@ import pytest
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.pages import block_page
-from motionsync_fmu.pages.block_page import pages
-from motionsync_fmu.scenario.example import example_of
+from motionsync_fmu.pages.block_page import FmuContents, make_pages
+from motionsync_fmu.scenario.files.example import load_example
 from tests.browser.conftest import Open
 
 
@@ -20,7 +20,8 @@ def file(block: str, tmp_path: Path) -> Path:
 
 def page_of(block: str, folder: Path) -> Path:
     """A block's page with its picture."""
-    for name, content in pages(Recipe(block).block(), example_of(block), "mm", "native", list(PLATFORMS)).items():
+    contents = FmuContents(Recipe(block), "native", list(PLATFORMS))
+    for name, content in make_pages(contents, load_example(block)).items():
         (folder / name).write_bytes(content)
     return folder / "index.html"
 
@@ -52,9 +53,9 @@ def test_a_page_that_was_made_small_has_all_its_elements_and_texts(
 
 def test_in_a_window_of_1152_pixels_every_table_is_seen_whole(open_page: Open, file: Path) -> None:
     hidden = "[...document.querySelectorAll('table')].map(t => t.scrollWidth - t.clientWidth)"
-    found = open_page(file, 1152).page.evaluate(hidden)
-    assert len(found) >= 4
-    assert max(found) <= 0
+    widths = open_page(file, 1152).page.evaluate(hidden)
+    assert len(widths) >= 4
+    assert max(widths) <= 0
 
 
 def test_a_plot_of_characters_has_its_lines(open_page: Open, tmp_path: Path) -> None:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.build import Flavour
-from motionsync_fmu.line.judge import examine
+from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.line.evaluation import evaluate_line
 from motionsync_fmu.line.package import write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.report import write_line_report
@@ -21,7 +21,7 @@ def line_report(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFac
     folder = copied(shared, fmus, tmp_path_factory.mktemp("lines"))
     line = load_line(SAW)
     package = write_package(line, Flavour.NATIVE, folder, pytest.fail)
-    write_line_report(folder / "report.html", line, package, examine(line, package), folder / "line_out.csv")
+    write_line_report(folder / "report.html", line, package, evaluate_line(line, package), folder / "line_out.csv")
     return folder / "report.html"
 
 
@@ -30,7 +30,7 @@ def test_the_report_of_a_line_shows_the_errors_of_all_variants(open_page: Open, 
     chart = ChartView(visit, "Errors of the slave")
     assert any("RemoteSync" in name for name in chart.legend)
     assert chart.traces >= 5
-    time, values = chart.told(10.0)
+    time, values = chart.hover_values(10.0)
     assert time == pytest.approx(10.0, abs=0.2)
     assert any(name.endswith("slave's error") for name in values)
 

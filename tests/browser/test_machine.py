@@ -1,4 +1,4 @@
-"""The picture of the machine on a page of its own: it shows what the recording has, and does what it is told."""
+"""The picture of the machine on a page of its own: it shows what the recording has, and does what the user asks."""
 
 import random
 from collections.abc import Callable
@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from motionsync_fmu.pages.machine.fragment import machine
-from motionsync_fmu.scenario.cuts import find_cuts
-from motionsync_fmu.scenario.pieces import find_pieces
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.pages.style import TEMPLATES
+from motionsync_fmu.scenario.evaluate.cuts import find_cuts
+from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.browser.conftest import Open
@@ -23,14 +24,15 @@ from tests.browser.visit import Visit
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 SMALL = "FlyingSaw/diagonal_saw"
 KINDS = "CutToLength/sample_and_waste"
-PAGE = "<!doctype html><html lang=en><meta charset=utf-8><title>{}</title><body style='margin: 1rem'>{}</body></html>"
+HEAD = "<!doctype html><html lang=en><meta charset=utf-8><title>machine</title>"
+COLOURS = (TEMPLATES / "colours.css").read_text("utf-8")
 
 OpenRun = Callable[..., Visit]
 
 
 @cache
 def run(name: str) -> tuple[Scenario, Recording]:
-    scenario = load(ROOT / "scenarios" / name / "scenario.toml")
+    scenario = load_scenario(ROOT / "scenarios" / name / "scenario.toml")
     return scenario, run_in_process(scenario, scenario.step_size)
 
 
@@ -40,7 +42,8 @@ def open_run(open_page: Open, tmp_path: Path) -> OpenRun:
 
     def opened(name: str, **options: object) -> Visit:
         file = tmp_path / "machine.html"
-        file.write_text(PAGE.format(name, machine(*run(name))), "utf-8")
+        body = f"<body style='margin: 1rem'>{machine(*run(name))}</body>"
+        file.write_text(f"{HEAD}<style>{COLOURS}</style>{body}</html>", "utf-8")
         return open_page(file, **options)
 
     return opened
@@ -82,8 +85,8 @@ def test_the_slave_is_where_the_recording_has_it(open_run: OpenRun, name: str) -
         assert abs(away - period * round(away / period) if period else away) <= 1e-3
 
 
-def test_the_saw_stands_over_its_position_on_the_ruler(open_run: OpenRun) -> None:
-    """The scale is that of the ruler: its numbers and the places where they stand. 0.1 px, as drawn on the screen."""
+def test_the_saw_is_over_its_position_on_the_ruler(open_run: OpenRun) -> None:
+    """The scale is that of the ruler: its numbers and their places. 0.1 px, as drawn on the screen."""
     _, recording = run(CYCLIC_CUT)
     visit = open_run(CYCLIC_CUT)
     ruler = "[...document.querySelectorAll('.motionsync-machine .ground text[text-anchor=middle].soft')]"
@@ -133,16 +136,16 @@ def test_a_cut_piece_falls_apart_from_the_material(open_run: OpenRun) -> None:
 
 def test_each_piece_has_the_colour_and_the_name_of_its_kind(open_run: OpenRun) -> None:
     """Shortly after its cut a piece is the body that is next to the material on the side to which that flows."""
-    found = find_pieces(*run(KINDS))
+    pieces = find_pieces(*run(KINDS))
     visit = open_run(KINDS)
     bodies = "[...document.querySelectorAll('.stock rect[visibility=visible]')]"
     looks = f"{bodies}.map(e => [+e.getAttribute('x'), e.getAttribute('fill')]).sort((a, b) => a[0] - b[0])"
-    assert len({piece.name for piece in found}) >= 3
-    for piece in found:
-        visit.show(piece.told + 0.02)
-        assert visit.page.evaluate(looks)[1][1] == f"var(--m-kind-{piece.kind})"
+    assert len({piece.name for piece in pieces}) >= 3
+    for piece in pieces:
+        visit.show(piece.reported_at + 0.02)
+        assert visit.page.evaluate(looks)[1][1] == f"var(--kind-{piece.kind})"
         assert visit.readout("last piece") == f"{piece.length:.2f} mm {piece.name}"
-        assert visit.readout("pieces") == f"{piece.number} of {len(found)}"
+        assert visit.readout("pieces") == f"{piece.number} of {len(pieces)}"
 
 
 def test_the_next_cut_is_the_one_that_the_block_knows(open_run: OpenRun) -> None:
@@ -152,17 +155,17 @@ def test_the_next_cut_is_the_one_that_the_block_knows(open_run: OpenRun) -> None
     for i in some_times(recording, 25):
         visit.show(float(recording.time[i]))
         values = {name: recording.values[name][i] for name in ("next_cut.position", "next_cut.known", "tool.cutting")}
-        told = visit.readout("saw to next cut")
+        text_shown = visit.readout("saw to next cut")
         if not values["next_cut.known"] or values["tool.cutting"]:
-            assert told in ("none", "0, cutting")
+            assert text_shown in ("none", "0, cutting")
             continue
         away = recording.values["slave.position"][i] - recording.master[i, 0] + values["next_cut.position"]
-        number, _, text = told.partition(" mm ")
+        number, _, text = text_shown.partition(" mm ")
         assert float(number.replace("\N{MINUS SIGN}", "-")) == pytest.approx(away, abs=0.01)
         assert text == f"(cut {int(recording.values['statistics.cuts'][i]) + 1})"
 
 
-def test_the_distance_from_the_saw_to_its_mark_is_told(open_run: OpenRun) -> None:
+def test_the_distance_from_the_saw_to_its_mark_is_shown(open_run: OpenRun) -> None:
     """Marks each 1500 mm from 1000 on: how far master - slave is from the nearest one; positive: the saw is ahead."""
     _, recording = run(CYCLIC_CUT)
     visit = open_run(CYCLIC_CUT)
@@ -177,15 +180,15 @@ def test_the_distance_from_the_saw_to_its_mark_is_told(open_run: OpenRun) -> Non
         assert text == f"(mark {mark})"
 
 
-def test_state_and_velocity_are_told(open_run: OpenRun) -> None:
-    """At first the saw stands; at 19.4 s it cuts mark 11 at 1100 mm/s; at 33 s all is cut."""
+def test_state_and_velocity_are_shown(open_run: OpenRun) -> None:
+    """At first the saw is at rest; at 19.4 s it cuts mark 11 at 1100 mm/s; at 33 s all is cut."""
     visit = open_run(CYCLIC_CUT)
     visit.show(19.4)
     assert visit.readout("state") == "SYNCHRON \N{EN DASH} coupled, in sync"
     assert visit.readout("velocity") == "1100 mm/s"
     assert visit.readout("saw to mark") == "0.000 mm (mark 11)"
     visit.show(0.05)
-    assert visit.readout("state") == "INACTIVE \N{EN DASH} it stands"
+    assert visit.readout("state") == "INACTIVE \N{EN DASH} it is at rest"
     visit.show(33.0)
     assert visit.readout("cuts") == "20 of 20"
 
@@ -282,15 +285,15 @@ def test_space_on_the_button_plays_once(open_run: OpenRun) -> None:
     assert visit.time == pytest.approx(0.5, abs=0.05)
 
 
-def test_the_machine_follows_the_plots_and_tells_them_its_time(open_run: OpenRun) -> None:
+def test_the_machine_follows_the_plots_and_gives_them_its_time(open_run: OpenRun) -> None:
     visit = open_run(CYCLIC_CUT)
     visit.listen()
     event = "new CustomEvent('motionsync:time', {detail: {time: 12.5, source: 'plots'}})"
     visit.page.evaluate(f"document.dispatchEvent({event})")
     assert visit.time == 12.5
-    assert visit.told() == [["plots", 12.5]]
+    assert visit.notified_times() == [["plots", 12.5]]
     visit.show(3.25)
-    assert visit.told() == [["plots", 12.5], ["machine", 3.25]]
+    assert visit.notified_times() == [["plots", 12.5], ["machine", 3.25]]
 
 
 def test_who_wants_less_motion_sees_a_few_pictures_a_second(open_run: OpenRun) -> None:
@@ -299,7 +302,7 @@ def test_who_wants_less_motion_sees_a_few_pictures_a_second(open_run: OpenRun) -
     visit.listen()
     visit.page.get_by_role("button", name="Play").click()
     visit.wait(2000)
-    times = [time for _, time in visit.told()]
+    times = [time for _, time in visit.notified_times()]
     assert len(times) in (7, 8)
     assert all(0.25 <= after - before < 0.3 for before, after in pairwise(times))
 
@@ -359,7 +362,7 @@ def run_window(visit: Visit) -> tuple[float, float]:
     return numbers[0] + (32.0 - places[0]) * scale, numbers[0] + (width - 32.0 - places[0]) * scale
 
 
-def test_a_screen_reader_is_told_what_there_is(open_run: OpenRun) -> None:
+def test_a_screen_reader_learns_what_there_is(open_run: OpenRun) -> None:
     visit = open_run(CYCLIC_CUT)
     group = visit.page.get_by_role("group", name="Animated picture of the machine")
     assert group.get_by_role("slider", name="Time").count() == 1
@@ -367,3 +370,11 @@ def test_a_screen_reader_is_told_what_there_is(open_run: OpenRun) -> None:
     assert group.get_by_role("combobox", name="Speed").count() == 1
     visit.show(3.25)
     assert group.get_by_role("slider").get_attribute("aria-valuetext") == "3.250 s"
+
+
+@pytest.mark.parametrize("name", ["CutToLength/basic_cut", CYCLIC_CUT])
+def test_the_labels_above_a_narrow_machine_do_not_touch(open_run: OpenRun, name: str) -> None:
+    labels = "[...document.querySelectorAll('.ground text[y=\"13\"]')].map(e => e.getBoundingClientRect())"
+    boxes = sorted(open_run(name, width=390).page.evaluate(f"{labels}.map(r => [r.left, r.right])"))
+    assert len(boxes) == 4  # both ends, home, in sync
+    assert all(before[1] + 5.0 <= after[0] for before, after in pairwise(boxes))

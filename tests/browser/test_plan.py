@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.plan.plan import make_plan
+from motionsync_fmu.plan.line_plan import make_plan
 from motionsync_fmu.plan.report import write_plan
 from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
@@ -18,11 +18,11 @@ def plan_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_plan(plan, tmp_path_factory.mktemp("plan"))
 
 
-def test_the_page_of_a_plan_tells_the_greatest_line_velocity(open_page: Open, plan_page: Path) -> None:
-    """1291.397 for 1500, of which is told what the nearest of the drawn points has."""
+def test_the_page_of_a_plan_shows_the_greatest_line_velocity(open_page: Open, plan_page: Path) -> None:
+    """1291.397 for 1500, of which the value at the nearest drawn point is shown."""
     chart = ChartView(open_page(plan_page), "The greatest line velocity over the length")
     assert {"greatest line velocity", "confirmed by runs", "cuts are lost from here on"} <= set(chart.legend)
-    length, values = chart.told(1500.0)
+    length, values = chart.hover_values(1500.0)
     assert length == pytest.approx(1500.0, abs=10.0)
     assert values["greatest line velocity"] == pytest.approx(1291.4, abs=6.0)
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.scenario.judge import check, compare
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.browser.charts import ChartView
@@ -31,19 +32,19 @@ ALL = (
     "RemoteSync/accelerating_axis",
     "Synchronizer/polynomial",
 )
-MOTION, CUTS, LANES = "Motion of the slave", "The saw among", "States"
+MOTION, CUTS, LANES = "Motion of the slave", "The saw and the passing marks", "States"
 
 OpenReport = Callable[..., Visit]
 
 
 @cache
 def run(name: str) -> tuple[Scenario, Recording]:
-    scenario = load(ROOT / "scenarios" / name / "scenario.toml")
+    scenario = load_scenario(ROOT / "scenarios" / name / "scenario.toml")
     return scenario, run_in_process(scenario, scenario.step_size)
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def report_file(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """Writes the report of a scenario, once."""
     folder = tmp_path_factory.mktemp("reports")
 
@@ -53,18 +54,26 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
         file = folder / name.replace("/", "_") / "report.html"
         file.parent.mkdir()
         results = file.parent / "out.csv"
-        write_report(file, s, recording, check(s, recording), compare(s, recording), s.step_size, results=results)
+        write_report(
+            file,
+            s,
+            recording,
+            check_expectations(s, recording),
+            compare_with_reference(s, recording),
+            s.step_size,
+            results=results,
+        )
         return file
 
     return write
 
 
 @pytest.fixture
-def open_report(open_page: Open, written: Callable[[str], Path]) -> OpenReport:
+def open_report(open_page: Open, report_file: Callable[[str], Path]) -> OpenReport:
     """Opens the report of a scenario: `open_report(name, ...)`, the rest as for `open_page`."""
 
     def opened(name: str, **options: Any) -> Visit:
-        visit = open_page(written(name), **options)
+        visit = open_page(report_file(name), **options)
         visit.page.locator(".plot .main-svg").last.wait_for()
         return visit
 
@@ -98,39 +107,39 @@ def test_all_charts_are_drawn_with_their_legends_and_fit_their_window(open_repor
         assert visit.overflow() <= 0.0
 
 
-def test_reports_of_cuts_are_below_two_and_a_half_megabytes(written: Callable[[str], Path]) -> None:
+def test_reports_of_cuts_are_below_two_and_a_half_megabytes(report_file: Callable[[str], Path]) -> None:
     for name in (CYCLIC_CUT, PIECES):
-        assert written(name).stat().st_size < 2.5e6
+        assert report_file(name).stat().st_size < 2.5e6
 
 
-def test_the_pointer_over_the_pieces_is_told_what_is_asked_of_the_line(open_report: OpenReport) -> None:
-    """All rows are told together: where the saw is, how fast the line is, what is asked of it, and its limit."""
+def test_the_pointer_over_the_pieces_shows_the_requested_velocity(open_report: OpenReport) -> None:
+    """All rows are shown together: position of the saw, velocity of the line, requested velocity, and limit."""
     visit = open_report(PIECES)
     chart = ChartView(visit, "Pieces passing")
-    assert {"saw", "line", "asked of the line", "limit of the line", "tolerance"} <= set(chart.legend)
-    time, values = chart.told(8.0)
+    assert {"saw", "line", "requested velocity", "limit of the line", "tolerance"} <= set(chart.legend)
+    time, values = chart.hover_values(8.0)
     assert values["saw"] == pytest.approx(recorded(PIECES, "slave.position", time), rel=1e-4, abs=1e-3)
     for name in ("line.velocity_request", "limits.max_line_velocity"):
         assert values[name] == pytest.approx(recorded(PIECES, name, time), rel=1e-4)
 
 
 @pytest.mark.parametrize("name", [CYCLIC_CUT, "Gearing/ccw_direct", "Synchronizer/polynomial"])
-def test_the_pointer_is_told_the_slave_s_values(open_report: OpenReport, name: str) -> None:
+def test_the_pointer_shows_the_slave_s_values(open_report: OpenReport, name: str) -> None:
     """Five significant digits, at a point that is drawn: points between are left out where nobody would see them."""
     visit = open_report(name)
     chart = ChartView(visit, MOTION)
     stop = run(name)[0].stop_time
     for share in (0.21, 0.5, 0.83):
-        time, values = chart.told(share * stop)
+        time, values = chart.hover_values(share * stop)
         assert time == pytest.approx(share * stop, abs=0.01 * stop)
         for quantity in ("position", "velocity"):
             expected = recorded(name, f"slave.{quantity}", time)
             assert values[f"slave {quantity}"] == pytest.approx(expected, rel=1e-4, abs=1e-3)
 
 
-def test_the_pointer_over_the_cuts_is_told_where_the_saw_is(open_report: OpenReport) -> None:
+def test_the_pointer_over_the_cuts_shows_where_the_saw_is(open_report: OpenReport) -> None:
     visit = open_report(CYCLIC_CUT)
-    time, values = ChartView(visit, CUTS).told(9.0)
+    time, values = ChartView(visit, CUTS).hover_values(9.0)
     assert values["saw"] == pytest.approx(recorded(CYCLIC_CUT, "slave.position", time), rel=1e-4, abs=1e-3)
 
 
@@ -184,7 +193,7 @@ def test_playing_moves_saw_and_cursor(open_report: OpenReport) -> None:
     visit.page.get_by_role("button", name="Pause").click()
     visit.page.wait_for_timeout(100)
     assert motion.cursor == pytest.approx(visit.time, abs=0.05)
-    assert len(visit.told()) >= 10
+    assert len(visit.notified_times()) >= 10
 
 
 def test_dark_mode_changes_page_plots_and_machine_and_back(open_report: OpenReport) -> None:

@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 
-from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.commands.run_set import load_with_values
 from motionsync_fmu.sweep.plot.page import make_page
 from motionsync_fmu.sweep.plot.view import Question
-from motionsync_fmu.sweep.repeat import with_values
+from motionsync_fmu.sweep.sweep_plan import SweepPlan
 from tests.browser.conftest import Open
 from tests.browser.visit import Visit, contrast
-from tests.sweep import made_up
+from tests.sweep import example_plans
 
 V, A, LENGTH = "master.velocity", "axis.max_acceleration", "length"
 MAP, BOUNDARY = ".plot[aria-label^='The share']", ".plot[aria-label^='The least']"
@@ -22,7 +22,7 @@ MAP, BOUNDARY = ".plot[aria-label^='The share']", ".plot[aria-label^='The least'
 def sweep(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """15 velocities, 3 accelerations, 30 lengths, 2 times of a cut."""
     folder = tmp_path_factory.mktemp("sweep")
-    made_up.sweep(folder, 15, 3, 30, 2)
+    example_plans.sweep(folder, 15, 3, 30, 2)
     make_page(folder, Question(V, LENGTH, A))
     make_page(folder, Question("slave.velocity.max", "slave.acceleration.max"), folder / "front.html")
     return folder
@@ -40,7 +40,7 @@ def point(visit: Visit, chart: str, right: float, up: float) -> None:
     visit.page.mouse.move(*at(visit, chart, right, up))
 
 
-def told(visit: Visit) -> str:
+def shown_text(visit: Visit) -> str:
     return str(visit.page.locator(".picked .where").inner_text())
 
 
@@ -66,28 +66,28 @@ def colour(visit: Visit, right: float, up: float) -> list[int]:
     return list(visit.page.evaluate(look, [right, up]))
 
 
-def test_a_cell_tells_its_runs_and_the_command_that_repeats_one(open_page: Open, sweep: Path) -> None:
+def test_a_cell_shows_its_runs_and_the_command_that_repeats_one(open_page: Open, sweep: Path) -> None:
     """In the middle of the map is velocity number 7 of 15, 800 mm/s, and length 15 of 30, 1600 mm: 6 runs. With 2000
     mm/s2 and 0.4 s it takes 800 (0.4 + 0.88) + 50 = 1074 mm: all of them pass."""
     visit = open_page(sweep / "plot.html")
     point(visit, MAP, 0.5, 0.51)
-    assert told(visit) == "master.velocity 800 mm/s, length 1600 mm: 6 runs, 100 % passed"
+    assert shown_text(visit) == "master.velocity 800 mm/s, length 1600 mm: 6 runs, 100 % passed"
     values = given(visit)
     plan = SweepPlan.read(sweep)
     number = int("".join(c for c in visit.page.locator(".picked .good").inner_text() if c.isdigit()))
     assert {name: float(text) for name, text in values.items()} == {
         name: of_run[0] for name, of_run in plan.values(number, number + 1).items()
     }
-    assert with_values(plan.file, values).start["length"] == 1600.0
+    assert load_with_values(plan.file, values).start["length"] == 1600.0
 
 
-def test_a_curve_tells_the_run_at_it(open_page: Open, sweep: Path) -> None:
-    """Near the top on the right lies the line of 2000 mm/s2: at 1500 mm/s it takes 3125 mm, more than any length; at
+def test_a_curve_shows_the_run_at_it(open_page: Open, sweep: Path) -> None:
+    """Near the top on the right is the line of 2000 mm/s2: at 1500 mm/s it takes 3125 mm, more than any length; at
     1400 mm/s 1400 (0.4 + 1.54) + 50 = 2766 mm, so 2800 mm."""
     visit = open_page(sweep / "plot.html")
     point(visit, BOUNDARY, 0.93, 0.95)
-    assert told(visit).startswith("axis.max_acceleration 2000 mm/s², master.velocity 1400 mm/s: least length")
-    assert "2800 mm" in told(visit)
+    assert shown_text(visit).startswith("axis.max_acceleration 2000 mm/s², master.velocity 1400 mm/s: least length")
+    assert "2800 mm" in shown_text(visit)
     assert float(given(visit)["length"]) == 2800.0
     assert visit.page.locator(f"{MAP} .chosen.column").is_visible()  # the same velocity in the other chart
 
@@ -110,17 +110,17 @@ def test_a_click_holds_a_cell_so_that_its_command_can_be_copied(open_page: Open,
     visit = open_page(sweep / "plot.html", permissions=["clipboard-read", "clipboard-write"])
     place = at(visit, MAP, 0.5, 0.51)
     visit.page.mouse.click(*place)
-    held = told(visit)
+    held = shown_text(visit)
     assert "800 mm/s" in held
     point(visit, MAP, 0.8, 0.2)
-    assert told(visit) == held
+    assert shown_text(visit) == held
     visit.page.get_by_role("button", name="copy").click()
     visit.page.get_by_role("button", name="copied").wait_for()
     assert visit.page.evaluate("navigator.clipboard.readText()") == visit.page.locator(".picked code").inner_text()
     visit.page.keyboard.press("Escape")
-    assert told(visit).startswith("Point at a cell")
+    assert shown_text(visit).startswith("Point at a cell")
     point(visit, MAP, 0.5, 0.3)
-    assert told(visit) != held
+    assert shown_text(visit) != held
 
 
 def test_keys_go_from_cell_to_cell(open_page: Open, sweep: Path) -> None:
@@ -129,14 +129,14 @@ def test_keys_go_from_cell_to_cell(open_page: Open, sweep: Path) -> None:
     visit.page.locator(MAP).focus()
     for key, expected in (("ArrowRight", "900 mm/s, length 1600"), ("ArrowUp", "900 mm/s, length 1700")):
         visit.page.keyboard.press(key)
-        assert expected in told(visit)
+        assert expected in shown_text(visit)
     visit.page.locator(BOUNDARY).focus()
     visit.page.keyboard.press("ArrowRight")
-    first = told(visit)
+    first = shown_text(visit)
     visit.page.keyboard.press("ArrowRight")
-    assert told(visit) != first
+    assert shown_text(visit) != first
     visit.page.keyboard.press("ArrowDown")
-    assert "6000 mm/s²" in told(visit)
+    assert "6000 mm/s²" in shown_text(visit)
 
 
 def test_a_run_of_the_front_is_chosen_in_its_table(open_page: Open, sweep: Path) -> None:
@@ -144,8 +144,8 @@ def test_a_run_of_the_front_is_chosen_in_its_table(open_page: Open, sweep: Path)
     button = visit.page.locator("[data-pick]").first
     button.focus()
     number = button.inner_text()
-    found: Any = visit.page.locator(".picked .good").inner_text()
-    assert "".join(c for c in found if c.isdigit()) == number
+    result: Any = visit.page.locator(".picked .good").inner_text()
+    assert "".join(c for c in result if c.isdigit()) == number
     plan = SweepPlan.read(sweep)
     assert float(given(visit)[V]) == plan.values(int(number), int(number) + 1)[V][0]
 

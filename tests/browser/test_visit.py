@@ -1,4 +1,4 @@
-"""A page that says something, or asks for something, is noticed: without that the other tests would prove little."""
+"""A page that logs something, or asks for something, is noticed: without that the other tests would prove little."""
 
 from pathlib import Path
 from typing import Any
@@ -20,5 +20,5 @@ def test_what_a_page_says_is_noticed(chromium: Any, tmp_path: Path, body: str) -
     file = tmp_path / "page.html"
     file.write_text(f"<!doctype html><title>x</title>{body}", "utf-8")
     visit = Visit(chromium.new_context(offline=True), file)
-    assert visit.said
+    assert visit.messages
     visit.context.close()

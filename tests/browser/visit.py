@@ -9,18 +9,18 @@ class Visit:
 
     Attributes:
         page: Playwright's page.
-        said: its console messages of any level, its errors and its failed requests, as texts.
+        messages: its console messages of any level, its errors and its failed requests, as texts.
         asked: the addresses that it has asked for.
     """
 
     def __init__(self, context: Any, file: Path) -> None:
         self.context, self.file = context, file
-        self.said: list[str] = []
+        self.messages: list[str] = []
         self.asked: list[str] = []
         self.page = context.new_page()
-        self.page.on("console", lambda message: self.said.append(f"{message.type}: {message.text}"))
-        self.page.on("pageerror", lambda error: self.said.append(f"error: {error}"))
-        self.page.on("requestfailed", lambda request: self.said.append(f"failed: {request.url}"))
+        self.page.on("console", lambda message: self.messages.append(f"{message.type}: {message.text}"))
+        self.page.on("pageerror", lambda error: self.messages.append(f"error: {error}"))
+        self.page.on("requestfailed", lambda request: self.messages.append(f"failed: {request.url}"))
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(file.as_uri())
 
@@ -43,24 +43,25 @@ class Visit:
         return float(self.page.locator(".motionsync-machine").get_attribute("data-time"))
 
     def number(self, selector: str, name: str) -> float:
-        """A number that an element of the machine tells in its data attributes."""
+        """A number in the data attributes of an element of the machine."""
         return float(self.page.locator(f".motionsync-machine {selector}").get_attribute(f"data-{name}"))
 
     def readout(self, name: str) -> str:
-        """What the machine tells under a name."""
+        """What the machine shows under a name."""
         row = self.page.locator(".motionsync-machine .readouts div", has=self.page.locator(f"dt:text-is('{name}')"))
         return str(row.locator("dd").inner_text())
 
     def listen(self) -> None:
-        """Keep what is told of the time in `window.told`, as pairs of source and time."""
+        """Store the notifications of time in `window.notifiedTimes`, as pairs of source and time."""
         self.page.evaluate(
-            "() => { window.told = [];"
-            " document.addEventListener('motionsync:time', e => told.push([e.detail.source, e.detail.time])); }"
+            "() => { window.notifiedTimes = [];"
+            " document.addEventListener('motionsync:time', e =>"
+            " notifiedTimes.push([e.detail.source, e.detail.time])); }"
         )
 
-    def told(self) -> list[list[Any]]:
-        """What has been told of the time since `listen`."""
-        return list(self.page.evaluate("told"))
+    def notified_times(self) -> list[list[Any]]:
+        """The notifications of time since `listen`."""
+        return list(self.page.evaluate("notifiedTimes"))
 
     def colours(self, selector: str) -> tuple[str, str]:
         """The colour of an element's text and of its background."""

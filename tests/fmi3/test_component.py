@@ -9,12 +9,13 @@ from lxml import etree
 from wasmtime import Engine, Store
 from wasmtime.component import Component, Linker
 
+from motionsync_fmu.build.guid import compute_guid
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.native.wasm.component import component_files
-from motionsync_fmu.scenario.fmu_instance import FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.fmi3.test_same_bits import saved
-from tests.support.random_runs import calm
+from tests.support.random_runs import draw_accepted_run
 
 RESOURCE = "co-simulation-instance"
 TYPES = {"Float64": "float64", "Int32": "int32", "Int64": "int64", "Boolean": "boolean"}
@@ -48,9 +49,9 @@ class Unit:
         self.messages.append((str(status), category, text))
 
     def _function(self, name: str) -> Any:
-        found = self.instance.get_func(self.store, self.instance.get_export_index(self.store, name, self.interface))
-        assert found is not None, name
-        return found
+        result = self.instance.get_func(self.store, self.instance.get_export_index(self.store, name, self.interface))
+        assert result is not None, name
+        return result
 
     def call(self, name: str, *arguments: Any) -> Any:
         function = self._function(f"[method]{RESOURCE}.{name}")
@@ -60,7 +61,7 @@ class Unit:
 
 @pytest.fixture(scope="module")
 def files() -> dict[str, bytes]:
-    return component_files(RECIPE.name, c_sources(RECIPE.block(), RECIPE.guid(), fmi=Fmi.THREE))
+    return component_files(RECIPE.name, c_sources(RECIPE.block(), compute_guid(RECIPE), fmi=Fmi.THREE))
 
 
 @pytest.fixture(scope="module")
@@ -70,11 +71,11 @@ def component(files: dict[str, bytes]) -> bytes:
 
 def bits(unit: Unit, host: FmuInstance) -> tuple[dict[str, Any], dict[str, Any]]:
     """All values of the component, and those of the native unit."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for kind, name in TYPES.items():
         group = [n for n, (_, k) in host.kinds.items() if k == kind]
-        found |= zip(group, unit.call(f"get-{name}", host.references(group)), strict=True)
-    return shown(found), shown(host.get())
+        result |= zip(group, unit.call(f"get-{name}", host.references(group)), strict=True)
+    return shown(result), shown(host.get())
 
 
 def shown(values: dict[str, Any]) -> dict[str, Any]:
@@ -83,8 +84,8 @@ def shown(values: dict[str, Any]) -> dict[str, Any]:
 
 def test_a_run_gives_the_bits_of_the_native_unit(component: bytes, fmi3: Path) -> None:
     """All values and the whole state; the state comes back in another component."""
-    run = calm("Synchronizer", 2.0**-7, 300)
-    unit = Unit(component, RECIPE.guid())
+    run = draw_accepted_run("Synchronizer", 2.0**-7, 300)
+    unit = Unit(component, compute_guid(RECIPE))
     with FmuInstance(fmi3) as host:
 
         def put(values: dict[str, Any]) -> None:
@@ -108,13 +109,13 @@ def test_a_run_gives_the_bits_of_the_native_unit(component: bytes, fmi3: Path) -
             assert len(set(map(str, bits(unit, host)))) == 1
         assert unit.call("get-fmu-state") == saved(host)
         assert [message for *_, message in unit.messages] == host.messages
-        other = Unit(component, RECIPE.guid())
+        other = Unit(component, compute_guid(RECIPE))
         assert other.call("set-fmu-state", saved(host)) == "ok"
         assert len(set(map(str, bits(other, host)))) == 1
 
 
 def test_what_is_refused_has_its_status_and_message(component: bytes) -> None:
-    unit = Unit(component, RECIPE.guid())
+    unit = Unit(component, compute_guid(RECIPE))
     assert unit.call("do-step", 0.0, 0.1, True) == "error"
     assert unit.call("enter-initialization-mode", None, 0.0, None) == "ok"
     assert unit.call("exit-initialization-mode") == "ok"
@@ -130,12 +131,12 @@ def test_what_is_refused_has_its_status_and_message(component: bytes) -> None:
     ]
     assert unit.messages[1][2] == "step size = -0.1 is not allowed: it must be > 0 and <= 1e+06"
     assert Unit(component, "{other}").handle is None
-    assert Unit(component, RECIPE.guid(), events=True).handle is None
+    assert Unit(component, compute_guid(RECIPE), events=True).handle is None
 
 
 def test_memory_is_used_again(component: bytes) -> None:
     """Restored states, which are copied on the way, would not fit four pages of memory one beside the other."""
-    unit = Unit(component, RECIPE.guid())
+    unit = Unit(component, compute_guid(RECIPE))
     unit.store.set_limits(memory_size=4 * 65536)
     state = unit.call("get-fmu-state")
     assert 400 * len(state) > 4 * 65536

@@ -10,32 +10,33 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from motionsync.blocks import BLOCKS
+from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.fmi2_xml import complete, content, describe
 from motionsync_fmu.interface.fmi3_xml import translated
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.terminals import terminals
-from motionsync_fmu.interface.turns import Interface
 from motionsync_fmu.native.tables import abilities
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "Enumeration": "Enumeration"}
-TURNED = Recipe("Gearing", "deg", interface=Interface(input=("gearing.*",), local=("in_gear",)))
-RECIPES = [*map(Recipe, BLOCKS), TURNED, Recipe("Follower", "mm", {"sync_master": "7.5"}, "deg")]
+OVERRIDDEN = Recipe("Gearing", "deg", interface=Interface(input=("gearing.*",), local=("in_gear",)))
+RECIPES = [*map(Recipe, BLOCKS), OVERRIDDEN, Recipe("Follower", "mm", {"sync_master": "7.5"}, "deg")]
 
 
 def both(recipe: Recipe, folder: Path) -> tuple[Any, Any]:
     """The descriptions of FMI 2.0 and FMI 3.0 as FMPy reads them."""
-    found = []
+    result = []
     for version in ("fmi2", "fmi3"):
         block = recipe.block()
-        root = describe(block, recipe.unit, recipe.slave_unit, recipe.turned)
-        complete(root, recipe.guid(), abilities(block))
+        root = describe(block, recipe.unit, recipe.slave_unit, recipe.causality_overrides)
+        complete(root, compute_guid(recipe), abilities(block))
         (folder / version).mkdir()
         (folder / version / "modelDescription.xml").write_bytes(
             content(translated(root) if version == "fmi3" else root)
         )
-        found.append(read_model_description(str(folder / version)))
-    return found[0], found[1]
+        result.append(read_model_description(str(folder / version)))
+    return result[0], result[1]
 
 
 def faults(text: bytes, schema: str) -> list[str]:
@@ -50,7 +51,7 @@ def test_the_description_says_what_that_of_fmi_2_says(recipe: Recipe, tmp_path: 
     two, three = both(recipe, tmp_path)
     text = (tmp_path / "fmi3" / "modelDescription.xml").read_bytes()
     assert faults(text, "fmi3ModelDescription.xsd") == []
-    if recipe.starts or recipe.turned:  # the others are validated as FMUs
+    if recipe.starts or recipe.causality_overrides:  # the others are validated as FMUs
         assert validate_fmu(str(tmp_path / "fmi3")) == []
     assert (two.fmiVersion, three.fmiVersion) == ("2.0", "3.0")
     for name in ("modelName", "guid", "description", "author", "version", "copyright", "license", "generationTool"):
@@ -82,7 +83,7 @@ def dependencies(unknown: Any) -> tuple[str, list[str]]:
     return unknown.variable.name, [v.name for v in unknown.dependencies]
 
 
-def test_the_unit_tells_what_it_can_do(tmp_path: Path) -> None:
+def test_the_unit_declares_its_capabilities(tmp_path: Path) -> None:
     two, three = both(Recipe("Synchronizer"), tmp_path)
     can = three.coSimulation
     assert can.modelIdentifier == "Synchronizer"
@@ -113,17 +114,18 @@ def members(terminal: Any) -> dict[str, str]:
 def test_terminals_follow_the_schema_and_name_what_can_be_wired(block: str) -> None:
     assert faults(terminals(BLOCKS[block]()), "fmi3TerminalsAndIcons.xsd") == []
     causalities = {v.name: v.causality for v in Recipe(block).variables.values()}
-    found = [name for terminal in listed(block).values() for name in members(terminal).values()]
+    result = [name for terminal in listed(block).values() for name in members(terminal).values()]
     wired = [name for name, causality in causalities.items() if causality in ("input", "output") and "." in name]
-    assert sorted(found) == sorted(wired)
+    assert sorted(result) == sorted(wired)
     assert all(terminal.get("description") for terminal in listed(block).values())
 
 
 def test_a_turned_variable_is_a_member_only_where_it_can_be_wired() -> None:
-    root = etree.fromstring(terminals(TURNED.block(), TURNED.turned))
+    root = etree.fromstring(terminals(OVERRIDDEN.block(), OVERRIDDEN.causality_overrides))
     gearing = root.find("Terminals/Terminal[@name='gearing']")
     assert "gearing" not in listed("Gearing")
-    assert set(members(gearing).values()) == {name for name in TURNED.turned if name.startswith("gearing.")}
+    overridden = {name for name in OVERRIDDEN.causality_overrides if name.startswith("gearing.")}
+    assert set(members(gearing).values()) == overridden
 
 
 def test_a_remote_axis_fits_where_a_master_does() -> None:

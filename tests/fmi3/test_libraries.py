@@ -29,15 +29,15 @@ def test_a_library_exports_the_functions_of_the_standard(platform: Platform, fol
     if platform.suffix == "so":
         lines = tool("readelf", "-W", "--dyn-syms", library).splitlines()
         symbols = [line.split()[4:] for line in lines if "GLOBAL" in line]
-        found = {name for _, _, section, name, *_ in symbols if section != "UND"}
+        result = {name for _, _, section, name, *_ in symbols if section != "UND"}
     elif platform.suffix == "dll":
         text = tool("objdump", "-p", library)
-        found = set(
+        result = set(
             re.findall(r"\d\] (\w+)$", text[text.index("[Ordinal/Name Pointer] Table") :].split("\n\n")[0], re.M)
         )
     else:
         processor = {"x86_64": 0x01000007, "aarch64": 0x0100000C}[platform.folder.split("-")[0]]
         assert struct.unpack_from("<2I", library.read_bytes()) == (0xFEEDFACF, processor)  # no universal one
-        found = exported(library.read_bytes()) - MACHO_OWN
-    assert found == FUNCTIONS
-    assert len(found) == 75
+        result = exported(library.read_bytes()) - MACHO_OWN
+    assert result == FUNCTIONS
+    assert len(result) == 75

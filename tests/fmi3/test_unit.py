@@ -11,7 +11,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from motionsync_fmu.scenario.fmu_instance import FmuError
+from motionsync_fmu.scenario.run.fmu_instance import FmuError
 from tests.support.importers import Logged
 
 OK, WARNING, DISCARD, ERROR = range(4)
@@ -49,9 +49,9 @@ def test_a_refused_step_is_discarded_and_the_next_good_one_goes_on(host: Logged)
     ):
         host.set({name: value})
         assert status_of(host.unit.doStep, host.time, h) == DISCARD
-        status, category, told = host.lines[-1]
+        status, category, message = host.lines[-1]
         assert (status, category) == (DISCARD, LOGGED[DISCARD])
-        assert text in told
+        assert text in message
         host.set({"master.position": 10.0, "master.velocity": 90.0})
         assert host.get() == before
     assert len(host.lines) == 4
@@ -65,7 +65,7 @@ def test_a_refused_initialization_is_an_error(host: Logged) -> None:
     assert [line[:2] for line in host.lines] == [(ERROR, LOGGED[ERROR])]
 
 
-def test_the_last_successful_time_is_told(host: Logged) -> None:
+def test_the_last_successful_time_is_reported(host: Logged) -> None:
     host.initialize()
     assert host.unit.doStep(0.0, 0.25) == (False, False, False, 0.25)
     flags, reached = [c_bool(True) for _ in range(3)], c_double(7.0)
@@ -94,7 +94,7 @@ def test_the_time_is_a_variable_that_cannot_be_set(host: Logged) -> None:
 
 
 @pytest.mark.parametrize(
-    ("on", "categories", "told"),
+    ("on", "categories", "logged"),
     [
         (True, [], {WARNING, DISCARD, ERROR}),
         (True, ["logAll"], {WARNING, DISCARD, ERROR}),
@@ -105,7 +105,7 @@ def test_the_time_is_a_variable_that_cannot_be_set(host: Logged) -> None:
     ],
 )
 def test_errors_are_logged_always_and_the_rest_if_wanted(
-    host: Logged, on: bool, categories: list[str], told: set[int]
+    host: Logged, on: bool, categories: list[str], logged: set[int]
 ) -> None:
     """Errors also if logging is off, as FMI 3.0.3 (2.2.4) demands; nothing else then."""
     host.initialize()
@@ -113,7 +113,7 @@ def test_errors_are_logged_always_and_the_rest_if_wanted(
     assert status_of(host.unit.doStep, 0.0, -1.0) == DISCARD
     host.step(0.1, {"output_phasing": 0.0, "stop": True})
     assert status_of(host.unit.getFloat64, [10000]) == ERROR
-    assert [line[:2] for line in host.lines] == [(s, LOGGED[s]) for s in (DISCARD, WARNING, ERROR) if s in told]
+    assert [line[:2] for line in host.lines] == [(s, LOGGED[s]) for s in (DISCARD, WARNING, ERROR) if s in logged]
 
 
 def test_an_unknown_category_is_refused(host: Logged) -> None:
@@ -189,7 +189,7 @@ def test_output_derivatives_are_those_of_the_slave(host: Logged) -> None:
 # --- life ---
 
 
-def test_what_cannot_be_instantiated_is_told(host: Logged) -> None:
+def test_what_cannot_be_instantiated_is_reported(host: Logged) -> None:
     library, token = ctypes.CDLL(host.unit.dll._name), host.description.guid.encode()
 
     def attempt(kind: str, name: Any, token: Any, between: tuple[Any, ...] = (), after: tuple[Any, ...] = ()) -> Any:

@@ -1,4 +1,4 @@
-/* The fuzzing host for FMI 3.0; fuzz.h says what it does. */
+/* The fuzzing host for FMI 3.0; fuzz.h describes it. */
 #include <math.h>
 #include <string.h>
 #include "fmi3Functions.h"
@@ -15,27 +15,27 @@ typedef fmi3LogMessageCallback Callbacks;
 #define FMI(function) as2##function
 #define VERSION "fmi3"
 #define VERSION_TEXT "3.0"
-#define FUNCTIONS(X, Y)                                                                                           \
-    X(GetVersion) X(SetDebugLogging) X(InstantiateCoSimulation) X(InstantiateModelExchange)                       \
-    X(InstantiateScheduledExecution) X(FreeInstance) X(EnterInitializationMode) X(ExitInitializationMode)         \
-    X(Terminate) X(Reset) X(DoStep) Y(GetReal, GetFloat64) Y(SetReal, SetFloat64) Y(GetInteger, GetInt32)         \
-    Y(SetInteger, SetInt32) Y(GetEnumeration, GetInt64) Y(SetEnumeration, SetInt64) X(GetBoolean) X(SetBoolean)   \
-    X(GetString) X(SetString) Y(GetFMUstate, GetFMUState) Y(SetFMUstate, SetFMUState)                             \
-    Y(FreeFMUstate, FreeFMUState) Y(SerializedFMUstateSize, SerializedFMUStateSize)                               \
-    Y(SerializeFMUstate, SerializeFMUState) Y(DeSerializeFMUstate, DeserializeFMUState)                           \
-    Y(GetRealOutputDerivatives, GetOutputDerivatives) X(GetFloat32) X(SetFloat32) X(GetInt8) X(SetInt8)           \
-    X(GetUInt8) X(SetUInt8) X(GetInt16) X(SetInt16) X(GetUInt16) X(SetUInt16) X(GetUInt32) X(SetUInt32)           \
-    X(GetUInt64) X(SetUInt64) X(GetBinary) X(SetBinary) X(GetClock) X(SetClock)                                   \
-    X(GetNumberOfVariableDependencies) X(GetVariableDependencies) X(GetDirectionalDerivative)                     \
-    X(GetAdjointDerivative) X(EnterConfigurationMode) X(ExitConfigurationMode) X(EnterEventMode)                  \
-    X(EnterStepMode) X(GetIntervalDecimal) X(GetIntervalFraction) X(GetShiftDecimal) X(GetShiftFraction)          \
-    X(SetIntervalDecimal) X(SetIntervalFraction) X(SetShiftDecimal) X(SetShiftFraction)                           \
-    X(EvaluateDiscreteStates) X(UpdateDiscreteStates) X(EnterContinuousTimeMode) X(CompletedIntegratorStep)       \
-    X(SetTime) X(SetContinuousStates) X(GetContinuousStateDerivatives) X(GetEventIndicators)                      \
-    X(GetContinuousStates) X(GetNominalsOfContinuousStates) X(GetNumberOfEventIndicators)                         \
+#define FUNCTIONS(X, Y)                                                                                         \
+    X(GetVersion) X(SetDebugLogging) X(InstantiateCoSimulation) X(InstantiateModelExchange)                     \
+    X(InstantiateScheduledExecution) X(FreeInstance) X(EnterInitializationMode) X(ExitInitializationMode)       \
+    X(Terminate) X(Reset) X(DoStep) Y(GetReal, GetFloat64) Y(SetReal, SetFloat64) Y(GetInteger, GetInt32)       \
+    Y(SetInteger, SetInt32) Y(GetEnumeration, GetInt64) Y(SetEnumeration, SetInt64) X(GetBoolean) X(SetBoolean) \
+    X(GetString) X(SetString) Y(GetFMUstate, GetFMUState) Y(SetFMUstate, SetFMUState)                           \
+    Y(FreeFMUstate, FreeFMUState) Y(SerializedFMUstateSize, SerializedFMUStateSize)                             \
+    Y(SerializeFMUstate, SerializeFMUState) Y(DeSerializeFMUstate, DeserializeFMUState)                         \
+    Y(GetRealOutputDerivatives, GetOutputDerivatives) X(GetFloat32) X(SetFloat32) X(GetInt8) X(SetInt8)         \
+    X(GetUInt8) X(SetUInt8) X(GetInt16) X(SetInt16) X(GetUInt16) X(SetUInt16) X(GetUInt32) X(SetUInt32)         \
+    X(GetUInt64) X(SetUInt64) X(GetBinary) X(SetBinary) X(GetClock) X(SetClock)                                 \
+    X(GetNumberOfVariableDependencies) X(GetVariableDependencies) X(GetDirectionalDerivative)                   \
+    X(GetAdjointDerivative) X(EnterConfigurationMode) X(ExitConfigurationMode) X(EnterEventMode)                \
+    X(EnterStepMode) X(GetIntervalDecimal) X(GetIntervalFraction) X(GetShiftDecimal) X(GetShiftFraction)        \
+    X(SetIntervalDecimal) X(SetIntervalFraction) X(SetShiftDecimal) X(SetShiftFraction)                         \
+    X(EvaluateDiscreteStates) X(UpdateDiscreteStates) X(EnterContinuousTimeMode) X(CompletedIntegratorStep)     \
+    X(SetTime) X(SetContinuousStates) X(GetContinuousStateDerivatives) X(GetEventIndicators)                    \
+    X(GetContinuousStates) X(GetNominalsOfContinuousStates) X(GetNumberOfEventIndicators)                       \
     X(GetNumberOfContinuousStates) X(ActivateModelPartition)
 
-/* The log categories, and the sets of statuses for which they stand; what is logged whatever is chosen, and if logging is
+/* The log categories, and the set of statuses of each; what is logged in any case, and if logging is
  * off. */
 static const struct {
     const char *name;
@@ -52,7 +52,7 @@ enum { TIME_IS_A_VARIABLE = true };
 /* --- the functions that both versions have, with the parameters of FMI 2.0 --- */
 
 static bool one_in(size_t n);
-static _Noreturn void surprise(const char *format, ...);
+static _Noreturn void fail(const char *format, ...);
 
 #define as2GetVersion fmi3GetVersion
 #define as2SetDebugLogging fmi3SetDebugLogging
@@ -81,12 +81,13 @@ static _Noreturn void surprise(const char *format, ...);
 static Answer as2DoStep(fmi3Instance c, double time, double h, bool noSetFMUStatePriorToCurrentPoint) {
     fmi3Boolean event = true, ended = true, early = true;
     double reached = NAN;
-    bool asked = !one_in(8);
-    Answer status = fmi3DoStep(c, time, h, noSetFMUStatePriorToCurrentPoint, asked ? &event : NULL,
-                                   asked ? &ended : NULL, asked ? &early : NULL, asked ? &reached : NULL);
-    if (asked && (event || ended || early)) surprise("a step tells of an event, an end or an early return");
-    if (asked && !status && reached != time + h) surprise("a step up to %g reached %g", time + h, reached);
-    if (asked && status == DISCARD && !isfinite(reached)) surprise("a discarded step does not tell the time");
+    bool has_outputs = !one_in(8);
+    Answer status = fmi3DoStep(c, time, h, noSetFMUStatePriorToCurrentPoint, has_outputs ? &event : NULL,
+                                   has_outputs ? &ended : NULL, has_outputs ? &early : NULL,
+                               has_outputs ? &reached : NULL);
+    if (has_outputs && (event || ended || early)) fail("a step reports an event, an end or an early return");
+    if (has_outputs && !status && reached != time + h) fail("a step up to %g reached %g", time + h, reached);
+    if (has_outputs && status == DISCARD && !isfinite(reached)) fail("a discarded step does not report the time");
     return status;
 }
 
@@ -94,8 +95,8 @@ static Answer as2DoStep(fmi3Instance c, double time, double h, bool noSetFMUStat
 
 /* --- life --- */
 
-static void note(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message) {
-    noted(environment, status, category, message);
+static void on_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message) {
+    check_message(environment, status, category, message);
 }
 
 static void instantiate(Slot *s) {
@@ -104,14 +105,14 @@ static void instantiate(Slot *s) {
     Function f = one_in(12) ? InstantiateModelExchange : one_in(12) ? InstantiateScheduledExecution
                                                                     : InstantiateCoSimulation;
     bool events = one_in(12), logging = !one_in(3);
-    bool good = good_names(name, guid) && f == InstantiateCoSimulation && !events;
+    bool is_valid = are_valid_names(name, guid) && f == InstantiateCoSimulation && !events;
     const char *resources = one_in(3) ? NULL : "/nowhere/";
     s->listens = !one_in(6);
-    s->callbacks = s->listens ? note : NULL;
+    s->callbacks = s->listens ? on_message : NULL;
     s->logged = !s->listens ? 0 : logging ? -1 : 1 << ERROR;
-    called(s);
-    scarce = one_in(30);
-    bool lacking = scarce;
+    start_call(s);
+    memory_is_out = one_in(30);
+    bool is_out_of_memory = memory_is_out;
     if (f == InstantiateCoSimulation)
         s->unit = fmi3InstantiateCoSimulation(name, guid, resources, one_in(2), logging, events, one_in(2), NULL, 0, s,
                                               s->callbacks, NULL);
@@ -120,8 +121,8 @@ static void instantiate(Slot *s) {
     else
         s->unit = fmi3InstantiateScheduledExecution(name, guid, resources, one_in(2), logging, s, s->callbacks, NULL,
                                                     NULL, NULL);
-    scarce = false;
-    instantiated(s, f, good && !lacking, !lacking && s->listens);
+    memory_is_out = false;
+    check_instantiation(s, f, is_valid && !is_out_of_memory, !is_out_of_memory && s->listens);
 }
 
 static void make_twin(void) {
@@ -130,12 +131,12 @@ static void make_twin(void) {
 
 static void enter_initialization_mode(Slot *s) {
     double start = random_real(), stop = one_in(2) ? random_real() : start + 1e4 * share();
-    bool ends = one_in(4), good = in(s, INSTANTIATED) && isfinite(start) && (!ends || stop >= start);
-    Answer status = fmi3EnterInitializationMode(called(s), one_in(2), random_real(), start, ends, stop);
-    if (concluded(s, EnterInitializationMode, status, expected(good), true)) return;
-    s->known.mode = INITIALIZING;
-    s->known.time = start;
-    s->known.stop = ends ? stop : INFINITY;
+    bool ends = one_in(4), is_valid = is_in(s, INSTANTIATED) && isfinite(start) && (!ends || stop >= start);
+    Answer status = fmi3EnterInitializationMode(start_call(s), one_in(2), random_real(), start, ends, stop);
+    if (check_call(s, EnterInitializationMode, status, status_if(is_valid), true)) return;
+    s->expected.mode = INITIALIZING;
+    s->expected.time = start;
+    s->expected.stop = ends ? stop : INFINITY;
 }
 
 /* --- values --- */
@@ -148,31 +149,31 @@ GET_AND_SET(Enumeration, enumeration, int64_t, ENUMERATION, random_choice())
 static void miscount(Slot *s) {
     size_t n = below(MOST), m = n + 1 + below(3);
     Reference *r = random_references(n, REAL, true);
-    double *values = room(m, sizeof *values);
+    double *values = allocate_exactly(m, sizeof *values);
     int32_t *orders = random_orders(n);
     for (size_t i = 0; values && i < m; i++) values[i] = 1.0;
     switch (below(3)) {
-    case 0: concluded(s, GetReal, fmi3GetFloat64(called(s), r, n, values, m), ERROR, false); break;
-    case 1: concluded(s, SetReal, fmi3SetFloat64(called(s), r, m, values, n), ERROR, false); break;
+    case 0: check_call(s, GetReal, fmi3GetFloat64(start_call(s), r, n, values, m), ERROR, false); break;
+    case 1: check_call(s, SetReal, fmi3SetFloat64(start_call(s), r, m, values, n), ERROR, false); break;
     default:
-        concluded(s, GetRealOutputDerivatives, fmi3GetOutputDerivatives(called(s), r, n, orders, values, m), ERROR,
+        check_call(s, GetRealOutputDerivatives, fmi3GetOutputDerivatives(start_call(s), r, n, orders, values, m), ERROR,
                   false);
     }
     free(r), free(orders), free(values);
 }
 
 /* Types that no variable has. */
-#define NONE(Type)                                                                                                   \
-    static void none_##Type(Slot *s) {                                                                               \
-        size_t n = one_in(2) ? 0 : random_count();                                                                   \
-        Reference *r = room(n, sizeof *r);                                                                           \
-        for (size_t i = 0; r && i < n; i++) r[i] = (Reference)below(COUNT + 3);                                      \
-        fmi3##Type *values = room(n, sizeof *values);                                                                \
-        int getting_none = expected(in(s, INITIALIZING | STEPPING | TERMINATED) && !n);                              \
-        int setting_none = expected(in(s, INSTANTIATED | INITIALIZING | STEPPING) && !n);                            \
-        if (one_in(2)) concluded(s, Get##Type, fmi3Get##Type(called(s), r, n, values REST), getting_none, false);    \
-        else concluded(s, Set##Type, fmi3Set##Type(called(s), r, n, values REST), setting_none, false);              \
-        free(r), free(values);                                                                                       \
+#define NONE(Type)                                                                                                     \
+    static void none_##Type(Slot *s) {                                                                                 \
+        size_t n = one_in(2) ? 0 : random_count();                                                                     \
+        Reference *r = allocate_exactly(n, sizeof *r);                                                                 \
+        for (size_t i = 0; r && i < n; i++) r[i] = (Reference)below(COUNT + 3);                                        \
+        fmi3##Type *values = allocate_exactly(n, sizeof *values);                                                      \
+        int getting_none = status_if(is_in(s, INITIALIZING | STEPPING | TERMINATED) && !n);                            \
+        int setting_none = status_if(is_in(s, INSTANTIATED | INITIALIZING | STEPPING) && !n);                          \
+        if (one_in(2)) check_call(s, Get##Type, fmi3Get##Type(start_call(s), r, n, values REST), getting_none, false); \
+        else check_call(s, Set##Type, fmi3Set##Type(start_call(s), r, n, values REST), setting_none, false);           \
+        free(r), free(values);                                                                                         \
     }
 #define REST , n
 NONE(Float32) NONE(Int8) NONE(UInt8) NONE(Int16) NONE(UInt16) NONE(UInt32) NONE(UInt64)
@@ -184,17 +185,17 @@ static void none_Binary(Slot *s) {
     Reference r[] = {(Reference)below(COUNT + 3)};
     size_t n = below(2), sizes[] = {0};
     fmi3Binary values[] = {NULL};
-    int getting_none = expected(in(s, INITIALIZING | STEPPING | TERMINATED) && !n);
-    int setting_none = expected(in(s, INSTANTIATED | INITIALIZING | STEPPING) && !n);
-    if (one_in(2)) concluded(s, GetBinary, fmi3GetBinary(called(s), r, n, sizes, values, n), getting_none, false);
-    else concluded(s, SetBinary, fmi3SetBinary(called(s), r, n, sizes, values, n), setting_none, false);
+    int getting_none = status_if(is_in(s, INITIALIZING | STEPPING | TERMINATED) && !n);
+    int setting_none = status_if(is_in(s, INSTANTIATED | INITIALIZING | STEPPING) && !n);
+    if (one_in(2)) check_call(s, GetBinary, fmi3GetBinary(start_call(s), r, n, sizes, values, n), getting_none, false);
+    else check_call(s, SetBinary, fmi3SetBinary(start_call(s), r, n, sizes, values, n), setting_none, false);
 }
 
 static void (*const NONE_OF[])(Slot *) = {none_Float32, none_Int8, none_UInt8, none_Int16,
                                           none_UInt16, none_UInt32, none_UInt64, none_Clock, none_Binary};
 static void none(Slot *s) { NONE_OF[below(sizeof NONE_OF / sizeof *NONE_OF)](s); }
 
-/* --- there, but only to be refused --- */
+/* --- these functions exist, but refuse every call --- */
 
 static void refused_call(Slot *s) {
     double x[COUNT];
@@ -202,47 +203,47 @@ static void refused_call(Slot *s) {
     fmi3IntervalQualifier qualifiers[COUNT];
     uint64_t counts_of[COUNT], resolutions[COUNT];
     Reference r[COUNT] = {0};
-    size_t n = below(COUNT), found, *number = forgotten() ? NULL : &found;
-    double *where = forgotten() ? NULL : x;
+    size_t n = below(COUNT), count, *number = passes_null() ? NULL : &count;
+    double *destination = passes_null() ? NULL : x;
 #define REFUSED(function, ...) \
-    case function: concluded(s, function, fmi3##function(called(s), ##__VA_ARGS__), ERROR, false); break
+    case function: check_call(s, function, fmi3##function(start_call(s), ##__VA_ARGS__), ERROR, false); break
     switch (GetNumberOfVariableDependencies + below(FUNCTION_COUNT - GetNumberOfVariableDependencies)) {
         REFUSED(GetNumberOfVariableDependencies, r[0], number);
         REFUSED(GetVariableDependencies, r[0], NULL, r, NULL, NULL, n);
-        REFUSED(GetDirectionalDerivative, r, n, r, n, x, n, where, n);
-        REFUSED(GetAdjointDerivative, r, n, r, n, x, n, where, n);
+        REFUSED(GetDirectionalDerivative, r, n, r, n, x, n, destination, n);
+        REFUSED(GetAdjointDerivative, r, n, r, n, x, n, destination, n);
         REFUSED(EnterConfigurationMode);
         REFUSED(ExitConfigurationMode);
         REFUSED(EnterEventMode);
         REFUSED(EnterStepMode);
-        REFUSED(GetIntervalDecimal, r, n, where, qualifiers);
+        REFUSED(GetIntervalDecimal, r, n, destination, qualifiers);
         REFUSED(GetIntervalFraction, r, n, counts_of, resolutions, qualifiers);
-        REFUSED(GetShiftDecimal, r, n, where);
+        REFUSED(GetShiftDecimal, r, n, destination);
         REFUSED(GetShiftFraction, r, n, counts_of, resolutions);
-        REFUSED(SetIntervalDecimal, r, n, where);
+        REFUSED(SetIntervalDecimal, r, n, destination);
         REFUSED(SetIntervalFraction, r, n, counts_of, resolutions);
-        REFUSED(SetShiftDecimal, r, n, where);
+        REFUSED(SetShiftDecimal, r, n, destination);
         REFUSED(SetShiftFraction, r, n, counts_of, resolutions);
         REFUSED(EvaluateDiscreteStates);
-        REFUSED(UpdateDiscreteStates, flags, flags + 1, flags + 2, flags + 3, flags + 4, where);
+        REFUSED(UpdateDiscreteStates, flags, flags + 1, flags + 2, flags + 3, flags + 4, destination);
         REFUSED(EnterContinuousTimeMode);
         REFUSED(CompletedIntegratorStep, one_in(2), flags, flags + 1);
         REFUSED(SetTime, random_real());
         REFUSED(SetContinuousStates, NULL, n);
-        REFUSED(GetContinuousStateDerivatives, where, n);
-        REFUSED(GetEventIndicators, where, n);
-        REFUSED(GetContinuousStates, where, n);
-        REFUSED(GetNominalsOfContinuousStates, where, n);
+        REFUSED(GetContinuousStateDerivatives, destination, n);
+        REFUSED(GetEventIndicators, destination, n);
+        REFUSED(GetContinuousStates, destination, n);
+        REFUSED(GetNominalsOfContinuousStates, destination, n);
         REFUSED(GetNumberOfEventIndicators, number);
         REFUSED(GetNumberOfContinuousStates, number);
         REFUSED(ActivateModelPartition, r[0], random_real());
     }
 }
 
-/* --- the acts --- */
+/* --- the actions --- */
 
-static const Act *all_acts(void) {
-    static const Act ACTS[] = {ACTS_OF_ALL_VERSIONS, {12, get_enumeration}, {12, set_enumeration}, {4, miscount},
+static const Action *all_actions(void) {
+    static const Action ACTIONS[] = {ACTIONS_OF_ALL_VERSIONS, {12, get_enumeration}, {12, set_enumeration}, {4, miscount},
                                {10, none},           {14, refused_call},    {0, NULL}};
-    return ACTS;
+    return ACTIONS;
 }

@@ -4,7 +4,7 @@
  *
  * REPLAY is the name of this function. run.h, which is generated, has
  *   GUID, KINDS        texts; of KINDS one letter a variable: R, I or B
- *   struct call CALLS  what is done: n: begin a run; R, I, B: set a variable; x: leave the initialization mode; s: step */
+ *   struct call CALLS  what is done: n: start a run; R, I, B: set a variable; x: leave the initialization mode; s: step */
 #include <stddef.h>
 #include <stdint.h>
 #include "fmi2Functions.h"
@@ -19,17 +19,17 @@ struct call {
 static union {
     double aligned;
     unsigned char bytes[1 << 14];
-} room;
+} memory;
 static int given;
 
 static void *allocate(size_t n, size_t size) {
-    unsigned char *p = room.bytes;
-    if (given++ || n * size > sizeof room) return NULL;
+    unsigned char *p = memory.bytes;
+    if (given++ || n * size > sizeof memory) return NULL;
     for (size_t i = 0; i < n * size; i++) p[i] = 0;
     return p;
 }
 
-static void release(void *p) { given -= p == room.bytes; }
+static void release(void *p) { given -= p == memory.bytes; }
 
 #ifdef BARE
 #include "unit.h"

@@ -24,8 +24,8 @@
 static void *library;
 
 static void *need(const char *name) {
-    void *found = FIND(library, name);
-    if (found) return found;
+    void *function = FIND(library, name);
+    if (function) return function;
     fprintf(stderr, "%s is missing\n", name);
     exit(2);
 }

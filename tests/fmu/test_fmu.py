@@ -24,14 +24,13 @@ from fmpy.validation import validate_fmu
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
 from motionsync_fmu import __version__
-from motionsync_fmu.build import Flavour, build_python
+from motionsync_fmu.build.fmu import build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
-from tests.support.cosim import cosim
-from tests.support.fmus import Fmus, build_here
-from tests.support.random_runs import calm, drawn
+from tests.support.fmus import Fmus
+from tests.support.random_runs import draw_accepted_run, draw_runs
 
 DISCARD, FATAL = 2, 4
 
@@ -198,19 +197,19 @@ def test_the_project_is_named_and_no_date_is_made_up(block_fmu: Path) -> None:
 
 
 def test_the_limits_are_described(block: str, block_fmu: Path) -> None:
-    """As numbers of the variable's type; a limit that is itself refused stands there as well."""
-    found = {v.name: v for v in read_model_description(str(block_fmu)).modelVariables}
+    """As numbers of the variable's type; a limit that is itself refused is written there as well."""
+    result = {v.name: v for v in read_model_description(str(block_fmu)).modelVariables}
     for v in variables(BLOCKS[block]()):
-        d, told = v.declaration, found[v.name]
+        d, messages = v.declaration, result[v.name]
         number = {"Real": float, "Integer": int}.get(v.kind, str)
         limits = [x if math.isfinite(x) else None for x in (max(d.min, d.above), min(d.max, d.below))]
-        assert [number(x) if x else None for x in (told.min, told.max)] == limits, v.name
+        assert [number(x) if x else None for x in (messages.min, messages.max)] == limits, v.name
         assert limits == [None, None] or v.kind in ("Real", "Integer")
 
 
 def test_the_limits_of_integers_are_described(fmus: Fmus) -> None:
-    found = {v.name: v for v in read_model_description(str(fmus.python("RemoteSync"))).modelVariables}
-    limits = {name: (v.min, v.max) for name, v in found.items() if v.type == "Integer" and (v.min or v.max)}
+    result = {v.name: v for v in read_model_description(str(fmus.python("RemoteSync"))).modelVariables}
+    limits = {name: (v.min, v.max) for name, v in result.items() if v.type == "Integer" and (v.min or v.max)}
     assert limits == {
         "max_cycle_index_difference": ("0", None),
         "age_of_data_limit": ("0", None),
@@ -247,19 +246,19 @@ def test_dependencies_after_initialization_are_the_declared_ones(block: str) -> 
     """Moving an input or parameter changes exactly the outputs and local variables that say so, for at least one start.
     After 30 starts only those are moved on which something is said to depend that has not been found yet."""
     declared = {(v.name, source) for v in variables(BLOCKS[block]()) for source in v.depends}
-    found: set[tuple[str, str]] = set()
-    for number, run in enumerate(drawn(block, 0, 200)):
-        missing = {source for _, source in declared - found}
+    result: set[tuple[str, str]] = set()
+    for number, run in enumerate(draw_runs(block, 0, 200)):
+        missing = {source for _, source in declared - result}
         before = outputs(block, run.start)
         for v in declared_by(block)[0].values():
             if not v.settable or before is None or (number >= 30 and v.name not in missing):
                 continue
             for value in moved(v, run.start.get(v.name, v.start)):
                 after = outputs(block, run.start | {v.name: value}) or before
-                found |= {(name, v.name) for name in before if before[name] != after[name]}
-        if number >= 29 and found == declared:
+                result |= {(name, v.name) for name in before if before[name] != after[name]}
+        if number >= 29 and result == declared:
             break
-    assert found == declared
+    assert result == declared
 
 
 def moved(v: Variable, value: Any) -> list[Any]:
@@ -272,13 +271,13 @@ def moved(v: Variable, value: Any) -> list[Any]:
 
 def outputs(block: str, start: dict[str, Any]) -> dict[str, Any] | None:
     """The outputs and local variables after initialization; None if it is refused."""
-    instance, (own, told) = BLOCKS[block](), declared_by(block)
+    instance, (own, messages) = BLOCKS[block](), declared_by(block)
     for name, value in start.items():
         *groups, _ = name.split(".")
         replace(own[name].cell, owner=reduce(getattr, groups, instance)).set(value)
     if instance.initialize():
         return None
-    return dict(zip(told, attrgetter(*told)(instance), strict=True))
+    return dict(zip(messages, attrgetter(*messages)(instance), strict=True))
 
 
 @cache
@@ -294,7 +293,7 @@ def declared_by(block: str) -> tuple[dict[str, Variable], list[str]]:
 def rebuilt(folder: Path, root: Path = ROOT, **environment: str) -> Path:
     """Built in a process of its own, from sources that may be a changed copy."""
     code = (
-        "from pathlib import Path; from motionsync_fmu.build import *;"
+        "from pathlib import Path; from motionsync_fmu.build.fmu import *;"
         f"build_python(Recipe('Synchronizer'), Path({str(folder / 'Synchronizer.fmu')!r}))"
     )
     path = os.pathsep.join(str(root / part) for part in ("model", "fmu_src"))
@@ -321,9 +320,9 @@ def other(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for folder in ("model", "fmu_src"):
         shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
     source = root / "model" / "motionsync" / "synchronizer" / "block.py"
-    old = "self.slave.put(self.rest, 0.0, 0.0, 0.0)"
+    old = "self.slave.set(self.rest, 0.0, 0.0, 0.0)"
     assert old in source.read_text()
-    new = "self.slave.put(self.rest + 1.0, 0.0 / (self.rest - 77.0), 0.0, 0.0)"
+    new = "self.slave.set(self.rest + 1.0, 0.0 / (self.rest - 77.0), 0.0, 0.0)"
     source.write_text(source.read_text().replace(old, new))
     return rebuilt(root, root)
 
@@ -346,9 +345,9 @@ def test_rollback_gives_the_same_bits(host: FmuInstance) -> None:
     for h, inputs in plan[:1000]:
         host.step(h, inputs)
 
-    def stretch(begin: int) -> list[dict[str, Any]]:
+    def stretch(first: int) -> list[dict[str, Any]]:
         rows = []
-        for h, inputs in plan[begin : begin + 1000]:
+        for h, inputs in plan[first : first + 1000]:
             host.step(h, inputs)
             rows.append(bits(host))
         return rows
@@ -368,7 +367,7 @@ def test_rollback_gives_the_same_bits(host: FmuInstance) -> None:
 def test_a_state_of_any_block_brings_back_the_same_bits(fmus: Fmus, block: str, flavour: str) -> None:
     """In its own instance and in another one, also through bytes."""
     fmu = getattr(fmus, flavour)(block)
-    run = calm(block, 2.0**-7, 300)
+    run = draw_accepted_run(block, 2.0**-7, 300)
 
     def stretch(host: FmuInstance) -> list[dict[str, Any]]:
         rows = []
@@ -585,201 +584,3 @@ def test_counts_of_cycles_stay_integers_of_32_bits() -> None:
     assert block.zone.difference < -most
     assert (block.local.cycles, block.local.difference) == (most, -most)
     assert (block.equal_data_total, block.equal_data_consecutive) == (most, most)
-
-
-# --- libcosim ---
-
-
-def libcosim(fmu: Path, plan: list[dict[str, Any]], h: float) -> list[dict[str, float]]:
-    """The unit in libcosim, driven by overriding its inputs; start values are baked in, for it cannot set
-    enumerations."""
-    description = read_model_description(str(fmu))
-    references = {v.name: (v.type, v.valueReference) for v in description.modelVariables}
-    execution = cosim().CosimExecution.from_step_size(step_size=round(h * 1e9))
-    slave = execution.add_local_slave(cosim().CosimLocalSlave(fmu_path=str(fmu), instance_name="unit"))
-    manipulator, observer = cosim().CosimManipulator.create_override(), cosim().CosimObserver.create_last_value()
-    assert execution.add_manipulator(manipulator)
-    assert execution.add_observer(observer)
-    rows = []
-    for inputs in plan:
-        for name, value in inputs.items():
-            kind, reference = references[name]
-            set_values = {
-                "Real": manipulator.slave_real_values,
-                "Integer": manipulator.slave_integer_values,
-                "Boolean": manipulator.slave_boolean_values,
-            }[kind]
-            assert set_values(slave, [reference], [value])
-        assert execution.step()
-        assert execution.status().state != cosim().CosimExecutionState.ERROR.value
-        rows.append({})
-        for kind, get in (
-            ("Real", observer.last_real_values),
-            ("Integer", observer.last_integer_values),
-            ("Boolean", observer.last_boolean_values),
-        ):
-            names = [n for n, (k, _) in references.items() if k == kind]
-            rows[-1] |= zip(names, map(float, get(slave, [references[n][1] for n in names])), strict=True)
-    return rows
-
-
-def assert_fmpy_gives(rows: list[dict[str, float]], fmu: Path, plan: list[dict[str, Any]], h: float) -> None:
-    with FmuInstance(fmu) as host:
-        host.initialize(plan[0])
-        for inputs, row in zip(plan, rows, strict=True):
-            host.step(h, inputs)
-            now = host.get()
-            assert row == {name: float(now[name]) for name in row}
-
-
-@pytest.mark.parametrize("curve", ["PARABOLA", "POLYNOMIAL_3_4_5"])
-def test_libcosim_gives_the_results_of_fmpy(tmp_path: Path, curve: str) -> None:
-    starts = {"master.period": "10", "output_phasing": "2", "rest_value": "4", "curve": curve}
-    fmu = build_python(Recipe("Synchronizer", "mm", starts), tmp_path / "Synchronizer.fmu")
-    h, plan = 1.0 / 128.0, []  # whole nanoseconds, and exact in binary
-    for i in range(1500):
-        t = i * h
-        inputs = {"master.position": (3.0 * t) % 10.0, "master.velocity": 3.0, "master.acceleration": 0.0}
-        plan.append({**inputs, "rest_value": 4.0, "active": True, "stop": 0.5 < t < 5.0, "start": t > 7.0})
-    cosim = libcosim(fmu, plan, h)
-    assert {row["state_code"] for row in cosim} == {0.0, 1.0}
-    assert_fmpy_gives(cosim, fmu, plan, h)
-
-
-def two_cuts(h: float) -> list[dict[str, Any]]:
-    """Of a FlyingSaw, every 500 of a master at 250 u/s; the second is ordered on the way back."""
-    plan = []
-    for i in range(round(4.5 / h)):
-        t = i * h
-        plan.append(
-            {
-                "master.position": 250.0 * t,
-                "master.velocity": 250.0,
-                "gear_in_pos.master_sync_position": 250.0 if t < 2.0 else 750.0,
-                "gear_in_pos.slave_sync_position": 100.0,
-                "gear_in_pos.execute": 0.25 < t < 1.6 or 2.35 < t < 3.6,
-                "move_absolute.velocity": 600.0,
-                "move_absolute.execute": 1.6 < t < 2.35 or t > 3.6,
-                "sync_mode.check_max_velocity": True,
-            }
-        )
-    return plan
-
-
-@pytest.mark.parametrize("flavour", ["python", "native"])
-def test_libcosim_gives_the_flying_saw_of_fmpy(fmus: Fmus, flavour: str) -> None:
-    fmu = getattr(fmus, flavour)("FlyingSaw")
-    h = 1.0 / 128.0
-    plan = two_cuts(h)
-    cosim = libcosim(fmu, plan, h)
-    assert {row["state_code"] for row in cosim} >= {0.0, 4.0, 5.0, 12.0, 13.0}
-    lags = [i * h * 250.0 + 250.0 * h - row["slave.position"] for i, row in enumerate(cosim) if row["in_sync"]]
-    assert {round(lag, 9) for lag in lags} == {150.0, 650.0}
-    assert_fmpy_gives(cosim, fmu, plan, h)
-
-
-def in_gear_and_out(h: float) -> list[dict[str, Any]]:
-    """Of a Gearing: engaged through (150, 0), the ratio changed from 1 to -2 at 250, disengaged to rest at -200."""
-    return [
-        {
-            "master.position": 100.0 * i * h,
-            "master.velocity": 100.0,
-            "gear_in.reference_position": 150.0,
-            "gear_out.stop_position": -200.0,
-            "start": 0.25 < i * h < 3.0,
-            "gearing.numerator": 1 if i * h < 2.5 else -2,
-        }
-        for i in range(round(5.0 / h))
-    ]
-
-
-@pytest.mark.parametrize("flavour", [Flavour.PYTHON, Flavour.NATIVE])
-def test_libcosim_gives_the_gearing_of_fmpy(tmp_path: Path, flavour: Flavour) -> None:
-    starts = {"gear_in.start_mode": "WITH_CW_CCW_REFERENCE_POSITION", "gear_out.stop_mode": "WITH_CW_STOP_POSITION"}
-    fmu = build_here(flavour, Recipe("Gearing", "mm", starts), tmp_path / "Gearing.fmu")
-    h = 1.0 / 128.0
-    plan = in_gear_and_out(h)
-    cosim = libcosim(fmu, plan, h)
-    assert {row["state_code"] for row in cosim} == {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}
-    in_gear = [((i + 1) * h * 100.0, row["slave.position"]) for i, row in enumerate(cosim) if row["in_gear"]]
-    offsets = {round(s - m, 9) if m <= 250.0 else round(s + 2.0 * m, 9) for m, s in in_gear}
-    assert offsets == {-150.0, 600.0}
-    assert cosim[-1]["slave.position"] == -200.0
-    assert_fmpy_gives(cosim, fmu, plan, h)
-
-
-def cycles(h: float) -> list[dict[str, Any]]:
-    """Of a Follower with the cycle 1000: one whole way, and one whose synchronized phase is ended early."""
-    return [
-        {
-            "master.position": 250.0 * i * h,
-            "master.velocity": 250.0,
-            "sync_master": 400.0,
-            "position_to_park": i * h > 0.25,
-            "end_synchronism": i * h > 6.0,
-        }
-        for i in range(round(9.0 / h))
-    ]
-
-
-@pytest.mark.parametrize("flavour", ["python", "native"])
-def test_libcosim_gives_the_follower_of_fmpy(fmus: Fmus, flavour: str) -> None:
-    fmu = getattr(fmus, flavour)("Follower")
-    h = 1.0 / 128.0
-    plan = cycles(h)
-    cosim = libcosim(fmu, plan, h)
-    assert {row["state_code"] for row in cosim} == {1.0, 3.0, 5.0, 8.0, 9.0, 10.0}
-    lags = [(i + 1) * h * 250.0 - row["slave.position"] for i, row in enumerate(cosim) if row["state_code"] == 8.0]
-    assert {round(lag, 9) for lag in lags} == {300.0, 1300.0}
-    assert cosim[-1]["cycle"] == 2.0
-    assert_fmpy_gives(cosim, fmu, plan, h)
-
-
-def telegrams(h: float) -> list[dict[str, Any]]:
-    """Of a RemoteSync with the cycle h, from a sender whose clock runs 2 % fast: none come for a while, and then it is
-    enabled anew."""
-    plan = []
-    for i in range(900):
-        index = math.floor(1.02 * min(i, 600) + 0.3)
-        plan.append(
-            {
-                "remote.cycle_index": index if i < 800 else 0,
-                "remote.position": 250.0 * h * (index - 0.3) / 1.02,
-                "remote.velocity": 250.0,
-                "remote.acceleration": 0.0,
-                "enable": i < 700,
-            }
-        )
-    return plan
-
-
-@pytest.mark.parametrize("flavour", [Flavour.PYTHON, Flavour.NATIVE])
-def test_libcosim_gives_the_remote_axis_of_fmpy(tmp_path: Path, flavour: Flavour) -> None:
-    h = 1.0 / 128.0
-    starts = {"estimator": "PHASE", "task_cycle_time": repr(h), "end_of_transition_limit": "10"}
-    fmu = build_here(flavour, Recipe("RemoteSync", "mm", starts), tmp_path / "RemoteSync.fmu")
-    plan = telegrams(h)
-    cosim = libcosim(fmu, plan, h)
-    assert {row["state_code"] for row in cosim} == {1.0, 2.0, 3.0, 4.0}
-    assert {row["error_id"] for row in cosim} == {0.0, 0x4B52}
-    assert all(row["synced"] for row in cosim[200:600])
-    lags = [i * h * 250.0 - cosim[i]["slave.position"] for i in range(400, 600)]
-    assert max(map(abs, lags)) < 0.05 * 250.0 * h
-    assert_fmpy_gives(cosim, fmu, plan, h)
-
-
-@pytest.mark.parametrize("flavour", ["python", "native"])
-def test_an_exceeded_limit_is_logged_once_with_its_value(fmus: Fmus, flavour: str) -> None:
-    """A move of a FlyingSaw at 300 u/s, whose axis can do 200; its end takes the output back."""
-    told = []
-    with FmuInstance(getattr(fmus, flavour)("FlyingSaw")) as saw:
-        saw.initialize({"axis.max_velocity": 200.0, "move_absolute.position": 900.0, "move_absolute.velocity": 300.0})
-        for _ in range(40):
-            saw.step(0.1, {"move_absolute.execute": True})
-            told.append(saw.get(["limit_exceeded"])["limit_exceeded"])
-        messages = [text for text in saw.messages if "limit exceeded" in text]
-    assert told == [True] * sum(told) + [False] * (40 - sum(told))
-    assert 30 < sum(told) < 40  # 3 s at 300 u/s, with short ramps
-    assert len(messages) == 1
-    assert "local.exceeded_value = 300" in messages[0]
-    assert "axis.max_velocity = 200" in messages[0]

@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 
-from motionsync_fmu.build import build_python
+from motionsync_fmu.build.fmu import build_python
+from motionsync_fmu.build.guid import compute_guid
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests.support.fmus import Fmus
 
 
@@ -47,15 +48,17 @@ UNITS = {
 
 
 def units_of(fmu: Path) -> dict[str, str | None]:
-    found = read_model_description(str(fmu))
-    return {v.name: v.declaredType.unit if v.declaredType else None for v in found.modelVariables if v.type == "Real"}
+    description = read_model_description(str(fmu))
+    return {
+        v.name: v.declaredType.unit if v.declaredType else None for v in description.modelVariables if v.type == "Real"
+    }
 
 
 def test_the_slave_may_be_in_a_unit_of_its_own(tmp_path: Path) -> None:
     own = Recipe("Follower", "mm", {}, "deg")
-    found = units_of(build_python(own, tmp_path / "own.fmu"))
-    assert {name: found[name] for name in UNITS} == UNITS
-    assert own.guid() != Recipe("Follower", "mm").guid()
+    units = units_of(build_python(own, tmp_path / "own.fmu"))
+    assert {name: units[name] for name in UNITS} == UNITS
+    assert compute_guid(own) != compute_guid(Recipe("Follower", "mm"))
     same = units_of(build_python(Recipe("Follower", "m"), tmp_path / "same.fmu"))
     assert (same["slave.position"], same["positioning.velocity"], same["k_slave_master"]) == ("m", "m/s", "1")
     with pytest.raises(UserError, match="the slave of Synchronizer is in its master's unit"):

@@ -14,15 +14,16 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync.remote_sync.block import MOST_CYCLES
+from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.compiler.memory_layout import dtype, offset
+from motionsync_fmu.compiler.translator import c_source
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import LONGEST_STEP, Variable, cells, refusals, variables
 from motionsync_fmu.native import libraries
 from motionsync_fmu.native.libraries import HEADERS
-from motionsync_fmu.native.memory_layout import dtype, offset
 from motionsync_fmu.native.tables import model_header
-from motionsync_fmu.native.translator import c_source
 
-HERE = Path(__file__).parent
+FOLDER = Path(__file__).parent
 UNIT = Path(libraries.__file__).parent
 SEED = 1
 CALLS = 2_000_000  # of all blocks together; the C files are the same for all
@@ -82,8 +83,8 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc with its
 
 @pytest.fixture(scope="module", params=RECIPES, ids=lambda recipe: f"{recipe.name}-{recipe.fmi}")
 def recipe(request: pytest.FixtureRequest) -> Recipe:
-    found: Recipe = request.param
-    return found
+    result: Recipe = request.param
+    return result
 
 
 @pytest.fixture(scope="module")
@@ -92,11 +93,11 @@ def fuzzer(recipe: Recipe, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("fuzz")
     for name, text in c_source(recipe.block()).items():
         (folder / name).write_bytes(text)
-    (folder / "model.h").write_text(model_header(recipe.block(), recipe.guid(), fmi=recipe.fmi))
+    (folder / "model.h").write_text(model_header(recipe.block(), compute_guid(recipe), fmi=recipe.fmi))
     (folder / "expected.h").write_text(expected_header(recipe))
     sources = [
         *(str(UNIT / name) for name in (f"fmi{recipe.fmi}.c", "unit.c", "decimal.c", "memory.c")),
-        str(HERE / f"fuzz{recipe.fmi}.c"),
+        str(FOLDER / f"fuzz{recipe.fmi}.c"),
         "block.c",
         "-lm",
         "-Wl,--wrap=malloc,--wrap=calloc",
@@ -107,10 +108,10 @@ def fuzzer(recipe: Recipe, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def expected_header(recipe: Recipe) -> str:
-    """What an importer knows of the unit, from the declarations and not from the unit's own tables."""
+    """What an importer expects of the unit, from the declarations and not from the unit's own tables."""
     vs = variables(recipe.block())
     index = {v.name: i for i, v in enumerate(vs)}
-    known = {
+    names = {
         "POSITION": "master.position",
         "VELOCITY": "master.velocity",
         "ACCELERATION": "master.acceleration",
@@ -121,18 +122,18 @@ def expected_header(recipe: Recipe) -> str:
     derivatives = ["slave.position", "slave.velocity", "slave.acceleration"]
     slave = [index[name] for name in derivatives] if index.keys() >= {*derivatives} else [-1] * 3
     rows = ",\n".join(f"    {row(v, recipe.fmi)}" for v in vs)
-    # A step has those refusals that speak of inputs.
+    # A step has those refusals that name inputs.
     others = {name for r in refusals(BLOCKS[recipe.name]) if r.name != "MASTER_TURNS" for name in r.names}
     inputs = {v.name for v in vs if v.causality == "input"}
     layout = dtype(recipe.block())
     integers = [offset(layout, c.name) for c in cells(recipe.block()) if issubclass(c.type, int) and c.type is not bool]
     return "\n".join(
         [
-            f'#define GUID "{recipe.guid()}"',
+            f'#define GUID "{compute_guid(recipe)}"',
             f"#define LONGEST_STEP {LONGEST_STEP!r}",
             f"#define MOST_CYCLES {MOST_CYCLES!r}",
             f"enum {{ END_OF_STEP = {MasterInput.END_OF_STEP:d}, POSITION_ONLY = {MasterInput.POSITION_ONLY:d} }};",
-            f"enum {{ {', '.join(f'{key} = {index.get(name, -1)}' for key, name in known.items())} }};",
+            f"enum {{ {', '.join(f'{key} = {index.get(name, -1)}' for key, name in names.items())} }};",
             f"enum {{ REFUSES_STARTS = {int(bool(others))}, REFUSES_STEPS = {int(bool(others & inputs))} }};",
             f"static const Reference SLAVE[] = {{{', '.join(f'(Reference){i}' for i in slave)}}};",
             f"static const Variable VARIABLES[] = {{\n{rows}}};",
@@ -162,15 +163,15 @@ def run(fuzzer: Path, seed: int, calls: int) -> dict[str, Any]:
     )
     assert done.returncode == 0, done.stderr[-5000:]
     assert not done.stderr
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
+    report: dict[str, Any] = json.loads(done.stdout)
+    return report
 
 
 @needs_gcc
 def test_a_million_random_calls_find_nothing(recipe: Recipe, fuzzer: Path) -> None:
-    found = run(fuzzer, SEED, max(CALLS // len(RECIPES), 200_000))
-    functions, answers = found["functions"], ANSWERS[recipe.fmi]
-    assert found["calls"] >= 0.95 * CALLS / len(RECIPES)  # a few acts come to nothing
+    report = run(fuzzer, SEED, max(CALLS // len(RECIPES), 200_000))
+    functions, answers = report["functions"], ANSWERS[recipe.fmi]
+    assert report["calls"] >= 0.95 * CALLS / len(RECIPES)  # a few actions call nothing
     header = (HEADERS / f"fmi{recipe.fmi}Functions.h").read_text()
     assert functions.keys() == set(re.findall(rf"FMI{recipe.fmi}_Export \w+\s+(fmi{recipe.fmi}\w+);", header))
     for name, counts in functions.items():
@@ -180,7 +181,7 @@ def test_a_million_random_calls_find_nothing(recipe: Recipe, fuzzer: Path) -> No
         assert (counts["Warning"] > 0) == (name in answers.warning), name
         assert counts["Fatal"] == counts["Pending"] == 0, name
     step = functions[f"fmi{recipe.fmi}DoStep"]
-    assert step["OK"] > found["calls"] // 50, "most of the code is only reached in step mode"
+    assert step["OK"] > report["calls"] // 50, "most of the code is only reached in step mode"
 
 
 @needs_gcc

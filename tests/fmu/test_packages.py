@@ -14,7 +14,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
 from tests.support.fmus import Shared
 
@@ -26,13 +26,15 @@ BLOCKS = {"Nested": Nested}
 """
 BUILDS = """
 from pathlib import Path
-from motionsync_fmu.build import Flavour, build
+from motionsync_fmu.build.fmu import BuildOptions, Flavour, build
+from motionsync_fmu.build.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.native.platforms import here
+from motionsync_fmu.native.platforms import host_platform
 for flavour, unit in {builds}:
-    print(Recipe("Nested", unit).guid())
-    rows = [here()] if flavour == "native" and here() else []
-    build(Flavour(flavour), Recipe("Nested", unit), Path(unit, flavour, "Nested.fmu"), platforms=rows)
+    print(compute_guid(Recipe("Nested", unit)))
+    host = host_platform()
+    options = BuildOptions(Flavour(flavour), [host] if host else [])
+    build(Recipe("Nested", unit), Path(unit, flavour, "Nested.fmu"), options)
 """
 
 
@@ -78,7 +80,7 @@ def test_the_fmu_holds_what_the_block_imports_and_nothing_else(root: Path) -> No
     with zipfile.ZipFile(root / "mm" / "python" / "Nested.fmu") as z:
         paths = [name.split("/", 2) for name in z.namelist() if name.startswith("resources/motionsync_")]
     own = {path for _, folder, path in paths if not folder.startswith("motionsync_fmu")}
-    modules = ("__init__", "cosine", "grid", "limits", "master", "path", "slave", "var")
+    modules = ("__init__", "computable_range", "cosine", "grid", "master", "master_path", "slave", "var")
     assert own == {
         *(f"{name}.py" for name in modules),
         *(f"nested/{name}.py" for name in ("__init__", "block", "faults", "law")),
@@ -109,7 +111,7 @@ def test_both_flavours_have_one_guid_and_give_the_same_bits(root: Path) -> None:
 def test_the_guid_follows_every_module_of_the_package(root: Path, tmp_path: Path, file: str) -> None:
     shutil.copytree(root / "model", tmp_path / "model")
     shutil.copytree(root / "fmu_src", tmp_path / "fmu_src")
-    code = BUILDS.format(builds=[]) + "print(Recipe('Nested').guid())"
+    code = BUILDS.format(builds=[]) + "print(compute_guid(Recipe('Nested')))"
     nested = tmp_path / "model" / "motionsync" / "nested"
     built = [description(root / "mm" / "native" / "Nested.fmu").get("guid")]
     (nested / "unused.py").write_text("NOBODY = 1.0\n")
@@ -118,16 +120,16 @@ def test_the_guid_follows_every_module_of_the_package(root: Path, tmp_path: Path
     assert python(tmp_path, code) != built
 
 
-def test_a_violation_of_the_kernel_subset_is_told_with_its_path(root: Path, tmp_path: Path) -> None:
+def test_a_violation_of_the_kernel_subset_is_reported_with_its_path(root: Path, tmp_path: Path) -> None:
     shutil.copytree(root / "model", tmp_path / "model")
     shutil.copytree(root / "fmu_src", tmp_path / "fmu_src")
     law = tmp_path / "model" / "motionsync" / "nested" / "law.py"
     text = law.read_text().replace("1.0 / cosine(degrees)", "cosine(degrees) ** -1.0")
     law.write_text(text)
     line = text[: text.index("**")].count("\n") + 1
-    check = "from motionsync_fmu.build import check_kernel\n"
+    check = "from motionsync_fmu.build.fmu import check_kernel\n"
     check += "try:\n    check_kernel('motionsync.nested.block')\nexcept Exception as e:\n    print(e)"
-    assert [told.partition(": ")[0] for told in python(tmp_path, check)] == [f"motionsync/nested/law.py:{line}"]
+    assert [messages.partition(": ")[0] for messages in python(tmp_path, check)] == [f"motionsync/nested/law.py:{line}"]
 
 
 # --- what such a block needs of units and limits ---

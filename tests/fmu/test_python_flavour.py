@@ -15,15 +15,15 @@ from typing import Any
 import pytest
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance, unfit_characters
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance, unfit_characters
 
-HERE = Path(__file__).parent
+FOLDER = Path(__file__).parent
 FATAL = 4
 
 FAILS = """
 import math, sys
 from pathlib import Path
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 with FmuInstance(Path(sys.argv[1])) as host:
     try:
         host.initialize({"master.position": math.nan})
@@ -34,13 +34,13 @@ with FmuInstance(Path(sys.argv[1])) as host:
 FLIPS = """
 import sys
 from pathlib import Path
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 with FmuInstance(Path(sys.argv[1])) as host:
     host.initialize({"rest_value": 4.0}).step(0.1)
-    good = host.unit.serializeFMUstate(host.unit.getFMUstate())
-    flips = sorted({*range(0, 8 * 64, 5), *range(0, 8 * len(good), 7)})
+    allowed = host.unit.serializeFMUstate(host.unit.getFMUstate())
+    flips = sorted({*range(0, 8 * 64, 5), *range(0, 8 * len(allowed), 7)})
     for bit in flips:
-        damaged = bytearray(good)
+        damaged = bytearray(allowed)
         damaged[bit // 8] ^= 1 << bit % 8
         try:
             host.call(host.unit.setFMUstate, host.unit.deSerializeFMUstate(bytes(damaged)))
@@ -49,7 +49,7 @@ with FmuInstance(Path(sys.argv[1])) as host:
         else:
             print("accepted:", bit)
     host.step(0.1)
-    host.unit.setFMUstate(host.unit.deSerializeFMUstate(good))
+    host.unit.setFMUstate(host.unit.deSerializeFMUstate(allowed))
     host.step(0.1)
     print(len(flips), host.get()["slave.position"])
 """
@@ -65,7 +65,7 @@ def in_a_process(code: str, fmu: Path, **options: Any) -> subprocess.CompletedPr
 def test_nothing_is_used_after_it_was_freed_when_the_process_exits(fmu: Path, tmp_path: Path) -> None:
     """PythonFMU's library frees its state twice; whether a host aborts then depends on what lies beside it."""
     guard = tmp_path / "guard.so"
-    subprocess.run(["gcc", "-shared", "-fPIC", "-o", guard, HERE / "guard.c"], check=True)
+    subprocess.run(["gcc", "-shared", "-fPIC", "-o", guard, FOLDER / "guard.c"], check=True)
     done = in_a_process(FAILS, fmu, env={**os.environ, "LD_PRELOAD": str(guard)})
     assert done.stdout == "master.position = nan is not allowed: it must be -1e+12 to 1e+12\n"
     assert (done.returncode, done.stderr) == (0, "")
@@ -147,15 +147,15 @@ def test_a_reference_that_is_too_large_is_refused(fmu: Path, reference: int) -> 
 
 def test_a_step_outside_step_mode_is_refused(fmu: Path) -> None:
     with FmuInstance(fmu) as host:
-        for mode, begin in (
+        for mode, enter in (
             ("is instantiated", None),
             ("is in initialization mode", host.unit.enterInitializationMode),
             (None, host.unit.exitInitializationMode),
             ("has been terminated", host.unit.terminate),
             ("is instantiated", host.unit.reset),
         ):
-            if begin:
-                host.call(begin)
+            if enter:
+                host.call(enter)
             if mode is None:
                 host.step(0.1)
                 continue
@@ -168,9 +168,9 @@ def test_a_step_outside_step_mode_is_refused(fmu: Path) -> None:
 
 
 def test_the_characters_that_a_path_may_have(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    good = " _-.~" + string.ascii_letters + string.digits
-    assert not unfit_characters(Path("/", good, good))
-    folder = tmp_path / good
+    allowed = " _-.~" + string.ascii_letters + string.digits
+    assert not unfit_characters(Path("/", allowed, allowed))
+    folder = tmp_path / allowed
     folder.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(folder))
     with FmuInstance(fmu) as host:

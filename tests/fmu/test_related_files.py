@@ -15,12 +15,12 @@ from fmpy.ssp.ssd import read_ssv
 from fmpy.util import read_csv
 from lxml import etree
 
-from motionsync_fmu.build import Flavour, build_python
+from motionsync_fmu.build.fmu import Flavour, build_python
+from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.interface.turns import Interface
 from motionsync_fmu.pages.related_files import related_files
-from motionsync_fmu.scenario.example import example_of
-from motionsync_fmu.scenario.judge import read_reference
+from motionsync_fmu.scenario.evaluate.reference_comparison import read_reference
+from motionsync_fmu.scenario.files.example import load_example
 from tests.support.fmus import Fmus
 from tests.support.references import assert_met
 
@@ -64,10 +64,10 @@ def related(fmu: Path) -> dict[str, str]:
     with zipfile.ZipFile(fmu) as z:
         listed = list(fromstring(z.read(MANIFEST)))
         names = z.namelist()
-    found = {r.attrib["role"]: urljoin(MANIFEST, r.attrib["source"]) for r in listed}
-    assert len(found) == len(listed)
-    assert {name for name in names if name.startswith(FOLDER)} <= {MANIFEST, *found.values()} <= set(names)
-    return found
+    sources = {r.attrib["role"]: urljoin(MANIFEST, r.attrib["source"]) for r in listed}
+    assert len(sources) == len(listed)
+    assert {name for name in names if name.startswith(FOLDER)} <= {MANIFEST, *sources.values()} <= set(names)
+    return sources
 
 
 def experiment(fmu: Path, path: str) -> Element:
@@ -86,10 +86,10 @@ def test_the_manifest_keeps_to_the_standard_and_lists_all_files(block_fmu: Path)
 
 
 @pytest.mark.parametrize("flavour", Flavour)
-def test_an_importer_repeats_the_run_from_what_lies_in_the_fmu(
+def test_an_importer_repeats_the_run_from_the_files_in_the_fmu(
     flavour: Flavour, block: str, fmus: Fmus, tmp_path: Path
 ) -> None:
-    """FMPy reads all of it; the tolerance is the one that the text tells."""
+    """FMPy reads all of it; the tolerance is the one that the text states."""
     fmu = fmus.built(flavour, block)
     files = related(fmu)
     run = experiment(fmu, files["experiment/smoke-test"])
@@ -98,7 +98,7 @@ def test_an_importer_repeats_the_run_from_what_lies_in_the_fmu(
     with zipfile.ZipFile(fmu) as z:
         z.extractall(tmp_path)
     text = (tmp_path / files["document"]).read_text("utf-8")
-    (told,) = re.findall(r"within (\S+) times", " ".join(text.split()))
+    (messages,) = re.findall(r"within (\S+) times", " ".join(text.split()))
     reference = read_csv(tmp_path / parts["References"])
     names = list(reference.dtype.names[1:])
     assert names[:3] == ["slave.position", "slave.velocity", "slave.acceleration"]
@@ -113,7 +113,7 @@ def test_an_importer_repeats_the_run_from_what_lies_in_the_fmu(
     assert run.attrib["startTime"] == "0.0"
     assert 100 <= len(np.unique(reference["time"])) <= 150
     assert reference["time"][-1] == float(run.attrib["stopTime"])
-    assert_met(reference, result, float(told))
+    assert_met(reference, result, float(messages))
 
 
 def parameters(fmu: Path, path: str) -> dict[str, str]:
@@ -129,7 +129,7 @@ def parameters(fmu: Path, path: str) -> dict[str, str]:
 
 
 def test_the_reference_is_rounded_by_less_than_a_hundredth_of_its_tolerance(block: str) -> None:
-    example = example_of(block)
+    example = load_example(block)
     reference = read_reference(example)
     assert reference
     names, table, tolerance = reference
@@ -137,8 +137,8 @@ def test_the_reference_is_rounded_by_less_than_a_hundredth_of_its_tolerance(bloc
     header, *rows = (line.split(",") for line in text.splitlines())
     columns = [0, *(1 + names.index(name.strip('"')) for name in header[1:])]
     for row in np.array(rows, float):
-        found = np.abs(table[table[:, 0] == row[0]][:, columns] - row)  # two rows where there is a jump
-        assert (found <= 1e-2 * tolerance * np.maximum(1.0, np.abs(row))).all(axis=1).any()
+        deviation = np.abs(table[table[:, 0] == row[0]][:, columns] - row)  # two rows where there is a jump
+        assert (deviation <= 1e-2 * tolerance * np.maximum(1.0, np.abs(row))).all(axis=1).any()
 
 
 def test_the_reference_moves(block_fmu: Path) -> None:

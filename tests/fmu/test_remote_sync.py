@@ -9,7 +9,7 @@ from motionsync.remote_sync.block import RemoteSync
 from motionsync.remote_sync.faults import Fault
 from motionsync.remote_sync.interface import Mode
 from motionsync_fmu.interface.variables import variables
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests.model.remote_sync.harness import CONTRADICTIONS, T
 from tests.support.fmus import Fmus
 
@@ -41,9 +41,9 @@ from tests.support.fmus import Fmus
     ],
 )
 def test_a_refused_initialization_is_logged(fmus: Fmus, values: dict[str, Any], text: str) -> None:
-    with FmuInstance(fmus.python("RemoteSync")) as host, pytest.raises(FmuError) as told:
+    with FmuInstance(fmus.python("RemoteSync")) as host, pytest.raises(FmuError) as error:
         host.initialize(values)
-    assert text in str(told.value)
+    assert text in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_a_refused_initialization_is_logged(fmus: Fmus, values: dict[str, Any], 
             [5] * 9,
             {},
             Fault.AGE_OF_DATA,
-            "the cycle index has stood still for more than age_of_data_limit cycles (equal_data_consecutive = 8, "
+            "the cycle index has not changed for more than age_of_data_limit cycles (equal_data_consecutive = 8, "
             "age_of_data_limit = 7, remote.cycle_index = 5)",
         ),
         (
@@ -130,9 +130,9 @@ def test_a_refused_step_is_logged_and_the_next_one_goes_on(
         host.step(T, {"remote.cycle_index": 3})
         names = [v.name for v in variables(RemoteSync()) if not v.settable]
         before = host.get(names)
-        with pytest.raises(FmuError) as told:
+        with pytest.raises(FmuError) as error:
             host.step(h, {"remote.cycle_index": 99, **values})
-        assert text in str(told.value)
+        assert text in str(error.value)
         assert host.get(names) == before
         host.step(T, {"remote.cycle_index": 4, **dict.fromkeys(values, 0.0)})
         assert host.get(["corrected_cycle_index", "error_id"]) == {"corrected_cycle_index": 4.0, "error_id": 0}

@@ -20,17 +20,15 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import places
-from motionsync_fmu.archive import write
-from motionsync_fmu.build import Finish, Flavour, build_native
-from motionsync_fmu.commands import build as command
+from motionsync_fmu.build.fmu import BuildOptions, build
+from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.build.zip import write_zip
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.libraries import FREESTANDING
-from motionsync_fmu.native.platforms import here
-from motionsync_fmu.native.unit_sources import c_names, c_sources, source_files
-from motionsync_fmu.scenario.fmu_instance import FmuInstance
+from motionsync_fmu.native.platforms import host_platform
+from motionsync_fmu.native.unit_sources import c_names, c_sources, sources_folder
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests import ROOT
-from tests.support.command_line import Command
 from tests.support.fmus import Fmus
 from tests.support.linked import answer, header, runs
 
@@ -55,7 +53,7 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not i
 def files_of(name: str, fmi: Fmi = Fmi.TWO) -> dict[str, bytes]:
     """What lies in the folder `sources` of an FMU."""
     block = BLOCKS[name]()
-    files = source_files(block, c_sources(block, Recipe(name, fmi=fmi).guid(), fmi=fmi), fmi)
+    files = sources_folder(block, c_sources(block, compute_guid(Recipe(name, fmi=fmi)), fmi=fmi), fmi)
     return {path.removeprefix("sources/"): text for path, text in files.items()}
 
 
@@ -103,8 +101,8 @@ def gcc(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @needs_gcc
 def test_gcc_makes_of_the_sources_what_the_binaries_are(gcc: Path, expected: Callable[[str], str]) -> None:
     """In C99 without a warning, with fused operations allowed, six units in one program. Each asks for memory once."""
-    told = subprocess.run([gcc / "program"], check=True, capture_output=True, text=True).stdout.split()
-    assert dict(zip(BLOCKS, told, strict=True)) == {name: expected(name) for name in BLOCKS}
+    messages = subprocess.run([gcc / "program"], check=True, capture_output=True, text=True).stdout.split()
+    assert dict(zip(BLOCKS, messages, strict=True)) == {name: expected(name) for name in BLOCKS}
 
 
 @needs_gcc
@@ -130,8 +128,8 @@ def test_the_sources_give_the_same_bits_on_processors_without_a_binary(
         pytest.skip(f"{emulator} is not installed")
     bare = [str(FREESTANDING / "freestanding.c"), "-nostdlib", "-static", *further]
     program = linked(FEW, tmp_path / "made", [*ZIG, target, *BARE, "-isystem", str(FREESTANDING)], *bare)
-    told = subprocess.run([emulator, program], check=True, capture_output=True, text=True).stdout.split()
-    assert dict(zip(FEW, told, strict=True)) == {name: expected(name) for name in FEW}
+    messages = subprocess.run([emulator, program], check=True, capture_output=True, text=True).stdout.split()
+    assert dict(zip(FEW, messages, strict=True)) == {name: expected(name) for name in FEW}
 
 
 @needs_gcc
@@ -139,12 +137,12 @@ def test_the_linker_sees_names_with_the_prefix_and_few_of_a_c_library(gcc: Path)
     for name in BLOCKS:
         units = [str(file) for file in (gcc / name).glob("*.o") if file.stem != "linked_run"]
         lines = subprocess.run(["nm", "-g", *units], check=True, capture_output=True, text=True).stdout.splitlines()
-        found = [line.split()[-2:] for line in lines if line and not line.endswith(":")]
-        defined = {symbol for kind, symbol in found if kind != "U"}
+        result = [line.split()[-2:] for line in lines if line and not line.endswith(":")]
+        defined = {symbol for kind, symbol in result if kind != "U"}
         assert all(symbol.startswith(f"{name}_") for symbol in defined)
         assert f"{name}_fmi2DoStep" in defined
         position_independent = {"_GLOBAL_OFFSET_TABLE_"}
-        assert {symbol for kind, symbol in found if kind == "U"} - defined - position_independent <= NEEDED
+        assert {symbol for kind, symbol in result if kind == "U"} - defined - position_independent <= NEEDED
 
 
 @needs_gcc
@@ -176,7 +174,7 @@ def test_a_compiler_that_would_change_the_results_is_refused(
 
 
 def graph(folder: Path) -> tuple[dict[str, int], dict[str, set[str]]]:
-    """What each function takes of the stack, in bytes, and which functions it calls, as gcc tells it."""
+    """The stack that each function uses, in bytes, and the functions that it calls, as reported by gcc."""
     takes: dict[str, int] = {}
     calls: dict[str, set[str]] = {}
     for file in folder.glob("*.ci"):
@@ -191,29 +189,29 @@ def graph(folder: Path) -> tuple[dict[str, int], dict[str, set[str]]]:
 
 def depths(takes: dict[str, int], calls: dict[str, set[str]]) -> dict[str, int]:
     """What each function takes of the stack together with what it calls, in bytes. None may call itself."""
-    found: dict[str, int] = {}
+    result: dict[str, int] = {}
 
     def depth(function: str, callers: tuple[str, ...]) -> int:
         assert function not in callers, f"{function} calls itself: {callers}"
-        if function not in found:
+        if function not in result:
             below = [depth(called, (*callers, function)) for called in calls.get(function, ())]
-            found[function] = takes.get(function, 0) + max(below, default=0)
-        return found[function]
+            result[function] = takes.get(function, 0) + max(below, default=0)
+        return result[function]
 
     for function in takes:
         depth(function, ())
-    return found
+    return result
 
 
 @needs_gcc
-def test_no_function_calls_itself_and_the_stack_is_as_told(gcc: Path) -> None:
-    """The README beside the sources tells how deep it is."""
+def test_no_function_calls_itself_and_the_stack_is_as_documented(gcc: Path) -> None:
+    """The README of the sources states its depth."""
     for name in BLOCKS:
-        found = depths(*graph(gcc / name))
+        result = depths(*graph(gcc / name))
         text = files_of(name)["README.md"].decode()
         step, any_call = (1000 * int(kb) for kb in re.findall(r"(\d+) kB in (?:a step|any call)", text))
-        assert 0.5 * step < found[f"{name}_fmi2DoStep"] <= step
-        deepest = max(depth for function, depth in found.items() if function.startswith(f"{name}_fmi2"))
+        assert 0.5 * step < result[f"{name}_fmi2DoStep"] <= step
+        deepest = max(depth for function, depth in result.items() if function.startswith(f"{name}_fmi2"))
         assert 0.5 * any_call < deepest <= any_call
 
 
@@ -223,10 +221,12 @@ def test_no_function_calls_itself_and_the_stack_is_as_told(gcc: Path) -> None:
 @pytest.fixture(scope="module", params=Fmi)
 def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The Synchronizer's FMU with sources, for this machine alone, in both versions of FMI."""
-    if (platform := here(request.param)) is None:
+    if (platform := host_platform(request.param)) is None:
         pytest.skip("no native FMU runs on this machine")
     target = tmp_path_factory.mktemp("sources") / "Synchronizer.fmu"
-    return build_native(Recipe("Synchronizer", fmi=request.param), target, platforms=[platform], with_sources=True)
+    return build(
+        Recipe("Synchronizer", fmi=request.param), target, BuildOptions(platforms=[platform], with_sources=True)
+    )
 
 
 def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_importer(fmu: Path) -> None:
@@ -248,8 +248,8 @@ def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_import
             for header in re.findall(r'#include "(.*?)"', z.read(f"sources/{name}").decode())
         }
         assert included - held == {"fmi3Functions.h" if three else "fmi2Functions.h"}
-        told = z.read("sources/README.md").decode()
-        assert held - {"README.md", "buildDescription.xml"} <= set(re.findall(r"`([\w.]+\.[ch])`", told))
+        messages = z.read("sources/README.md").decode()
+        assert held - {"README.md", "buildDescription.xml"} <= set(re.findall(r"`([\w.]+\.[ch])`", messages))
         assert "<code>sources</code>" in z.read("documentation/index.html").decode()
     assert ("buildDescription.xml" in held) == three
 
@@ -265,14 +265,14 @@ def test_fmpy_compiles_the_sources_by_itself(
     (library,) = (file for file in (folder / "binaries").rglob("*") if file.is_file())
     assert library.stem == "Synchronizer"
     held = {file.relative_to(folder).as_posix(): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
-    write(tmp_path / "Synchronizer.fmu", held)
+    write_zip(tmp_path / "Synchronizer.fmu", held)
     two = read_model_description(str(fmu)).fmiVersion == "2.0"
     right = expected("Synchronizer") if two else answer(fmus.fmi3("Synchronizer"), runs("Synchronizer"))
     assert answer(tmp_path / "Synchronizer.fmu", runs("Synchronizer")) == right
 
 
 @needs_gcc
-@pytest.mark.skipif(here() is None, reason="no native FMU runs on this machine")
+@pytest.mark.skipif(host_platform() is None, reason="no native FMU runs on this machine")
 def test_the_importers_memory_is_used_for_the_instance_and_its_states_and_for_nothing_else(
     fmus: Fmus, tmp_path: Path
 ) -> None:
@@ -281,17 +281,17 @@ def test_the_importers_memory_is_used_for_the_instance_and_its_states_and_for_no
     headers = Path(fmpy.__file__).parent / "c-code"
     command = ["gcc", "-shared", "-fPIC", "-I", str(headers), *c_names(files_of("Gearing")), "-lm", "-o", "unit.so"]
     subprocess.run(command, cwd=tmp_path, check=True)
-    rooms: dict[int, int] = {}
+    blocks_in_use: dict[int, int] = {}
 
     def allocate(n: int, size: int) -> int | None:
-        if len(rooms) == 2:
+        if len(blocks_in_use) == 2:
             return None
         address = int(fmi2.calloc(n, size))
-        rooms[address] = n * size
+        blocks_in_use[address] = n * size
         return address
 
     def release(address: int) -> None:
-        del rooms[address]
+        del blocks_in_use[address]
         fmi2.free(address)
 
     with FmuInstance(fmus.native("Gearing")) as host:
@@ -304,20 +304,20 @@ def test_the_importers_memory_is_used_for_the_instance_and_its_states_and_for_no
             libraryPath=str(tmp_path / "unit.so"), instanceName="unit",
         )  # fmt: skip
         unit.instantiate(callbacks=callbacks)
-        assert len(rooms) == 1
+        assert len(blocks_in_use) == 1
         unit.setupExperiment()
         unit.enterInitializationMode()
         unit.exitInitializationMode()
         for step in range(100):
             unit.doStep(step * 0.01, 0.01)
-        assert len(rooms) == 1
+        assert len(blocks_in_use) == 1
         state = unit.getFMUState()
-        assert len(rooms) == 2
+        assert len(blocks_in_use) == 2
         with pytest.raises(FMICallException):
             unit.getFMUState()
         unit.freeFMUState(state)
         unit.freeInstance()
-        assert rooms == {}
+        assert blocks_in_use == {}
 
 
 def test_without_being_asked_for_there_are_no_sources(native: Path) -> None:
@@ -325,34 +325,3 @@ def test_without_being_asked_for_there_are_no_sources(native: Path) -> None:
         assert not [name for name in z.namelist() if name.startswith("sources/")]
         assert "<code>sources</code>" not in z.read("documentation/index.html").decode()
     assert read_model_description(str(native)).buildConfigurations == []
-
-
-# --- the command line ---
-
-
-def test_the_command_builds_anew_what_lacks_the_sources_or_should(
-    motionsync: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """What is built is another test's."""
-    built = []
-
-    def begun(flavour: Flavour, recipe: Recipe, *, with_sources: bool, **_: object) -> Finish:
-        built.append((flavour, with_sources))
-        held = {"modelDescription.xml": f'<fmiModelDescription guid="{recipe.guid()}"/>'.encode()}
-
-        def finish(target: Path, progress: object) -> Path:
-            write(target, held | ({"sources/unit.c": b""} if with_sources else {}))
-            return target
-
-        return finish
-
-    monkeypatch.setattr(command, "begun", begun)
-    monkeypatch.setattr(places, "OUTPUT", tmp_path)
-    call = ["build", "Synchronizer", "--flavour", "native", "--folder", "made"]
-    for further in ([], [], ["--sources"], ["--sources"], []):
-        done = motionsync(*call, *further)
-        assert done.status == 0, done.err
-    assert built == [(Flavour.NATIVE, False), (Flavour.NATIVE, True), (Flavour.NATIVE, False)]
-    done = motionsync("build", "Synchronizer", "--sources", "--flavour", "python", "--folder", "made")
-    assert (done.status, done.out) == (2, "")
-    assert "--sources: the python flavour has no C" in done.err

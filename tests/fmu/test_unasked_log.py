@@ -15,14 +15,14 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.simulation import instantiate_fmu
 
-from motionsync_fmu.build import Flavour
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance
+from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests.support.fmus import Fmus
 
 WARNING, ERROR = 1, 3
 BAD_VALUE = "axis.max_velocity = -5 is not allowed: it must be 1e-12 to 1e+12"
 BAD_COMMAND = (
-    "gear_in_pos: refused (0x426E): the master stands, so it never reaches a synchronous position "
+    "gear_in_pos: refused (0x426E): the master is at rest and never reaches a sync position "
     "(master.position = 0, master.velocity = 0)"
 )
 COMMAND = np.array([(0.0, False), (0.01, True)], [("time", "f8"), ("gear_in_pos.execute", "?")])  # an edge at 0.01 s
@@ -31,7 +31,7 @@ import json, sys
 import numpy as np
 from fmpy import simulate_fmu
 
-told = [[], []]
+messages = [[], []]
 
 def logger(to):
     return lambda environment, name, status, category, text: to.append(
@@ -39,12 +39,12 @@ def logger(to):
     )
 
 try:
-    simulate_fmu(sys.argv[1], start_values={"axis.max_velocity": -5.0}, logger=logger(told[0]))
+    simulate_fmu(sys.argv[1], start_values={"axis.max_velocity": -5.0}, logger=logger(messages[0]))
 except Exception:
     pass
 command = np.array([(0.0, False), (0.01, True)], [("time", "f8"), ("gear_in_pos.execute", "?")])
-simulate_fmu(sys.argv[1], input=command, stop_time=0.1, output_interval=0.01, logger=logger(told[1]))
-print(json.dumps(told))
+simulate_fmu(sys.argv[1], input=command, stop_time=0.1, output_interval=0.01, logger=logger(messages[1]))
+print(json.dumps(messages))
 """
 
 
@@ -99,12 +99,12 @@ def fmpy(fmu: Path, folder: Path, *options: str) -> subprocess.CompletedProcess[
     return subprocess.run(command, cwd=folder, check=False, capture_output=True, text=True)
 
 
-def test_a_refused_value_is_told_with_logging_switched_off(quiet: FmuInstance) -> None:
+def test_a_refused_value_is_reported_with_logging_switched_off(quiet: FmuInstance) -> None:
     with pytest.raises(FmuError, match=r"output_phasing = 0 is not allowed: it must be"):
         quiet.initialize({"output_phasing": 0.0})
 
 
-def test_a_failed_step_and_a_refused_command_are_told_with_logging_switched_off(quiet: FmuInstance) -> None:
+def test_a_failed_step_and_a_refused_command_are_reported_with_logging_switched_off(quiet: FmuInstance) -> None:
     quiet.initialize({"output_phasing": 45.0})
     quiet.set({"master.position": 2e12})
     with pytest.raises(FMICallException):
@@ -137,12 +137,12 @@ def test_logging_on_for_one_category_still_leaves_out_the_others(quiet: FmuInsta
         (Flavour.PYTHON, "[ERROR] FMI function not supported: fmi2SetRealInputDerivatives"),  # PythonFMU's own words
     ],
 )
-def test_derivatives_of_an_input_that_are_not_used_are_told(
+def test_derivatives_of_an_input_that_are_not_used_are_reported(
     fmus: Fmus, tmp_path: Path, capfd: pytest.CaptureFixture[str], flavour: Flavour, text: str
 ) -> None:
     fmu = str(fmus.built(flavour, "Synchronizer"))
     description = read_model_description(fmu)
-    (place,) = (v.valueReference for v in description.modelVariables if v.name == "rest_value")
+    (reference,) = (v.valueReference for v in description.modelVariables if v.name == "rest_value")
     unit = instantiate_fmu(extract(fmu, str(tmp_path)), description, "CoSimulation")
     try:
         unit.setupExperiment()
@@ -150,7 +150,7 @@ def test_derivatives_of_an_input_that_are_not_used_are_told(
         unit.exitInitializationMode()
         with suppress(FMICallException):  # PythonFMU's status is that of an error
             unit.fmi2SetRealInputDerivatives(
-                unit.component, (c_uint * 1)(place), 1, (c_int * 1)(1), (c_double * 1)(1.0)
+                unit.component, (c_uint * 1)(reference), 1, (c_int * 1)(1), (c_double * 1)(1.0)
             )
         assert text in capfd.readouterr().out
     finally:

@@ -69,8 +69,8 @@ def left_out(platform: str, extra: str) -> list[str]:
 def required(extra: str) -> list[Requirement]:
     """The requirements of an extra, or without an extra those of every installation, as pyproject.toml names them."""
     project = tomllib.loads(PROJECT.read_text("utf-8"))["project"]
-    found = map(Requirement, project["optional-dependencies"][extra] if extra else project["dependencies"])
-    parts = (chain.from_iterable(map(required, r.extras)) if r.name == "motionsync" else [r] for r in found)
+    result = map(Requirement, project["optional-dependencies"][extra] if extra else project["dependencies"])
+    parts = (chain.from_iterable(map(required, r.extras)) if r.name == "motionsync" else [r] for r in result)
     return list(chain.from_iterable(parts))
 
 

@@ -21,9 +21,9 @@ WITHOUT_WHEELS = {  # found by asking for them
 @pytest.mark.parametrize("platform", PLATFORMS)
 def test_all_extras_resolve(platform: str, python: str) -> None:
     """[test] holds the other extras: what can be installed together can be installed in parts."""
-    found = versions(platform, python, "test")
-    wanted = {r.name.lower() for extra in EXTRAS for r in required(extra)}
-    assert wanted - set(found) == WITHOUT_WHEELS[platform]
+    result = versions(platform, python, "test")
+    requested = {r.name.lower() for extra in EXTRAS for r in required(extra)}
+    assert requested - set(result) == WITHOUT_WHEELS[platform]
 
 
 @pytest.mark.parametrize("platform", PLATFORMS)

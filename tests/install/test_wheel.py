@@ -95,9 +95,9 @@ def with_the_compilers(native: Installation) -> None:
 
 def outcome(done: Done) -> dict[str, object]:
     """The one outcome that a command printed as JSON."""
-    (found,) = json.loads(done.stdout)
-    assert isinstance(found, dict)
-    return found
+    (result,) = json.loads(done.stdout)
+    assert isinstance(result, dict)
+    return result
 
 
 def the_wheel_brings_the_scenarios_and_lines(plain: Installation) -> None:
@@ -114,11 +114,11 @@ def the_wheel_brings_the_scenarios_and_lines(plain: Installation) -> None:
 def a_run_takes_the_python_flavour(plain: Installation) -> None:
     done = plain.motionsync("run", "FlyingSaw/cyclic_cut", "--json")
     assert done.returncode == 0, done.stderr
-    told, building, *_ = done.stderr.splitlines()
-    assert told.startswith("ziglang is not installed, ")
-    assert "the python flavour is taken" in told
-    assert "motionsync[" not in told  # in an index of packages this might be a stranger's
-    assert re.search(r"pip install 'ziglang==[\w.]+'\)$", told)
+    messages, building, *_ = done.stderr.splitlines()
+    assert messages.startswith("ziglang is not installed, ")
+    assert "the python flavour is taken" in messages
+    assert "motionsync[" not in messages  # in an index of packages this might be a stranger's
+    assert re.search(r"pip install 'ziglang==[\w.]+'\)$", messages)
     assert building.startswith(f"building {plain.cache}")
     assert outcome(done)["passed"]
     assert outcome(done)["reference"]
@@ -136,8 +136,8 @@ def the_native_flavour_is_refused(plain: Installation) -> None:
     for command in (("run", "FlyingSaw/cyclic_cut"), ("build", "FlyingSaw")):
         done = plain.motionsync(*command, "--flavour", "native")
         assert done.returncode == 2
-        wanted = r"with \w+, which is not installed: pip install 'ziglang==[^']+'"
-        assert re.search(wanted, done.stderr)
+        requested = r"with \w+, which is not installed: pip install 'ziglang==[^']+'"
+        assert re.search(requested, done.stderr)
 
 
 def a_run_takes_the_native_flavour(native: Installation) -> None:
@@ -151,7 +151,7 @@ def a_run_takes_the_native_flavour(native: Installation) -> None:
 
 
 def a_line_runs(installation: Installation) -> None:
-    """libcosim, which is another extra, is told to be missing."""
+    """libcosim, which is another extra, is reported as missing."""
     done = installation.motionsync("line", "line/line.toml", "--json", "--no-report")
     assert outcome(done)["expectations"]
     assert "libcosimpy" in str(outcome(done)["libcosim_missing"])
@@ -160,7 +160,7 @@ def a_line_runs(installation: Installation) -> None:
 
 def a_batch_is_compiled(installation: Installation) -> None:
     """By zig, or where zig is missing by the machine's C compiler. The slave is at 3 u/s * 1 s, with its master."""
-    script = "from motionsync_fmu.native.batch import simulate_many as many\n"
+    script = "from motionsync_fmu.batch.simulation import simulate_many as many\n"
     script += "print(many('Synchronizer', 1.0, {'master.velocity': 3.0}, 'slave.position').values)"
     done = installation.call(installation.bin / "python", "-c", script)
     assert done.stdout == "[[[3.]]]\n"
@@ -171,7 +171,7 @@ def in_a_folder_that_cannot_be_written_all_goes_to_the_cache(plain: Installation
     synchronizer = ("run", "Synchronizer/polynomial", "--no-report", "--json")
     done = plain.motionsync(*synchronizer, folder=PROC)
     assert done.returncode == 0, done.stderr
-    assert f"this folder cannot be written: all goes to {plain.cache}" in done.stderr
+    assert f"this folder cannot be written: all files go to {plain.cache}" in done.stderr
     assert str(outcome(done)["result"]).startswith(str(plain.cache))
     done = plain.motionsync(*synchronizer, "--output", out, folder=PROC)
     assert done.returncode == 0, done.stderr

@@ -9,7 +9,7 @@ SECTION = {"input": SIGNALS, "output": SIGNALS, "parameter": SETTINGS, "local": 
 
 
 def test_signals_come_first_then_settings_then_what_is_watched(block: str) -> None:
-    """A group, such as `slave.*`, stands where its first variable belongs; the axis that leads opens the list."""
+    """A group, such as `slave.*`, is listed where its first variable belongs; the axis that leads comes first."""
     table = Recipe(block).variables
     sections = {}
     for name, v in table.items():

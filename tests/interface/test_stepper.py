@@ -6,6 +6,7 @@ from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.faults import Refusal
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
+from tests.support.harness import copy_stepper
 
 
 def coupled() -> Stepper:
@@ -21,9 +22,9 @@ def test_a_synchronized_slave_goes_along_with_the_master_that_is_set_by_name() -
     }
 
 
-def test_a_twin_goes_on_from_the_same_state_and_leaves_the_first_one_alone() -> None:
+def test_a_copy_goes_on_from_the_same_state_and_leaves_the_first_one_alone() -> None:
     first = coupled().step(1.0)
-    second = first.twin()
+    second = copy_stepper(first)
     assert second["slave.position"] == 90.0
     second.step(1.0, {"master.position": 90.0})
     assert (first["slave.position"], second["slave.position"]) == (90.0, 180.0)
@@ -40,7 +41,7 @@ def test_a_refused_call_names_block_call_reason_and_values() -> None:
     assert "master.period = 1e-09" in text
 
 
-def test_an_unknown_name_is_told_with_its_neighbours() -> None:
+def test_an_unknown_name_is_reported_with_its_neighbours() -> None:
     with pytest.raises(UserError, match=r"no variable of Synchronizer is named 'master.positon'.*'?master.position"):
         coupled().set({"master.positon": 1.0})
     with pytest.raises(UserError, match=r"slave\.velocity"):

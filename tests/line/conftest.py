@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.build import Flavour
-from motionsync_fmu.line.judge import Result, examine
-from motionsync_fmu.line.line import Line
-from motionsync_fmu.line.package import Package, write_package
+from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.line.evaluation import LineResult, evaluate_line
+from motionsync_fmu.line.line import ProductionLine
+from motionsync_fmu.line.package import LinePackage, write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.variants import Variant
 from tests.support.fmus import Fmus, Shared
@@ -25,9 +25,9 @@ FEW = (  # seven cuts; a clock that is 3000 ppm fast: a beat each 1.33 s
 
 @dataclass(frozen=True)
 class Examined:
-    line: Line
-    package: Package
-    result: Result
+    line: ProductionLine
+    package: LinePackage
+    result: LineResult
 
     def variant(self, name: str) -> Variant:
         return next(v for v in self.result.variants if v.name == name)
@@ -42,7 +42,7 @@ def output(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFactory)
 def examined(file: Path, output: Path) -> Examined:
     line = load_line(file)
     package = write_package(line, Flavour.NATIVE, output, pytest.fail)
-    return Examined(line, package, examine(line, package))
+    return Examined(line, package, evaluate_line(line, package))
 
 
 @pytest.fixture(scope="session")

@@ -8,15 +8,15 @@ from xml.etree.ElementTree import fromstring
 import numpy as np
 import pytest
 
-from motionsync.cut_to_length.interface import PieceKind
-from motionsync_fmu.build import Flavour
+from motionsync.cutting.interface import PieceKind
+from motionsync_fmu.build.fmu import Flavour
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.roles import MOTION
-from motionsync_fmu.line.line import Line
-from motionsync_fmu.line.package import Package, write_package
+from motionsync_fmu.line.line import ProductionLine
+from motionsync_fmu.line.package import LinePackage, write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.runs import Inputs, Values, run_alone
-from motionsync_fmu.line.variants import RAW, Variant, raw_axis, through, true_axis, variant_of
+from motionsync_fmu.line.variants import RAW, Variant, raw_axis, run_through_remote_sync, true_axis, variant_of
 from motionsync_fmu.scenario.recording import Reals, Recording
 from tests.line.conftest import Examined
 from tests.support.lines import MACHINE, integrated, replaced
@@ -39,12 +39,12 @@ MATERIAL = [
 
 
 @dataclass(frozen=True)
-class Whole:
-    """The run of all 200 cuts, RemoteSync alone and then the machine alone. A parallel co-simulation gives the same, as
-    another test shows."""
+class WholeRun:
+    """The run of all 200 cuts: RemoteSync alone, then the machine alone. Another test shows that a parallel
+    co-simulation gives the same."""
 
-    line: Line
-    package: Package
+    line: ProductionLine
+    package: LinePackage
     remote: Values
     variant: Variant
 
@@ -56,25 +56,25 @@ class Whole:
 
 
 @pytest.fixture(scope="module")
-def whole(output: Path) -> Whole:
+def whole(output: Path) -> WholeRun:
     line = load_line(MACHINE)
     package = write_package(line, Flavour.NATIVE, output, pytest.fail)
-    remote, values = through(line, package)
-    return Whole(line, package, remote, variant_of(line, "RemoteSync", values, values, remote))
+    remote, values = run_through_remote_sync(line, package)
+    return WholeRun(line, package, remote, variant_of(line, "RemoteSync", values, values, remote))
 
 
-def places(recording: Recording, script: list[tuple[float, float]]) -> Reals:
-    """Where each cut lies on the material, from the script and the carriage alone: on average while it cuts."""
+def find_cut_positions(recording: Recording, script: list[tuple[float, float]]) -> Reals:
+    """The position of each cut on the material, from script and carriage alone: the mean while it cuts."""
     cutting = recording.values["tool.cutting"] != 0.0
-    borders = np.flatnonzero(np.diff(cutting, prepend=False, append=False))
-    behind = [integrated(script, t) for t in recording.time.tolist()] - recording.values["slave.position"]
-    return np.array([behind[i:j].mean() for i, j in zip(borders[::2], borders[1::2], strict=True)])
+    edges = np.flatnonzero(np.diff(cutting, prepend=False, append=False))
+    positions = [integrated(script, t) for t in recording.time.tolist()] - recording.values["slave.position"]
+    return np.array([positions[i:j].mean() for i, j in zip(edges[::2], edges[1::2], strict=True)])
 
 
 # --- 200 cuts ---
 
 
-def test_200_cuts_are_made_and_none_is_missed(whole: Whole) -> None:
+def test_200_cuts_are_made_and_none_is_missed(whole: WholeRun) -> None:
     values = whole.variant.recording.values
     assert len(whole.variant.pieces) == 200
     assert [int(values[f"statistics.{name}"][-1]) for name in ("cuts", "skipped", "late")] == [200, 0, 0]
@@ -83,19 +83,19 @@ def test_200_cuts_are_made_and_none_is_missed(whole: Whole) -> None:
     assert not values["warning.any"].any()
 
 
-def test_the_books_are_right_and_the_material_is_cut_within_what_telegrams_allow(whole: Whole) -> None:
+def test_recorded_lengths_are_exact_and_the_material_is_cut_within_what_telegrams_allow(whole: WholeRun) -> None:
     """The block's own lengths are exact on the axis that it sees; that axis is within 0.03 cycles, peak to peak, of the
-    true one: 0.06 mm at 530 mm/s. Two cuts lie one piece apart, in which the estimate hardly moves."""
+    true one: 0.06 mm at 530 mm/s. Within a piece the estimate hardly changes."""
     assert [x.number for x in whole.variant.lengths] == list(range(2, 201))
     assert {x.ordered for x in whole.variant.lengths} == {LENGTH}
-    assert max(abs(x.told) for x in whole.variant.lengths) < 1e-10
+    assert max(abs(x.recorded) for x in whole.variant.lengths) < 1e-10
     worst = max(abs(x.error) for x in whole.variant.lengths)
     assert 1e-3 < worst < 0.02
 
 
-def test_the_lengths_are_those_on_the_material(whole: Whole) -> None:
-    """Reckoned anew, from the script and the carriage alone."""
-    pitches = np.diff(places(whole.variant.recording, MATERIAL))
+def test_the_lengths_are_those_on_the_material(whole: WholeRun) -> None:
+    """Computed independently, from the script and the carriage alone."""
+    pitches = np.diff(find_cut_positions(whole.variant.recording, MATERIAL))
     assert len(pitches) == 199
     assert [x.error for x in whole.variant.lengths] == pytest.approx((pitches - KERF - LENGTH).tolist(), abs=1e-8)
 
@@ -103,14 +103,14 @@ def test_the_lengths_are_those_on_the_material(whole: Whole) -> None:
 # --- the reserve ---
 
 
-def test_with_remote_sync_hardly_any_reserve_is_needed(whole: Whole) -> None:
+def test_with_remote_sync_hardly_any_reserve_is_needed(whole: WholeRun) -> None:
     """The estimate jumps by some thousandths of a millimetre at most, while the material travels 1.6 mm and more in a
-    step: hardly a start is jumped over, which without a reserve would be a cut too late."""
+    step: hardly a start is skipped, which without a reserve would be a late cut."""
     axis = {f"master.{n}": np.concatenate([[0.0], whole.remote[f"slave.{n}"][:-1]]) for n in MOTION}
     assert whole.skipped(axis, 0.0) == (200, 0)
 
 
-def test_raw_telegrams_need_the_reserve_of_a_cycle(whole: Whole) -> None:
+def test_raw_telegrams_need_the_reserve_of_a_cycle(whole: WholeRun) -> None:
     """A telegram that skips an index jumps by a cycle's travel: at 400 to 530 mm/s by 1.6 to 2.12 mm. The approach is
     lead = sqrt(1.5 v^3 / 200000), 21.9 to 33.4 mm; a reserve r makes it ((1 + r)^1.5 - 1) lead longer. That is 1.67 to
     2.54 mm with r = 0.05, but 0.66 to 1.01 mm with 0.02."""
@@ -121,34 +121,34 @@ def test_raw_telegrams_need_the_reserve_of_a_cycle(whole: Whole) -> None:
     assert made == {0.02: (199, 1), 0.05: (200, 0)}
 
 
-# --- what the command tells ---
+# --- checks of a machine ---
 
 
-def test_a_machine_is_judged_by_its_pieces(machine: Examined) -> None:
+def test_a_machine_is_checked_by_its_pieces(machine: Examined) -> None:
     """The first seven cuts, through the SSP package."""
     result = machine.result
     assert [c.text for c in result.checks if not c.passed] == []
-    told = [c.text for c in result.checks]
-    assert "number of cuts = 7: found 7" in told
-    assert "no cut left out or late: found 0" in told
-    (true, books) = (text for text in told if text.startswith("products within 0.05 mm of their ordered length"))
+    messages = [c.text for c in result.checks]
+    assert "number of cuts = 7: found 7" in messages
+    assert "no cut left out or late: found 0" in messages
+    (true, recorded) = (text for text in messages if text.startswith("products within 0.05 mm of their ordered length"))
     assert "on the true axis, once in sync: found at most 0.0" in true
     assert true.endswith("away in 6 products")
-    assert "by the books, once in sync: found at most" in books
+    assert "as recorded, once in sync: found at most" in recorded
     wired, raw = result.after[:2]
-    assert (wired.cuts, wired.missed, wired.told) == (7, 0, pytest.approx(0.0, abs=1e-10))
+    assert (wired.cuts, wired.missed, wired.recorded) == (7, 0, pytest.approx(0.0, abs=1e-10))
     assert wired.worst is not None
     assert raw.worst is not None
     assert wired.worst < TOLERANCE < raw.worst
 
 
 def test_lengths_are_measured_on_the_true_axis_in_each_variant(machine: Examined) -> None:
-    """Against the script and the carriage alone. By the books of a machine that sees raw telegrams all is well."""
+    """Against the script and the carriage alone. A machine that sees raw telegrams records no errors."""
     for variant in machine.result.variants:
-        pitches = np.diff(places(variant.recording, MATERIAL[:2]))
+        pitches = np.diff(find_cut_positions(variant.recording, MATERIAL[:2]))
         assert [x.error for x in variant.lengths] == pytest.approx((pitches - KERF - LENGTH).tolist(), abs=1e-8)
     raw = machine.variant(RAW)
-    assert max(abs(x.told) for x in raw.lengths) < 1e-10
+    assert max(abs(x.recorded) for x in raw.lengths) < 1e-10
     assert max(abs(x.error) for x in raw.lengths) > 0.1
 
 
@@ -163,7 +163,7 @@ def test_a_missed_cut_is_counted_and_its_piece_is_no_product(machine: Examined) 
 
 
 def test_enumerations_are_declared_in_the_package(machine: Examined) -> None:
-    """The kind of a piece: SSP 1.0 wants each enumeration of a connector among those of the system."""
+    """The kind of a piece: SSP 1.0 requires each enumeration of a connector among those of the system."""
     with zipfile.ZipFile(machine.package.ssp) as z:
         structure = fromstring(z.read("SystemStructure.ssd"))
     declared = structure.findall("ssd:Enumerations/ssc:Enumeration", SSP)
@@ -175,8 +175,8 @@ def test_enumerations_are_declared_in_the_package(machine: Examined) -> None:
     assert used == {"CutToLength.PieceKind"}
 
 
-MISTAKES = {  # what is written in place of what; what is told
-    "marks": ("tolerance = 0.05", "length = 304.0", "length: is not needed: CutToLength itself tells where it cuts"),
+MISTAKES = {  # the old text, the new text, the message
+    "marks": ("tolerance = 0.05", "length = 304.0", "length: is not needed: CutToLength itself reports where it cuts"),
     "lengths": (
         "tolerance = 0.05",
         "lengths = [300.0]",
@@ -188,12 +188,12 @@ MISTAKES = {  # what is written in place of what; what is told
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> None:
-    old, new, told = MISTAKES[name]
+def test_a_mistake_is_reported_with_file_line_and_key(name: str, tmp_path: Path) -> None:
+    old, new, message = MISTAKES[name]
     file = tmp_path / MACHINE.name
     file.write_text(replaced(MACHINE.read_text(), (old, new)))
     number = 1 + file.read_text().splitlines().index(new)
     with pytest.raises(UserError) as e:
         load_line(file)
     assert str(e.value).startswith(f"{file}:{number}: ")
-    assert told in str(e.value)
+    assert message in str(e.value)

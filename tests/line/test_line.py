@@ -1,9 +1,7 @@
 """Lines: a remote axis through RemoteSync into a follower, wired in an SSP package and in libcosim."""
 
-import json
 import math
 import re
-import sys
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -14,18 +12,16 @@ import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
 from motionsync.remote_sync.interface import Estimator
-from motionsync_fmu import cli
-from motionsync_fmu.build import Flavour
+from motionsync_fmu.build.fmu import Flavour
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.line.judge import Result
+from motionsync_fmu.line.evaluation import LineResult
 from motionsync_fmu.line.package import PARAMETERS, write_package
 from motionsync_fmu.line.reader import load_line
-from motionsync_fmu.line.variants import RAW, through
+from motionsync_fmu.line.variants import RAW, run_through_remote_sync
 from motionsync_fmu.scenario.clocks import Rate
 from tests.line.conftest import Examined, examined
-from tests.support.command_line import Command
 from tests.support.fmus import Fmus, Shared
-from tests.support.lines import LINES, MACHINE, SAW, SYNCHRONIZER, copied, integrated, replaced
+from tests.support.lines import LINES, SAW, copied, integrated
 
 CYCLE, PPM, PHASE = 0.002, 300e-6, 0.665  # of line.toml
 
@@ -34,7 +30,7 @@ AXIS = [(0.5, 720.0), (11.5, 0.0), (1.0, -180.0), (4.0, 0.0), (2.0, 180.0)]
 
 
 def test_the_example_of_the_page_is_as_expected(shared: Shared, fmus: Fmus, tmp_path: Path) -> None:
-    """Copied as it stands: one cut, on its mark within what telegrams allow. Its FMUs are those of line.toml."""
+    """Copied unchanged: one cut, on its mark within what telegrams allow. Its FMUs are those of line.toml."""
     (example,) = re.findall(r"```toml\n(.*?)```", (LINES / "README.md").read_text(), re.DOTALL)
     file = tmp_path / SAW.name
     file.write_text(example)
@@ -98,7 +94,7 @@ def test_the_example_for_fmpy_runs(saw: Examined) -> None:
 
 @pytest.mark.parametrize("name", ["saw", "synchronizer", "machine"])
 def test_fmpy_and_libcosim_agree_after_two_steps(name: str, request: pytest.FixtureRequest) -> None:
-    result: Result = request.getfixturevalue(name).result
+    result: LineResult = request.getfixturevalue(name).result
     assert result.missing == ""
     assert len(result.agreements) > 15
     for a in result.agreements:
@@ -109,7 +105,7 @@ def test_fmpy_and_libcosim_agree_after_two_steps(name: str, request: pytest.Fixt
 
 def test_an_fmu_alone_after_the_other_gives_the_wired_line(saw: Examined) -> None:
     """A parallel co-simulation hands values over one step later; nothing else is between the FMUs."""
-    remote, follower = through(saw.line, saw.package)
+    remote, follower = run_through_remote_sync(saw.line, saw.package)
     for name, values in remote.items():
         assert np.array_equal(values[2:], saw.result.remote[name][2:]), name
     for name, values in follower.items():
@@ -120,25 +116,27 @@ def test_an_fmu_alone_after_the_other_gives_the_wired_line(saw: Examined) -> Non
 def test_without_drift_and_jitter_nothing_lags(saw: Examined) -> None:
     clocks = replace(saw.line.remote.clocks, rates=[Rate(0.0, CYCLE)], phase=0.0, jitter=0.0)
     line = replace(saw.line, remote=replace(saw.line.remote, clocks=clocks))
-    _, follower = through(line, saw.package, {"estimator": Estimator.BEAT})
+    _, follower = run_through_remote_sync(line, saw.package, {"estimator": Estimator.BEAT})
     synced = follower["in_sync"] > 0.0
     material = np.array([integrated(MATERIAL, t) for t in line.times.tolist()])
-    places = material[synced] - follower["slave.position"][synced]
-    marks = np.round(places / 1500.0)
+    positions = material[synced] - follower["slave.position"][synced]
+    marks = np.round(positions / 1500.0)
     assert set(marks) == set(range(1, 15))
-    errors = np.abs(places - 1500.0 * marks)
-    smooth = np.ones(len(places), bool)
-    for t in np.cumsum([duration for duration, _ in MATERIAL]):  # where the acceleration jumps: nobody foresees that
+    errors = np.abs(positions - 1500.0 * marks)
+    smooth = np.ones(len(positions), bool)
+    for t in np.cumsum(
+        [duration for duration, _ in MATERIAL]
+    ):  # where the acceleration jumps: this cannot be predicted
         smooth &= np.abs(line.times[synced] - t) > 2.5 * CYCLE
     assert errors[smooth].max() < 1e-10
     assert errors.max() < 1.01 * 200.0 * CYCLE**2 / 2.0
 
 
-# --- what it is worth ---
+# --- errors with and without RemoteSync ---
 
 
 def test_the_cuts_are_on_their_marks_with_remote_sync(saw: Examined) -> None:
-    """Reckoned anew, from the script and the results alone."""
+    """Computed independently, from the script and the results alone."""
     result, wired = saw.result, saw.result.wired.recording
     material = np.array([integrated(MATERIAL, t) for t in wired.time.tolist()])
     assert np.abs(material - wired.master[:, 0]).max() < 1e-8
@@ -173,14 +171,14 @@ def test_a_skipped_telegram_within_a_cut_is_a_jump_without_remote_sync(saw: Exam
     assert (jumps["RemoteSync, PHASE"] or math.inf) < 0.005
 
 
-def test_the_estimators_stand_beside_one_another(saw: Examined) -> None:
+def test_the_estimators_are_compared(saw: Examined) -> None:
     worst = {f.name: f.worst for f in saw.result.after}
     assert list(worst) == ["RemoteSync, PHASE", RAW, "RemoteSync, BEAT", "RemoteSync, BEAT, uniform"]
     phase, raw, beat, uniform = (w or math.nan for w in worst.values())
     assert phase < uniform / 5.0 < beat / 20.0 < raw / 20.0
 
 
-def test_before_the_drift_is_known_the_cuts_are_worse(saw: Examined) -> None:
+def test_until_the_drift_is_determined_the_cuts_are_worse(saw: Examined) -> None:
     before, after = saw.result.before[0], saw.result.after[0]
     assert 9.0 < saw.result.synced < saw.result.settled < 9.6
     assert before.cuts == 5
@@ -188,121 +186,27 @@ def test_before_the_drift_is_known_the_cuts_are_worse(saw: Examined) -> None:
     assert (after.worst or math.inf) < 0.05 * (before.worst or 0.0)
 
 
-def test_a_synchronizer_switches_at_its_places(synchronizer: Examined) -> None:
+def test_a_synchronizer_switches_at_its_positions(synchronizer: Examined) -> None:
     result, wired = synchronizer.result, synchronizer.result.wired
     assert result.passed
-    assert [s.place for s in wired.switches] == [90.0, 101.25] * 7
+    assert [s.position for s in wired.switches] == [90.0, 101.25] * 7
     for s in wired.switches:
-        turned = integrated(AXIS, s.time)  # at the first point of the ramp: it began less than a step ago
+        angle = integrated(AXIS, s.time)  # at the first point of the ramp: it began less than a step ago
         before = integrated(AXIS, s.time - CYCLE)
-        beyond = (turned - s.place + 180.0) % 360.0 - 180.0
-        assert -1e-9 <= beyond - s.error <= turned - before + 1e-9
+        beyond = (angle - s.position + 180.0) % 360.0 - 180.0
+        assert -1e-9 <= beyond - s.error <= angle - before + 1e-9
     late = [abs(s.error) for s in wired.switches if s.time > result.settled]
     assert len(late) == 9
     assert max(late) < 0.01
     raw = [abs(s.error) for s in synchronizer.variant(RAW).switches if s.time > result.settled]
     assert max(raw) > 0.9
-    slave = {f.name: f.away for f in result.after}
+    slave = {f.name: f.deviation for f in result.after}
     assert (slave["RemoteSync, PHASE"] or math.inf) < 0.01
     assert (slave[RAW] or 0.0) > 1.0
 
 
-# --- the command ---
-
-SHORT = (  # a clock that is 3000 ppm fast: a beat each 0.67 s
-    ("stop_time = 25.0", "stop_time = 5.1"),
-    ("sender_cycle = 0.00199940017994602 # 2 ms / 1.0003", "sender_cycle = 0.001994017946161515"),
-    ("to = 25.0", "to = 5.1"),
-    ("count = 14", "count = 2"),
-)
-
-
-def short(file: Path, *changes: tuple[str, str]) -> Path:
-    """The first two cuts of line.toml, with these changes."""
-    text = SAW.read_text()
-    head, *settings = text.split("[[set]]")
-    tail = settings[-1][settings[-1].index("[cuts]") :]
-    kept = [s for s in settings if float(re.findall(r"at = ([\d.]+)", s)[0]) < 5.1]
-    file.write_text(replaced("[[set]]".join([head, *kept]) + tail, *SHORT, *changes))
-    return file
-
-
-@pytest.fixture
-def written(shared: Shared, fmus: Fmus, tmp_path: Path) -> Path:
-    """Where `run_line` writes: a folder of this test, with FMUs that are up to date."""
-    return copied(shared, fmus, tmp_path / "written")
-
-
-@pytest.fixture
-def run_line(written: Path, motionsync: Command) -> Command:
-    """`motionsync line`."""
-    return lambda *arguments: motionsync("line", *arguments, "--output", written)
-
-
-def test_the_command_tells_figures_and_writes_package_and_report(
-    run_line: Command, written: Path, tmp_path: Path
-) -> None:
-    file = short(tmp_path / "line.toml")
-    done = run_line(file)
-    assert done.status == 0
-    told = [line for line in done.err.splitlines() if not line.startswith("  ")]
-    assert {line.rstrip(".") for line in told} <= {"line: its FMUs ", "line: its runs "}
-    for text in ("as expected", "RemoteSync, PHASE", RAW, "FMPy and libcosim agree", "worst", "line.ssp"):
-        assert text in done.out
-    page = (written / "reports" / "line" / "line" / "report.html").read_text("utf-8")
-    for text in (
-        "Agreement of FMPy and libcosim",
-        "Errors before",
-        "RemoteSync, BEAT, uniform",
-        "FlyingSaw.slave.jerk",
-    ):
-        assert text in page
-    assert not re.search(r"<(script|link|img)[^>]+(src|href)=", page)
-    result = (written / "reports" / "line" / "line" / "line_out.csv").read_text().splitlines()
-    assert len(result) == 1 + 2550
-    assert result[0].startswith('"time","RemoteSync.slave.position",')
-
-
-def test_without_libcosim_it_says_so_and_runs_the_package(
-    run_line: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setitem(sys.modules, "libcosimpy.CosimEnums", None)
-    done = run_line(short(tmp_path / "line.toml"), "--no-report")
-    assert done.status == 0
-    assert "not run in libcosim: libcosimpy is not installed (pip install '.[line]'" in done.out
-    assert "agree" not in done.out
-    assert "RemoteSync, PHASE" in done.out
-
-
-@pytest.mark.parametrize(
-    ("change", "broken"),
-    [
-        (("tolerance = 0.05", "tolerance = 1e-6"), "cuts within 0.000001 mm"),
-        (("sender_cycle = 0.001994017946161515", "sender_cycle = 0.0020"), "RemoteSync in sync: found never"),
-    ],
-)
-def test_what_is_not_as_expected_is_told(
-    run_line: Command, tmp_path: Path, change: tuple[str, str], broken: str
-) -> None:
-    done = run_line(short(tmp_path / "line.toml", change), "--json", "--no-report")
-    assert done.status == 1
-    (result,) = json.loads(done.out)
-    texts = [f"{c['expected']}: found {c['found']}" for c in result["expectations"] if not c["passed"]]
-    assert any(broken in text for text in texts)
-    assert result["report"] is None
-
-
-def test_contradictory_start_values_are_told_with_the_fmu_s_words(run_line: Command, tmp_path: Path) -> None:
-    done = run_line(
-        short(tmp_path / "line.toml", ('estimator = "PHASE"', 'estimator = "PHASE"\ndata_cycle_time = 0.004'))
-    )
-    assert done.status == 2
-    assert "RemoteSync refused its start values" in done.err
-    assert len([line for line in done.err.splitlines() if line.startswith("motionsync: ")]) == 1
-
-
 WIRED = 'estimator = "PHASE"'
-MISTAKES = {  # what is written in place of what; what is told; what stands on the line that is told
+MISTAKES = {  # the old text, the new text, the message, a part of the line that it names
     "who follows": ('fmu = "FlyingSaw"', 'fmu = "RemoteSync"', "fmu: RemoteSync sees telegrams itself", "fmu ="),
     "no such block": ('fmu = "FlyingSaw"', 'fmu = "Saw"', "fmu: no block is named 'Saw'", "fmu ="),
     "the receiver's cycle": (WIRED, "task_cycle_time = 1.0", "task_cycle_time: is the line's step_size", "task_cycle"),
@@ -313,7 +217,7 @@ MISTAKES = {  # what is written in place of what; what is told; what stands on t
     "unknown start value": ("axis.max_jerk", "axis.max_jrk", "FlyingSaw has no variable 'axis.max_jrk'", "max_jrk"),
     "the master is wired": ("axis.max_jerk", "master.velocity", "master.velocity: comes from RemoteSync", "master."),
     "no sender's cycle": ("sender_cycle = 0.0", "#", "sender_cycle: is missing", "[remote]"),
-    "accuracy": ("seed = 1", "seed = 1\naccuracy = {}", "accuracy: a line is judged by", "accuracy ="),
+    "accuracy": ("seed = 1", "seed = 1\naccuracy = {}", "accuracy: a line is checked by", "accuracy ="),
     "no ramps": ("[cuts]", "[switches]\n[cuts]", "switches: FlyingSaw is not switched on and off", "[switches]"),
     "an enumeration": ('"slave.velocity" = {', "plcopen_state = {", "plcopen_state: is an enumeration", "plcopen"),
     "a scenario's key": ("step_size =", "tolerance = 1.0\nstep_size =", "tolerance: unknown key", "tolerance ="),
@@ -321,41 +225,15 @@ MISTAKES = {  # what is written in place of what; what is told; what stands on t
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> None:
-    old, new, told, stands = MISTAKES[name]
+def test_a_mistake_is_reported_with_file_line_and_key(name: str, tmp_path: Path) -> None:
+    old, new, message, line_text = MISTAKES[name]
     text = SAW.read_text()
     assert text.count(old) == 1
     file = tmp_path / "line.toml"
     file.write_text(text.replace(old, new))
     with pytest.raises(UserError) as e:
         load_line(file)
-    found = re.fullmatch(rf"{re.escape(str(file))}:(\d+): (.*)", str(e.value))
-    assert found, str(e.value)
-    assert told in found[2]
-    assert stands in file.read_text().splitlines()[int(found[1]) - 1]
-
-
-def test_a_path_without_lines_is_told(run_line: Command, tmp_path: Path) -> None:
-    for path, told in ((tmp_path, "no line*.toml below it"), (tmp_path / "nowhere", "no such file or folder")):
-        done = run_line(path)
-        assert (done.status, done.err.count("\n")) == (2, 1)
-        assert told in done.err
-
-
-def test_they_are_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(sys, "argv", ["motionsync", "list", "--scenarios", str(LINES)])
-    with pytest.raises(SystemExit):
-        cli.main()
-    told = capsys.readouterr().out
-    for file in (SAW, SYNCHRONIZER, MACHINE):
-        assert f"line/{file.name}" in told  # the name by which it is run
-        assert load_line(file).follower.title in told
-
-
-def test_two_lines_of_a_name_are_refused(run_line: Command, tmp_path: Path) -> None:
-    for folder in ("one", "other"):
-        (tmp_path / folder).mkdir()
-        short(tmp_path / folder / "line.toml")
-    done = run_line(tmp_path)
-    assert done.status == 2
-    assert "would write to the same package line.ssp" in done.err
+    match = re.fullmatch(rf"{re.escape(str(file))}:(\d+): (.*)", str(e.value))
+    assert match, str(e.value)
+    assert message in match[2]
+    assert line_text in file.read_text().splitlines()[int(match[1]) - 1]

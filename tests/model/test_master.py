@@ -1,4 +1,4 @@
-"""The master axis and its path inside a step, against closed forms in exact fractions, numpy and mpmath."""
+"""The master axis against exact rational numbers: its input modes, periods and input corrections."""
 
 import math
 from collections.abc import Sequence
@@ -14,43 +14,42 @@ from hypothesis import strategies as st
 
 from motionsync.grid import wrap
 from motionsync.master import Master, MasterInput
-from motionsync.path import Path
+from motionsync.master_path import MasterPath
+from tests.model.exact_paths import (
+    EPS,
+    TINY,
+    allowed,
+    any_steps,
+    hermite,
+    moderate,
+    near,
+    repeatable,
+    slope,
+    steps,
+    stretch,
+    value,
+)
 from tests.support.numbers import numbers_in
 
-settings.register_profile("master", derandomize=True, deadline=None, max_examples=200)
-repeatable = settings.get_profile("master")
-
-EPS = 2.0**-52
-TINY = 5e-324
 START, END, ONLY = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY
-
-moderate = st.floats(-1e3, 1e3, allow_subnormal=False).map(lambda x: 0.0 if abs(x) < 1e-6 else x)
-allowed = st.floats(-1e12, 1e12) | st.sampled_from([0.0, 1e12, -1e12, TINY, -TINY, 1e-160, -1e-160])
-sizable = allowed.map(lambda x: 0.0 if abs(x) < 1e-100 else x)
-steps = st.floats(1e-4, 1e2)
-any_steps = st.sampled_from([TINY, 1e-310, 1e-200, 1e-154, 1e-100, 1e-50, 1e-9, 1.0, 1e6]) | st.floats(TINY, 1e6)
 periods = st.sampled_from([0.1, 0.7, 6.2, 7.7, 360.0]) | st.floats(1e-3, 1e3)
 
 
 def master(mode: MasterInput, period: float = 0.0, at: Sequence[float] = (0.0, 0.0, 0.0)) -> Master:
     """An initialized master."""
     made = Master(input_mode=mode, period=period)
-    put(made, *at)
+    set_inputs(made, *at)
     assert made.try_initialize()
     return made
 
 
-def put(to: Master, position: float, velocity: float = 0.0, acceleration: float = 0.0) -> None:
+def set_inputs(to: Master, position: float, velocity: float = 0.0, acceleration: float = 0.0) -> None:
     to.position, to.velocity, to.acceleration = position, velocity, acceleration
 
 
 def advance(it: Master, h: float, position: float, velocity: float = 0.0, acceleration: float = 0.0) -> None:
-    put(it, position, velocity, acceleration)
+    set_inputs(it, position, velocity, acceleration)
     assert it.try_advance(h)
-
-
-def near(value: float, exact: Fraction, tolerance: float | Fraction) -> bool:
-    return abs(Fraction(value) - exact) <= Fraction(tolerance) + Fraction(TINY)
 
 
 def apart(value: float, exact: Fraction, period: float) -> float:
@@ -76,7 +75,7 @@ def test_the_start_of_a_step_is_carried_on_with_constant_acceleration(p: float, 
     assert near(it.end, end, 4 * EPS * (abs(Fraction(p)) + abs(way) + abs(gain) * Fraction(h)))
     assert near(it.end_velocity, v + gain, 2 * EPS * (abs(v) + abs(gain)))
     assert it.end_acceleration == a
-    assert it.path.places[it.path.pieces] == it.end
+    assert it.path.positions[it.path.sections] == it.end
 
 
 @pytest.mark.parametrize(
@@ -96,8 +95,8 @@ def test_the_parabola_is_cut_where_the_master_turns_inside_the_step(
 ) -> None:
     it = master(START)
     advance(it, h, 1.0, v, a)
-    last = it.path.pieces + 1
-    assert (it.path.times[1:last], it.path.places[1:last]) == (times, places)
+    last = it.path.sections + 1
+    assert (it.path.times[1:last], it.path.positions[1:last]) == (times, places)
 
 
 @repeatable
@@ -110,40 +109,18 @@ def test_the_pieces_of_a_parabola_cover_the_step_and_turn_where_the_velocity_is_
     it = master(START)
     advance(it, h, p, v, a)
     path, turn = it.path, Fraction(v) + Fraction(a) * Fraction(h)
-    assert (path.times[1], path.times[path.pieces], path.places[1]) == (0.0, h, p)
-    assert list(path.times[: path.pieces + 1]) == sorted(path.times[: path.pieces + 1])
+    assert (path.times[1], path.times[path.sections], path.positions[1]) == (0.0, h, p)
+    assert list(path.times[: path.sections + 1]) == sorted(path.times[: path.sections + 1])
     if abs(turn) > 2 * EPS * abs(v) and abs(v) > 1e-150 and abs(turn) > 1e-150:
-        assert path.pieces == (3 if turn * Fraction(v) < 0 else 2)
-    if path.pieces == 3:
+        assert path.sections == (3 if turn * Fraction(v) < 0 else 2)
+    if path.sections == 3:
         t = Fraction(path.times[2])
         assert near(path.times[2], -Fraction(v) / Fraction(a), EPS * t)
         top = Fraction(p) - Fraction(v) ** 2 / (2 * Fraction(a))
-        assert near(path.places[2], top, 4 * EPS * (abs(Fraction(p)) + abs(Fraction(v)) * t))
+        assert near(path.positions[2], top, 4 * EPS * (abs(Fraction(p)) + abs(Fraction(v)) * t))
 
 
 # --- END_OF_STEP ------------------------------------------------------------------------------------------------------
-
-
-def hermite(p: float, v: float, end: float, end_velocity: float, h: float) -> list[Fraction]:
-    """Coefficients of the cubic in t, exact, the lowest first."""
-    p0, v0, p1, v1, T = (Fraction(x) for x in (p, v, end, end_velocity, h))  # noqa: N806
-    return [p0, v0, (3 * (p1 - p0) / T - 2 * v0 - v1) / T, (2 * (p0 - p1) / T + v0 + v1) / T**2]
-
-
-def value(coefficients: Sequence[Fraction], t: Fraction) -> Fraction:
-    result = Fraction(0)
-    for coefficient in reversed(coefficients):
-        result = result * t + coefficient
-    return result
-
-
-def slope(coefficients: Sequence[Fraction]) -> list[Fraction]:
-    return [i * coefficient for i, coefficient in enumerate(coefficients)][1:]
-
-
-def stretch(p: float, v: float, end: float, end_velocity: float, h: float) -> float:
-    """What rounding errors of positions on the cubic are relative to."""
-    return abs(p) + abs(end) + (abs(v) + abs(end_velocity)) * h
 
 
 @repeatable
@@ -156,15 +133,15 @@ def test_the_end_of_a_step_is_used_as_it_is_and_reached_along_the_cubic(
 ) -> None:
     it = master(END, at=(p, v, 0.0))
     advance(it, h, end, end_velocity, a)
-    assert (it.begin, it.path.places[0]) == (p, p)
+    assert (it.begin, it.path.positions[0]) == (p, p)
     assert (it.end, it.end_velocity, it.end_acceleration) == (end, end_velocity, a)
     cubic, tolerance = hermite(p, v, end, end_velocity, h), 64 * EPS * stretch(p, v, end, end_velocity, h)
     path = it.path
-    assert (path.times[1], path.times[path.pieces]) == (0.0, h)
-    assert (path.places[1], path.places[path.pieces]) == (p, end)
-    for i in range(1, path.pieces):
+    assert (path.times[1], path.times[path.sections]) == (0.0, h)
+    assert (path.positions[1], path.positions[path.sections]) == (p, end)
+    for i in range(1, path.sections):
         first, last = Fraction(path.times[i]), Fraction(path.times[i + 1])
-        low, high = sorted([Fraction(path.places[i]), Fraction(path.places[i + 1])])
+        low, high = sorted([Fraction(path.positions[i]), Fraction(path.positions[i + 1])])
         for k in range(9):
             t = first + (last - first) * k / 8
             x = value(cubic, t)
@@ -179,12 +156,12 @@ def test_the_end_of_a_step_is_used_as_it_is_and_reached_along_the_cubic(
 def test_a_cubic_is_cut_at_the_roots_of_its_velocity(
     p: float, v: float, end: float, end_velocity: float, h: float
 ) -> None:
-    path = Path()
-    path.cubic(p, v, end, end_velocity, h)
+    path = MasterPath()
+    path.set_cubic(p, v, end, end_velocity, h)
     c, b, a = slope(hermite(p, v, end, end_velocity, h))
     discriminant = b * b - 4 * a * c
     scale = abs(Fraction(v)) + abs(Fraction(end_velocity)) + abs(b) * Fraction(h) + abs(a) * Fraction(h) ** 2
-    for t in path.times[2 : path.pieces]:
+    for t in path.times[2 : path.sections]:
         assert 0.0 < t < h
         assert abs(value([c, b, a], Fraction(t))) <= 64 * EPS * scale
     assume(abs(discriminant) * Fraction(h) ** 2 > 1e-9 * scale**2 and abs(a) * Fraction(h) ** 2 > 1e-9 * scale)
@@ -196,13 +173,13 @@ def test_a_cubic_is_cut_at_the_roots_of_its_velocity(
             roots = [(-b_ + side * root) / (2 * a_) / h for side in (-1, 1)]
     assume(all(abs(u) > 1e-9 and abs(u - 1) > 1e-9 for u in roots))
     inside = sorted(float(u) for u in roots if 0 < u < 1)
-    assert [t / h for t in path.times[2 : path.pieces]] == pytest.approx(inside, abs=1e-6)
+    assert [t / h for t in path.times[2 : path.sections]] == pytest.approx(inside, abs=1e-6)
 
 
 def test_the_first_step_to_an_end_begins_at_the_initial_inputs() -> None:
     it = master(END, at=(10.0, 2.0, 0.0))
     advance(it, 1.0, 12.0, 2.0)
-    assert (it.path.places[0], it.begin, it.path.places[1], it.end) == (10.0, 10.0, 10.0, 12.0)
+    assert (it.path.positions[0], it.begin, it.path.positions[1], it.end) == (10.0, 10.0, 10.0, 12.0)
     assert it.path.velocity == 2.0
 
 
@@ -242,8 +219,8 @@ def test_positions_alone_agree_with_a_fitted_parabola() -> None:
     for i, (position, h) in enumerate(samples):
         advance(it, h, position)
         if i >= 2:
-            known = times[i - 2 : i + 1] - times[i]
-            bend, velocity, _ = np.polyfit(known, [p for p, _ in samples[i - 2 : i + 1]], 2)
+            relative_times = times[i - 2 : i + 1] - times[i]
+            bend, velocity, _ = np.polyfit(relative_times, [p for p, _ in samples[i - 2 : i + 1]], 2)
             assert it.path.velocity == pytest.approx(velocity, rel=1e-11)
             assert it.end_acceleration == pytest.approx(2 * bend, rel=1e-11)
             assert it.end == pytest.approx(np.polyval([bend, velocity, position], h), rel=1e-11)
@@ -279,18 +256,18 @@ def test_positions_in_nearly_the_same_instant_give_no_infinite_velocity() -> Non
 def test_a_wrapped_input_is_unwrapped_next_to_where_the_master_was_expected(
     period: float, mode: MasterInput, moves: list[int]
 ) -> None:
-    """Any number of turns in a step is followed, since the velocity tells it."""
-    at, known, turn = Fraction(0), Fraction(0), Fraction(period)
+    """Any number of turns in a step is followed, since the velocity gives it."""
+    at, speed, turn = Fraction(0), Fraction(0), Fraction(period)
     tolerance = 8 * EPS * 150 * period
     it = master(mode, period)
     for move in moves:
         velocity = move * period / 7.0
-        way = Fraction(velocity) if mode == START else (known + Fraction(velocity)) / 2
-        before, at, known = at, at + way, Fraction(velocity)
+        way = Fraction(velocity) if mode == START else (speed + Fraction(velocity)) / 2
+        before, at, speed = at, at + way, Fraction(velocity)
         advance(it, 1.0, float((before if mode == START else at) % turn), velocity)
         assert near(it.end - it.begin, way, 2 * tolerance)
         assert apart(it.end, at, period) <= tolerance
-        assert abs(it.begin - it.path.places[0]) <= 2 * tolerance
+        assert abs(it.begin - it.path.positions[0]) <= 2 * tolerance
         it.rebase()
         assert -tolerance <= it.end <= period + tolerance
 
@@ -298,13 +275,13 @@ def test_a_wrapped_input_is_unwrapped_next_to_where_the_master_was_expected(
 @repeatable
 @given(periods, st.sampled_from([START, END, ONLY]), st.integers(-5, 5), st.floats(0.01, 0.45))
 def test_whole_turns_in_the_input_mean_nothing(period: float, mode: MasterInput, turns: int, part: float) -> None:
-    plain, turned = master(mode, period), master(mode, period)
+    plain, shifted = master(mode, period), master(mode, period)
     for i in range(1, 7):
         velocity = 0.0 if mode == ONLY else part * period
         advance(plain, 1.0, i * part * period % period, velocity)
-        advance(turned, 1.0, i * part * period % period + (turns if i > 1 else 0) * period, velocity)
-        assert turned.end == pytest.approx(plain.end, abs=32 * EPS * period * (6 + abs(turns)))
-        assert turned.begin == pytest.approx(plain.begin, abs=32 * EPS * period * (6 + abs(turns)))
+        advance(shifted, 1.0, i * part * period % period + (turns if i > 1 else 0) * period, velocity)
+        assert shifted.end == pytest.approx(plain.end, abs=32 * EPS * period * (6 + abs(turns)))
+        assert shifted.begin == pytest.approx(plain.begin, abs=32 * EPS * period * (6 + abs(turns)))
 
 
 def test_positions_alone_must_move_less_than_half_a_turn_only_until_the_velocity_is_known() -> None:
@@ -316,7 +293,7 @@ def test_positions_alone_must_move_less_than_half_a_turn_only_until_the_velocity
     assert it.end == 3920.0
 
 
-def test_a_rebased_master_lies_in_the_first_turn_and_keeps_its_samples_together() -> None:
+def test_a_rebased_master_is_in_the_first_turn_and_keeps_its_samples_together() -> None:
     it = master(ONLY, 10.0)
     for true in [0.0, 4.0, 8.0, 12.0, 16.0]:
         advance(it, 1.0, true % 10.0)
@@ -361,7 +338,7 @@ def test_many_steps_over_ten_million_turns_leave_the_position_exact(period: floa
     it = master(mode, period, (0.0, velocity, 0.0))
     for i in range(count):
         it.rebase()
-        put(it, float((i if mode == START else i + 1) * advanced % turn), velocity)
+        set_inputs(it, float((i if mode == START else i + 1) * advanced % turn), velocity)
         it.try_advance(h)
         if i % 500 == 0:
             assert apart(wrap(it.end, period), (i + 1) * advanced, period) <= 2 * EPS * velocity * h
@@ -382,17 +359,17 @@ def test_few_steps_over_ten_million_turns_leave_the_position_exact(period: float
         it.rebase()
         advance(it, 1.0, float((i if mode == START else i + 1) * Fraction(velocity) % turn), velocity)
         assert apart(wrap(it.end, period), (i + 1) * Fraction(velocity), period) <= 2 * EPS * velocity
-    stands = Fraction(velocity) * (
+    position = Fraction(velocity) * (
         10 if mode == START else Fraction(21, 2)
     )  # half the last speed's way more, slowing down
     for _ in range(2):
         it.rebase()
-        advance(it, 1.0, float(stands % turn))
-    assert apart(wrap(it.end, period), stands, period) <= 2 * EPS * period
+        advance(it, 1.0, float(position % turn))
+    assert apart(wrap(it.end, period), position, period) <= 2 * EPS * period
 
 
 def test_positions_alone_are_followed_over_ten_million_turns() -> None:
-    """A constant acceleration that begins gently; positions are whole and dyadic numbers, so that all is exact."""
+    """A constant acceleration that starts gently; positions are whole and dyadic numbers, so that all is exact."""
     it, h, a = master(ONLY, 360.0), 1.0 / 64.0, 819200.0  # 100 degrees in the first step
     exact = Fraction(0)
     for i in range(6000):
@@ -422,7 +399,7 @@ def test_a_position_beyond_1e15_periods_is_refused(mode: MasterInput, position: 
 @pytest.mark.parametrize("mode", [START, END])
 def test_a_prediction_beyond_1e15_periods_is_refused(mode: MasterInput) -> None:
     it = master(mode, 1e-9)
-    put(it, 0.0, 1e12)
+    set_inputs(it, 0.0, 1e12)
     before = deepcopy(it)
     assert not it.try_advance(1.0)
     assert it == before
@@ -432,11 +409,11 @@ def test_a_prediction_beyond_1e15_periods_is_refused(mode: MasterInput) -> None:
 def test_positions_alone_that_predict_too_many_turns_are_refused() -> None:
     it = master(ONLY, 1e-6)
     advance(it, 1e-9, 0.0)
-    put(it, 4e-7)  # 400 u/s for 1e6 s: 4e14 periods, and 4e15 at the tenfold speed
+    set_inputs(it, 4e-7)  # 400 u/s for 1e6 s: 4e14 periods, and 4e15 at the tenfold speed
     assert deepcopy(it).try_advance(1e6)
     faster = master(ONLY, 1e-6)
     advance(faster, 1e-10, 0.0)
-    put(faster, 4e-7)
+    set_inputs(faster, 4e-7)
     before = deepcopy(faster)
     assert not faster.try_advance(1e6)
     assert faster == before
@@ -454,11 +431,11 @@ def test_1e15_periods_themselves_are_allowed() -> None:
 def test_a_step_begins_where_the_one_before_ended_but_for_the_first(mode: MasterInput) -> None:
     it = master(mode, at=(3.0, 0.0, 0.0))
     advance(it, 1.0, 10.0, 2.0)
-    assert (it.path.places[0], it.begin) == (10.0, 10.0)
+    assert (it.path.positions[0], it.begin) == (10.0, 10.0)
     end = it.end
     assert end == (12.0 if mode == START else 10.0)
     advance(it, 1.0, 20.0, -1.0)
-    assert (it.path.places[0], it.begin, it.path.places[1]) == (end, 20.0, 20.0)
+    assert (it.path.positions[0], it.begin, it.path.positions[1]) == (end, 20.0, 20.0)
 
 
 def test_with_a_period_the_input_correction_takes_the_short_way() -> None:
@@ -467,11 +444,11 @@ def test_with_a_period_the_input_correction_takes_the_short_way() -> None:
     it.rebase()
     assert it.end == 355.0
     advance(it, 1.0, 2.0, 5.0)
-    assert (it.path.places[0], it.begin, it.end) == (355.0, 362.0, 367.0)
+    assert (it.path.positions[0], it.begin, it.end) == (355.0, 362.0, 367.0)
     it.rebase()
     assert it.end == 7.0
     advance(it, 1.0, 350.0, 0.0)
-    assert (it.path.places[0], it.begin, it.end) == (7.0, -10.0, -10.0)
+    assert (it.path.positions[0], it.begin, it.end) == (7.0, -10.0, -10.0)
     it.rebase()
     assert it.end == 350.0
 
@@ -481,133 +458,7 @@ def test_an_end_has_no_input_correction() -> None:
     for place in [10.0, -5.0, 7.0]:
         before = it.end
         advance(it, 1.0, place, 1.0)
-        assert (it.path.places[0], it.begin) == (before, before)
-
-
-# --- crossings --------------------------------------------------------------------------------------------------------
-
-
-def coefficients(path: Path) -> list[Fraction]:
-    return [Fraction(x) for x in (path.origin, path.velocity, path.c2, path.c3)]
-
-
-def assert_crossings(path: Path, parts: Sequence[float]) -> None:
-    """At the time told the path is at the place, to the rounding of place, time and the path's own terms.
-
-    The bound is computed in fractions: as a float it would be 0 in steps of subnormal length."""
-    exact, eps, tiny = coefficients(path), Fraction(EPS), Fraction(TINY)
-    for piece in range(1, path.pieces):
-        first, last = path.times[piece], path.times[piece + 1]
-        low, high = path.places[piece], path.places[piece + 1]
-        assert path.crossing(piece, low) == first
-        if high != low:
-            assert path.crossing(piece, high) == last
-            beyond = math.copysign(1.0, high - low) * (1.0 + abs(high))
-            assert path.crossing(piece, low - beyond) == first
-            assert path.crossing(piece, high + beyond) == last
-        for part in parts:
-            place = max(min(low, high), min(low + part * (high - low), max(low, high)))
-            time = path.crossing(piece, place)
-            assert first <= time <= last
-            t = Fraction(time)
-            size = sum(abs(c) * t**i for i, c in enumerate(exact)) + abs(Fraction(place))
-            speed = abs(value(slope(exact), t)) + 2 * sum(abs(c) for c in slope(exact)) * eps * min(t, 1)
-            assert abs(value(exact, t) - Fraction(place)) <= 16 * eps * size + (2 * eps * t + tiny) * speed
-
-
-@repeatable
-@given(sizable, sizable, sizable, any_steps, st.floats(0.0, 1.0))
-@example(0.0, 2.0, -4.0, 1.0, 0.5)
-@example(0.0, -2.0, 4.0, 1.0, 0.999999)
-@example(1e12, 1.0, 0.0, 1e-10, 0.5)
-@example(5.0, 0.0, 0.0, 1.0, 0.5)
-def test_a_parabola_passes_a_place_when_it_says(p: float, v: float, a: float, h: float, part: float) -> None:
-    path = Path()
-    path.parabola(p, p, v, a, h)
-    assert_crossings(path, [part, 1e-9, 0.5, 1.0 - 1e-9])
-
-
-@repeatable
-@given(moderate, moderate, moderate, moderate, steps, st.floats(0.0, 1.0))
-@example(0.0, 1.0, 0.0, 1.0, 1.0, 0.5)
-@example(0.0, 1.0, 1.0, 1.0, 1.0, 0.25)
-@example(0.0, 0.0, 0.0, 0.0, 1.0, 0.25)
-def test_a_cubic_passes_a_place_when_it_says(
-    p: float, v: float, end: float, end_velocity: float, h: float, part: float
-) -> None:
-    path = Path()
-    path.cubic(p, v, end, end_velocity, h)
-    rounding = 256 * EPS * stretch(p, v, end, end_velocity, h)
-    cubic = hermite(p, v, end, end_velocity, h)
-    for piece in range(1, path.pieces):
-        low, high = path.places[piece], path.places[piece + 1]
-        place = max(min(low, high), min(low + part * (high - low), max(low, high)))
-        time = path.crossing(piece, place)
-        assert path.times[piece] <= time <= path.times[piece + 1]
-        assert near(float(value(cubic, Fraction(time))), Fraction(place), rounding)
-
-
-@pytest.mark.parametrize(
-    ("p", "v", "end", "end_velocity", "h"),
-    [
-        (0.0, 1.0, 0.2, 1.0, 1.0),
-        (-3.0, 20.0, 5.0, -4.0, 0.5),
-        (100.0, -7.0, 30.0, -90.0, 2.0),
-        (0.0, 0.0, 1.0, 0.0, 1.0),
-    ],
-)
-@pytest.mark.parametrize("part", [0.1, 0.37, 0.5, 0.8])
-def test_a_cubic_is_crossed_when_mpmath_says(
-    p: float, v: float, end: float, end_velocity: float, h: float, part: float
-) -> None:
-    path = Path()
-    path.cubic(p, v, end, end_velocity, h)
-    exact = [mpmath.mpf(c.numerator) / c.denominator for c in hermite(p, v, end, end_velocity, h)]
-    for piece in range(1, path.pieces):
-        first, last = path.times[piece], path.times[piece + 1]
-        place = path.places[piece] + part * (path.places[piece + 1] - path.places[piece])
-        found = mpmath.findroot(
-            lambda t, place=place: sum(c * t**i for i, c in enumerate(exact)) - place, (first, last), solver="anderson"
-        )
-        assert path.crossing(piece, place) == pytest.approx(float(found), abs=1e-13 * h, rel=1e-13)
-
-
-@pytest.mark.parametrize("v", [1.0, -1.0, 3.0])
-@pytest.mark.parametrize("a", [1e-12, -1e-12, 0.3, -0.3, 0.0])
-@pytest.mark.parametrize("way", [1e-300, 1e-30, 1e-12, 1e-3])
-def test_a_crossing_near_the_beginning_loses_no_digits(v: float, a: float, way: float) -> None:
-    path = Path()
-    path.parabola(0.0, 0.0, v, a, 1.0)
-    with mpmath.workdps(400):
-        place = mpmath.mpf(math.copysign(way, v))
-        root = mpmath.sqrt(mpmath.mpf(v) ** 2 + 2 * mpmath.mpf(a) * place)
-        exact = float(2 * place / (v + mpmath.sign(v) * root))
-    assert path.crossing(1, math.copysign(way, v)) == pytest.approx(exact, rel=4 * EPS, abs=0.0)
-
-
-def test_both_ways_through_a_place_have_their_own_time() -> None:
-    path = Path()
-    path.parabola(0.0, 0.0, 2.0, -4.0, 1.0)  # up to 0.5 at 0.5 s and back
-    assert path.pieces == 3
-    assert path.crossing(1, 0.375) == 0.25
-    assert path.crossing(2, 0.375) == 0.75
-    path.cubic(0.0, 1.0, 0.0, 1.0, 1.0)  # x = t (2 t - 1) (t - 1): through 0.05 up, down; -0.05 down, up
-    assert path.pieces == 4
-    for piece, place in [(1, 0.05), (2, 0.05), (2, -0.05), (3, -0.05)]:
-        t = path.crossing(piece, place)
-        assert t * (2 * t - 1) * (t - 1) == pytest.approx(place, abs=1e-15)
-    assert path.crossing(2, 0.0) == pytest.approx(0.5, abs=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("p", "v", "h"), [(1e12, 1.0, 1e-10), (1.0, 1.0, 1e-20), (1.0, -1e12, 1e-30), (5.0, 1.0, TINY)]
-)
-def test_a_step_too_short_to_move_the_master_is_crossed_at_its_beginning(p: float, v: float, h: float) -> None:
-    """The velocity is not 0 but p + v h = p."""
-    path = Path()
-    path.parabola(p, p, v, 0.0, h)
-    assert path.places[: path.pieces + 1] == [p, p, p]
-    assert path.crossing(1, p) == 0.0
+        assert (it.path.positions[0], it.begin) == (before, before)
 
 
 # --- extremes ---------------------------------------------------------------------------------------------------------
@@ -627,36 +478,40 @@ def test_nothing_inside_is_ever_nan_or_infinite(
 ) -> None:
     it = master(mode, period)
     for position, velocity, acceleration, h in calls:
-        put(it, position, velocity, acceleration)
+        set_inputs(it, position, velocity, acceleration)
         before = deepcopy(it)
         if not it.try_advance(h):
             assert it == before
             continue
         assert all(math.isfinite(x) for x in numbers_in(it))
         path = it.path
-        assert path.times[: path.pieces + 1] == sorted(path.times[: path.pieces + 1])
-        for piece in range(1, path.pieces):
+        assert path.times[: path.sections + 1] == sorted(path.times[: path.sections + 1])
+        for piece in range(1, path.sections):
             assert math.isfinite(path.position(path.times[piece]))
-            for place in (path.places[piece], 0.5 * path.places[piece] + 0.5 * path.places[piece + 1], position):
-                assert path.times[piece] <= path.crossing(piece, place) <= path.times[piece + 1]
+            for place in (
+                path.positions[piece],
+                0.5 * path.positions[piece] + 0.5 * path.positions[piece + 1],
+                position,
+            ):
+                assert path.times[piece] <= path.crossing_time(piece, place) <= path.times[piece + 1]
         it.rebase()
 
 
 @pytest.mark.parametrize("mode", [START, END, ONLY])
-def test_a_standing_master_stands(mode: MasterInput) -> None:
+def test_a_master_at_rest_stays_at_rest(mode: MasterInput) -> None:
     for place in [0.0, -7.25, 1e12, 0.1]:
         it = master(mode, at=(place, 0.0, 0.0))
         for h in [TINY, 1e-9, 1.0, 1e6]:
             advance(it, h, place)
-            assert (it.path.places[0], it.begin, it.end, it.end_velocity, it.end_acceleration) == (
+            assert (it.path.positions[0], it.begin, it.end, it.end_velocity, it.end_acceleration) == (
                 place,
                 place,
                 place,
                 0.0,
                 0.0,
             )
-            assert it.path.pieces == 2
-            assert all(low == high for low, high in pairwise(it.path.places[:3]))
+            assert it.path.sections == 2
+            assert all(low == high for low, high in pairwise(it.path.positions[:3]))
 
 
 def test_the_position_is_wrapped_into_its_period() -> None:

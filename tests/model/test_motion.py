@@ -56,8 +56,8 @@ def changed(*arguments: float) -> Motion:
 
 def rows(motion: Motion) -> list[tuple[float, ...]]:
     """Begin, position, velocity, acceleration and jerk of each piece."""
-    lists = (motion.begins, motion.positions, motion.velocities, motion.accelerations, motion.jerks)
-    return list(zip(*(values[: motion.pieces] for values in lists), strict=True))
+    lists = (motion.start_times, motion.positions, motion.velocities, motion.accelerations, motion.jerks)
+    return list(zip(*(values[: motion.segments] for values in lists), strict=True))
 
 
 def random_move(rng: Random, *, equal_limits: bool = True) -> Move:
@@ -90,10 +90,10 @@ def fastest(given: Any) -> float | None:
     """Ruckig's duration; None if it finds no motion."""
     trajectory, result = ruckig().Trajectory(1), ruckig().Result
     try:
-        found = ruckig().Ruckig(1).calculate(given, trajectory)
+        results = ruckig().Ruckig(1).calculate(given, trajectory)
     except ruckig().RuckigError:
         return None
-    return float(trajectory.duration) if found in (result.Working, result.Finished) else None
+    return float(trajectory.duration) if results in (result.Working, result.Finished) else None
 
 
 def fastest_move(move: Move) -> float | None:
@@ -135,8 +135,8 @@ def test_no_move_is_slower_than_ruckigs() -> None:
             count["none"] += 1
             continue
         tolerance = 1e-9 * max(1.0, theirs)
-        assert motion.end() <= theirs + tolerance, move
-        same = motion.end() >= theirs - tolerance
+        assert motion.end_time() <= theirs + tolerance, move
+        same = motion.end_time() >= theirs - tolerance
         count["same" if same else "slower, beyond speed" if beyond_speed(move) else "slower"] += 1
     assert count["none"] <= 10  # "error in step 1", where acceleration or velocity break their limits
     assert count["slower"] == 0
@@ -156,12 +156,12 @@ def test_changes_of_velocity_take_as_long_as_ruckigs(slope: float) -> None:
         motion = changed(7.0, velocity, acceleration, target, rise, low, high, jerk)
         theirs = fastest_change(velocity, acceleration, target, rise, low, high, jerk)
         assert theirs is not None
-        assert motion.end() == pytest.approx(theirs, rel=1e-9, abs=1e-9)
+        assert motion.end_time() == pytest.approx(theirs, rel=1e-9, abs=1e-9)
         assert_continuous(motion, (7.0, velocity, acceleration))
-        assert motion.velocities[motion.pieces - 1] == target + rise * motion.end()
-        assert motion.accelerations[motion.pieces - 1] == rise
+        assert motion.velocities[motion.segments - 1] == target + rise * motion.end_time()
+        assert motion.accelerations[motion.segments - 1] == rise
         assert_acceleration_within(motion, acceleration, low, high)
-        assert {abs(j) for j in motion.jerks[: motion.pieces]} <= {0.0, jerk}
+        assert {abs(j) for j in motion.jerks[: motion.segments]} <= {0.0, jerk}
 
 
 # --- what holds for every motion --------------------------------------------------------------------------------------
@@ -171,7 +171,7 @@ def assert_continuous(motion: Motion, start: tuple[float, float, float]) -> None
     """Each piece, integrated exactly, leads to the beginning of the next to a few roundings of state and time."""
     table = rows(motion)
     assert table[0][:4] == (0.0, *start)
-    end = motion.end()
+    end = motion.end_time()
     great = [max(abs(row[i]) for row in table) for i in range(1, 5)]
     near = [32.0 * EPS * (great[i] + end * great[i + 1]) for i in range(3)]
     for (begin, *before), (after, *state) in pairwise(table):
@@ -185,7 +185,7 @@ def assert_continuous(motion: Motion, start: tuple[float, float, float]) -> None
 
 def assert_acceleration_within(motion: Motion, start: float, low: float, high: float) -> None:
     """Inside the limits, or on the straight way there from a start outside them."""
-    accelerations = motion.accelerations[1 : motion.pieces]
+    accelerations = motion.accelerations[1 : motion.segments]
     rounding = 4.0 * EPS * max(-low, high)
     if not low <= start <= high and accelerations:
         assert motion.jerks[0] * start < 0.0
@@ -194,20 +194,20 @@ def assert_acceleration_within(motion: Motion, start: float, low: float, high: f
 
 def peaks(motion: Motion) -> list[float]:
     """Velocities at the pieces' ends and where the acceleration vanishes inside."""
-    found = motion.velocities[: motion.pieces]
+    result = motion.velocities[: motion.segments]
     for (begin, _, v, a, j), (end, *_) in pairwise(rows(motion)):
         if j != 0.0 and 0.0 < -a / j < end - begin:
-            found.append(v - a * a / (2.0 * j))
-    return found
+            result.append(v - a * a / (2.0 * j))
+    return result
 
 
 def assert_sound(motion: Motion, move: Move) -> None:
     """Continuous, inside the limits but for what the start makes unavoidable, and at rest at the target in the end."""
     assert_continuous(motion, move[:3])
-    assert motion.at(motion.end()) == motion.at(motion.end() + 1e3) == (move.target, 0.0, 0.0, 0.0)
+    assert motion.at(motion.end_time()) == motion.at(motion.end_time() + 1e3) == (move.target, 0.0, 0.0, 0.0)
     limit = max(move.up, move.down)
     assert_acceleration_within(motion, move.acceleration, -limit, limit)
-    assert {abs(j) for j in motion.jerks[: motion.pieces]} <= {0.0, move.jerk}
+    assert {abs(j) for j in motion.jerks[: motion.segments]} <= {0.0, move.jerk}
     direct = move.velocity + move.acceleration * abs(move.acceleration) / (2.0 * move.jerk)
     bounds = (move.velocity, direct, move.speed, -move.speed)
     rounding = 16.0 * EPS * max(abs(x) for x in bounds)
@@ -239,10 +239,10 @@ def test_a_mirrored_start_gives_the_mirrored_motion_bit_for_bit(move: Move) -> N
 @repeatable
 @given(random_moves)
 def test_between_rest_states_acceleration_and_deceleration_have_their_own_limits(move: Move) -> None:
-    """Also where a start velocity has to be turned round."""
+    """Also where a start velocity has to be reversed."""
     move = move._replace(acceleration=0.0, velocity=max(-move.speed, min(move.velocity, move.speed)))
     motion = moved(move)
-    for begin, (end, *_) in zip(motion.begins, rows(motion)[1:], strict=False):
+    for begin, (end, *_) in zip(motion.start_times, rows(motion)[1:], strict=False):
         for i in range(9):
             _, v, a, _ = motion.at(begin + (end - begin) * i / 8.0)
             assert abs(a) <= (move.up if v * a > 0.0 else move.down) * (1.0 + 1e-12) or abs(v) <= 1e-12 * move.speed
@@ -253,9 +253,9 @@ def test_between_rest_states_acceleration_and_deceleration_have_their_own_limits
 def test_a_stop_ends_where_it_is_said_to_end(move: Move) -> None:
     motion = Motion()
     motion.halt(0.0, *move[1:3], move.down, move.jerk)
-    assert motion.at(motion.end())[1:] == (0.0, 0.0, 0.0)
+    assert motion.at(motion.end_time())[1:] == (0.0, 0.0, 0.0)
     way = stopping_distance(*move[1:3], move.down, move.jerk)
-    assert motion.at(motion.end())[0] == pytest.approx(way, rel=1e-14, abs=1e-14 * motion.end() * move.speed)
+    assert motion.at(motion.end_time())[0] == pytest.approx(way, rel=1e-14, abs=1e-14 * motion.end_time() * move.speed)
     motion.halt(*move[:3], move.down, move.jerk)
     assert_continuous(motion, move[:3])
     assert_acceleration_within(motion, move.acceleration, -move.down, move.down)
@@ -267,11 +267,11 @@ def test_planned_again_on_the_way_the_motion_is_the_same(move: Move, part: float
     """A time-optimal motion is so from each of its states on. Its duration is a cube root of small ways: positions are
     compared."""
     motion = moved(move._replace(down=move.up))
-    passed = part * motion.end()
+    passed = part * motion.end_time()
     again = moved(Move(*motion.at(passed)[:3], move.target, move.speed, move.up, move.up, move.jerk))
-    size = max(abs(x) for x in motion.positions[: motion.pieces])
+    size = max(abs(x) for x in motion.positions[: motion.segments])
     for i in range(9):
-        time = (motion.end() - passed) * i / 8.0
+        time = (motion.end_time() - passed) * i / 8.0
         assert again.at(time)[0] == pytest.approx(motion.at(passed + time)[0], abs=1e-9 * (1.0 + size))
 
 
@@ -308,7 +308,7 @@ def test_through_standstill_the_lower_limit_counts() -> None:
 def test_from_rest_to_rest(way: float, down: float, duration: float, sign: float, far: float) -> None:
     """Limits 3 u/s, 1 u/s2, 1 u/s3."""
     motion = moved(Move(far, 0.0, 0.0, far + sign * way, 3.0, 1.0, down, 1.0))
-    assert motion.end() == pytest.approx(duration, rel=1e-14)
+    assert motion.end_time() == pytest.approx(duration, rel=1e-14)
 
 
 def test_the_pieces_of_a_move() -> None:
@@ -327,8 +327,8 @@ def test_the_pieces_of_a_move() -> None:
     assert motion.at(4.0)[3] == 0.0
     assert motion.at(math.nextafter(4.0, 0.0))[3] == 0.0  # rounding of a time does not delay what happens at it
     assert motion.at(4.0 - 1e-9)[3] == -1.0
-    assert motion.over(math.nextafter(9.0, 0.0))
-    assert not motion.over(9.0 - 1e-9)
+    assert motion.is_over(math.nextafter(9.0, 0.0))
+    assert not motion.is_over(9.0 - 1e-9)
 
 
 def test_an_acceleration_beyond_the_limit_first_comes_down_to_it() -> None:
@@ -344,8 +344,8 @@ def test_an_acceleration_beyond_the_limit_first_comes_down_to_it() -> None:
 def test_a_target_that_moves_is_met_and_kept() -> None:
     """In w = v - c: from -1 u/s and -0.5 u/s2 at a limit of 0.5 u/s2, 1.125 u/s are lacking."""
     motion = changed(0.0, 0.0, 0.0, 1.0, 0.5, -1.0, 1.0, 1.0)
-    assert motion.begins[: motion.pieces] == [0.0, 1.0, 2.75, 3.25]
-    assert motion.accelerations[: motion.pieces] == [0.0, 1.0, 1.0, 0.5]
+    assert motion.start_times[: motion.segments] == [0.0, 1.0, 2.75, 3.25]
+    assert motion.accelerations[: motion.segments] == [0.0, 1.0, 1.0, 0.5]
     assert motion.at(13.25)[1:] == (7.625, 0.5, 0.0)
 
 
@@ -372,16 +372,16 @@ def test_a_target_that_runs_away_is_followed_at_the_limit(
     motion = Motion()
     assert motion.try_change(0.0, velocity, acceleration, 3.0, slope, -1.0, 1.0, 1.0) == reached
     limit = math.copysign(1.0, slope)
-    assert (motion.accelerations[motion.pieces - 1], motion.jerks[motion.pieces - 1]) == (limit, 0.0)
+    assert (motion.accelerations[motion.segments - 1], motion.jerks[motion.segments - 1]) == (limit, 0.0)
     assert_continuous(motion, (0.0, velocity, acceleration))
-    assert (motion.at(motion.end())[1] == 3.0 + slope * motion.end()) == reached
+    assert (motion.at(motion.end_time())[1] == 3.0 + slope * motion.end_time()) == reached
 
 
 def test_constant_velocity_goes_on_for_ever() -> None:
     motion = moved(Move(0.0, 0.0, 0.0, 15.0, 3.0, 1.0, 1.0, 1.0))
     motion.advance(2.0)
-    motion.run(5.0, -2.0)
-    assert (motion.pieces, motion.end(), motion.clock.time) == (1, 0.0, 0.0)
+    motion.run_at(5.0, -2.0)
+    assert (motion.segments, motion.end_time(), motion.clock.time) == (1, 0.0, 0.0)
     assert motion.at(1e3) == (-1995.0, -2.0, 0.0, 0.0)
 
 
@@ -390,7 +390,7 @@ def test_what_is_reached_already_takes_no_time() -> None:
         moved(Move(4.0, 0.0, 0.0, 4.0, 1.0, 1.0, 1.0, 1.0)),
         changed(4.0, 2.0, 0.0, 2.0, 0.0, -1.0, 1.0, 1.0),
     ):
-        assert (motion.pieces, motion.end()) == (1, 0.0)
+        assert (motion.segments, motion.end_time()) == (1, 0.0)
 
 
 # --- numbers ----------------------------------------------------------------------------------------------------------
@@ -402,7 +402,7 @@ extreme_moves = st.builds(Move, anything, anything, anything, anything, limits, 
 
 def assert_finite(motion: Motion) -> None:
     assert all(math.isfinite(x) for row in rows(motion) for x in row)
-    times = [0.0, 1e-3, 1.0, 1e6, 1e12, motion.end(), *motion.begins[: motion.pieces]]
+    times = [0.0, 1e-3, 1.0, 1e6, 1e12, motion.end_time(), *motion.start_times[: motion.segments]]
     assert all(math.isfinite(x) for time in times for x in motion.at(time))
     assert all(before[0] < after[0] for before, after in pairwise(rows(motion)))
 
@@ -423,7 +423,7 @@ def test_no_number_breaks_a_plan(move: Move, slope: float) -> None:
     reached = motion.try_change(*move[:4], slope, -move.down, move.up, move.jerk)
     assert_finite(motion)
     limit = move.up if slope > 0.0 else -move.down
-    assert motion.accelerations[motion.pieces - 1] == (slope if reached else limit)
+    assert motion.accelerations[motion.segments - 1] == (slope if reached else limit)
 
 
 # --- the clock and the compiled code ----------------------------------------------------------------------------------

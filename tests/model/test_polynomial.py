@@ -30,7 +30,7 @@ def polynomial(coefficients: list[float]) -> Polynomial:
 def solved(coefficients: list[float]) -> list[float]:
     it = polynomial(coefficients)
     it.solve()
-    return it.roots[: it.count]
+    return it.roots[: it.root_count]
 
 
 def expand(roots: list[float], factor: float = 1.0) -> list[float]:
@@ -55,10 +55,10 @@ def assert_root(coefficients: list[float], root: float) -> None:
 
 def assert_solved(coefficients: list[float]) -> int:
     """Each root found is one to rounding, and one is found where the sign changes beyond rounding; how many are."""
-    found = solved(coefficients)
-    assert len(found) < len(coefficients)
-    assert found == sorted(found)
-    for root in found:
+    result = solved(coefficients)
+    assert len(result) < len(coefficients)
+    assert result == sorted(result)
+    for root in result:
         assert_root(coefficients, root)
     if abs(at(coefficients, Fraction(1))) <= 2 * Fraction(ROUNDING) * terms(coefficients, Fraction(1)):
         return 0
@@ -70,7 +70,7 @@ def assert_solved(coefficients: list[float]) -> int:
         beyond = min(abs(low), abs(high)) > 16 * ULP * terms(coefficients, u)
         if away < u < 1 - away and low * high < 0 and beyond:
             certain += 1
-            assert any(abs(Fraction(root) - u) <= away for root in found), (found, float(u))
+            assert any(abs(Fraction(root) - u) <= away for root in result), (result, float(u))
     return certain
 
 
@@ -131,9 +131,9 @@ def test_a_sum_of_coefficients_within_rounding_of_0_is_a_root_at_the_end(noise: 
 
 @pytest.mark.parametrize("shift", [0.0, 1e-17, -1e-17])
 def test_a_double_root_is_found_once_or_not_at_all(shift: float) -> None:
-    found = solved([0.09 + shift, -0.6, 1.0])
-    assert found == [] or found == pytest.approx([0.3], abs=1e-7)
-    assert len(found) <= 1
+    result = solved([0.09 + shift, -0.6, 1.0])
+    assert result == [] or result == pytest.approx([0.3], abs=1e-7)
+    assert len(result) <= 1
 
 
 @pytest.mark.parametrize(
@@ -161,7 +161,7 @@ def test_any_scale_gives_the_roots_within_rounding(roots: list[float], scale: fl
 
 def test_the_derivative() -> None:
     it = polynomial([7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0])
-    assert it.size() == 28.0
+    assert it.coefficient_sum() == 28.0
     it.differentiate()
     assert (it.degree, it.coefficients) == (5, [6.0, 10.0, 12.0, 12.0, 10.0, 6.0, 0.0])
     for _ in range(7):

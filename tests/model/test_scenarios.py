@@ -7,74 +7,75 @@ from pathlib import Path
 import pytest
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.scenario.figures import figures
-from motionsync_fmu.scenario.judge import check, compare, judged_outputs
-from motionsync_fmu.scenario.pieces import find_pieces
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations, checked_outputs
+from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
+from motionsync_fmu.scenario.evaluate.key_figures import compute_key_figures
+from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
-from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 from tests.regenerate import examples
 from tests.support.harness import MOTION
-from tests.support.recordings import assert_same, compiled
+from tests.support.recordings import assert_same, run_compiled
 
 SCENARIOS = pytest.mark.parametrize(
     "file",
     [
-        *(pytest.param(file, id="/".join(file.parts[-3:-1])) for file in find(ROOT / "scenarios")),
+        *(pytest.param(file, id="/".join(file.parts[-3:-1])) for file in find_files(ROOT / "scenarios")),
         *(pytest.param(file, id=f"{name}/example") for name, file in zip(BLOCKS, examples(), strict=True)),
     ],
 )
 
 
 def at_its_place(scenario: Scenario, recording: Recording) -> bool:
-    """Whether each piece is as long as the block tells it, by the positions of slave and master while the tool cuts,
-    and the tool stays at its place on the material. A block that tells no pieces has none that could be wrong."""
-    found = find_pieces(scenario, recording)
-    off = [piece.measured - piece.length for piece in found if piece.measured is not None]
-    return max([*map(abs, off), *(piece.wander for piece in found)], default=0.0) <= 1e-9
+    """Whether each piece is as long as the block reports it, by the positions of slave and master while the tool cuts,
+    and the tool stays at its place on the material. A block that reports no pieces has none that could be wrong."""
+    result = find_pieces(scenario, recording)
+    off = [piece.measured - piece.length for piece in result if piece.measured is not None]
+    return max([*map(abs, off), *(piece.wander for piece in result)], default=0.0) <= 1e-9
 
 
 @SCENARIOS
 def test_the_block_does_what_its_scenario_expects(file: Path) -> None:
-    scenario = load(file)
+    scenario = load_scenario(file)
     recording = run_in_process(scenario, scenario.step_size)
-    found = [*check(scenario, recording), *compare(scenario, recording)]
-    assert found
-    assert [judged for judged in found if not judged.passed] == []
+    result = [*check_expectations(scenario, recording), *compare_with_reference(scenario, recording)]
+    assert result
+    assert [check for check in result if not check.passed] == []
     assert at_its_place(scenario, recording)
-    names = sorted(judged_outputs(scenario).union(MOTION))
-    whole, narrow = compiled(scenario)[0].recording, compiled(scenario, names=names)[0].recording
+    names = sorted(checked_outputs(scenario).union(MOTION))
+    whole, narrow = run_compiled(scenario)[0].recording, run_compiled(scenario, names=names)[0].recording
     assert whole
     assert_same(recording, whole)
     assert narrow
-    assert check(scenario, narrow) == check(scenario, recording)
-    assert figures(scenario, narrow) == figures(scenario, recording)
+    assert check_expectations(scenario, narrow) == check_expectations(scenario, recording)
+    assert compute_key_figures(scenario, narrow) == compute_key_figures(scenario, recording)
 
 
 @SCENARIOS
 @pytest.mark.parametrize("step_size", [0.007, 0.0471])
 def test_a_scenario_means_the_same_at_other_step_sizes_or_says_why_not(file: Path, step_size: float) -> None:
-    scenario = load(file)
+    scenario = load_scenario(file)
     if reason := scenario.step_refusal(step_size):
         cycles = f"{scenario.recipe.name} works in cycles of " if scenario.remote else scenario.step_bound
         assert cycles
         assert reason.startswith(cycles)
         return
     recording = run_in_process(scenario, step_size)
-    found = [*check(scenario, recording), *compare(scenario, recording)]
-    assert [judged for judged in found if not judged.passed] == []
+    result = [*check_expectations(scenario, recording), *compare_with_reference(scenario, recording)]
+    assert [check for check in result if not check.passed] == []
     assert at_its_place(scenario, recording)
-    (run,) = compiled(replace(scenario, step_size=step_size))
+    (run,) = run_compiled(replace(scenario, step_size=step_size))
     assert run.recording
     assert_same(recording, run.recording)
 
 
 def test_few_scenarios_are_bound_to_their_step_size() -> None:
     """Those whose block sees something at communication points alone: its limits, or a master without a velocity."""
-    bound = [load(file) for file in find(ROOT / "scenarios")]
+    bound = [load_scenario(file) for file in find_files(ROOT / "scenarios")]
     assert {s.name for s in bound if s.step_bound} == {
         "alarm_speed",
         "alarm_speed_in_each_phase",
@@ -86,7 +87,7 @@ def test_few_scenarios_are_bound_to_their_step_size() -> None:
 
 
 def test_a_cyclic_block_runs_at_steps_up_to_its_cycle() -> None:
-    scenario = load(ROOT / "scenarios/RemoteSync/accelerating_axis/scenario.toml")
+    scenario = load_scenario(ROOT / "scenarios/RemoteSync/accelerating_axis/scenario.toml")
     assert scenario.step_refusal(0.002) == scenario.step_refusal(0.0013) == ""
     reason = "RemoteSync works in cycles of 0.002 s, and a step of 0.007 s is longer"
     assert scenario.step_refusal(0.007) == reason

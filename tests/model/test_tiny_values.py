@@ -7,13 +7,13 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
 from motionsync_fmu.interface.variables import Variable
-from tests.support.finite import finite_steps
+from tests.support.finite import run_finite
 from tests.support.numbers import TINY
-from tests.support.random_runs import drawn
-from tests.support.runs import Run
+from tests.support.random_runs import draw_runs
+from tests.support.runs import BlockRun
 
 
-def thinned(run: Run, reals: dict[str, Variable], r: Random) -> Run:
+def thinned(run: BlockRun, reals: dict[str, Variable], r: Random) -> BlockRun:
     """The run with some of its Reals next to 0: all of one size, or each of its own."""
     share, size = r.choice((0.05, 0.3)), r.choice((0.0, r.choice(TINY)))
 
@@ -21,17 +21,17 @@ def thinned(run: Run, reals: dict[str, Variable], r: Random) -> Run:
         changed = {name: r.choice((1.0, -1.0)) * (size or r.choice(TINY)) for name in values if r.random() < share}
         return values | {name: x for name, x in changed.items() if name in reals and reals[name].allows(x)}
 
-    return Run(some(run.start), [(h, some(values)) for h, values in run.steps])
+    return BlockRun(some(run.start), [(h, some(values)) for h, values in run.steps])
 
 
 def test_no_number_next_to_0_does_harm(block: str) -> None:
     reals = {v.name: v for v in Recipe(block).variables.values() if v.settable and v.kind == "Real"}
     r, steps = Random(1), 0
-    for run in drawn(block, 30, 60):
+    for run in draw_runs(block, 30, 60):
         tiny = thinned(run, reals, r)
         try:
             Stepper(BLOCKS[block]()).initialize(tiny.start)
         except RefusedError:
             continue
-        steps += sum(1 for _ in finite_steps(BLOCKS[block](), tiny))
+        steps += sum(1 for _ in run_finite(BLOCKS[block](), tiny))
     assert steps > 1000

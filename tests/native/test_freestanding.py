@@ -1,4 +1,4 @@
-"""What stands in for a C library in native FMUs: numbers as texts, and exact functions."""
+"""The replacement of a C library in native FMUs: numbers as texts, and exact functions."""
 
 import ctypes
 import math
@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.interface.variables import shown
+from motionsync_fmu.native.libraries import FOLDER as NATIVE
 from motionsync_fmu.native.libraries import FREESTANDING
-from motionsync_fmu.native.libraries import HERE as NATIVE
 
 COUNT = 150_000
 SPECIAL = [0.0, -0.0, math.inf, -math.inf, math.nan, 5e-324, -5e-324, 2.2250738585072014e-308, 1.7976931348623157e308]
@@ -28,45 +28,45 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     compiler = [sys.executable, "-m", "ziglang", "cc", "-Os", "-fno-math-errno", "-ffp-contract=off"]
     flags = ["-rtlib=none", "-fPIC", "-shared", "-I", str(FREESTANDING)]
     subprocess.run([*compiler, *flags, *files, "-o", str(target)], check=True)
-    found = ctypes.CDLL(str(target))
-    found.decimal.argtypes, found.decimal.restype = (c_double, c_char_p), c_size_t
+    library = ctypes.CDLL(str(target))
+    library.format_decimal.argtypes, library.format_decimal.restype = (c_double, c_char_p), c_size_t
     for name, count in (("floor", 1), ("rint", 1), ("fmod", 2)):
-        function = getattr(found, name)
+        function = getattr(library, name)
         function.argtypes, function.restype = (c_double,) * count, c_double
-    found.memcmp.argtypes, found.memcmp.restype = (c_char_p, c_char_p, c_size_t), c_int
-    found.strcmp.argtypes, found.strcmp.restype = (c_char_p, c_char_p), c_int
-    found.strlen.argtypes, found.strlen.restype = (c_char_p,), c_size_t
-    return found
+    library.memcmp.argtypes, library.memcmp.restype = (c_char_p, c_char_p, c_size_t), c_int
+    library.strcmp.argtypes, library.strcmp.restype = (c_char_p, c_char_p), c_int
+    library.strlen.argtypes, library.strlen.restype = (c_char_p,), c_size_t
+    return library
 
 
-def drawn(seed: int) -> Iterator[float]:
+def random_numbers(seed: int) -> Iterator[float]:
     """Numbers of all sizes, denormal ones too, and those that people write."""
-    chance = random.Random(seed)
+    generator = random.Random(seed)
     yield from SPECIAL
     for power in range(-1074, 1024):
         at = math.ldexp(1.0, power)
         yield from (at, math.nextafter(at, 0.0), math.nextafter(at, math.inf))
     for _ in range(COUNT // 5):
-        yield struct.unpack("<d", chance.randbytes(8))[0]
-        yield math.ldexp(chance.getrandbits(chance.randrange(53)), -1074)
-        yield chance.randrange(-(10**9), 10**9) / 10 ** chance.randrange(10)
-        yield float(f"{chance.randrange(-999, 1000)}e{chance.randrange(-320, 306)}")
-        yield chance.randrange(2**53) / 2 ** chance.randrange(60)
+        yield struct.unpack("<d", generator.randbytes(8))[0]
+        yield math.ldexp(generator.getrandbits(generator.randrange(53)), -1074)
+        yield generator.randrange(-(10**9), 10**9) / 10 ** generator.randrange(10)
+        yield float(f"{generator.randrange(-999, 1000)}e{generator.randrange(-320, 306)}")
+        yield generator.randrange(2**53) / 2 ** generator.randrange(60)
 
 
 def test_a_number_has_the_digits_of_python(library: ctypes.CDLL) -> None:
     text = create_string_buffer(32)
-    for x in drawn(1):
-        length = library.decimal(x, text)
+    for x in random_numbers(1):
+        length = library.format_decimal(x, text)
         assert text.value.decode() == shown(x), x.hex()
         assert length == len(text.value)
 
 
 def test_numbers_are_rounded_and_divided_as_python_does(library: ctypes.CDLL) -> None:
-    def same(found: float, expected: float) -> bool:
-        return struct.pack("d", found) == struct.pack("d", expected) or (math.isnan(found) and math.isnan(expected))
+    def same(result: float, expected: float) -> bool:
+        return struct.pack("d", result) == struct.pack("d", expected) or (math.isnan(result) and math.isnan(expected))
 
-    numbers = [x for x in drawn(2) if math.isfinite(x)]
+    numbers = [x for x in random_numbers(2) if math.isfinite(x)]
     for x, y in zip(numbers, [*numbers[1:], 1.0], strict=True):
         assert same(library.rint(x), math.copysign(float(round(x)), x)), x.hex()
         assert same(library.floor(x), math.copysign(float(math.floor(x)), x)), x.hex()

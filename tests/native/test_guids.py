@@ -14,10 +14,11 @@ BLOCKS = {**BLOCKS, "Nested": Nested}
 """
 GUIDS = """
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build import Recipe
+from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.interface.recipe import Recipe
 
 for name in BLOCKS:
-    print(name, Recipe(name).guid())
+    print(name, compute_guid(Recipe(name)))
 """
 
 

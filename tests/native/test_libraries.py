@@ -17,23 +17,25 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import archive, build
-from motionsync_fmu.archive import Files
-from motionsync_fmu.build import Flavour, build_native, build_python, check_kernel, fmu_path, outdated
+from motionsync_fmu.build import fmu
+from motionsync_fmu.build.fmu import Flavour, build, build_python, check_kernel, fmu_path, why_outdated
+from motionsync_fmu.build.guid import compute_guid, native_toolchain
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.interface import fingerprint
+from motionsync_fmu.interface.fingerprint import Files
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native import libraries
-from motionsync_fmu.native.libraries import HEADERS, HERE
+from motionsync_fmu.native.libraries import FOLDER, HEADERS
 from motionsync_fmu.native.macho import universal
 from motionsync_fmu.native.platforms import PLATFORMS, ROWS
 from motionsync_fmu.native.unit_sources import c_sources
-from motionsync_fmu.scenario.fmu_instance import FmuInstance
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests import ROOT
-from tests.support.fmus import Fmus, build_here
+from tests.support.fmus import Fmus, build_for_host
 
 RECIPE = Recipe("Synchronizer")
 LARGEST = {"FlyingSaw": 171_000}  # bytes, of an FMU: 170 kB, and what another Matplotlib may add to its picture
-MACHO_OWN = {"_mh_dylib_header", "__dso_handle"}  # zig's linker gives them to every library: where it begins
+MACHO_OWN = {"_mh_dylib_header", "__dso_handle"}  # zig's linker gives them to every library: where it starts
 FUNCTIONS = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", (HEADERS / "fmi2Functions.h").read_text()))
 
 
@@ -100,7 +102,7 @@ def number(text: bytes, at: int) -> tuple[int, int]:
 
 
 def exported(thin: bytes) -> set[str]:
-    """The names in the tree of exports (LC_DYLD_INFO_ONLY), each shared beginning once."""
+    """The names in the tree of exports (LC_DYLD_INFO_ONLY), each shared prefix once."""
     where, size = struct.unpack_from("<2I", dict(commands(thin))[0x80000022], 40)
     tree = thin[where : where + size]
 
@@ -160,9 +162,9 @@ def test_the_fmu_is_valid(block_native: Path) -> None:
     assert validate_fmu(str(block_native)) == []
     program = Path(sys.executable).with_name("fmutool")
     done = subprocess.run([program, "-input", str(block_native), "-check"], capture_output=True, text=True, check=True)
-    said = done.stdout + done.stderr
-    assert "No semantic error" in said
-    assert not re.search("warning|error  ", said, re.IGNORECASE)
+    output = done.stdout + done.stderr
+    assert "No semantic error" in output
+    assert not re.search("warning|error  ", output, re.IGNORECASE)
 
 
 def test_nothing_of_this_machine_is_in_the_libraries(folder: Path) -> None:
@@ -173,12 +175,12 @@ def test_nothing_of_this_machine_is_in_the_libraries(folder: Path) -> None:
 
 @pytest.mark.parametrize("name", ["a b", "#1", "100%", "a+b", "Vorschübe", "同步", "%20%s%n"])
 def test_it_loads_from_any_path(native: Path, tmp_path: Path, name: str) -> None:
-    place = tmp_path / name
+    folder = tmp_path / name
     with zipfile.ZipFile(native) as z:
-        z.extractall(place)
-    description = fmpy.read_model_description(str(place))
+        z.extractall(folder)
+    description = fmpy.read_model_description(str(folder))
     unit = FMU2Slave(
-        guid=description.guid, modelIdentifier="Synchronizer", instanceName=name, unzipDirectory=str(place)
+        guid=description.guid, modelIdentifier="Synchronizer", instanceName=name, unzipDirectory=str(folder)
     )
     unit.instantiate()
     unit.setupExperiment()
@@ -191,7 +193,7 @@ def test_it_loads_from_any_path(native: Path, tmp_path: Path, name: str) -> None
 @pytest.mark.parametrize("name", ["Synchronizer", "CutToLength"])  # the smallest and the largest block
 def test_a_build_gives_the_same_bytes_every_time(name: str, fmus: Fmus, tmp_path: Path) -> None:
     """Also in a process of its own, with another seed for hashes and from another folder."""
-    script = f"from motionsync_fmu.build import *; build_native(Recipe({name!r}), Path('a.fmu'))"
+    script = f"from motionsync_fmu.build.fmu import *; build(Recipe({name!r}), Path('a.fmu'))"
     environment = os.environ | {"PYTHONHASHSEED": "42"}
     subprocess.run([sys.executable, "-c", script], check=True, cwd=tmp_path, env=environment)
     assert (tmp_path / "a.fmu").read_bytes() == fmus.built(Flavour.NATIVE, name).read_bytes()
@@ -200,10 +202,10 @@ def test_a_build_gives_the_same_bytes_every_time(name: str, fmus: Fmus, tmp_path
 def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before = RECIPE.guid()
+    before = compute_guid(RECIPE)
     target = build_python(RECIPE, tmp_path / "Synchronizer.fmu")
-    assert outdated(target, RECIPE) == ""
-    modules = ("libraries", "macho", "memory_layout", "platforms", "tables", "unit_sources")
+    assert why_outdated(target, RECIPE) == ""
+    modules = ("libraries", "macho", "platforms", "tables", "unit_sources")
     own = {
         "heat.h",
         "decimal.c",
@@ -217,25 +219,30 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
         "sources.md.j2",
         "unit.c",
         "unit.h",
+        "unit_access.h",
+        "unit_memory.h",
+        "unit_messages.h",
+        "unit_ranges.h",
+        "unit_states.h",
     }
     others = own | {f"freestanding/{name}" for name in ("freestanding.c", "math.h", "stdlib.h", "string.h")}
     names = {f"native/{name}" for name in (*others, *(f"{module}.py" for module in modules))}
-    folders = (HERE / folder for folder in ("subset", "translator"))
-    names |= {f"native/{file.parent.name}/{file.name}" for folder in folders for file in folder.glob("*.py")}
-    assert archive.compilers().keys() == names | {"native/__init__.py"}
+    compiler = FOLDER.with_name("compiler")
+    names |= {file.relative_to(FOLDER.parent).as_posix() for file in compiler.rglob("*.py")}
+    assert native_toolchain().keys() == names | {"native/__init__.py"}
     for name in names:
         with monkeypatch.context() as changed:
-            files = archive.compilers()
+            files = native_toolchain()
             more = files | {name: files[name] + b"\n"}
-            changed.setattr("motionsync_fmu.interface.recipe.compilers", lambda more=more: more)
-            assert RECIPE.guid() != before
-            assert outdated(target, RECIPE) == "stale"
+            changed.setattr("motionsync_fmu.build.guid.native_toolchain", lambda more=more: more)
+            assert compute_guid(RECIPE) != before
+            assert why_outdated(target, RECIPE) == "stale"
 
 
 def test_the_compiler_and_batches_need_neither_pythonfmu_nor_the_pages() -> None:
-    script = "import sys, motionsync_fmu.native.libraries, motionsync_fmu.native.batch; print(*sys.modules)"
+    script = "import sys, motionsync_fmu.native.libraries, motionsync_fmu.batch.simulation; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
-    assert "motionsync_fmu.native.batch" in loaded
+    assert "motionsync_fmu.batch.simulation" in loaded
     assert [
         name for name in loaded if name.startswith(("pythonfmu", "motionsync_fmu.pages", "motionsync_fmu.python"))
     ] == []
@@ -250,18 +257,18 @@ def test_the_table_of_platforms_is_read_without_a_compiler() -> None:
 
 def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
     recipe = Recipe("Synchronizer", "deg", {"output_phasing": "30", "curve": "PARABOLA", "rest_value": "180"})
-    target = build_here(Flavour.NATIVE, recipe, tmp_path / "Synchronizer.fmu")
+    target = build_for_host(Flavour.NATIVE, recipe, tmp_path / "Synchronizer.fmu")
     with FmuInstance(target) as host:
         host.initialize()
-        found = host.get(["output_phasing", "curve", "rest_value"])
-    assert found == {"output_phasing": 30.0, "curve": 1, "rest_value": 180.0}
+        result = host.get(["output_phasing", "curve", "rest_value"])
+    assert result == {"output_phasing": 30.0, "curve": 1, "rest_value": 180.0}
     assert fmu_path(recipe, tmp_path, Flavour.NATIVE) == tmp_path / "native" / "Synchronizer.fmu"
 
 
 # --- builds that fail ---
 
 
-def test_a_missing_compiler_is_told_with_the_remedy(tmp_path: Path) -> None:
+def test_a_missing_compiler_is_reported_with_the_remedy(tmp_path: Path) -> None:
     script = (
         f"import sys; sys.modules['ziglang'] = None; from motionsync_fmu.cli import main; "
         f"sys.argv = ['motionsync', 'build', '--flavour', 'native', '--folder', {str(tmp_path)!r}]; main()"
@@ -274,29 +281,29 @@ def test_a_missing_compiler_is_told_with_the_remedy(tmp_path: Path) -> None:
     assert "--flavour python" in done.stderr
 
 
-def test_a_failing_compiler_is_told_with_the_remedy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_failing_compiler_is_reported_with_the_remedy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(libraries, "FLAGS", "--no-such-flag")
     with pytest.raises(UserError, match=r"(?s)zig could not compile for .*ZIG_GLOBAL_CACHE_DIR.*no-such-flag"):
-        build_native(RECIPE, tmp_path / "Synchronizer.fmu")
+        build(RECIPE, tmp_path / "Synchronizer.fmu")
     assert not list(tmp_path.iterdir())
 
 
-def test_a_slow_compilation_is_told_target_by_target(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[str] = []
+def test_a_slow_compilation_is_reported_target_by_target(monkeypatch: pytest.MonkeyPatch) -> None:
+    messages: list[str] = []
     monkeypatch.setattr(libraries, "PATIENCE", 0.0)
-    libraries.Compilation(RECIPE.name, c_sources(RECIPE.block(), RECIPE.guid())).libraries(told.append)
-    assert told[0] == libraries.SLOW
-    assert sorted(told[1:]) == sorted(f"compiled for {target}" for row in ROWS for target in row.targets)
+    libraries.Compilation(RECIPE.name, c_sources(RECIPE.block(), compute_guid(RECIPE))).libraries(messages.append)
+    assert messages[0] == libraries.SLOW
+    assert sorted(messages[1:]) == sorted(f"compiled for {target}" for row in ROWS for target in row.targets)
 
 
-def test_a_block_outside_the_kernel_subset_is_told_with_file_line_and_rule(
+def test_a_block_outside_the_kernel_subset_is_reported_with_file_line_and_rule(
     block: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     module = BLOCKS[block].__module__
-    files: Files = archive.sources(module)
+    files: Files = fingerprint.collect_sources(module)
     file = module.partition(".")[2].replace(".", "/") + ".py"
     text = files[file].decode() + "\n\ndef square(x: float) -> float:\n    return x ** 2.0\n"
     line = text[: text.index("x ** 2.0")].count("\n") + 1
-    monkeypatch.setattr(build, "sources", lambda module: files | {file: text.encode()})
+    monkeypatch.setattr(fmu, "collect_sources", lambda module: files | {file: text.encode()})
     with pytest.raises(UserError, match=rf"^motionsync/{re.escape(file)}:{line}: no `\*\*`"):
         check_kernel(module)

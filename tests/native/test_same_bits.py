@@ -1,4 +1,4 @@
-"""Python and native code give the same bits: in this process, through both FMUs, and on every platform at hand."""
+"""Python and native code give the same bits: in this process, through both FMUs, and on every available platform."""
 
 from pathlib import Path
 from typing import Any
@@ -12,21 +12,21 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP, variables
-from motionsync_fmu.scenario.fmu_instance import FmuInstance
-from motionsync_fmu.scenario.reader import load
-from motionsync_fmu.scenario.run import simulate
-from motionsync_fmu.scenario.shipped import find
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.files.shipped import find_files
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
+from motionsync_fmu.scenario.run.simulation import simulate
 from tests import ROOT
 from tests.support.compiled import Compiled, equal
 from tests.support.cosim import cosim
 from tests.support.fmus import Fmus, Shared
 from tests.support.importers import bits
-from tests.support.random_runs import drawn, strategy
+from tests.support.random_runs import draw_runs, load_strategy
 from tests.support.replay import TARGETS, orders, replayed, tried
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
-SCENARIOS = find(ROOT / "scenarios")
-# Long runs: a failing one is reported as drawn, since to make it smaller would take minutes.
+SCENARIOS = find_files(ROOT / "scenarios")
+# Long runs: a failing one is reported as generated, since shrinking it would take minutes.
 LONG = settings(deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate], print_blob=True)
 
 
@@ -49,24 +49,24 @@ class Pair:
             self.compiled.set(name, value)
 
     def step(self, h: float, values: dict[str, Any]) -> int | None:
-        """What the block answers; None if the step has a bad input or size and is not begun, as in the FMU."""
+        """The refusal of the block; None if an input or the step size is not allowed, so that there is no step."""
         before = self.stepper.get(values)
         self.set(values)
-        judged = [self.inputs[name] for name in values if name in self.inputs]  # the others are good already
-        if not 0.0 < h <= LONGEST_STEP or not all(v.allows(v.cell.get()) for v in judged):
+        checked = [self.inputs[name] for name in values if name in self.inputs]  # the others have been checked
+        if not 0.0 < h <= LONGEST_STEP or not all(v.allows(v.cell.get()) for v in checked):
             self.set(before)
             return None
-        answer = self.block.step(h)
-        assert self.compiled.step(h) == answer
+        refusal = self.block.step(h)
+        assert self.compiled.step(h) == refusal
         assert equal(self.block, self.compiled), (h, values)
-        return int(answer)
+        return int(refusal)
 
 
 @settings(LONG, max_examples=20, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(data=st.data())
 def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data: st.DataObject) -> None:
     """Other runs each time; the test below compares at least 60 that are always the same."""
-    run = data.draw(strategy(block).runs(500))
+    run = data.draw(load_strategy(block).runs(500))
     pair = Pair(block, run.start)
     for h, values in run.steps:
         if pair.step(h, values):
@@ -74,23 +74,23 @@ def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data:
 
 
 def test_every_block_has_random_runs() -> None:
-    assert all(strategy(name).meets for name in BLOCKS)
+    assert all(load_strategy(name).required_features for name in BLOCKS)
 
 
 @pytest.mark.slow
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
-    """What such runs are worth: within a few of them everything happens. At least 60 are compared."""
-    own = strategy(block)
-    missing: set[Any] = {*own.meets, "refused"}
-    for number, run in enumerate(drawn(block, 500, 400), 1):
+    """The random runs reach all features of their strategy, within a few runs. At least 60 are compared."""
+    strategy = load_strategy(block)
+    missing: set[Any] = {*strategy.required_features, "refused"}
+    for number, run in enumerate(draw_runs(block, 500, 400), 1):
         pair = Pair(block, run.start)
         for h, values in run.steps:
-            answer = pair.step(h, values)
-            if answer != 0:
+            refusal = pair.step(h, values)
+            if refusal != 0:
                 missing.discard("refused")
-            if answer:
+            if refusal:
                 pair = Pair(block, run.start)
-            missing -= own.watch(pair.block)
+            missing -= strategy.watch(pair.block)
         if not missing and number >= 60:
             break
     assert not missing
@@ -101,7 +101,7 @@ def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
 def test_both_fmus_give_the_same_bits_and_log_the_same(
     block: str, block_fmu: Path, block_native: Path, data: st.DataObject
 ) -> None:
-    run = data.draw(strategy(block).runs(500))
+    run = data.draw(load_strategy(block).runs(500))
     with FmuInstance(block_fmu) as a, FmuInstance(block_native) as b:
         refused = tried(a.initialize, run.start)
         assert tried(b.initialize, run.start) == refused
@@ -113,7 +113,7 @@ def test_both_fmus_give_the_same_bits_and_log_the_same(
 
 @pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: "/".join(file.parts[-3:-1]))
 def test_both_fmus_give_the_same_bits_in_every_scenario(fmus: Fmus, file: Path) -> None:
-    scenario = load(file)
+    scenario = load_scenario(file)
     name = scenario.recipe.name
     a, b = (simulate(scenario, fmu, scenario.step_size) for fmu in (fmus.python(name), fmus.native(name)))
     assert a.messages == b.messages
@@ -127,11 +127,11 @@ def test_both_fmus_give_the_same_bits_in_every_scenario(fmus: Fmus, file: Path) 
 @pytest.fixture(scope="module")
 def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
     """A few runs through the python flavour."""
-    found: list[tuple[str, str]] = []
-    for run in drawn(block, 300, 6):
+    commands: list[tuple[str, str]] = []
+    for run in draw_runs(block, 300, 6):
         with FmuInstance(block_fmu) as host:
-            found.extend(orders(host, run))
-    return found
+            commands.extend(orders(host, run))
+    return commands
 
 
 @pytest.mark.parametrize("target", TARGETS)
@@ -140,8 +140,8 @@ def test_a_host_in_c_without_python_gets_the_same_bits(
 ) -> None:
     folder = Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path / "fmu")))
     answers = replayed(target, folder, [order for order, _ in expected], tmp_path, shared)
-    for (order, answer), found in zip(expected, answers, strict=True):
-        assert found == answer, order
+    for (order, answer), result in zip(expected, answers, strict=True):
+        assert result == answer, order
 
 
 def test_libcosim_gives_the_same_bits(native: Path) -> None:
@@ -169,9 +169,9 @@ def test_libcosim_gives_the_same_bits(native: Path) -> None:
             manipulator.slave_boolean_values(index, [reference["stop"], reference["start"]], [i > 40, i > 200])
             execution.step()
             host.step(h, values)
-            found = host.get()
-            seen.add(found["state_code"] + 10 * int(found["syn_ramp_on"]))
-            by_reference = {reference[n]: v for n, v in found.items()}
+            outputs = host.get()
+            seen.add(outputs["state_code"] + 10 * int(outputs["syn_ramp_on"]))
+            by_reference = {reference[n]: v for n, v in outputs.items()}
             assert observer.last_real_values(index, reals) == [by_reference[r] for r in reals]
             assert observer.last_integer_values(index, integers) == [by_reference[r] for r in integers]
             assert observer.last_boolean_values(index, booleans) == [bool(by_reference[r]) for r in booleans]

@@ -1,7 +1,7 @@
 """Reference for the CutToLength: the machine's true behaviour on the continuous time axis.
 
 The sequence is simulated from event to event (`cut_to_length_sequence`, which lists the readings of the specification
-that it takes, as `cut_to_length_books` does); a row is computed from what holds at its time.
+that it takes, as `cut_to_length_records` does); a row is computed from what holds at its time.
 
 A row is what the step that ends at its time puts out: what is set at that time does not show yet. Steps end at the
 multiples of the scenario's `step_size` and where something is set, expected, or the master's script breaks; that
@@ -10,7 +10,7 @@ matters where the specification notices something at a step's beginning.
 Further readings:
 - `next_cut.distance` is below 0 where the machine waits although its cut has been passed.
 - `piece.length` is 0 while the machine does not run. While no piece is fixed, it takes f, b and Δ as they are set.
-- `limits.reserve` is 1 while the pitch is not known.
+- `limits.reserve` is 1 while no pitch is fixed.
 """
 
 from bisect import bisect_left, bisect_right
@@ -18,15 +18,9 @@ from collections.abc import Mapping, Sequence
 from math import floor, inf
 from typing import Any
 
-from tests.oracle.cut_to_length_carriage import Course, Motion
-from tests.oracle.cut_to_length_sequence import (
-    APPROACHING,
-    COMMANDS,
-    CUTTING,
-    SYNCHRONOUS,
-    Machine,
-    Snapshot,
-)
+from tests.oracle.cut_to_length_carriage import MasterSection, Motion
+from tests.oracle.cut_to_length_sequence import MachineRun
+from tests.oracle.cut_to_length_state import APPROACHING, COMMANDS, CUTTING, SYNCHRONOUS, Snapshot
 from tests.oracle.master import mp, stretches
 from tests.oracle.sets import gathered
 
@@ -68,7 +62,7 @@ COLUMNS = (
     "statistics.length_waste",
     "warning.line_too_fast",
 )
-"""What a scenario's reference holds beside the time."""
+"""The columns of a scenario's reference, in addition to the time."""
 
 WINDOW = 1e-9
 """Time (s) around a requested one within which a jump makes two rows."""
@@ -159,10 +153,10 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
     The script has `stop_time`, `step_size`, `[start]` values, the `[master]` script and `[[set]]` tables. Two rows,
     just before and just after, where an output jumps within 1e-9 s of a time.
     """
-    wanted = sorted(set(times))
-    courses, machine = _run(script, max([float(script["stop_time"]), *wanted]) + 2 * WINDOW)
-    rows = _Rows(courses, machine)
-    return [row for time in wanted for row in rows.at(time)]
+    requested_times = sorted(set(times))
+    sections, machine = _run(script, max([float(script["stop_time"]), *requested_times]) + 2 * WINDOW)
+    rows = _Rows(sections, machine)
+    return [row for time in requested_times for row in rows.at(time)]
 
 
 def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
@@ -173,25 +167,25 @@ def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
     return _run(script, float(script["stop_time"]))[1].log
 
 
-def _run(script: Mapping[str, Any], horizon: float) -> tuple[list[Course], Machine]:
+def _run(script: Mapping[str, Any], horizon: float) -> tuple[list[MasterSection], MachineRun]:
     start = script.get("start", {})
     inputs = {name: start.get(name, default) for name, default in (DEFAULTS | FIXED).items()}
     period = float(inputs["master.period"])
-    pieces = stretches(script["master"], mp.mpf(horizon))[1:]
-    place = float(pieces[0].start.position)
-    shift = -floor(place / period) * period if period > 0 else 0.0
-    courses = [Course.of(piece, shift) for piece in pieces]
+    parts = stretches(script["master"], mp.mpf(horizon))[1:]
+    position = float(parts[0].start.position)
+    shift = -floor(position / period) * period if period > 0 else 0.0
+    sections = [MasterSection.of(part, shift) for part in parts]
     sets = gathered(script.get("set", ()), DEFAULTS, _as_number)
     initial = float(inputs["axis.initial_position"])
-    return courses, Machine(inputs, courses, _points(script), sets, period, initial)
+    return sections, MachineRun(inputs, sections, _points(script), sets, period, initial)
 
 
 class _Rows:
     """The outputs of a run at any time."""
 
-    def __init__(self, courses: Sequence[Course], machine: Machine) -> None:
-        self.courses, self.snapshots = courses, machine.snapshots
-        self.begins = [course.begin for course in courses]
+    def __init__(self, sections: Sequence[MasterSection], machine: MachineRun) -> None:
+        self.sections, self.snapshots = sections, machine.snapshots
+        self.section_begins = [section.begin for section in sections]
         self.times = [snapshot.time for snapshot in self.snapshots]
 
     def at(self, time: float) -> list[dict[str, float]]:
@@ -199,18 +193,18 @@ class _Rows:
         first = max(bisect_left(self.times, time - WINDOW) - 1, 0)
         last = bisect_right(self.times, time + WINDOW)
         latest = first
-        while latest + 1 < last and not self.snapshots[latest + 1].given:
+        while latest + 1 < last and not self.snapshots[latest + 1].at_step_begin:
             latest += 1
         early = self._row(time, self.snapshots[first], -WINDOW)
         late = self._row(time, self.snapshots[latest], WINDOW) if time > 0 else early
         return [early] if early == late else [early, late]
 
-    def _row(self, time: float, holds: Snapshot, lean: float) -> dict[str, float]:
+    def _row(self, time: float, snapshot: Snapshot, offset: float) -> dict[str, float]:
         """The outputs at `time` with the master's velocity just before or after it."""
-        moving = self.courses[max(bisect_right(self.begins, time + lean) - 1, 0)].at(time)
-        position = self.courses[max(bisect_right(self.begins, time) - 1, 0)].at(time).position
-        master = Motion(position, moving.velocity, moving.acceleration)
-        s, v, a, j = holds.law.at(time, master)
+        motion = self.sections[max(bisect_right(self.section_begins, time + offset) - 1, 0)].at(time)
+        position = self.sections[max(bisect_right(self.section_begins, time) - 1, 0)].at(time).position
+        master = Motion(position, motion.velocity, motion.acceleration)
+        s, v, a, j = snapshot.law.at(time, master)
         return {
             "time": time,
             "clock": time,
@@ -218,56 +212,56 @@ class _Rows:
             "slave.velocity": v + 0.0,
             "slave.acceleration": a + 0.0,
             "slave.jerk": j + 0.0,
-            "state": float(holds.state),
-            "state_code": float(holds.state),
-            **holds.outputs,
-            **_material(holds, master, s),
-            **self._limits(holds, master),
-            **self._warnings(holds, master, time > 0),
+            "state": float(snapshot.state),
+            "state_code": float(snapshot.state),
+            **snapshot.outputs,
+            **_material(snapshot, master, s),
+            **self._limits(snapshot, master),
+            **self._warnings(snapshot, master, time > 0),
         }
 
-    def _limits(self, holds: Snapshot, master: Motion) -> dict[str, float]:
+    def _limits(self, snapshot: Snapshot, master: Motion) -> dict[str, float]:
         """What depends on the line's present velocity."""
-        saw, v, piece = holds.saw, master.velocity, holds.piece
+        saw, v, piece = snapshot.saw, master.velocity, snapshot.piece
         cycle = saw.cycle_time(v)
         pitch = piece.pitch if piece else inf
-        kerf, correction = holds.material
-        way = saw.way(v)
-        sensor = saw.f * ((way - saw.home) / saw.k + max(v, 0.0) * holds.mark_delay)
+        kerf, correction = snapshot.material
+        approach_distance = saw.approach_distance(v)
+        sensor = saw.f * ((approach_distance - saw.home) / saw.k + max(v, 0.0) * snapshot.mark_delay)
         return {
             "limits.cycle_time": cycle,
             "limits.min_length": max(saw.f * v * cycle - kerf - correction, 0.0) if v > 0 else 0.0,
             "limits.reserve": 1 - cycle * v / pitch,
             "limits.stroke": saw.stroke(v),
             "limits.min_sensor_distance": max(sensor, 0.0),
-            "local.approach_distance": way,
+            "local.approach_distance": approach_distance,
         }
 
-    def _warnings(self, holds: Snapshot, master: Motion, begun: bool) -> dict[str, float]:
+    def _warnings(self, snapshot: Snapshot, master: Motion, has_stepped: bool) -> dict[str, float]:
         """What warns of the line's present velocity; before the first step nothing does."""
-        saw, v = holds.saw, master.velocity
+        saw, v = snapshot.saw, master.velocity
         return {
-            "warning.line_too_fast": float(begun and v > holds.max_velocity),
-            "warning.orders_too_fast": float(begun and v > holds.max_velocity_orders),
-            "warning.stroke": float(begun and saw.home + saw.stroke(v) > saw.high),
-            "warning.velocity": float(begun and saw.k * v > saw.axis[0]),
+            "warning.line_too_fast": float(has_stepped and v > snapshot.max_velocity),
+            "warning.orders_too_fast": float(has_stepped and v > snapshot.max_velocity_orders),
+            "warning.stroke": float(has_stepped and saw.home + saw.stroke(v) > saw.high),
+            "warning.velocity": float(has_stepped and saw.k * v > saw.axis[0]),
         }
 
 
-def _material(holds: Snapshot, master: Motion, slave: float) -> dict[str, float]:
-    """What is told of the piece in progress and of its cut."""
-    piece, distance, length = holds.piece, 0.0, 0.0
-    if holds.running and piece is not None and holds.state not in (SYNCHRONOUS, CUTTING):
-        saw = holds.saw
-        place = holds.sync_place / holds.cycle.k
-        if holds.state != APPROACHING:
-            place = (saw.home + saw.way(master.velocity)) / saw.k
-        distance = place - (master.position - piece.line)
-    if holds.running:
-        f, (kerf, correction) = holds.saw.f, holds.material
+def _material(snapshot: Snapshot, master: Motion, slave: float) -> dict[str, float]:
+    """The outputs of the piece in progress and of its cut."""
+    piece, distance, length = snapshot.piece, 0.0, 0.0
+    if snapshot.is_running and piece is not None and snapshot.state not in (SYNCHRONOUS, CUTTING):
+        saw = snapshot.saw
+        position = snapshot.sync_position / snapshot.cycle.k
+        if snapshot.state != APPROACHING:
+            position = (saw.home + saw.approach_distance(master.velocity)) / saw.k
+        distance = position - (master.position - piece.cut_position)
+    if snapshot.is_running:
+        f, (kerf, correction) = snapshot.saw.f, snapshot.material
         if piece is not None:
             f, kerf, correction = piece.f, piece.kerf, piece.correction
-        length = max(f * (master.position - slave / holds.cycle.k - holds.origin) - kerf - correction, 0.0)
+        length = max(f * (master.position - slave / snapshot.cycle.k - snapshot.origin) - kerf - correction, 0.0)
     return {"next_cut.distance": distance, "piece.length": length}
 
 

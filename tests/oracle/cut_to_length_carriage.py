@@ -1,7 +1,7 @@
-"""How the carriage of a cut-to-length machine moves: curves over the master, and its own way home in time.
+"""How the carriage of a cut-to-length machine moves: curves over the master, and motions in time on the way home.
 
-`Course` is the scripted master in floats; its breaks are those of `master.stretches`. The way home is planned by
-`flying_saw_motion`, in mpmath.
+`MasterSection` is a part of the scripted master in floats; its ends are those of `master.stretches`. The way home is
+planned by `flying_saw_motion`, in mpmath.
 """
 
 from collections.abc import Sequence
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import TypeAlias
 
-from tests.oracle.cut_to_length_limits import root
+from tests.oracle.cut_to_length_limits import find_root
 from tests.oracle.flying_saw_motion import Phases, move, run, stop
 from tests.oracle.master import Motion as Exact
 from tests.oracle.master import Stretch, mp
 
-State: TypeAlias = tuple[float, float, float, float]
+CarriageState: TypeAlias = tuple[float, float, float, float]
 """Position, velocity, acceleration and jerk of the carriage."""
 
 
@@ -28,8 +28,8 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
-    """The master from `begin` to `end` (s), on which it moves in one `direction` or stands (0)."""
+class MasterSection:
+    """The master from `begin` to `end` (s), on which it moves in one `direction` or is at rest (0)."""
 
     begin: float
     end: float
@@ -39,12 +39,12 @@ class Course:
     direction: int
 
     @staticmethod
-    def of(stretch: Stretch, shift: float) -> "Course":
+    def of(stretch: Stretch, shift: float) -> "MasterSection":
         """The stretch in floats, moved by `shift`."""
         s = stretch.start
         start = Motion(float(s.position) + shift, float(s.velocity), float(s.acceleration))
         times = (float(stretch.begin), float(stretch.end), float(stretch.origin))
-        return Course(*times, start, float(stretch.jerk), stretch.direction)
+        return MasterSection(*times, start, float(stretch.jerk), stretch.direction)
 
     def at(self, time: float) -> Motion:
         t, s, jerk = time - self.origin, self.start, self.jerk
@@ -52,43 +52,43 @@ class Course:
         return Motion(position, s.velocity + t * (s.acceleration + t * jerk / 2), s.acceleration + t * jerk)
 
     def passes(self, position: float, direction: int, low: float, high: float) -> float | None:
-        """When the master that moves in that direction comes to a position in [low, high]; `low` if it is beyond."""
+        """When the master that moves in that direction reaches a position in [low, high]; `low` if it is beyond."""
         if self.direction != direction or (self.at(high).position - position) * direction < 0:
             return None
         if (self.at(low).position - position) * direction >= 0:
             return low
-        return root(lambda time: (self.at(time).position - position) * direction, low, high)
+        return find_root(lambda time: (self.at(time).position - position) * direction, low, high)
 
 
 @dataclass(frozen=True, slots=True)
 class Rest:
     position: float
 
-    def at(self, _time: float, _master: Motion) -> State:
+    def at(self, _time: float, _master: Motion) -> CarriageState:
         return self.position, 0.0, 0.0, 0.0
 
 
 @dataclass(frozen=True, slots=True)
-class OnLine:
-    """On the line of the cut C = `line`, or `ahead` of it."""
+class InSync:
+    """In sync with the cut C = `cut_position`, or `ahead` of it."""
 
     k: float
-    line: float
+    cut_position: float
     ahead: float = 0.0
 
-    def at(self, _time: float, master: Motion) -> State:
-        s = self.k * (master.position - self.line) + self.ahead
+    def at(self, _time: float, master: Motion) -> CarriageState:
+        s = self.k * (master.position - self.cut_position) + self.ahead
         return s, self.k * master.velocity, self.k * master.acceleration, 0.0
 
 
 @dataclass(frozen=True, slots=True)
-class Over:
-    """A curve over the master's way μ behind the line of a cut: u = (μ - begin)/width from 0 to 1.
+class CurveOverMaster:
+    """A curve over the master's travel μ from the position of a cut on: u = (μ - begin)/width from 0 to 1.
 
     s = base + slope·μ + scale·P(u), with the coefficients of P in rising order; beyond its ends it goes on as at them.
     """
 
-    line: float
+    cut_position: float
     begin: float
     width: float
     base: float
@@ -98,15 +98,15 @@ class Over:
 
     def share(self, master: Motion) -> float:
         """u, within 0 and 1."""
-        return min(max((master.position - self.line - self.begin) / self.width, 0.0), 1.0)
+        return min(max((master.position - self.cut_position - self.begin) / self.width, 0.0), 1.0)
 
-    def at(self, _time: float, master: Motion) -> State:
+    def at(self, _time: float, master: Motion) -> CarriageState:
         """By the chain rule, with the master's jerk as 0."""
         u, v, a, w = self.share(master), master.velocity, master.acceleration, self.width
         f = [_value(self.polynomial, u, order) * self.scale / w**order for order in range(4)]
-        first = f[1] + self.slope
-        s = self.base + self.slope * (master.position - self.line) + f[0]
-        return s, first * v, f[2] * v**2 + first * a, f[3] * v**3 + 3 * f[2] * v * a
+        slope = f[1] + self.slope
+        s = self.base + self.slope * (master.position - self.cut_position) + f[0]
+        return s, slope * v, f[2] * v**2 + slope * a, f[3] * v**3 + 3 * f[2] * v * a
 
 
 def _value(polynomial: Sequence[float], u: float, order: int) -> float:
@@ -120,25 +120,33 @@ def _value(polynomial: Sequence[float], u: float, order: int) -> float:
     return result
 
 
-def approach(k: float, line: float, home: float, way: float) -> Over:
-    """From rest at home to sync on the line: kM·(u³ - u⁴/2) over M = 2·way/k."""
-    return Over(line, (home - way) / k, 2 * way / k, home, 0.0, 2 * way, (0, 0, 0, 1, -0.5))
+def approach_curve(k: float, cut_position: float, home: float, distance: float) -> CurveOverMaster:
+    """From rest at home to sync: kM·(u³ - u⁴/2) over M = 2·distance/k."""
+    return CurveOverMaster(
+        cut_position,
+        (home - distance) / k,
+        2 * distance / k,
+        home,
+        0.0,
+        2 * distance,
+        (0, 0, 0, 1, -0.5),
+    )
 
 
-def gap(k: float, line: float, begin: float, travel: float, distance: float) -> Over:
-    """From the line ahead of it by `distance` while the carriage on the line would travel `travel`."""
-    return Over(line, begin, travel / k, 0.0, k, distance, (0, 0, 0, 10, -15, 6))
+def gap_curve(k: float, cut_position: float, begin: float, travel: float, distance: float) -> CurveOverMaster:
+    """From sync to `distance` ahead of it, while a carriage in sync would travel `travel`."""
+    return CurveOverMaster(cut_position, begin, travel / k, 0.0, k, distance, (0, 0, 0, 10, -15, 6))
 
 
 @dataclass(frozen=True, slots=True)
-class Own:
+class TimedMotion:
     """A motion in time: phases of (begin, jerk) with the state at their begin; from `end` on at rest at `target`."""
 
     phases: Sequence[tuple[float, float, Motion]]
     end: float
     target: float
 
-    def at(self, time: float, _master: Motion) -> State:
+    def at(self, time: float, _master: Motion) -> CarriageState:
         if time >= self.end:
             return self.target, 0.0, 0.0, 0.0
         begin, jerk, s = next(p for p in reversed(self.phases) if p[0] <= time or p is self.phases[0])
@@ -147,43 +155,45 @@ class Own:
         return s.position + t * (s.velocity + t * (s.acceleration / 2 + t * jerk / 6)), velocity, acceleration, jerk
 
 
-Law: TypeAlias = Rest | OnLine | Over | Own
+MotionLaw: TypeAlias = Rest | InSync | CurveOverMaster | TimedMotion
 
 
-def own(time: float, state: State, target: float, limits: Sequence[float]) -> Own:
-    """The way from a state to rest at the target; limits: velocity, acceleration, deceleration, jerk."""
-    start = _exact(state, target)
+def plan_return(time: float, state: CarriageState, target: float, limits: Sequence[float]) -> TimedMotion:
+    """The motion from a state to rest at the target; limits: velocity, acceleration, deceleration, jerk."""
+    start = _relative_state(state, target)
     velocity, acceleration, deceleration, jerk = (mp.mpf(limit) for limit in limits)
-    return _laid(time, start, move(start, mp.mpf(0), velocity, acceleration, deceleration, jerk), target)
+    return _timed_motion(time, start, move(start, mp.mpf(0), velocity, acceleration, deceleration, jerk), target)
 
 
-def eased(time: float, state: State, target: float, limits: Sequence[float], share: float) -> Own:
+def plan_eased_return(
+    time: float, state: CarriageState, target: float, limits: Sequence[float], share: float
+) -> TimedMotion:
     """First a halt, then the move from rest with that share of the limits: of velocity; squared; cubed of jerk."""
-    start = _exact(state, target)
+    start = _relative_state(state, target)
     velocity, acceleration, deceleration, jerk = (mp.mpf(limit) for limit in limits)
     halt = stop(start, deceleration, jerk)
-    standing = run(start, halt)
+    stopped = run(start, halt)
     s = mp.mpf(share)
-    rest = Exact(standing.position, mp.mpf(0), mp.mpf(0))
+    rest = Exact(stopped.position, mp.mpf(0), mp.mpf(0))
     home = move(rest, mp.mpf(0), s * velocity, s**2 * acceleration, s**2 * deceleration, s**3 * jerk)
-    return _laid(time, start, [*halt, *home], target)
+    return _timed_motion(time, start, [*halt, *home], target)
 
 
-def stopping_place(state: State, deceleration: float, jerk: float) -> float:
+def stop_position(state: CarriageState, deceleration: float, jerk: float) -> float:
     """Where the time-optimal stop from the state ends.
 
     It lets the deceleration rise to its peak, holds it, and lets it fall to 0; an acceleration that is too high, or one
     that would stop the carriage too soon, has the other sign.
     """
     s, v, a, _ = state
-    left = v + a * abs(a) / (2 * jerk)
-    side = 1.0 if left > 0 else -1.0  # of the velocity that is left to be taken away
+    remaining = v + a * abs(a) / (2 * jerk)
+    side = 1.0 if remaining > 0 else -1.0  # of the velocity that remains to be taken away
     w, rate = side * v, -side * a
-    peak, change, held = deceleration, -jerk, (w - rate**2 / (2 * jerk)) / deceleration
+    peak, change, constant_time = deceleration, -jerk, (w - rate**2 / (2 * jerk)) / deceleration
     if rate < deceleration:
         peak, change = min(sqrt(max(jerk * w + rate**2 / 2, 0.0)), deceleration), jerk
-        held = (w - (2 * peak**2 - rate**2) / (2 * jerk)) / peak if peak > 0 else 0.0
-    phases = [((peak - rate) / change, change), (held, 0.0), (peak / jerk, -jerk)]
+        constant_time = (w - (2 * peak**2 - rate**2) / (2 * jerk)) / peak if peak > 0 else 0.0
+    phases = [((peak - rate) / change, change), (constant_time, 0.0), (peak / jerk, -jerk)]
     travel, speed, slowing = 0.0, w, rate
     for time, growth in phases:
         travel += time * (speed - time * (slowing / 2 + time * growth / 6))
@@ -192,20 +202,20 @@ def stopping_place(state: State, deceleration: float, jerk: float) -> float:
     return s + side * travel
 
 
-def _exact(state: State, origin: float) -> Exact:
+def _relative_state(state: CarriageState, origin: float) -> Exact:
     return Exact(mp.mpf(state[0]) - mp.mpf(origin), mp.mpf(state[1]), mp.mpf(state[2]))
 
 
-def _laid(time: float, start: Exact, phases: Phases, target: float) -> Own:
+def _timed_motion(time: float, start: Exact, phases: Phases, target: float) -> TimedMotion:
     """Phases of a motion whose positions count from the target."""
-    laid, begin = [], mp.mpf(time)
+    timed_phases, begin = [], mp.mpf(time)
     for duration, jerk in phases:
         state = Motion(float(start.position + mp.mpf(target)), float(start.velocity), float(start.acceleration))
-        laid.append((float(begin), float(jerk), state))
+        timed_phases.append((float(begin), float(jerk), state))
         start, begin = run(start, [(duration, jerk)]), begin + duration
-    return Own(laid, float(begin), target)
+    return TimedMotion(timed_phases, float(begin), target)
 
 
-def at_target(state: State, target: float) -> bool:
+def is_at_target(state: CarriageState, target: float) -> bool:
     """At rest there."""
     return state[0] == target and state[1] == 0 and state[2] == 0

@@ -16,8 +16,8 @@ SAMPLES, FEW_SAMPLES, SHORT = 48, 12, 0.05
 GOLDEN = (sqrt(5.0) - 1.0) / 2.0
 
 
-def root(function: Function, low: float, high: float) -> float:
-    """The place in [low, high] from which on the function is not negative, where it is less than 0 at `low` only.
+def find_root(function: Function, low: float, high: float) -> float:
+    """The point of [low, high] from which on the function is not negative; at `low` it has to be negative.
 
     False position that halves the weight of an end that stays, and every third step a bisection.
     """
@@ -28,16 +28,16 @@ def root(function: Function, low: float, high: float) -> float:
             middle = (low + high) / 2
             if not low < middle < high:
                 break
-        here = function(middle)
-        if here >= 0:
-            high, at_high, at_low = middle, here, at_low / 2
+        value = function(middle)
+        if value >= 0:
+            high, at_high, at_low = middle, value, at_low / 2
         else:
-            low, at_low, at_high = middle, here, at_high / 2
+            low, at_low, at_high = middle, value, at_high / 2
     return high
 
 
-def first(function: Function, low: float, high: float) -> float | None:
-    """The first place in [low, high] at which the continuous function is not negative; None without one.
+def find_first_root(function: Function, low: float, high: float) -> float | None:
+    """The first point of [low, high] at which the continuous function is not negative; None without one.
 
     Dense samples, fewer in less than 0.05 s, and between them the greatest value near each sample that is greater than
     its neighbours.
@@ -47,20 +47,20 @@ def first(function: Function, low: float, high: float) -> float | None:
     if high <= low:
         return None
     samples = SAMPLES if high - low > SHORT else FEW_SAMPLES
-    places = [low + (high - low) * i / samples for i in range(samples)] + [high]
-    values = [function(place) for place in places]
-    for i in range(1, len(places)):
+    points = [low + (high - low) * i / samples for i in range(samples)] + [high]
+    values = [function(point) for point in points]
+    for i in range(1, len(points)):
         if values[i] >= 0:
-            return root(function, places[i - 1], places[i])
-        if i + 1 < len(places) and values[i] > max(values[i - 1], values[i + 1]):
-            peak = _greatest(function, places[i - 1], places[i + 1])
+            return find_root(function, points[i - 1], points[i])
+        if i + 1 < len(points) and values[i] > max(values[i - 1], values[i + 1]):
+            peak = _find_peak(function, points[i - 1], points[i + 1])
             if function(peak) >= 0:
-                return root(function, places[i - 1], peak)
+                return find_root(function, points[i - 1], peak)
     return None
 
 
-def _greatest(function: Function, low: float, high: float) -> float:
-    """Where the function is greatest, by golden sections; the first place found at which it is not negative."""
+def _find_peak(function: Function, low: float, high: float) -> float:
+    """Where the function is greatest, by golden sections; or the first point met where it is not negative."""
     for _ in range(60):
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         at_left, at_right = function(left), function(right)
@@ -79,7 +79,7 @@ def change_time(change: float, acceleration: float, jerk: float) -> float:
 
 @dataclass(frozen=True)
 class Saw:
-    """What the machine is set to at an instant. A limit that was given as 0 is here the axis's.
+    """What the machine is set to at an instant. A limit that is set to 0 has the axis's value in it.
 
     `k`: carriage velocity per line velocity in sync; `f`: travel of the material per travel of the master; `home`: h.
     `axis`: velocity, acceleration, deceleration and jerk limits of the axis; `homing`: the same of the way home.
@@ -109,7 +109,7 @@ class Saw:
 
     @staticmethod
     def of(inputs: Mapping[str, Any], calibration: float) -> "Saw":
-        """The machine as its variables are set now, with the factor that calibration has found."""
+        """The machine as its variables are set now, with the factor of the calibration."""
         f = float(inputs["material_factor"]) * calibration
         velocity, acceleration, deceleration, jerk = (
             float(inputs[f"axis.max_{name}"]) for name in ("velocity", "acceleration", "deceleration", "jerk")
@@ -146,21 +146,21 @@ class Saw:
         )
 
     @property
-    def turning(self) -> float:
-        """The limit of acceleration where the carriage turns round."""
+    def turning_acceleration(self) -> float:
+        """The limit of acceleration where the carriage reverses."""
         return min(self.homing[1], self.homing[2])
 
     def lead(self, velocity: float) -> float:
-        """The shortest way from home to sync for a carriage that is V = `velocity` then."""
+        """The shortest distance from home to sync for a carriage that has V = `velocity` then."""
         v = max(velocity, 0.0)
         return max(0.75 * v**2 / self.approach_acceleration, sqrt(1.5 * v**3 / self.approach_jerk))
 
-    def way(self, v: float) -> float:
-        """D(v): the way from home to sync that an approach is laid out for, at the line velocity v."""
+    def approach_distance(self, v: float) -> float:
+        """D(v): the distance from home to sync that an approach is designed for, at the line velocity v."""
         return max(self.distance, self.lead(self.k * max(v, 0.0) * (1 + self.reserve)))
 
     def approach_time(self, v: float) -> float:
-        return 2 * self.way(v) / (self.k * v)
+        return 2 * self.approach_distance(v) / (self.k * v)
 
     def tool_time(self, v: float) -> float:
         """t_s without the time of the gap."""
@@ -168,31 +168,31 @@ class Saw:
         return max(self.settle, self.on_delay - self.approach_time(v), 0.0) + cut + self.retract
 
     def cut_travel(self, v: float) -> float:
-        """S: from home to where the way home begins."""
+        """S: from home to where the way home starts."""
         gap = self.gap_travel + self.gap if self.gap > 0 else 0.0
-        return self.way(v) + self.k * v * self.tool_time(v) + gap
+        return self.approach_distance(v) + self.k * v * self.tool_time(v) + gap
 
-    def return_time(self, velocity: float, distance: float, turning: float) -> float:
-        """T_r: the way home over `distance` from the velocity V; `turning`: the acceleration limit until its peak."""
+    def return_time(self, velocity: float, distance: float, turning_acceleration: float) -> float:
+        """T_r: the way home over `distance` from the velocity V; `turning_acceleration`: its limit until the peak."""
         fastest, _, deceleration, jerk = self.homing
 
         def covered(w: float) -> float:
-            up = (w - velocity) / 2 * change_time(velocity + w, turning, jerk)
+            up = (w - velocity) / 2 * change_time(velocity + w, turning_acceleration, jerk)
             return up + w / 2 * change_time(w, deceleration, jerk)
 
         peak, cruise = fastest, 0.0
         if covered(fastest) <= distance:
             cruise = (distance - covered(fastest)) / fastest
         else:
-            peak = root(lambda w: covered(w) - distance, 0.0, fastest)
-        return change_time(velocity + peak, turning, jerk) + change_time(peak, deceleration, jerk) + cruise
+            peak = find_root(lambda w: covered(w) - distance, 0.0, fastest)
+        return change_time(velocity + peak, turning_acceleration, jerk) + change_time(peak, deceleration, jerk) + cruise
 
     def cycle_time(self, v: float) -> float:
         """T_c; 0 for a line that does not move forwards."""
         if v <= 0:
             return 0.0
         gap = self.gap_travel / (self.k * v) if self.gap > 0 else 0.0
-        home = self.return_time(self.k * v, self.cut_travel(v), self.turning)
+        home = self.return_time(self.k * v, self.cut_travel(v), self.turning_acceleration)
         return self.approach_time(v) + self.tool_time(v) + gap + home + self.settle_home
 
     def shortest_pitch(self, v: float) -> float:
@@ -200,18 +200,18 @@ class Saw:
         return v * self.cycle_time(v)
 
     def stroke(self, v: float) -> float:
-        """The way from home that a cycle takes."""
+        """How far from home a cycle leads."""
         if v <= 0:
             return self.distance
         speed = self.k * v
-        return self.cut_travel(v) + speed / 2 * change_time(speed, self.turning, self.homing[3])
+        return self.cut_travel(v) + speed / 2 * change_time(speed, self.turning_acceleration, self.homing[3])
 
-    def room(self, v: float) -> float:
+    def stroke_margin(self, v: float) -> float:
         """How far the line velocity is from what velocity and stroke of the axis admit; not below 0: admissible."""
         return min(self.axis[0] - self.k * v, self.high - self.home - self.stroke(v))
 
     def max_line_velocity(self, pitch: float) -> float:
-        """The greatest velocity for cuts that lie `pitch` (of the master, or inf) apart; 0 if there is none."""
+        """The greatest velocity for cuts that are `pitch` (of the master, or inf) apart; 0 if there is none."""
         fastest = self.axis[0] / self.k
         slowest = fastest * 1e-15
 
@@ -221,13 +221,13 @@ class Saw:
         def too_often(v: float) -> float:
             return self.shortest_pitch(v) - pitch
 
-        found = fastest
+        greatest = fastest
         for excess in (too_far, too_often) if pitch < inf else (too_far,):
             if excess(fastest) > 0:
-                found = min(found, root(excess, slowest, fastest) if excess(slowest) < 0 else 0.0)
-        return found
+                greatest = min(greatest, find_root(excess, slowest, fastest) if excess(slowest) < 0 else 0.0)
+        return greatest
 
-    def gap_fits(self, v: float) -> bool:
+    def can_open_gap(self, v: float) -> bool:
         """The curve that opens the gap keeps the axis's limits at the line velocity v."""
         speed, (fastest, acceleration, deceleration, jerk) = self.k * v, self.axis
         time = self.gap_travel / speed

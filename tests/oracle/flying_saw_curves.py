@@ -60,12 +60,12 @@ def integral(polynomial: Sequence[Number], begin: Number, end: Number) -> Number
 def real_roots(polynomial: Sequence[Number], length: Number) -> list[Number]:
     """The real roots strictly between 0 and `length`, rising; none of a polynomial that is 0 everywhere."""
     scaled = [c * length**i for i, c in enumerate(polynomial)]
-    greatest = max(abs(c) for c in scaled)
-    while scaled and abs(scaled[-1]) <= NEGLIGIBLE * greatest:
+    maximum = max(abs(c) for c in scaled)
+    while scaled and abs(scaled[-1]) <= NEGLIGIBLE * maximum:
         scaled.pop()
     if len(scaled) < 2:
         return []
-    rough = np.roots([float(c / greatest) for c in reversed(scaled)])
+    rough = np.roots([float(c / maximum) for c in reversed(scaled)])
     apart = [mp.mpc(complex(root)) + mp.mpc(0, 1e-9 * (i + 1)) for i, root in enumerate(rough)]
     roots = mp.polyroots(scaled, maxsteps=2000, extraprec=160, roots_init=apart, asc=True)
     inside = [mp.re(root) for root in roots if abs(mp.im(root)) < REAL and 0 < mp.re(root) < 1]
@@ -87,18 +87,18 @@ def solve(function: Callable[[Number], Number], low: Number, high: Number) -> Nu
         middle = (low + high) / 2 if count % 3 == 2 else (low * at_high - high * at_low) / (at_high - at_low)
         if not min(low, high) < middle < max(low, high):
             middle = (low + high) / 2
-        here = function(middle)
-        if here == 0:
+        value = function(middle)
+        if value == 0:
             return middle
-        if mp.sign(here) == mp.sign(at_low):
-            low, at_low, at_high = middle, here, at_high / 2
+        if mp.sign(value) == mp.sign(at_low):
+            low, at_low, at_high = middle, value, at_high / 2
         else:
-            high, at_high, at_low = middle, here, at_low / 2
+            high, at_high, at_low = middle, value, at_low / 2
     return (low + high) / 2
 
 
 @dataclass(frozen=True)
-class Piece:
+class CurveSegment:
     """From `begin` to `end` (s) the position is a polynomial of the time since `begin`."""
 
     begin: Number
@@ -128,39 +128,39 @@ class Extremum:
 
 @dataclass(frozen=True)
 class Curve:
-    """Pieces that follow one another from time 0; pieces without length are left out."""
+    """Segments that follow one another from time 0; segments without length are left out."""
 
-    pieces: Sequence[Piece]
+    segments: Sequence[CurveSegment]
 
     @property
     def duration(self) -> Number:
-        return self.pieces[-1].end if self.pieces else ZERO
+        return self.segments[-1].end if self.segments else ZERO
 
     def at(self, time: Number, lean: Number = ZERO) -> tuple[Number, Number, Number, Number]:
-        """Position, velocity, acceleration and jerk; before and after the curve its outer pieces go on.
+        """Position, velocity, acceleration and jerk; before and after the curve its outer segments go on.
 
-        `lean`: where two pieces meet, that of the earlier one if it is less than 0.
+        `lean`: where two segments meet, that of the earlier one if it is less than 0.
         """
-        return self.pieces[max(bisect_right([p.begin for p in self.pieces], time + lean) - 1, 0)].at(time)
+        return self.segments[max(bisect_right([p.begin for p in self.segments], time + lean) - 1, 0)].at(time)
 
     def start(self) -> tuple[Number, Number, Number, Number]:
         return self.at(ZERO)
 
     def finish(self) -> tuple[Number, Number, Number, Number]:
-        """The values at the end, those of the last piece."""
-        return self.pieces[-1].at(self.pieces[-1].end)
+        """The values at the end, those of the last segment."""
+        return self.segments[-1].at(self.segments[-1].end)
 
     def _extrema(self, quantities: Iterable[Sequence[Number]]) -> tuple[Extremum, Extremum]:
-        """Least and greatest of a quantity given as one polynomial for each piece."""
-        found: list[Extremum] = []
-        for piece, polynomial in zip(self.pieces, quantities, strict=True):
-            for x in [ZERO, *real_roots(derivative(polynomial), piece.length), piece.length]:
-                found.append(Extremum(value(polynomial, x), piece.begin + x))
-        tolerance = EQUAL * max(abs(e.value) for e in found)
-        least, greatest = min(e.value for e in found), max(e.value for e in found)
-        low = next(e for e in found if e.value <= least + tolerance)
-        high = next(e for e in found if e.value >= greatest - tolerance)
-        return Extremum(least, low.time), Extremum(greatest, high.time)
+        """Least and greatest of a quantity given as one polynomial for each segment."""
+        result: list[Extremum] = []
+        for segment, polynomial in zip(self.segments, quantities, strict=True):
+            for x in [ZERO, *real_roots(derivative(polynomial), segment.length), segment.length]:
+                result.append(Extremum(value(polynomial, x), segment.begin + x))
+        tolerance = EQUAL * max(abs(e.value) for e in result)
+        minimum, maximum = min(e.value for e in result), max(e.value for e in result)
+        low = next(e for e in result if e.value <= minimum + tolerance)
+        high = next(e for e in result if e.value >= maximum - tolerance)
+        return Extremum(minimum, low.time), Extremum(maximum, high.time)
 
     def extrema(self, order: int) -> tuple[Extremum, Extremum]:
         """Least and greatest position (order 0), velocity, acceleration or jerk (3)."""
@@ -168,36 +168,36 @@ class Curve:
 
     @cached_property
     def _all_extrema(self) -> list[tuple[Extremum, Extremum]]:
-        return [self._extrema(derivative(p.polynomial, order) for p in self.pieces) for order in range(4)]
+        return [self._extrema(derivative(p.polynomial, order) for p in self.segments) for order in range(4)]
 
     def momentum(self) -> tuple[Extremum, Extremum]:
         """Least and greatest v·a (u2/s3)."""
-        return self._extrema(product(derivative(p.polynomial), derivative(p.polynomial, 2)) for p in self.pieces)
+        return self._extrema(product(derivative(p.polynomial), derivative(p.polynomial, 2)) for p in self.segments)
 
     @cached_property
-    def _one_way(self) -> list[Piece]:
-        """The pieces cut where the velocity is 0."""
+    def _one_way(self) -> list[CurveSegment]:
+        """The segments cut where the velocity is 0."""
         cut = []
-        for piece in self.pieces:
-            velocity = derivative(piece.polynomial)
-            places = [ZERO, *real_roots(velocity, piece.length), piece.length]
-            for low, high in pairwise(places):
-                cut.append(Piece(piece.begin + low, piece.begin + high, shifted(piece.polynomial, low)))
+        for segment in self.segments:
+            velocity = derivative(segment.polynomial)
+            limits = [ZERO, *real_roots(velocity, segment.length), segment.length]
+            for low, high in pairwise(limits):
+                cut.append(CurveSegment(segment.begin + low, segment.begin + high, shifted(segment.polynomial, low)))
         return cut
 
     @cached_property
     def speeding(self) -> tuple[Number, Number]:
         """The greatest |a| where v·a > 0, and where v·a < 0 (u/s2)."""
-        greatest = {1: ZERO, -1: ZERO}
-        for piece in self._one_way:
-            direction = mp.sign(value(derivative(piece.polynomial), piece.length / 2))
-            acceleration = derivative(piece.polynomial, 2)
-            for x in [ZERO, *real_roots(derivative(acceleration), piece.length), piece.length]:
+        maximum = {1: ZERO, -1: ZERO}
+        for segment in self._one_way:
+            direction = mp.sign(value(derivative(segment.polynomial), segment.length / 2))
+            acceleration = derivative(segment.polynomial, 2)
+            for x in [ZERO, *real_roots(derivative(acceleration), segment.length), segment.length]:
                 a = value(acceleration, x)
                 if a * direction != 0:
                     side = int(mp.sign(a * direction))
-                    greatest[side] = max(greatest[side], abs(a))
-        return greatest[1], greatest[-1]
+                    maximum[side] = max(maximum[side], abs(a))
+        return maximum[1], maximum[-1]
 
     def mean_speed(self) -> Number:
         """The mean of |v| over the time (u/s)."""
@@ -206,8 +206,8 @@ class Curve:
 
     def effective_acceleration(self) -> Number:
         """The root of the mean of a² over the time (u/s2)."""
-        squares = (product(a, a) for a in (derivative(p.polynomial, 2) for p in self.pieces))
-        total = sum((integral(s, ZERO, p.length) for s, p in zip(squares, self.pieces, strict=True)), ZERO)
+        squares = (product(a, a) for a in (derivative(p.polynomial, 2) for p in self.segments))
+        total = sum((integral(s, ZERO, p.length) for s, p in zip(squares, self.segments, strict=True)), ZERO)
         return mp.sqrt(total / self.duration)
 
 
@@ -218,13 +218,13 @@ def shifted(polynomial: Sequence[Number], x: Number) -> list[Number]:
 
 def joined(parts: Iterable[tuple[Number, Sequence[Number]]], position: Number) -> Curve:
     """A curve from parts of (duration, polynomial whose position counts from 0), starting at `position`."""
-    pieces, begin = [], ZERO
+    segments, begin = [], ZERO
     for duration, polynomial in parts:
         if duration > 0:
             moved = [position, *polynomial[1:]]
-            pieces.append(Piece(begin, begin + duration, moved))
+            segments.append(CurveSegment(begin, begin + duration, moved))
             begin, position = begin + duration, value(moved, duration)
-    return Curve(pieces)
+    return Curve(segments)
 
 
 def fitted(length: Number, conditions: Sequence[tuple[int, int, Number]]) -> list[Number]:
@@ -234,8 +234,8 @@ def fitted(length: Number, conditions: Sequence[tuple[int, int, Number]]) -> lis
     """
     size = len(conditions)
     matrix, right = mp.matrix(size, size), mp.matrix(size, 1)
-    for row, (order, end, wanted) in enumerate(conditions):
-        right[row] = wanted * length**order
+    for row, (order, end, requested) in enumerate(conditions):
+        right[row] = requested * length**order
         for column in range(size):
             unit = [ZERO] * column + [mp.mpf(1)]
             matrix[row, column] = value(derivative(unit, order), mp.mpf(end))

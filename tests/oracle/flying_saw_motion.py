@@ -45,7 +45,7 @@ def ramp_between(w: Number, rate: Number, low: Number, high: Number, jerk: Numbe
     """From (w, w' = rate) to (0, 0) in the shortest time with low <= w' <= high and |w''| <= jerk.
 
     A rate outside the limits is first brought to the limit. Letting the rate go to 0 at once ends at w_0; the sign of
-    w_0 tells to which side w' must first go. Its peak is where the rise and the fall cover the difference; limited,
+    w_0 shows to which side w' must first go. Its peak is where the rise and the fall cover the difference; limited,
     it is held for the rest. If 0 is no rate strictly between the limits there is no such ramp: w' then goes to the
     limit next to 0 and stays there for ever (the last phase has an infinite duration).
     """
@@ -75,9 +75,9 @@ def _peak(start: Number, distance: Number, jerk: Number) -> Number:
     return mp.sqrt(max(jerk * distance + start**2 / 2, ZERO))
 
 
-def _to(rate: Number, wanted: Number, jerk: Number) -> Phases:
+def _to(rate: Number, requested: Number, jerk: Number) -> Phases:
     """A rate brought to another one."""
-    return [(abs(wanted - rate) / jerk, mp.sign(wanted - rate) * jerk)] if rate != wanted else []
+    return [(abs(requested - rate) / jerk, mp.sign(requested - rate) * jerk)] if rate != requested else []
 
 
 def stop(state: Motion, deceleration: Number, jerk: Number) -> Phases:
@@ -85,7 +85,7 @@ def stop(state: Motion, deceleration: Number, jerk: Number) -> Phases:
     return ramp(state.velocity, state.acceleration, ZERO, deceleration, jerk)
 
 
-@lru_cache(maxsize=256)  # where a run has reactions, it is begun anew for each of them
+@lru_cache(maxsize=256)  # where a run has reactions, it is started anew for each of them
 def move(
     start: Motion, target: Number, velocity: Number, acceleration: Number, deceleration: Number, jerk: Number
 ) -> Phases:
@@ -93,7 +93,7 @@ def move(
 
     The ramp towards the cruise velocity is kept up for a time after which the stop ends at the target. The least such
     time is taken: with unequal limits the end position is not monotone in it. (Acceleration below deceleration, and
-    moving away: it first goes the wrong way. Started beyond the limits: it may turn round near the end of the ramp.)
+    moving away: it first goes the wrong way. Started beyond the limits: it may reverse near the end of the ramp.)
     """
     ending = run(start, stop(start, deceleration, jerk)).position
     if ending == target:
@@ -103,10 +103,10 @@ def move(
     towards = ramp(start.velocity, start.acceleration, cruise, limit, jerk)
 
     def beyond(time: Number) -> Number:
-        return run(start, _kept_up(start, towards, time, deceleration, jerk)).position - target
+        return run(start, _with_constant_velocity(start, towards, time, deceleration, jerk)).position - target
 
     time = solve(beyond, *_bracket(beyond, sum((duration for duration, _ in towards), ZERO)))
-    return _kept_up(start, towards, time, deceleration, jerk)
+    return _with_constant_velocity(start, towards, time, deceleration, jerk)
 
 
 def _bracket(beyond: Callable[[Number], Number], ramp_time: Number) -> tuple[Number, Number]:
@@ -120,7 +120,7 @@ def _bracket(beyond: Callable[[Number], Number], ramp_time: Number) -> tuple[Num
     raise ArithmeticError("the target is out of reach")
 
 
-def _kept_up(start: Motion, towards: Phases, time: Number, deceleration: Number, jerk: Number) -> Phases:
+def _with_constant_velocity(start: Motion, towards: Phases, time: Number, deceleration: Number, jerk: Number) -> Phases:
     """The ramp, then its cruise, for `time`; then the stop."""
     phases: Phases = []
     for duration, rate in [*towards, (mp.inf, ZERO)]:

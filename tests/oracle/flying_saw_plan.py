@@ -9,14 +9,15 @@ Readings of the specification that it leaves open:
   master velocity (acceleration and jerk 0), the mean velocity is its magnitude.
 - Velocities that differ by less than 1e-13 of the greater one are the same one (a factor such as 1/3 has no exact
   value).
-- The slave stands if its true velocity and acceleration are 0, whatever is ignored.
+- The slave is at rest if its true velocity and acceleration are 0, whatever is ignored.
 - A slave that counts as free of acceleration keeps its tiny acceleration in P5; the other profiles take it as 0.
 - At the velocity limit a start above the limit may ask for a peak acceleration of the wrong sign: no such profile.
+- A mean velocity that differs from an end's by less than 1e-12 of the greater one is not between them.
 - Where the mean velocity is half way between v0 and v_s, but for rounding, the ramp takes all the time: P5+P1.
 - `prefer_constant_velocity`: solutions on the side of 0 with the sign of v_s come first, then those on the other side.
 - A time-based profile reports and checks the ramp at constant master velocity from the slave's true acceleration;
   the ignore bits do not concern it. All checks apply to it.
-- A position, velocity, or other extremum is judged literally; the end of a gear_in_velo ramp is its sync position.
+- A position, velocity, or other extremum is checked literally; the end of a gear_in_velo ramp is its sync position.
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -24,6 +25,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
+from tests.oracle.flying_saw_checks import TOLERANCE, find_broken_checks
 from tests.oracle.flying_saw_curves import (
     ACCELERATION,
     JERK,
@@ -31,7 +33,7 @@ from tests.oracle.flying_saw_curves import (
     VELOCITY,
     ZERO,
     Curve,
-    Piece,
+    CurveSegment,
     derivative,
     fitted,
     joined,
@@ -40,42 +42,23 @@ from tests.oracle.flying_saw_curves import (
     value,
 )
 from tests.oracle.flying_saw_motion import limit_towards, ramp
+from tests.oracle.flying_saw_request import GEAR_IN_POS, GEAR_IN_VELO, Limits, Request
 from tests.oracle.master import Motion, Number, mp
 
-GEAR_IN_VELO, GEAR_IN_POS = "gear_in_velo", "gear_in_pos"
 NONE, P5, P1_P5, P5_P1, P5_P1_P5, JERK_LIMITED = range(6)
 
 NO_ERROR, BROKEN_CHECK = 0, 0x42DF
 BAD_FACTOR, BAD_LIMIT, NOT_FOR_POSITION = 0x425B, 0x42DD, 0x4289
 STANDING_MASTER, STANDING_MASTER_MOVING_SLAVE, NOT_AHEAD = 0x426E, 0x424A, 0x42DE
 
-TOLERANCE = mp.mpf("1e-9")
-"""Of a check, of a jerk that just fits, of an acceleration that counts as none; see the specification for of what."""
-
 SAME = mp.mpf("1e-13")
 """Relative difference below which two velocities are the same one."""
 
 ROUNDING = mp.mpf("1e-12")
-"""Relative excess of |v_s| over the maximum velocity that is rounding of the factor."""
+"""Relative difference that is rounding: of |v_s| by that of the factor, of a mean velocity by that of positions."""
 
 SAMPLES = 64
 """Places per interval at which the search for a constant velocity looks for a change of sign."""
-
-CHECKS = {
-    "check_min_position": (0x4372,),
-    "check_max_position": (0x4373,),
-    "check_undershoot_position": (0x4376, 0x4377),
-    "check_overshoot_position": (0x4378, 0x4379),
-    "check_max_velocity": (0x437A, 0x437B),
-    "check_overshoot_velocity": (0x437C, 0x437D, 0x437E, 0x437F),
-    "check_undershoot_velocity": (0x4380, 0x4381, 0x4382, 0x4383),
-    "check_overshoot_velocity_zero": (0x4384, 0x4385),
-    "check_undershoot_velocity_zero": (0x4386, 0x4387),
-    "check_max_acceleration": (0x4388,),
-    "check_max_deceleration": (0x4389,),
-    "check_max_jerk": (0x438A, 0x438B),
-}
-"""The codes that each check may give."""
 
 DYNAMIC = frozenset({0x4388, 0x4389, 0x438A, 0x438B})
 """The codes of acceleration, deceleration and jerk, for which the faster profiles give way to P5."""
@@ -110,79 +93,6 @@ CHARACTERISTICS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Of a command, after substitution of the axis's values (u/s, u/s2, u/s2, u/s3)."""
-
-    velocity: Number
-    acceleration: Number
-    deceleration: Number
-    jerk: Number
-
-    def __post_init__(self) -> None:
-        for name in self.__slots__:
-            object.__setattr__(self, name, mp.mpf(getattr(self, name)))
-
-    @property
-    def valid(self) -> bool:
-        return all(mp.isfinite(x) and x > 0 for x in (self.velocity, self.acceleration, self.deceleration, self.jerk))
-
-
-@dataclass(frozen=True, slots=True)
-class Request:
-    """What a synchronisation is planned from.
-
-    `mode`: gear_in_velo or gear_in_pos; `sync`: the sync positions (master, slave) of gear_in_pos (u), the master's
-    already the next one ahead; `bits`: names of the sync mode that are set; `ends`: software end positions (u).
-    """
-
-    mode: str
-    master: Motion
-    slave: Motion
-    factor: Number
-    limits: Limits
-    bits: Collection[str] = ()
-    ends: tuple[Number, Number] = (-mp.inf, mp.inf)
-    sync: tuple[Number, Number] | None = None
-
-    @property
-    def time_based(self) -> bool:
-        return "time_based" in self.bits
-
-    @property
-    def synchronous_velocity(self) -> Number:
-        return self.factor * self.master.velocity
-
-    @property
-    def master_acceleration(self) -> Number:
-        return ZERO if "ignore_master_acceleration" in self.bits else self.master.acceleration
-
-    @property
-    def slave_acceleration(self) -> Number:
-        return ZERO if "ignore_slave_acceleration" in self.bits else self.slave.acceleration
-
-    @property
-    def start_acceleration(self) -> Number:
-        """ã0, that of the profile at constant master velocity."""
-        return self.slave_acceleration - self.slave.velocity * self.master_acceleration / self.master.velocity
-
-    @property
-    def slave_stands(self) -> bool:
-        return bool(self.slave.velocity == 0 and self.slave.acceleration == 0)
-
-    @property
-    def time(self) -> Number:
-        """T of gear_in_pos (s)."""
-        assert self.sync
-        return (self.sync[0] - self.master.position) / self.master.velocity
-
-    @property
-    def distance(self) -> Number:
-        """D of gear_in_pos (u)."""
-        assert self.sync
-        return self.sync[1] - self.slave.position
-
-
 @dataclass(frozen=True)
 class Plan:
     """A refusal, or a profile over the time at constant master velocity; an empty curve is in sync at once."""
@@ -198,8 +108,8 @@ class Plan:
         From the end of the profile on the synchronous motion.
         """
         beyond = mp.mpf(master_position) - self.master_end
-        if not self.curve.pieces or beyond * mp.sign(self.request.master.velocity) >= 0:
-            end = self.curve.finish()[0] if self.curve.pieces else self.request.slave.position
+        if not self.curve.segments or beyond * mp.sign(self.request.master.velocity) >= 0:
+            end = self.curve.finish()[0] if self.curve.segments else self.request.slave.position
             return end + self.request.factor * beyond, self.request.synchronous_velocity, ZERO, ZERO
         return self.curve.at(self.curve.duration + beyond / self.request.master.velocity)
 
@@ -239,15 +149,15 @@ def plan(
     )
 
 
-@lru_cache(maxsize=256)  # where a run has reactions, it is begun anew for each of them
+@lru_cache(maxsize=256)  # where a run has reactions, it is started anew for each of them
 def planned(request: Request) -> Plan:
     """The plan of a request, with the first error that applies."""
     if error := refusal(request):
         return Plan(request, error)
     if in_sync_at_once(request):
         return Plan(request)
-    profile, curve = _chosen(request)
-    codes = broken(request, curve)
+    profile, curve = _choose_profile(request)
+    codes = find_broken_checks(request, curve)
     if codes:
         return Plan(request, min(codes) if "detailed_error_codes" in request.bits else BROKEN_CHECK)
     return Plan(request, NO_ERROR, profile, curve)
@@ -266,8 +176,8 @@ def refusal(request: Request, *, slave_side: bool = True) -> int:
         return BAD_LIMIT
     if request.mode == GEAR_IN_POS:
         return _refusal_to_position(request, slave_side)
-    stuck = request.master.velocity == 0 and not request.slave_stands
-    return STANDING_MASTER_MOVING_SLAVE if stuck else NO_ERROR
+    never_meets = request.master.velocity == 0 and not request.is_slave_at_rest
+    return STANDING_MASTER_MOVING_SLAVE if never_meets else NO_ERROR
 
 
 def _refusal_to_position(request: Request, slave_side: bool) -> int:
@@ -283,10 +193,10 @@ def _refusal_to_position(request: Request, slave_side: bool) -> int:
 
 
 def in_sync_at_once(request: Request) -> bool:
-    """Both standing, or gear_in_velo with nothing left to change."""
+    """Both at rest, or gear_in_velo with nothing left to change."""
     if request.mode == GEAR_IN_POS:
         return False
-    if request.master.velocity == 0 and request.slave_stands:
+    if request.master.velocity == 0 and request.is_slave_at_rest:
         return True
     alike = same_velocity(request.slave.velocity, request.synchronous_velocity)
     if request.time_based:
@@ -301,7 +211,7 @@ def same_velocity(a: Number, b: Number) -> bool:
 # --- the profiles -----------------------------------------------------------------------------------------------------
 
 
-def _chosen(request: Request) -> tuple[int, Curve]:
+def _choose_profile(request: Request) -> tuple[int, Curve]:
     """The profile that is to be checked in the end, by the order of choice."""
     if request.mode == GEAR_IN_VELO:
         return (JERK_LIMITED, _jerk_limited(request)) if request.time_based else (P5, _velocity_ramp(request))
@@ -309,16 +219,16 @@ def _chosen(request: Request) -> tuple[int, Curve]:
         return P5, _quintic(request)
     if "prefer_constant_velocity" in request.bits:
         curve = _preferred_constant_velocity(request)
-        if curve and not broken(request, curve):
+        if curve and not find_broken_checks(request, curve):
             return P5_P1_P5, curve
     if "check_overshoot_velocity" in request.bits or "check_undershoot_velocity" in request.bits:
         profile, curve = _without_overshoot(request)
-        if curve and not broken(request, curve) & DYNAMIC:
+        if curve and not find_broken_checks(request, curve) & DYNAMIC:
             return profile, curve
     quintic = _quintic(request)
     if "check_max_velocity" in request.bits:
         curve = _at_the_velocity_limit(request, quintic)
-        if curve and not broken(request, curve) & DYNAMIC:
+        if curve and not find_broken_checks(request, curve) & DYNAMIC:
             return P5_P1_P5, curve
     return P5, quintic
 
@@ -347,7 +257,7 @@ def _quintic(request: Request) -> Curve:
             (ACCELERATION, 1, ZERO),
         ],
     )
-    return Curve([Piece(ZERO, end, polynomial)])
+    return Curve([CurveSegment(ZERO, end, polynomial)])
 
 
 def blend(time: Number, v0: Number, v1: Number, a0: Number = ZERO) -> list[Number]:
@@ -367,20 +277,21 @@ def _without_overshoot(request: Request) -> tuple[int, Curve | None]:
     """P1+P5 or P5+P1: the ramp's time is what makes the distance right."""
     v0, v1, time, distance = request.slave.velocity, request.synchronous_velocity, request.time, request.distance
     mean = distance / time
-    if not min(v0, v1) < mean < max(v0, v1):
+    same = ROUNDING * max(abs(v0), abs(v1))
+    if not min(v0, v1) + same < mean < max(v0, v1) - same:
         return NONE, None
     nearer = abs(mean - v1) - abs(mean - v0)
     if abs(nearer) <= ROUNDING * abs(v1 - v0):
         return P5_P1, joined([(time, blend(time, v0, v1))], request.slave.position)
     first_steady = nearer > 0
-    kept = v0 if first_steady else v1
+    retained = v0 if first_steady else v1
 
     def missing(ramp_time: Number) -> Number:
-        return kept * (time - ramp_time) + value(blend(ramp_time, v0, v1), ramp_time) - distance
+        return retained * (time - ramp_time) + value(blend(ramp_time, v0, v1), ramp_time) - distance
 
     ramp_time = solve(missing, time * mp.mpf("1e-30"), time * (1 + mp.mpf("1e-30")))
     ramp_time = min(ramp_time, time)
-    rest = (time - ramp_time, steady(kept))
+    rest = (time - ramp_time, steady(retained))
     ramped = (ramp_time, blend(ramp_time, v0, v1))
     parts = [rest, ramped] if first_steady else [ramped, rest]
     return P1_P5 if first_steady else P5_P1, joined(parts, request.slave.position)
@@ -403,11 +314,11 @@ def _at_the_velocity_limit(request: Request, quintic: Curve) -> Curve | None:
     With a peak of 1 the ramps fall short of c·T by a distance; a peak of A makes it 1/A of that.
     """
     limit, v0, v1 = request.limits.velocity, request.slave.velocity, request.synchronous_velocity
-    least, greatest = (e.value for e in quintic.extrema(VELOCITY))
-    tolerance = TOLERANCE * max(abs(least), abs(greatest))
-    if greatest > limit + tolerance:
+    minimum, maximum = (e.value for e in quintic.extrema(VELOCITY))
+    tolerance = TOLERANCE * max(abs(minimum), abs(maximum))
+    if maximum > limit + tolerance:
         c = limit
-    elif least < -limit - tolerance:
+    elif minimum < -limit - tolerance:
         c = -limit
     else:
         return None
@@ -416,10 +327,10 @@ def _at_the_velocity_limit(request: Request, quintic: Curve) -> Curve | None:
     for duration, from_velocity, to_velocity in ((unit_first, v0, c), (unit_last, c, v1)):
         if duration > 0:
             short += c * duration - value(blend(duration, from_velocity, to_velocity), duration)
-    wanted = c * request.time - request.distance
-    if wanted * c <= 0 or short * wanted <= 0:
+    requested = c * request.time - request.distance
+    if requested * c <= 0 or short * requested <= 0:
         return None
-    stretch = wanted / short
+    stretch = requested / short
     first, last = unit_first * stretch, unit_last * stretch
     return _three_parts(request, c, first, last) if first + last <= request.time else None
 
@@ -436,10 +347,10 @@ def _preferred_constant_velocity(request: Request) -> Curve | None:
 
     def ramps(c: Number, side: int) -> tuple[Number, Number]:
         """Their times; at c = 0 with the limits of that side."""
-        near = c if c != 0 else side * mp.mpf("1e-40")
+        nonzero = c if c != 0 else side * mp.mpf("1e-40")
         return (
-            _shortest_from_rest(c - v0, limit_towards(v0, near, limits.acceleration, limits.deceleration), jerk),
-            _shortest_from_rest(v1 - c, limit_towards(near, v1, limits.acceleration, limits.deceleration), jerk),
+            _shortest_from_rest(c - v0, limit_towards(v0, nonzero, limits.acceleration, limits.deceleration), jerk),
+            _shortest_from_rest(v1 - c, limit_towards(nonzero, v1, limits.acceleration, limits.deceleration), jerk),
         )
 
     def spare(c: Number, side: int) -> Number:
@@ -452,22 +363,22 @@ def _preferred_constant_velocity(request: Request) -> Curve | None:
     reach = 2 * time * max(limits.acceleration, limits.deceleration) + abs(v0) + abs(v1)
     preferred = int(mp.sign(v1))
     for side in (preferred, -preferred):
-        found: list[Number] = []
+        result: list[Number] = []
         for low, high in pairwise(sorted({side * c for c in (ZERO, abs(v0), abs(v1), reach)})):
             for a, b in _monotone_parts(partial(spare, side=side), low, high):
                 if mp.sign(missing(a, side)) * mp.sign(missing(b, side)) <= 0:
-                    found.append(solve(partial(missing, side=side), a, b))
-        if found:
-            assert max(found) - min(found) <= mp.mpf("1e-30") * reach, f"several constant velocities fit: {found}"
-            return _three_parts(request, found[0], *ramps(found[0], side))
+                    result.append(solve(partial(missing, side=side), a, b))
+        if result:
+            assert max(result) - min(result) <= mp.mpf("1e-30") * reach, f"several constant velocities fit: {result}"
+            return _three_parts(request, result[0], *ramps(result[0], side))
     return None
 
 
 def _monotone_parts(spare: Callable[[Number], Number], low: Number, high: Number) -> list[tuple[Number, Number]]:
     """The parts of the interval in which the ramps fit into the time, cut at samples and where they just fill it."""
-    places = [low + (high - low) * i / SAMPLES for i in range(SAMPLES + 1)]
+    samples = [low + (high - low) * i / SAMPLES for i in range(SAMPLES + 1)]
     parts = []
-    for a, b in pairwise(places):
+    for a, b in pairwise(samples):
         at_a, at_b = spare(a), spare(b)
         if at_a < 0 and at_b < 0:
             continue
@@ -510,18 +421,18 @@ def _shortest(v0: Number, a0: Number, v1: Number, limit: Number, jerk: Number | 
     if change == 0:
         return ZERO
     a = a0 * mp.sign(v1 - v0)
-    most = max(limit, abs(a))
+    greatest = max(limit, abs(a))
 
     def peak(x: Number) -> Number:
         b = 6 * change * x - 3 * a
         quadratic = [a, b - a, -b]
-        places = [ZERO, *([(b - a) / (2 * b)] if b != 0 and 0 < (b - a) / (2 * b) < 1 else []), mp.mpf(1)]
-        return max(abs(value(quadratic, u)) for u in places)
+        extremal = [ZERO, *([(b - a) / (2 * b)] if b != 0 and 0 < (b - a) / (2 * b) < 1 else []), mp.mpf(1)]
+        return max(abs(value(quadratic, u)) for u in extremal)
 
-    low, high = max(ZERO, (abs(a) + 3 * a) / (6 * change)), (8 * most + 3 * a) / (6 * change)
+    low, high = max(ZERO, (abs(a) + 3 * a) / (6 * change)), (8 * greatest + 3 * a) / (6 * change)
     for _ in range(170):
         middle = (low + high) / 2
-        low, high = (middle, high) if peak(middle) <= most else (low, middle)
+        low, high = (middle, high) if peak(middle) <= greatest else (low, middle)
     if jerk is None:
         return 1 / low
     ends = [[ZERO, -4 * a, 6 * change], [ZERO, -2 * a, 6 * change]]
@@ -548,92 +459,6 @@ def _jerk_limited(request: Request) -> Curve:
     return joined(parts, slave.position)
 
 
-# --- checks -----------------------------------------------------------------------------------------------------------
-
-
-def broken(request: Request, curve: Curve) -> set[int]:
-    """The detailed codes of all active checks that the curve breaks."""
-    active = [name for name in CHECKS if name in request.bits]
-    if not active or not curve.pieces:
-        return set()
-    codes = {code for name in active for code in CHECKS[name]}
-    return _all_broken(request, curve) & codes
-
-
-def _all_broken(request: Request, curve: Curve) -> set[int]:
-    return (
-        _broken_positions(request, curve)
-        | _broken_velocities(request, curve)
-        | _broken_overshoot(request, curve)
-        | _broken_dynamics(request, curve)
-    )
-
-
-def _broken_positions(request: Request, curve: Curve) -> set[int]:
-    least, greatest = (e.value for e in curve.extrema(POSITION))
-    start, sync = curve.start()[POSITION], curve.finish()[POSITION]
-    tolerance = TOLERANCE * (greatest - least)
-    codes = set()
-    if least < request.ends[0] - tolerance:
-        codes.add(0x4372)
-    if greatest > request.ends[1] + tolerance:
-        codes.add(0x4373)
-    if least < min(start, sync) - tolerance:
-        codes.add(0x4376 if sync < start else 0x4377)
-    if greatest > max(start, sync) + tolerance:
-        codes.add(0x4378 if sync < start else 0x4379)
-    return codes
-
-
-def _broken_velocities(request: Request, curve: Curve) -> set[int]:
-    least, greatest = (e.value for e in curve.extrema(VELOCITY))
-    tolerance = TOLERANCE * max(abs(least), abs(greatest))
-    master_forwards = request.master.velocity > 0
-    codes = set()
-    if greatest > request.limits.velocity + tolerance:
-        codes.add(0x437A)
-    if least < -request.limits.velocity - tolerance:
-        codes.add(0x437B)
-    if greatest > tolerance:
-        codes.add(0x4384 if master_forwards else 0x4385)
-    t = mp.sign(request.synchronous_velocity)
-    if min(t * least, t * greatest) < -tolerance and t * request.slave.velocity >= 0:
-        codes.add(0x4386 if master_forwards else 0x4387)
-    return codes
-
-
-def _broken_overshoot(request: Request, curve: Curve) -> set[int]:
-    """Velocities beyond those of both ends, in the direction t of the synchronous velocity."""
-    t = mp.sign(request.synchronous_velocity)
-    ends = [e.value * t for e in curve.extrema(VELOCITY)]
-    least, greatest = min(ends), max(ends)
-    tolerance = TOLERANCE * max(abs(least), abs(greatest))
-    start, sync = t * request.slave.velocity, abs(request.synchronous_velocity)
-    slowing = start > sync
-    codes = set()
-    if greatest > max(start, sync) + tolerance:
-        codes.add((0x437C if t > 0 else 0x437E) + slowing)
-    if least < min(start, sync) - tolerance:
-        codes.add((0x4380 if t > 0 else 0x4382) + (not slowing))
-    return codes
-
-
-def _broken_dynamics(request: Request, curve: Curve) -> set[int]:
-    limits = request.limits
-    speeding, slowing = curve.speeding
-    least_jerk, greatest_jerk = (e.value for e in curve.extrema(JERK))
-    codes = set()
-    if speeding > limits.acceleration * (1 + TOLERANCE):
-        codes.add(0x4388)
-    if slowing > limits.deceleration * (1 + TOLERANCE):
-        codes.add(0x4389)
-    if greatest_jerk > limits.jerk * (1 + TOLERANCE):
-        codes.add(0x438A)
-    if least_jerk < -limits.jerk * (1 + TOLERANCE):
-        codes.add(0x438B)
-    return codes
-
-
 # --- characteristic values --------------------------------------------------------------------------------------------
 
 
@@ -641,21 +466,21 @@ def _characteristics(plan: Plan) -> dict[str, Number]:
     master = plan.request.master
     result = dict.fromkeys(CHARACTERISTICS, ZERO)
     result |= {"profile": plan.profile, "master_velocity_nominal": master.velocity}
-    if not plan.curve.pieces:
-        return result | _at_one_place(plan)
+    if not plan.curve.segments:
+        return result | _characteristics_in_sync(plan)
     curve = plan.curve
 
-    def place(time: Number) -> Number:
+    def master_position(time: Number) -> Number:
         return master.position + master.velocity * time
 
     for when, time, values in (("start", ZERO, curve.start()), ("end", curve.duration, curve.finish())):
-        result[f"master_position_{when}"] = place(time)
-        for name, found in zip(("position", "velocity", "acceleration", "jerk"), values, strict=True):
-            result[f"slave_{name}_{when}"] = found
+        result[f"master_position_{when}"] = master_position(time)
+        for name, results in zip(("position", "velocity", "acceleration", "jerk"), values, strict=True):
+            result[f"slave_{name}_{when}"] = results
     for order, name in ((POSITION, "position"), (VELOCITY, "velocity"), (ACCELERATION, "acceleration")):
         for side, extremum in zip(("min", "max"), curve.extrema(order), strict=True):
             result[f"slave_{name}_{side}"] = extremum.value
-            result[f"master_position_at_slave_{name}_{side}"] = place(extremum.time)
+            result[f"master_position_at_slave_{name}_{side}"] = master_position(extremum.time)
             if order == ACCELERATION:
                 result[f"slave_velocity_at_slave_acceleration_{side}"] = curve.at(extremum.time)[VELOCITY]
     for name, extrema in (("jerk", curve.extrema(JERK)), ("dynamic_momentum", curve.momentum())):
@@ -665,7 +490,7 @@ def _characteristics(plan: Plan) -> dict[str, Number]:
     return result
 
 
-def _at_one_place(plan: Plan) -> dict[str, Number]:
+def _characteristics_in_sync(plan: Plan) -> dict[str, Number]:
     """In sync at once: start, end and extrema are one state at constant master velocity."""
     request = plan.request
     result: dict[str, Number] = {}

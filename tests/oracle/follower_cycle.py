@@ -1,6 +1,6 @@
 """One cycle of the Follower over the master's position: its parameters, its phases, and what follows sync_out.
 
-No time here. Each piece of the slave's course is the polynomial through its boundary conditions, by elimination: the
+No time here. Each segment of the slave's course is the polynomial through its boundary conditions, by elimination: the
 closed forms of the specification (jerk ramps, rest-to-rest and through-going quintics) are nowhere written down.
 """
 
@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tests.oracle.flying_saw_curves import ZERO, Curve, Piece, fitted, joined
+from tests.oracle.flying_saw_curves import ZERO, Curve, CurveSegment, fitted, joined
 from tests.oracle.master import Motion, Number, mp
 
 IN_ALARM, IDLE, POSITIONING, WAITING, WAITING_NEXT_CYCLE, FOLLOWING = -1, 1, 2, 3, 4, 5
 SYNCHRONIZED, DECEL, HOMING = 8, 9, 10
 
-OUT_OF_ORDER, BAD_K, NO_ROOM = 3, 4, 5
+OUT_OF_ORDER, BAD_K, TOO_SHORT = 3, 4, 5
 
 TIE = mp.mpf("1e-12")
 """Of the master's cycle: positions nearer to one another are one, since the scripts' numbers are rounded."""
@@ -36,8 +36,8 @@ Rates = tuple[Number, Number, Number, Number]
 
 
 @dataclass(frozen=True, slots=True)
-class Stand:
-    """The slave rests at a position."""
+class Standstill:
+    """The slave is at rest at a position."""
 
     position: Number
 
@@ -80,7 +80,7 @@ class Cam:
         return s, first * v, second * v**2 + first * a, third * v**3 + 3 * second * v * a
 
 
-Law = Stand | Timed | Cam
+Law = Standstill | Timed | Cam
 
 
 def through(begin: Number, end: Number, start: Sequence[Number], finish: Sequence[Number]) -> Cam:
@@ -88,7 +88,7 @@ def through(begin: Number, end: Number, start: Sequence[Number], finish: Sequenc
     conditions = [(order, 0, value) for order, value in enumerate(start)]
     conditions += [(order, 1, value) for order, value in enumerate(finish)]
     length = end - begin
-    return Cam(begin, Curve([Piece(ZERO, length, fitted(length, conditions))]))
+    return Cam(begin, Curve([CurveSegment(ZERO, length, fitted(length, conditions))]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,29 +137,29 @@ class Values:
         needed = self.run + self.wait
         if self.linear:
             needed += 2 * (self.sync - self.park) / self.k + 2 * self.space_stop / self.k
-        return 0 if self.cycle > needed else NO_ROOM
+        return 0 if self.cycle > needed else TOO_SHORT
 
     def steady_ramp(self) -> Number | None:
         """M_f of a cyclic slave that stops in park in each cycle, where it is less than 2L/k; else None."""
         if self.linear or not self.stop_in_park:
             return None
-        room, way = self.cycle - self.run - self.wait, self.park + self.slave_cycle - self.out
+        available, distance = self.cycle - self.run - self.wait, self.park + self.slave_cycle - self.out
         lift = self.sync - self.park
-        return None if room >= 2 * (lift + way) / self.k else room * lift / (lift + way)
+        return None if available >= 2 * (lift + distance) / self.k else available * lift / (lift + distance)
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """What holds for the way on from sync_out.
+class SyncExit:
+    """The end of the synchronous part of a cycle, from which the slave goes on.
 
-    `values`: read there; `old`, `next`: this meeting and the next one (if it is not `known`, one cycle after this one);
-    `begin`, `slave`, `slope`: where it begins, over the master.
+    `values`: read there; `meeting`, `next`: this meeting and the next one (if none `is_given`, one cycle after this);
+    `begin`, `slave`, `slope`: where it starts, over the master.
     """
 
     values: Values
-    old: Number
+    meeting: Number
     next: Number
-    known: bool
+    is_given: bool
     begin: Number
     slave: Number
     slope: Number
@@ -169,8 +169,8 @@ class Way:
 class Phase:
     """What the slave does until the master comes to `end`.
 
-    `meeting` and `ramp`: Q and M_f of the meeting that the outputs tell of (None: none known); `base`: the turn of a
-    cyclic slave, a multiple of its cycle; `reduced`: M_f where sync_out has left no room for 2L/k.
+    `meeting` and `ramp`: Q and M_f of the meeting that the outputs show (None: there is none); `base`: the turn of a
+    cyclic slave, a multiple of its cycle; `reduced`: M_f where sync_out has left less than 2L/k.
     """
 
     state: int
@@ -181,19 +181,19 @@ class Phase:
     ramp: Number
     base: Number
     reduced: Number | None = None
-    way: Way | None = None
+    sync_exit: SyncExit | None = None
     held: bool = field(default=False)
 
     @property
     def points(self) -> tuple[Number, Number, Number] | None:
-        """The master at start, sync and out of the meeting that the outputs tell of."""
+        """The master at start, sync and out of the meeting that the outputs show."""
         if self.meeting is None:
             return None
         return self.meeting - self.ramp, self.meeting, self.meeting + self.values.run
 
 
-def at_park(values: Values, stand: Number, base: Number, reduced: Number | None) -> Phase:
-    return Phase(WAITING, Stand(stand), mp.inf, values, None, ZERO, base, reduced)
+def at_park(values: Values, position: Number, base: Number, reduced: Number | None) -> Phase:
+    return Phase(WAITING, Standstill(position), mp.inf, values, None, ZERO, base, reduced)
 
 
 def following(values: Values, start: Sequence[Number], begin: Number, meeting: Number, base: Number) -> Phase:
@@ -203,90 +203,139 @@ def following(values: Values, start: Sequence[Number], begin: Number, meeting: N
 
 
 def synchronized(values: Values, meeting: Number, ramp: Number, base: Number) -> Phase:
-    line = Cam(meeting, Curve([Piece(ZERO, values.run, [base + values.sync, values.k])]))
+    line = Cam(meeting, Curve([CurveSegment(ZERO, values.run, [base + values.sync, values.k])]))
     return Phase(SYNCHRONIZED, line, meeting + values.run, values, meeting, ramp, base)
 
 
-def connection(way: Way, base: Number) -> Phase | None:
-    """A cyclic slave goes on to the next meeting without a stop in park; None if there is no room."""
-    values = way.values
-    travel, base = way.next - way.begin, base + values.slave_cycle
+def connection(sync_exit: SyncExit, base: Number) -> Phase | None:
+    """A cyclic slave goes on to the next meeting without a stop in park; None if the travel does not suffice."""
+    values = sync_exit.values
+    travel, base = sync_exit.next - sync_exit.begin, base + values.slave_cycle
     target = base + values.sync
-    half = (target - way.slave) / 2
-    down, up = 2 * half / way.slope, 2 * half / values.k
+    half = (target - sync_exit.slave) / 2
+    down, up = 2 * half / sync_exit.slope, 2 * half / values.k
     if travel <= 0:
         return None
     if travel < down + up - TIE * values.cycle:
-        phase = following(values, (way.slave, way.slope, ZERO), way.begin, way.next, base)
+        phase = following(values, (sync_exit.slave, sync_exit.slope, ZERO), sync_exit.begin, sync_exit.next, base)
     else:
-        falling = through(ZERO, down, (ZERO, way.slope, ZERO), (half, ZERO, ZERO))
+        falling = through(ZERO, down, (ZERO, sync_exit.slope, ZERO), (half, ZERO, ZERO))
         rising = through(ZERO, up, (ZERO, ZERO, ZERO), (half, values.k, ZERO))
         rest = max(travel - down - up, ZERO)
-        parts = [(down, falling.curve.pieces[0].polynomial), (rest, [ZERO]), (up, rising.curve.pieces[0].polynomial)]
-        course = Cam(way.begin, joined(parts, way.slave))
-        phase = Phase(FOLLOWING, course, way.next, values, way.next, travel, base)
+        parts = [
+            (down, falling.curve.segments[0].polynomial),
+            (rest, [ZERO]),
+            (up, rising.curve.segments[0].polynomial),
+        ]
+        course = Cam(sync_exit.begin, joined(parts, sync_exit.slave))
+        phase = Phase(FOLLOWING, course, sync_exit.next, values, sync_exit.next, travel, base)
     return phase
 
 
-def way_to_park(way: Way, base: Number) -> Phase | None:
-    """A cyclic slave on its way to park; None if there is no room."""
-    values = way.values
+def way_to_park(sync_exit: SyncExit, base: Number) -> Phase | None:
+    """A cyclic slave on its way to park; None if the travel does not suffice."""
+    values = sync_exit.values
     lift, target = values.sync - values.park, base + values.park + values.slave_cycle
-    room, missing = way.next - way.begin - values.wait, target - way.slave
-    if room <= 0:
+    available, missing = sync_exit.next - sync_exit.begin - values.wait, target - sync_exit.slave
+    if available <= 0:
         return None
     ramp, reduced = 2 * lift / values.k, None
-    if room >= ramp + 2 * missing / way.slope:
-        travel = min(room - ramp, mp.mpf("2.5") * missing / way.slope)
+    if available >= ramp + 2 * missing / sync_exit.slope:
+        travel = min(available - ramp, mp.mpf("2.5") * missing / sync_exit.slope)
     else:
-        reduced = ramp = room * lift / (lift + missing)
-        travel = room - ramp
-    end = way.begin + travel
-    course = through(way.begin, end, (way.slave, way.slope, ZERO), (target, ZERO, ZERO))
-    meeting = way.next if way.known else None
-    return Phase(HOMING, course, end, values, meeting, ramp, base + values.slave_cycle, reduced, way)
+        reduced = ramp = available * lift / (lift + missing)
+        travel = available - ramp
+    end = sync_exit.begin + travel
+    course = through(sync_exit.begin, end, (sync_exit.slave, sync_exit.slope, ZERO), (target, ZERO, ZERO))
+    meeting = sync_exit.next if sync_exit.is_given else None
+    return Phase(HOMING, course, end, values, meeting, ramp, base + values.slave_cycle, reduced, sync_exit)
 
 
-def deceleration(way: Way) -> Phase | None:
-    """A linear slave slows down beyond sync_out; None if there is then no travel left to come home."""
-    values = way.values
-    end = way.begin + 2 * values.space_stop / way.slope
+def deceleration(sync_exit: SyncExit) -> Phase | None:
+    """A linear slave slows down beyond sync_out; None if there is then no travel left to return home."""
+    values = sync_exit.values
+    end = sync_exit.begin + 2 * values.space_stop / sync_exit.slope
     ramp = 2 * (values.sync - values.park) / values.k
-    if way.next - ramp - values.wait <= end:
+    if sync_exit.next - ramp - values.wait <= end:
         return None
-    rest = way.slave + values.space_stop
-    course = through(way.begin, end, (way.slave, way.slope, ZERO), (rest, ZERO, ZERO))
-    meeting = way.next if way.known else None
-    return Phase(DECEL, course, end, values, meeting, ramp, ZERO, None, way)
+    rest = sync_exit.slave + values.space_stop
+    course = through(sync_exit.begin, end, (sync_exit.slave, sync_exit.slope, ZERO), (rest, ZERO, ZERO))
+    meeting = sync_exit.next if sync_exit.is_given else None
+    return Phase(DECEL, course, end, values, meeting, ramp, ZERO, None, sync_exit)
 
 
 def homing(decel: Phase, begin: Number, end: Number) -> Phase:
-    """A linear slave at the end of its stroke comes home, at rest at both ends."""
-    way, values = decel.way, decel.values
-    assert way
-    rest = way.slave + values.space_stop
+    """A linear slave at the end of its stroke returns home, at rest at both ends."""
+    sync_exit, values = decel.sync_exit, decel.values
+    assert sync_exit
+    rest = sync_exit.slave + values.space_stop
     course = through(begin, end, (rest, ZERO, ZERO), (values.park, ZERO, ZERO))
     return replace(decel, state=HOMING, law=course, end=end, held=False)
 
 
 def home_end(decel: Phase) -> Number:
     """Where the homing of a linear slave ends that was not held."""
-    assert decel.way
-    return decel.way.next - decel.ramp - decel.values.wait
+    assert decel.sync_exit
+    return decel.sync_exit.next - decel.ramp - decel.values.wait
 
 
 def end_after_hold(decel: Phase, master: Number, variable: bool) -> tuple[Number, Number]:
     """Where the homing ends after a release at `master`, and its meeting: the first start with travel enough."""
-    way, values = decel.way, decel.values
-    assert way
-    undisturbed = way.old + values.cycle - decel.ramp - values.wait - decel.end
+    sync_exit, values = decel.sync_exit, decel.values
+    assert sync_exit
+    undisturbed = sync_exit.meeting + values.cycle - decel.ramp - values.wait - decel.end
     if variable:
-        return master + undisturbed, way.next
+        return master + undisturbed, sync_exit.next
     missing = undisturbed - (home_end(decel) - master)
     later = max(mp.ceil(missing / values.cycle - TIE), ZERO) * values.cycle
-    return home_end(decel) + later, way.next + later
+    return home_end(decel) + later, sync_exit.next + later
 
 
 def first_not_before(value: Number, cycle: Number, limit: Number) -> Number:
     """The first value + n·cycle at or after the limit."""
     return value + mp.ceil((limit - value) / cycle - TIE) * cycle
+
+
+def onward_from(sync_exit: SyncExit, base: Number, to_park: bool) -> Phase | None:
+    """The phase after M_SYNCHRONIZED; None if the travel does not suffice for it."""
+    if sync_exit.values.linear:
+        return deceleration(sync_exit)
+    return way_to_park(sync_exit, base) if to_park or not sync_exit.is_given else connection(sync_exit, base)
+
+
+def parked(phase: Phase) -> Phase:
+    """After homing."""
+    return at_park(phase.values, phase.base + phase.values.park, phase.base, phase.reduced)
+
+
+def nearest_turn(distance: Number, cycle: Number) -> Number:
+    """The multiple of the slave's cycle nearest to a distance; forwards where two are."""
+    return mp.floor(distance / cycle + mp.mpf(0.5)) * cycle if cycle else ZERO
+
+
+def undisturbed(values: Values, meeting: Number, base: Number, master: Number, *, is_variable: bool) -> Phase:
+    """From the beginning of a cycle up to the master's position, phase by phase."""
+    tolerance = TIE * values.cycle
+    on_and_on = not is_variable and not values.linear and not values.stop_in_park
+    reduced = None if is_variable else values.steady_ramp()
+    ramp = 2 * (values.sync - values.park) / values.k if reduced is None else reduced
+    if not is_variable:
+        begin = meeting if on_and_on else meeting - ramp
+        meeting += mp.floor((master - begin) / values.cycle + TIE) * values.cycle
+    elif master < meeting - ramp - tolerance:
+        return replace(at_park(values, base + values.park, base, None), meeting=meeting, ramp=ramp)
+    phase = following(values, (base + values.park, ZERO, ZERO), meeting - ramp, meeting, base)
+    if on_and_on:
+        phase = synchronized(values, meeting, ramp, base)
+    while phase.end <= master + tolerance:
+        if phase.state == FOLLOWING:
+            phase = synchronized(values, meeting, ramp, base)
+        elif phase.state == SYNCHRONIZED:
+            out = phase.base + values.out
+            sync_exit = SyncExit(values, meeting, meeting + values.cycle, not is_variable, phase.end, out, values.k)
+            onward = onward_from(sync_exit, phase.base, values.stop_in_park)
+            assert onward
+            phase = onward
+        else:
+            phase = homing(phase, phase.end, home_end(phase)) if phase.state == DECEL else parked(phase)
+    return phase

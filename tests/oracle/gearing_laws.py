@@ -51,8 +51,8 @@ def interpolated(*conditions: tuple[int, int, Number]) -> list[Number]:
     """The polynomial of least degree whose derivative of an `order` at `u` has a value, for each (u, order, value)."""
     size = len(conditions)
     matrix, values = mp.matrix(size, size), mp.matrix(size, 1)
-    for row, (u, order, wanted) in enumerate(conditions):
-        values[row] = wanted
+    for row, (u, order, value) in enumerate(conditions):
+        values[row] = value
         for power in range(order, size):
             matrix[row, power] = mp.factorial(power) / mp.factorial(power - order) * mp.mpf(u) ** (power - order)
     return list(mp.lu_solve(matrix, values))
@@ -73,7 +73,7 @@ DRAWN_OUT = interpolated((0, 0, ZERO), (0, 1, ONE), (0, 2, ZERO), (1, 1, ZERO), 
 
 @dataclass(frozen=True, slots=True)
 class Rest:
-    """The slave stands."""
+    """The slave is at rest."""
 
     position: Number
 
@@ -82,7 +82,7 @@ class Rest:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class RatioLine:
     """The straight line of slope `ratio` through one point of master and slave."""
 
     master: Number
@@ -97,8 +97,8 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
-    """A master-based transition from `start` over `distance`, begun at the master's `trigger` in `direction`."""
+class TransitionCurve:
+    """A master-based transition from `start` over `distance`, started at the master's `trigger` in `direction`."""
 
     shape: Sequence[Number]
     trigger: Number
@@ -113,9 +113,9 @@ class Curve:
         return self.trigger + self.direction * self.distance
 
     @property
-    def line(self) -> Line:
+    def line(self) -> RatioLine:
         """The one that an engagement ends on."""
-        return Line(self.end, self.value(self.end), self.ratio)
+        return RatioLine(self.end, self.value(self.end), self.ratio)
 
     def progress(self, master: Number) -> Number:
         return self.direction * (master - self.trigger) / self.distance
@@ -136,7 +136,7 @@ class Timed:
 
     begin: Number
     duration: Number
-    base: Line | Rest
+    base: RatioLine | Rest
     shape: Sequence[Number]
 
     @property
@@ -151,11 +151,11 @@ class Timed:
         return added(self.base.at(time, master), composed(self.shape, u))
 
 
-Law: TypeAlias = Rest | Line | Curve | Timed
+Law: TypeAlias = Rest | RatioLine | TransitionCurve | Timed
 
 
-def timed(begin: Number, duration: Number, slave: Series, base: Line | Rest, master: Series) -> Timed:
+def timed(begin: Number, duration: Number, slave: Series, base: RatioLine | Rest, master: Series) -> Timed:
     """From the slave's own position, velocity and acceleration to those of `base`, and there without any offset."""
-    off = added(slave, scaled(-ONE, base.at(begin, master)))
-    starts = ((0, n, off[n] * mp.factorial(n) * duration**n) for n in range(3))
+    offset = added(slave, scaled(-ONE, base.at(begin, master)))
+    starts = ((0, n, offset[n] * mp.factorial(n) * duration**n) for n in range(3))
     return Timed(begin, duration, base, interpolated(*starts, *((1, n, ZERO) for n in range(3))))

@@ -31,14 +31,14 @@ class _Reaction:
     held: bool = True
     fired: int = 0
 
-    def holds(self, row: Mapping[str, float]) -> bool:
+    def is_true(self, row: Mapping[str, float]) -> bool:
         """A number is beyond another by more than 1e-9 of it, at least of 1; or it is equal to it."""
         name, comparison, value = self.table["when"].split()
         beyond, margin = row[name] - float(value), 1e-9 * max(1.0, abs(float(value)))
         return {"==": abs(beyond) <= margin, "<": beyond < -margin, ">": beyond > margin}[comparison]
 
     def rises(self, row: Mapping[str, float]) -> bool:
-        before, self.held = self.held, self.holds(row)
+        before, self.held = self.held, self.is_true(row)
         return self.held and not before
 
 
@@ -48,13 +48,13 @@ class _Line:
 
     table: Mapping[str, Any]
     scan: float
-    asked: list[float] = field(default_factory=list)
+    requested: list[float] = field(default_factory=list)
 
     def takes(self, row: Mapping[str, float]) -> bool:
         """Whether the velocity at the next look differs from that of the look before, by more than 1e-9 of it."""
-        value, before = row[self.table["follows"]], self.asked[-1] if self.asked else math.nan
+        value, before = row[self.table["follows"]], self.requested[-1] if self.requested else math.nan
         changed = not abs(value - before) <= 1e-9 * max(1.0, abs(before))
-        self.asked.append(value if changed else before)
+        self.requested.append(value if changed else before)
         return changed
 
     def master(self, scans: int) -> dict[str, Any]:
@@ -63,15 +63,15 @@ class _Line:
         rate = (1 - mp.exp(-scan / mp.mpf(self.table["time_constant"]))) / scan
         limit = mp.mpf(self.table.get("max_acceleration", mp.inf))
         segments: list[dict[str, Number]] = [{"duration": scan}]
-        for i in range(scans if self.asked else 0):
-            needed = (self.asked[min(i, len(self.asked) - 1)] - velocity) * rate
+        for i in range(scans if self.requested else 0):
+            needed = (self.requested[min(i, len(self.requested) - 1)] - velocity) * rate
             segments.append({"duration": scan, "acceleration": min(max(needed, -limit), limit)})
             velocity += segments[-1]["acceleration"] * scan
         return {**{k: self.table[k] for k in ("position", "velocity") if k in self.table}, "segments": segments}
 
 
 @dataclass(slots=True)
-class _Found:
+class _RecordedSets:
     """What is set: (time, values, additions), in the order in which it was ordered."""
 
     sets: list[tuple[float, Mapping[str, Any], Mapping[str, Any]]] = field(default_factory=list)
@@ -79,7 +79,7 @@ class _Found:
     def tables(self, start: Mapping[str, Any]) -> list[dict[str, Any]]:
         """The tables [[set]]; an addition counts from the value of that time."""
         present, tables = dict(start), []
-        for at, values, additions in sorted(self.sets, key=lambda one: one[0]):
+        for at, values, additions in sorted(self.sets, key=lambda entry: entry[0]):
             given = dict(values) | {name: present.get(name, 0) + more for name, more in additions.items()}
             present |= given
             tables.append({"at": at, **given})
@@ -99,35 +99,35 @@ def settled(script: Mapping[str, Any], rows: Rows) -> dict[str, Any]:
     scans: list[float] = []
     while (time := round((len(scans) + 1) * scan, 12)) < stop:
         scans.append(time)
-    looks = [time - scan / 128 for time in scans]
+    sample_times = [time - scan / 128 for time in scans]
     reactions = [_Reaction(table) for table in script["on"]]
     line = _Line(script["master"], scan) if "follows" in script["master"] else None
-    found = _Found([(t["at"], {k: v for k, v in t.items() if k != "at"}, {}) for t in script.get("set", ())])
-    ends = [*script.get("expect", ()), *({"at": look} for look in looks)]
-    known = {k: v for k, v in script.items() if k != "on"} | {"expect": ends}
+    result = _RecordedSets([(t["at"], {k: v for k, v in t.items() if k != "at"}, {}) for t in script.get("set", ())])
+    ends = [*script.get("expect", ()), *({"at": sample_time} for sample_time in sample_times)]
+    base = {k: v for k, v in script.items() if k != "on"} | {"expect": ends}
 
     def now(until: int) -> dict[str, Any]:
         """The script, with the master's motion up to this scan."""
         master = {"master": line.master(until)} if line else {}
-        return known | {"set": found.tables(script["start"])} | master
+        return base | {"set": result.tables(script["start"])} | master
 
     (first,) = rows(now(0) | {"stop_time": scan}, [0.0])
     for reaction in reactions:
-        reaction.held = reaction.holds(first)
+        reaction.held = reaction.is_true(first)
     i, length = 0, STRETCH
-    while i < len(looks):
-        stretch, length = looks[i : i + length], 2 * length
+    while i < len(sample_times):
+        stretch, length = sample_times[i : i + length], 2 * length
         until = i + len(stretch)
-        seen = rows(now(until) | {"stop_time": scans[until - 1]}, stretch)
-        if len(seen) != len(stretch):
+        stretch_rows = rows(now(until) | {"stop_time": scans[until - 1]}, stretch)
+        if len(stretch_rows) != len(stretch):
             raise ArithmeticError(f"something happens exactly at a look between {stretch[0]} and {stretch[-1]}")
-        for row in seen:
+        for row in stretch_rows:
             fired = [r for r in reactions if r.rises(row) and r.fired != r.table.get("times")]
             fired = [r for r in fired if round(scans[i] + r.table.get("after", 0.0), 12) < stop]
             for r in fired:
                 r.fired += 1
                 at = round(scans[i] + r.table.get("after", 0.0), 12)
-                found.sets.append((at, r.table.get("set", {}), r.table.get("add", {})))
+                result.sets.append((at, r.table.get("set", {}), r.table.get("add", {})))
             i += 1
             if (line is not None and line.takes(row)) or fired:
                 length = STRETCH

@@ -121,7 +121,7 @@ def _allowed(values: Mapping[str, Any]) -> dict[str, bool]:
 def refusal(parameters: Mapping[str, Any]) -> str | None:
     """The first variable, in the order of the table, for which initialization is refused; None if it is not."""
     values = PARAMETERS | dict(parameters)
-    if bad := [name for name, good in _allowed(values).items() if not good]:
+    if bad := [name for name, is_allowed in _allowed(values).items() if not is_allowed]:
         return bad[0]
     ratio = whole_ratio(values["task_cycle_time"], values["data_cycle_time"])
     if ratio is None:
@@ -173,9 +173,9 @@ class RemoteSyncOracle:
 
     def step(self, inputs: Mapping[str, Any] | None, h: float) -> dict[str, Any]:
         """All outputs after one doStep; `inputs` (and tunables) keep their values from one step to the next."""
-        given = dict(inputs or {})
-        changed = self.inputs | {name: value for name, value in given.items() if name in INPUTS}
-        if unknown := given.keys() - INPUTS.keys() - set(TUNABLES):
+        new_values = dict(inputs or {})
+        changed = self.inputs | {name: value for name, value in new_values.items() if name in INPUTS}
+        if unknown := new_values.keys() - INPUTS.keys() - set(TUNABLES):
             raise KeyError(f"{', '.join(sorted(unknown))} cannot be set")
         if name := _refused_input(changed, h):
             raise ValueError(name)
@@ -184,7 +184,7 @@ class RemoteSyncOracle:
         if last - self.cycles > MOST_CYCLES:
             raise ValueError("step size")
         self.inputs = changed
-        self.values |= {name: value for name, value in given.items() if name in TUNABLES}
+        self.values |= {name: value for name, value in new_values.items() if name in TUNABLES}
         if not self.inputs["enable"]:
             self.running = False
         for i in range(self.cycles, last):
@@ -230,12 +230,12 @@ class RemoteSyncOracle:
             return
         assert self.estimator
         corrected = self.estimator.cycle(len(self.indices) - 1, self.indices[-1])
-        ahead = _number(corrected - self.indices[-1])
-        near = bool(abs(ahead) * _number(self.ratio) < self.values["threshold_for_sync"])
-        self.synced = self.estimator.known and (self.synced or near)
-        self.error_id = self._correction_fault(ahead)
+        index_lead = _number(corrected - self.indices[-1])
+        is_near = bool(abs(index_lead) * _number(self.ratio) < self.values["threshold_for_sync"])
+        self.synced = self.estimator.is_drift_determined and (self.synced or is_near)
+        self.error_id = self._correction_fault(index_lead)
         if not self.error_id:
-            self.corrected, self.correction = corrected, self._time(ahead)
+            self.corrected, self.correction = corrected, self._time(index_lead)
             self.estimated = {
                 "drift": float(self.estimator.drift),
                 "warning": self.estimator.warning,
@@ -243,28 +243,32 @@ class RemoteSyncOracle:
             }
 
     def _index_fault(self) -> int:
-        """A cycle index that steps too far, or that has stood too long."""
-        far, age = self.values["max_cycle_index_difference"], self.values["age_of_data_limit"]
-        if self.steps and 0 < far < abs(self.steps[-1]):
+        """A cycle index that steps too far, or that has not changed for too long."""
+        max_difference, age = self.values["max_cycle_index_difference"], self.values["age_of_data_limit"]
+        if self.steps and 0 < max_difference < abs(self.steps[-1]):
             return DIFFERENCE
         return AGE if 0 < age < self._equal_consecutive() else 0
 
-    def _correction_fault(self, ahead: Number) -> int:
+    def _correction_fault(self, index_lead: Number) -> int:
         """A correction that is too large, by itself or by what it makes of the position; a bad tunable."""
-        far, apart = self.values["max_cycle_index_difference"], self.values["max_position_difference"]
-        if far and abs(ahead) > far + 2:
+        max_difference, max_distance = self.values["max_cycle_index_difference"], self.values["max_position_difference"]
+        if max_difference and abs(index_lead) > max_difference + 2:
             return CORRECTION
         allowed = _allowed(self.values)
         if not all(allowed[name] for name in TUNABLES):
             return TUNABLE
         p, v, a = self._received()
-        if apart and self._mode() in (SYNC, TIME) and abs(self._shifted(p, v, a, self._time(ahead))[0] - p) > apart:
+        if (
+            max_distance
+            and self._mode() in (SYNC, TIME)
+            and abs(self._shifted(p, v, a, self._time(index_lead))[0] - p) > max_distance
+        ):
             return POSITION
         return 0
 
-    def _time(self, ahead: Number) -> Number:
+    def _time(self, index_lead: Number) -> Number:
         """The correction time (s) of a corrected index that is `ahead` of the received one."""
-        return ahead * _number(self.ratio * self.task) + mp.mpf(self.values["delay_time_offset"])
+        return index_lead * _number(self.ratio * self.task) + mp.mpf(self.values["delay_time_offset"])
 
     def _equal_consecutive(self) -> int:
         return sum(1 for _ in takewhile(lambda step: step == 0, reversed(self.steps)))

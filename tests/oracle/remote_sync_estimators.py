@@ -5,7 +5,7 @@ last change and its counts are looked up in the history when D has been quiet.
 
 Readings of the description (BEAT):
 - the first cycle counts as a change of D, so that D is first confirmed after `end_of_transition_limit` cycles;
-- r > 1: quiet stretches are judged only where D is (n mod r = 0), so that no stretch is quiet unseen;
+- r > 1: quiet stretches are checked only where D is (n mod r = 0), so that no stretch is quiet unseen;
 - N and the drift are known from beat number periods + 1 on, also while time mode is forced; the warning compares the
   mean before a beat with the mean after it, and a beat before which there was none ends it;
 - a confirmed change of two or more that finds no beats to forget leaves the warning as it is.
@@ -32,7 +32,7 @@ ONE = Fraction(1)
 SIGNIFICANT = Fraction(1, 5)
 """Share of N by which the next one may differ without a warning."""
 
-RHO, Q, D0, MU = mp.mpf("0.005"), mp.mpf("2e-15"), mp.mpf("3e-4"), mp.mpf("0.05")
+BEAT_NOISE, DRIFT_GROWTH, FIRST_DRIFT, EDGE_MARGIN = mp.mpf("0.005"), mp.mpf("2e-15"), mp.mpf("3e-4"), mp.mpf("0.05")
 """Noise of a beat's date (cycles), growth of the drift's variance (per cycle), first |d|, edge of the clamp."""
 
 
@@ -47,7 +47,7 @@ def whole_ratio(task_cycle_time: float, data_cycle_time: float) -> Fraction | No
 
 
 class History:
-    """D at every cycle at which it is judged; since when it has not changed, and where it was found quiet."""
+    """D at every cycle at which it is checked; since when it has not changed, and where it was quiet."""
 
     def __init__(self, limit: int) -> None:
         self.limit = limit
@@ -55,7 +55,7 @@ class History:
         self.changes: list[int] = []
         self.quiets: list[int] = []
 
-    def judge(self, n: int, difference: int) -> bool:
+    def check(self, n: int, difference: int) -> bool:
         """Note D at cycle n; true where it has been constant for the limit."""
         if not self.values or difference != self.values[-1]:
             self.changes.append(n)
@@ -107,7 +107,7 @@ class Beat:
             self.identified.append(Identification(0, k, (), 0, Fraction(k)))
         if nominal.denominator == 1:
             difference = k - int(nominal)
-            if self.history.judge(n, difference):
+            if self.history.check(n, difference):
                 self._quiet(n, difference)
                 self.history.quiets.append(n)
         return nominal + self.offset(n)
@@ -128,7 +128,7 @@ class Beat:
         return len(self.identified[-1].beats)
 
     @property
-    def known(self) -> bool:
+    def is_drift_determined(self) -> bool:
         """There are beats enough for a drift, and it may be used."""
         return self.beats > self.periods and not self.forced
 
@@ -188,11 +188,11 @@ class Phase:
         self.dates: list[tuple[Number, int]] = []
         self.warning = False
         self.t, self.x, self.d = mp.mpf(0), mp.mpf(0), mp.mpf(0)
-        self.p11, self.p12, self.p22 = mp.mpf(1) / 12, mp.mpf(0), D0**2
+        self.p11, self.p12, self.p22 = mp.mpf(1) / 12, mp.mpf(0), FIRST_DRIFT**2
         self.jump, self.jumped = mp.mpf(0), 0
 
     @property
-    def known(self) -> bool:
+    def is_drift_determined(self) -> bool:
         return self.beats >= 2 and not self.forced
 
     @property
@@ -209,7 +209,7 @@ class Phase:
         if n == 0:
             self.confirmed, self.x = difference, difference + mp.mpf(1) / 2
         before, moved = self._offset(n), False
-        if self.history.judge(n, difference):
+        if self.history.check(n, difference):
             zone = self.history.changes[-1] > self.history.closed
             moved = self._quiet(n, difference)
             self.history.quiets.append(n)
@@ -252,15 +252,15 @@ class Phase:
     def _beat(self, date: Number, border: int, sign: int) -> None:
         """A beat at `date`, where the phase was at `border`."""
         last = self.dates[-1] if self.dates else None
-        known = [date for date, of in self.dates[-2:] if of == sign]
+        dates = [date for date, of in self.dates[-2:] if of == sign]
         self.dates.append((date, sign))
         apart = date - last[0] if last else mp.mpf(0)
-        before = known[1] - known[0] if len(known) == 2 else None
+        before = dates[1] - dates[0] if len(dates) == 2 else None
         reversal = bool(last and last[1] != sign)
         self.warning = reversal or bool(before and abs(apart - before) > before / 5)
         if len(self.dates) == 2 and not reversal and apart > 20000:
             self.x, self.d, self.t = mp.mpf(border), sign / apart, date
-            self.p11, self.p12, self.p22 = RHO**2, RHO**2 / apart, 2 * RHO**2 / apart**2
+            self.p11, self.p12, self.p22 = BEAT_NOISE**2, BEAT_NOISE**2 / apart, 2 * BEAT_NOISE**2 / apart**2
         else:
             self._update(date, border)
 
@@ -268,10 +268,10 @@ class Phase:
         """At `date` the phase was at `border`: F = [[1, τ], [0, 1]], the drift a random walk, one measurement."""
         tau = date - self.t
         x = self.x + self.d * tau
-        p11 = self.p11 + 2 * tau * self.p12 + tau**2 * self.p22 + Q * tau**3 / 3
-        p12 = self.p12 + tau * self.p22 + Q * tau**2 / 2
-        p22 = self.p22 + Q * tau
-        variance = p11 + RHO**2
+        p11 = self.p11 + 2 * tau * self.p12 + tau**2 * self.p22 + DRIFT_GROWTH * tau**3 / 3
+        p12 = self.p12 + tau * self.p22 + DRIFT_GROWTH * tau**2 / 2
+        p22 = self.p22 + DRIFT_GROWTH * tau
+        variance = p11 + BEAT_NOISE**2
         gain1, gain2 = p11 / variance, p12 / variance
         self.x, self.d, self.t = x + gain1 * (border - x), self.d + gain2 * (border - x), date
         self.p11, self.p12, self.p22 = (1 - gain1) * p11, (1 - gain1) * p12, p22 - gain2 * p12
@@ -279,7 +279,7 @@ class Phase:
     def _clamp(self, n: int) -> bool:
         """While D is the confirmed one the phase is inside its cycle, to the edge; true where it was not."""
         zone = self.history.changes[-1] > self.history.closed
-        low, high = self.confirmed - MU, self.confirmed + 1 + MU
+        low, high = self.confirmed - EDGE_MARGIN, self.confirmed + 1 + EDGE_MARGIN
         phase = self._phase(n)
         if zone or low <= phase <= high:
             return False

@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import comb
 
 Exact = list[Fraction]
-FINE = Fraction(1, 2**90)  # to which a root is known, and two are told apart
+FINE = Fraction(1, 2**90)  # the precision of a root, to which two are distinguished
 
 
 def at(f: Sequence[float | Fraction], u: Fraction) -> Fraction:

@@ -1,4 +1,4 @@
-"""What a scenario sets at known times, as its tables [[set]] tell."""
+"""What a scenario sets at known times, by its tables [[set]]."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
@@ -16,12 +16,12 @@ def gathered(
     Raises:
         ValueError: a name that cannot be set, or a time at which nothing can.
     """
-    found: dict[float, dict[str, Any]] = {}
+    result: dict[float, dict[str, Any]] = {}
     for table in sorted(tables, key=lambda table: float(table["at"])):
         values = {name: value for name, value in table.items() if name != "at"}
         if unknown := sorted(values.keys() - set(settable)):
             raise ValueError(f"{', '.join(unknown)} cannot be set; inputs and tunable parameters can")
         if table["at"] <= 0:
             raise ValueError(f"a set is given at {table['at']}; a set at 0 or before is never an edge")
-        found.setdefault(float(table["at"]), {}).update((name, number(name, x)) for name, x in values.items())
-    return found
+        result.setdefault(float(table["at"]), {}).update((name, number(name, x)) for name, x in values.items())
+    return result

@@ -126,8 +126,8 @@ def _doubled_law(parabola: bool, z: Number) -> tuple[Number, Number, Number, Num
 class State:
     """Everything the block knows between two events.
 
-    `ramp` is the running command at its aimed occurrence, or in READY the last one (None at first); `begun`: its ramp
-    drives the slave; `progress` is the value held in READY.
+    `ramp` is the running command at its aimed occurrence, or in READY the last one (None at first); `has_started`: its
+    ramp drives the slave; `progress` is the value held in READY.
     """
 
     synchronized: bool = True
@@ -137,7 +137,7 @@ class State:
     code: int = READY
     ramp: Ramp | None = None
     armed: bool = False
-    begun: bool = False
+    has_started: bool = False
     stacked: Command | None = None
     progress: Number = ZERO
 
@@ -148,9 +148,9 @@ def reference(scenario: Mapping[str, Any], times: Sequence[float]) -> list[dict[
     Two rows, just before and just after, where an event lies within 1e-9 s of a time and changes a column; if it is
     undone within the window, the second row is the one in between. Both rows have the master's position at that time.
     """
-    wanted = sorted(set(times))
-    path = _Path(scenario, mp.mpf(max([scenario["stop_time"], *wanted])) + WINDOW)
-    return [row for time in wanted for row in path.rows(time)]
+    requested = sorted(set(times))
+    path = _Path(scenario, mp.mpf(max([scenario["stop_time"], *requested])) + WINDOW)
+    return [row for time in requested for row in path.rows(time)]
 
 
 def events(scenario: Mapping[str, Any]) -> list[tuple[float, str]]:
@@ -176,7 +176,7 @@ class _Path:
         self.states = [self.state]
         self.log: list[tuple[Number, str]] = []
         self.master = stretches(scenario["master"], horizon)
-        self.begins = [stretch.begin for stretch in self.master]
+        self.begin_times = [stretch.begin for stretch in self.master]
         sets = gathered(scenario.get("set", ()), DEFAULTS)
         self._run([(mp.mpf(at), values) for at, values in sets.items()], horizon)
 
@@ -212,31 +212,31 @@ class _Path:
         state, ramp = self.state, self.state.ramp
         assert ramp is not None
         d, forwards = ramp.d, ramp.d * stretch.direction
-        here, there = d * stretch.at(time).position, d * stretch.at(until).position
+        present, later = d * stretch.at(time).position, d * stretch.at(until).position
 
         def reached(x: Number) -> Number:
             """When x is met, for a motion towards it; `time` if it is met already."""
-            return time if (here - x) * forwards >= 0 else stretch.when(d * x, time, until)
+            return time if (present - x) * forwards >= 0 else stretch.when(d * x, time, until)
 
         if not state.armed:
-            if forwards < 0 and there <= ramp.armed_to:
+            if forwards < 0 and later <= ramp.armed_to:
                 self._change(at := reached(ramp.armed_to), "armed", armed=True)
                 return at
-        elif here >= ramp.completed_from:
+        elif present >= ramp.completed_from:
             self._complete(time)
             return time
-        elif state.begun and forwards > 0:
-            if there >= ramp.completed_from:
+        elif state.has_started and forwards > 0:
+            if later >= ramp.completed_from:
                 self._complete(at := reached(ramp.completed_from))
                 return at
-        elif state.begun:
-            if forwards < 0 and ramp.begin - there > CLOSE * (1 + abs(there)):
-                self._change(at := reached(ramp.begin), "ramp left backwards", begun=False)
+        elif state.has_started:
+            if forwards < 0 and ramp.begin - later > CLOSE * (1 + abs(later)):
+                self._change(at := reached(ramp.begin), "ramp left backwards", has_started=False)
                 return at
-        elif forwards >= 0 and there - ramp.begin >= -CLOSE * (1 + abs(there)):
-            self._change(at := reached(ramp.begin), "ramp begins", begun=True)
+        elif forwards >= 0 and later - ramp.begin >= -CLOSE * (1 + abs(later)):
+            self._change(at := reached(ramp.begin), "ramp starts", has_started=True)
             return at
-        elif forwards < 0 and self.period > 0 and (aimed := ramp.aimed(there, self.period)) != ramp:
+        elif forwards < 0 and self.period > 0 and (aimed := ramp.aimed(later, self.period)) != ramp:
             self._change(until, ramp=aimed)
         return None
 
@@ -244,7 +244,7 @@ class _Path:
         state, ramp = self.state, self.state.ramp
         assert ramp is not None
         rest = state.rest if ramp.command.start else ramp.d * ramp.rest
-        ended = {"synchronized": ramp.command.start, "rest": rest, "code": READY, "armed": False, "begun": False}
+        ended = {"synchronized": ramp.command.start, "rest": rest, "code": READY, "armed": False, "has_started": False}
         self._change(time, f"completed {ramp.command.name}", **ended, stacked=None, progress=mp.mpf(1))
         if state.stacked:
             self._take_up(state.stacked, time, ramp.d * ramp.end, f"taken up {state.stacked.name}")
@@ -259,7 +259,7 @@ class _Path:
         if self.period > 0:
             ramp = ramp.aimed(d * master, self.period)
         armed = self.period > 0 or d * master <= ramp.armed_to
-        self._change(time, name, code=EXECUTING, ramp=ramp, armed=armed, begun=False)
+        self._change(time, name, code=EXECUTING, ramp=ramp, armed=armed, has_started=False)
 
     # --- commands -------------------------------------------------------------------------------------------------
 
@@ -284,7 +284,7 @@ class _Path:
             synchronized = command.start
             rest = rest if command.start else command.rest_value
         progress = _progress(state, master)
-        idle = {"code": READY, "armed": False, "begun": False, "stacked": None, "progress": progress}
+        idle = {"code": READY, "armed": False, "has_started": False, "stacked": None, "progress": progress}
         self._change(time, "deactivated", active=False, synchronized=synchronized, rest=rest, **idle)
 
     def _command(self, start: bool, time: Number, master: Number) -> None:
@@ -322,15 +322,15 @@ class _Path:
         return [before]
 
     def _stretch(self, time: Number) -> Stretch:
-        return self.master[bisect_right(self.begins, time) - 1]
+        return self.master[bisect_right(self.begin_times, time) - 1]
 
     def _row(self, time: Number, state: State, side: int) -> dict[str, float]:
         """The outputs in `state` at `time`; velocity, acceleration and turns are those on one side (-1 or 1) of it."""
-        beside = self._stretch(time + side * WINDOW)
-        aside = replace(beside.at(time), position=self._stretch(time).at(time).position)
-        ramp, armed, on = state.ramp, state.armed, state.begun
-        if ramp and state.code != READY and armed and not on and ramp.d * beside.direction < 0:
-            x = ramp.d * beside.at(time + side * WINDOW).position
+        nearby = self._stretch(time + side * WINDOW)
+        aside = replace(nearby.at(time), position=self._stretch(time).at(time).position)
+        ramp, armed, on = state.ramp, state.armed, state.has_started
+        if ramp and state.code != READY and armed and not on and ramp.d * nearby.direction < 0:
+            x = ramp.d * nearby.at(time + side * WINDOW).position
             ramp = ramp.aimed(x, self.period) if self.period > 0 else ramp
             state = replace(state, ramp=ramp)
             on = x >= ramp.begin
@@ -338,7 +338,7 @@ class _Path:
         turns_side = side if time >= WINDOW else max(side, 0)  # nothing was before 0
         row = {
             "time": float(time),
-            "slave.position": self._turned(slave[0], slave[1], turns_side),
+            "slave.position": self._wrapped(slave[0], slave[1], turns_side),
             "slave.velocity": float(slave[1]),
             "slave.acceleration": float(slave[2]),
             "slave.jerk": float(slave[3]),
@@ -354,7 +354,7 @@ class _Path:
         }
         return row | self._distances(state, aside.position) | self._characteristics(ramp)
 
-    def _turned(self, position: Number, velocity: Number, side: int) -> float:
+    def _wrapped(self, position: Number, velocity: Number, side: int) -> float:
         """`position` modulo the period, with the turns counted on one side of this time, or just at it (0)."""
         if self.period == 0:
             return float(position)
@@ -378,7 +378,7 @@ class _Path:
         """Limits and peaks of the aimed occurrence; 0 before the first command."""
         values = [ZERO] * 5
         if ramp:
-            limits = (self._turned(ramp.d * x, ZERO, 0) for x in (ramp.begin, ramp.end))
+            limits = (self._wrapped(ramp.d * x, ZERO, 0) for x in (ramp.begin, ramp.end))
             peaks = [1 / (2 * ramp.size), ZERO]
             if not ramp.parabola:
                 peaks = [peaks[0] * 128 * mp.sqrt(3) / 135, mp.mpf(512) / 225 / ramp.size**2]

@@ -10,14 +10,14 @@ import pytest
 from motionsync_fmu import __version__
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.pages.block_page import pages
-from motionsync_fmu.pages.pictures import icon, panels, svg
-from motionsync_fmu.pages.readme import readme, rendered
-from motionsync_fmu.pages.state_diagram import drawn, read
-from motionsync_fmu.scenario.example import example_of
-from motionsync_fmu.scenario.judge import check
-from motionsync_fmu.scenario.reader import load
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.pages.block_page import FmuContents, make_pages
+from motionsync_fmu.pages.pictures import draw_example, draw_icon, make_panels
+from motionsync_fmu.pages.readme import read_readme, render_readme
+from motionsync_fmu.pages.state_diagram import draw_diagram, read_diagram
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.files.example import load_example
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests import ROOT
 
 MARKS = "marks on the master"
@@ -76,7 +76,7 @@ class Balanced(HTMLParser):
 
 
 def test_the_readme_becomes_a_part_of_the_page() -> None:
-    html = rendered(README, "example.svg", "An example")
+    html = render_readme(README, "example.svg", "An example")
     assert "<h1>" not in html
     assert html.startswith("<p>A block of")
     assert '<a href="https://example.com/maker">its maker</a>' in html
@@ -93,14 +93,14 @@ def test_the_readme_becomes_a_part_of_the_page() -> None:
 
 def test_a_block_without_a_readme_has_no_page() -> None:
     with pytest.raises(UserError, match=r"README.md: cannot be read: .*: a block's README.md is part of its page"):
-        readme(Unwritten)
+        read_readme(Unwritten)
 
 
 def test_a_state_diagram_is_read_with_its_groups() -> None:
-    diagram = read(README)
+    diagram = read_diagram(README)
     assert diagram.states == ["REST", "MOVING", "FAST"]
     assert diagram.groups == {"motion": ["FAST"]}  # MOVING has been named before the group
-    assert [(t.source, t.target, t.when) for t in diagram.transitions] == [
+    assert [(t.source, t.target, t.condition) for t in diagram.transitions] == [
         ("[*]", "REST", ""),
         ("REST", "MOVING", "a rising edge of `start`"),
         ("MOVING", "FAST", ""),
@@ -111,7 +111,7 @@ def test_a_state_diagram_is_read_with_its_groups() -> None:
 
 
 def test_a_state_diagram_is_drawn_with_a_table_of_its_transitions() -> None:
-    html = drawn(README)
+    html = draw_diagram(README)
     assert html.count("<path d=") == 1 + 4  # the arrow's head, and an arc each
     assert html.count("<circle") == 2
     assert "<td>a rising edge of <code>start</code></td>" in html
@@ -119,35 +119,35 @@ def test_a_state_diagram_is_drawn_with_a_table_of_its_transitions() -> None:
     assert html.count("<tr>") == 1 + 1 + 4  # the head, the start with a condition, the transitions
 
 
-def test_the_example_does_what_its_block_s_readme_says(block: str) -> None:
-    example = example_of(block)
-    found = check(example, run_in_process(example, example.step_size))
-    assert found
-    assert not [c for c in found if not c.passed]
+def test_the_example_does_what_its_block_s_readme_states(block: str) -> None:
+    example = load_example(block)
+    checks = check_expectations(example, run_in_process(example, example.step_size))
+    assert checks
+    assert not [c for c in checks if not c.passed]
 
 
 def test_a_picture_shows_the_motion_of_the_example(block: str) -> None:
-    example = example_of(block)
-    shown = panels(example, example.unit)
+    example = load_example(block)
+    shown = make_panels(example, example.unit)
     assert len(shown) == 3 + len(example.picture.curves) * (example.remote is None)
     for panel in shown:
-        assert panel.lines
-        for line in panel.lines:
-            assert line.values.shape == panel.time.shape
-            if line.label not in (MARKS, ENDS):
-                assert np.isfinite(line.values).mean() > 0.95  # the others are gaps where a period wraps
-    assert np.nanmax(shown[0].lines[-1].values) > np.nanmin(shown[0].lines[-1].values)
+        assert panel.curves
+        for curve in panel.curves:
+            assert curve.values.shape == panel.time.shape
+            if curve.label not in (MARKS, ENDS):
+                assert np.isfinite(curve.values).mean() > 0.95  # the others are gaps where a period wraps
+    assert np.nanmax(shown[0].curves[-1].values) > np.nanmin(shown[0].curves[-1].values)
 
 
 def test_a_saw_is_drawn_with_the_marks_that_pass_it() -> None:
     """The material comes at 250 mm/s, a mark at 150 and one each 500 mm: at t they are at 250 t - 150 - 500 n."""
-    example = example_of("FlyingSaw")
-    position = panels(example, example.unit)[0]
-    (marks,) = [line.values for line in position.lines if line.label == MARKS]
+    example = load_example("FlyingSaw")
+    position = make_panels(example, example.unit)[0]
+    (marks,) = [line.values for line in position.curves if line.label == MARKS]
     seen = np.isfinite(marks)
     passing = 250.0 * position.time[seen] - 150.0
     assert np.abs(marks[seen] - np.where(passing > 400.0, passing - 500.0, passing)).max() < 1e-9
-    saw = position.lines[-1].values
+    saw = position.curves[-1].values
     assert position.shaded is not None
     in_sync = position.shaded > 0.0
     assert in_sync.sum() > 20
@@ -156,9 +156,9 @@ def test_a_saw_is_drawn_with_the_marks_that_pass_it() -> None:
 
 def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> None:
     """But for rounding: two processors may differ in the last digit that is written."""
-    example = example_of(block)
+    example = load_example(block)
     number = r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?"
-    made = svg(example, example.unit).decode()
+    made = draw_example(example, example.unit).decode()
     shipped = (ROOT / "docs" / f"{block}.svg").read_text("utf-8")
     assert re.sub(number, "#", made) == re.sub(number, "#", shipped)
     a, b = (np.array([float(x) for x in re.findall(number, text)]) for text in (made, shipped))
@@ -166,14 +166,14 @@ def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> No
 
 
 def test_the_icon_is_a_small_png(block: str) -> None:
-    image = icon(example_of(block))
+    image = draw_icon(load_example(block))
     assert image.startswith(b"\x89PNG")
     assert len(image) < 20_000
 
 
-def test_the_page_is_well_formed_and_tells_every_variable_and_state(block: str) -> None:
+def test_the_page_is_well_formed_and_lists_every_variable_and_state(block: str) -> None:
     recipe = Recipe(block)
-    files = pages(recipe.block(), example_of(block), "mm", "python", ["linux64"])
+    files = make_pages(FmuContents(recipe, "python", ["linux64"]), load_example(block))
     assert files.keys() == {"index.html", "externalDependencies.html", "example.svg"}
     page = files["index.html"].decode()
     parser = Balanced()
@@ -187,7 +187,7 @@ def test_the_page_is_well_formed_and_tells_every_variable_and_state(block: str) 
     assert not set(re.findall(r'(?:href|src)="(?!http|#)([^"]*)"', page)) - files.keys()
 
 
-def test_the_page_tells_how_to_use_and_wire_a_block_before_the_names_of_its_source(block: str) -> None:
+def test_the_page_explains_how_to_use_and_wire_a_block_before_the_names_of_its_source(block: str) -> None:
     page = page_of(block)
     heads = re.findall(r"<h2>(.*?)</h2>", page)
     assert heads.index("How to use it") < heads.index("Wiring") < heads.index("Names in the source system")
@@ -200,7 +200,7 @@ def test_the_page_names_the_project_and_its_version(block: str) -> None:
 
 
 def test_the_table_of_variables_is_short(block: str) -> None:
-    """The range of all Real inputs stands once, in a sentence; an enumeration starts with a name."""
+    """The range of all Real inputs is written once, in a sentence; an enumeration starts with a name."""
     page = page_of(block)
     assert "1e+12 to 1e+12" not in page
     assert page.count("±1e12") == 1
@@ -217,7 +217,8 @@ def test_a_plot_of_characters_keeps_its_lines() -> None:
 
 
 def page_of(block: str) -> str:
-    return pages(Recipe(block).block(), example_of(block), "mm", "native", ["linux64"])["index.html"].decode()
+    contents = FmuContents(Recipe(block), "native", ["linux64"])
+    return make_pages(contents, load_example(block))["index.html"].decode()
 
 
 @pytest.mark.parametrize(
@@ -230,13 +231,13 @@ def page_of(block: str) -> str:
         ("[picture.variants.A]\nin_gear = true", "20: in_gear: is a discrete output, not a parameter or input"),
     ],
 )
-def test_a_mistake_in_a_picture_is_told_with_its_line(table: str, message: str, tmp_path: Path) -> None:
+def test_a_mistake_in_a_picture_is_reported_with_its_line(table: str, message: str, tmp_path: Path) -> None:
     text = (ROOT / "model" / "motionsync" / "gearing" / "example.toml").read_text("utf-8")
     lines = [line for line in text.partition("[[expect]]")[0].splitlines() if line][:17]
     file = tmp_path / "example.toml"
     file.write_text("\n".join([*lines, "[picture]", table]))
     with pytest.raises(UserError, match=re.escape(f"{file}:{message}")):
-        load(file)
+        load_scenario(file)
 
 
 def test_a_picture_has_a_line_for_each_variant_and_a_plot_for_each_further_curve(tmp_path: Path) -> None:
@@ -257,9 +258,9 @@ velocity = 10.0
 [picture.variants.double]
 "gearing.numerator" = 2
 """)
-    shown = panels(load(file), "mm")
+    shown = make_panels(load_scenario(file), "mm")
     assert [panel.label for panel in shown] == ["position\nmm", "velocity\nmm/s", "acceleration\nmm/s2", "share"]
-    assert [[line.label for line in panel.lines] for panel in shown] == [
+    assert [[curve.label for curve in panel.curves] for panel in shown] == [
         ["master", "single", "double"],
         ["master", "single", "double"],
         ["single", "double"],

@@ -3,7 +3,7 @@
 from motionsync_fmu.pages.compact import compact, compact_page
 
 
-def test_a_path_of_straight_lines_tells_steps() -> None:
+def test_a_path_of_straight_lines_becomes_steps() -> None:
     """The points (1, 2), (3.3, 1.5) and back, then (0.1, 0) to (5, 5), by hand: 3.3 - 1 = 2.3, 1.5 - 2 = -0.5; once the
     path is closed it is at (1, 2) again."""
     drawn = b'<path d="M 1.04 2 \nL 3.26 1.5 \nz\nM 0.1 0 \nL 5 4.96 \n"/>'
@@ -31,19 +31,19 @@ def test_what_nobody_sees_is_left_out() -> None:
   <a/>
  </metadata>
  <g id="figure.1">
-  <rect id="kept"/>
+  <rect id="used"/>
   <text transform="rotate(-0 6.8 7)" id="text">a</text>
-  <use href="#kept" transform="rotate(-90)"/>
+  <use href="#used" transform="rotate(-90)"/>
  </g>
 </svg>
 """
     assert (
         compact(drawn)
-        == b'<svg>\n<rect id="kept"/>\n<text>a</text>\n<use href="#kept" transform="rotate(-90)"/>\n</svg>\n'
+        == b'<svg>\n<rect id="used"/>\n<text>a</text>\n<use href="#used" transform="rotate(-90)"/>\n</svg>\n'
     )
 
 
-def test_a_group_with_a_purpose_is_kept() -> None:
+def test_a_group_with_a_purpose_is_used() -> None:
     drawn = b'<g id="a">\n<g transform="scale(2)">\n<rect/>\n</g>\n</g>\n'
     assert compact(drawn) == b'<g>\n<g transform="scale(2)">\n<rect/>\n</g>\n</g>\n'
 

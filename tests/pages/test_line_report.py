@@ -1,4 +1,4 @@
-"""The report of a line: digits that stand together, and the order of the variants."""
+"""The report of a line: digits that are aligned, and the order of the variants."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -8,8 +8,8 @@ import plotly.graph_objects as go
 import pytest
 
 from motionsync_fmu.line.report import decimals, error_chart, event_chart
-from motionsync_fmu.line.variants import Length
-from motionsync_fmu.scenario.cuts import Cut
+from motionsync_fmu.line.variants import PieceLength
+from motionsync_fmu.scenario.evaluate.cuts import Cut
 from tests.pages.test_report import coloured, named, notes, sheets
 
 TIMES = np.arange(1, 101) * 0.1
@@ -19,7 +19,7 @@ def variant(name: str, size: float) -> Any:
     """A variant of a line whose slave is off by `size`, in u, and whose index by twice as many cycles."""
     cuts = [Cut(1.0, 2.0, 100.0, size), Cut(3.0, 4.0, 200.0, -3.0 * size)]
     errors = np.full(100, size)
-    return SimpleNamespace(name=name, away=errors, index=2.0 * errors, cuts=cuts, switches=[], lengths=[])
+    return SimpleNamespace(name=name, deviation=errors, index=2.0 * errors, cuts=cuts, switches=[], lengths=[])
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def line() -> Any:
 @pytest.fixture
 def result() -> Any:
     variants = [variant("RemoteSync", 0.01), variant("raw telegrams", 1.5), variant("other", 0.5)]
-    after = [SimpleNamespace(away=0.01)]
+    after = [SimpleNamespace(deviation=0.01)]
     return SimpleNamespace(variants=variants, wired=variants[0], after=after, synced=2.0)
 
 
@@ -66,7 +66,7 @@ def test_the_errors_of_products_stand_at_their_numbers(line: Any, result: Any) -
     """The first piece has no cut before it; a piece with a cut left out in it is no product."""
     for v in result.variants:
         v.cuts = []
-        v.lengths = [Length(number, 0.0, 1.0, 300.0, number * v.away[0], 0.0) for number in (2, 4)]
+        v.lengths = [PieceLength(number, 0.0, 1.0, 300.0, number * v.deviation[0], 0.0) for number in (2, 4)]
     chart = event_chart(line, result)
     (bars,) = named(chart, "raw telegrams")
     assert (bars["x"], bars["y"]) == ([2, 4], [3.0, 6.0])

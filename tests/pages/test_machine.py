@@ -5,32 +5,35 @@ import re
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.pages.machine import description
 from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.pages.machine.signals import MOST_KNOTS, held, smooth
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 
 
 @cache
 def run(name: str) -> tuple[Scenario, Recording]:
-    scenario = load(ROOT / "scenarios" / name / "scenario.toml")
+    scenario = load_scenario(ROOT / "scenarios" / name / "scenario.toml")
     return scenario, run_in_process(scenario, scenario.step_size)
 
 
 def data_of(name: str) -> dict[str, Any]:
     """What the page of a run knows."""
-    found = re.search(r'<script type="application/json">(.*?)</script>', machine(*run(name)), re.S)
-    assert found
-    return dict(json.loads(found[1]))
+    script = re.search(r'<script type="application/json">(.*?)</script>', machine(*run(name)), re.S)
+    assert script
+    return dict(json.loads(script[1]))
 
 
 def value(signal: dict[str, list[float]], t: float) -> float:
@@ -78,7 +81,7 @@ def test_a_jump_is_a_straight_line_over_its_step() -> None:
     assert [value(signal, s) for s in (0.95, 1.05, 1.15)] == pytest.approx([0.0, 1.5, 3.0], abs=1e-6)
 
 
-def test_noise_is_kept_to_the_tolerance_that_the_signal_tells() -> None:
+def test_noise_stays_within_the_tolerance_that_the_signal_reports() -> None:
     t = np.arange(3 * MOST_KNOTS) / 100.0
     noise = np.random.default_rng(1).normal(size=len(t))
     signal, within = smooth(t, noise, np.zeros(len(t)), 1e-3)
@@ -105,8 +108,8 @@ def test_the_page_knows_both_axes_far_better_than_a_screen_shows(name: str) -> N
     assert data["within"] <= 2e-7 * data["span"]
     axes = (data["master"], recording.master[:, 0]), (data["slave"], recording.values["slave.position"])
     for signal, recorded in axes:
-        found = [value(signal, t) for t in recording.time[::13].tolist()]
-        assert found == pytest.approx(recorded[::13].tolist(), abs=data["within"])
+        drawn = [value(signal, t) for t in recording.time[::13].tolist()]
+        assert drawn == pytest.approx(recorded[::13].tolist(), abs=data["within"])
 
 
 def test_the_cyclic_cut_is_below_300_kilobytes() -> None:
@@ -137,7 +140,7 @@ def test_the_window_holds_the_end_positions_that_are_near() -> None:
     assert data_of("FlyingSaw/position_example_1")["ends"] == [None, None]
 
 
-def test_the_products_of_a_follower_lie_where_it_meets_them() -> None:
+def test_the_products_of_a_follower_are_where_it_meets_them() -> None:
     """linear_wait_in_park: meetings at master positions 1000, 2000, 3000, the slave being at 100; ratio 1."""
     data = data_of("Follower/linear_wait_in_park")
     assert data["marks"]["places"] == [900.0, 1900.0, 2900.0]
@@ -148,3 +151,43 @@ def test_a_block_without_a_picture_has_none() -> None:
     scenario, recording = run("FlyingSaw/cyclic_cut")
     unknown = replace(scenario, recipe=Recipe("Unknown"))
     assert machine(unknown, recording) == ""
+
+
+AXES = """
+[[picture]]
+scene = "axes"
+master_period = ["master.period"]
+slave_period = ["master.period"]
+coupled = ["state == EXECUTING"]
+changing = ["syn_ramp_on"]
+master_marks = [{ label = "ramp", at = "local.ramp_begin", shown = ["syn_ramp_on"] }]
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ('scene = "axes"', "", "scene is missing"),
+        ('scene = "axes"', 'scene = "axis"', "scene = 'axis' is none of axes, belt"),
+        ('changing = ["syn_ramp_on"]', "", "changing is missing"),
+        ('label = "ramp", ', "", "label is missing"),
+        ("ramp_begin", "ramp_beginning", "at: there is no variable 'local.ramp_beginning'"),
+        ("EXECUTING", "RUNNING", "coupled: state has no member 'RUNNING'"),
+        ('"master.period"', '"master.period unless cyclic"', "master_period: there is no variable 'cyclic'"),
+        ('scene = "axes"', 'scene = "belt"', "tool is missing"),
+    ],
+)
+def test_a_mistake_in_a_description_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: str, after: str, message: str
+) -> None:
+    file = tmp_path / "machine.toml"
+    monkeypatch.setattr(description, "block_file", lambda *_: file)
+    file.write_text(AXES)
+    assert [picture["scene"] for picture in description.pictures_of("Synchronizer")] == ["axes"]
+    file.write_text(AXES.replace(before, after))
+    with pytest.raises(UserError, match=rf"machine\.toml: \[\[picture\]\]: {message}$"):
+        description.pictures_of("Synchronizer")
+
+
+def test_the_description_of_every_block_has_no_mistake(block: str) -> None:
+    description.pictures_of(block)

@@ -1,4 +1,4 @@
-"""The report of a machine that cuts to length, and its picture, of a run by hand (`tests/support/sawn.py`).
+"""The report of a machine that cuts to length, and its picture, of a run by hand (`tests/support/hand_made_run.py`).
 
 The line runs at 1000 u/s, the front end stands for a cut at 198, the kerf is 4: pieces of 500, 1500, 1500, 1000, 3004
 and 1500 end at 702, 2206, 3710, 4714, 7722 and 9226.
@@ -14,17 +14,17 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from motionsync.cut_to_length.interface import PieceKind
+from motionsync.cutting.interface import PieceKind
 from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.pages.pictures import piece_ends
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
-from motionsync_fmu.scenario.judge import check
-from motionsync_fmu.scenario.pieces import find_pieces
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
-from tests.support.sawn import APPROACH, CUT, Sawn, sawn
+from tests.support.hand_made_run import APPROACH, CUT, HandMadeRun, record
 
 TEXT = """
 title = "All kinds"
@@ -58,7 +58,7 @@ LIMIT, ASKED = [(0.0, 1250.0), (5.0, 950.0)], [(0.0, 1100.0), (5.0, 900.0)]
 Run = tuple[Scenario, Recording]
 
 
-def told(error: float) -> str:
+def error_text(error: float) -> str:
     return f"error {error:g} mm"
 
 
@@ -66,13 +66,13 @@ def told(error: float) -> str:
 def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     file = tmp_path_factory.mktemp("kinds") / "scenario.toml"
     file.write_text(TEXT, "utf-8")
-    s = load(file)
-    return s, sawn(s, Sawn(198.0, 4.0, PIECES, RESERVES, ASKED, LIMIT, [4]), 0.2, 0.01)
+    s = load_scenario(file)
+    return s, record(s, HandMadeRun(198.0, 4.0, PIECES, RESERVES, ASKED, LIMIT, [4]), 0.2, 0.01)
 
 
 def named(chart: Chart, name: str) -> dict[str, Any]:
-    (found,) = [t for t in chart.traces if t["name"] == name]
-    return found
+    (trace,) = [t for t in chart.traces if t["name"] == name]
+    return trace
 
 
 def at(trace: dict[str, Any], time: float) -> float:
@@ -82,7 +82,7 @@ def at(trace: dict[str, Any], time: float) -> float:
 
 def page(run: Run, folder: Path) -> str:
     s, recording = run
-    write_report(folder / "report.html", s, recording, check(s, recording), [], s.step_size)
+    write_report(folder / "report.html", s, recording, check_expectations(s, recording), [], s.step_size)
     return (folder / "report.html").read_text("utf-8")
 
 
@@ -111,7 +111,7 @@ def test_the_pieces_lie_on_the_material_in_the_colours_of_their_kinds(run: Run) 
 
 
 def test_the_pieces_pass_the_saw_as_bands(run: Run) -> None:
-    """The sample lies between 3710 and 4714: at 4 s these places are at 290 and -714 of the saw, at 4.5 s at 790 and
+    """The sample is between 3710 and 4714: at 4 s these places are at 290 and -714 of the saw, at 4.5 s at 790 and
     -214; what is outside the window is cut off."""
     s, recording = run
     chart = run_charts(s, recording)["pieces"]
@@ -143,11 +143,11 @@ def test_the_saw_is_thick_while_it_cuts(run: Run) -> None:
         assert (float(stretch[0]), float(stretch[-1])) == pytest.approx((sync, sync + CUT), abs=0.011)
 
 
-def test_what_is_asked_of_the_line_stands_beside_its_velocity_and_its_limit(run: Run) -> None:
+def test_the_requested_velocity_is_drawn_with_the_line_s_own_and_its_limit(run: Run) -> None:
     chart = run_charts(*run)["pieces"]
     for name, before, after in (
         ("line", 1000.0, 1000.0),
-        ("asked of the line", 1100.0, 900.0),
+        ("requested velocity", 1100.0, 900.0),
         ("limit of the line", 1250.0, 950.0),
     ):
         assert (at(named(chart, name), 3.0), at(named(chart, name), 8.0)) == (before, after)
@@ -161,22 +161,22 @@ def test_a_limit_far_above_the_line_does_not_flatten_it(run: Run) -> None:
     assert 1100.0 < chart.axis(2)["range"][1] < 1300.0
 
 
-def test_errors_are_stems_beside_the_tolerance(run: Run) -> None:
+def test_errors_are_stems_and_the_tolerance_a_band(run: Run) -> None:
     """The worst product is off by 0.7, so that 1.05 is shown; the merged piece is off by 1504: an arrow at the edge."""
     chart = run_charts(*run)["pieces"]
     trace = named(chart, "length error")
     assert trace["y"] == pytest.approx([0.0, 0.0, 0.05, 0.0, 1.05, 0.7])
     assert trace["marker"]["symbol"] == ["circle"] * 4 + ["triangle-up", "circle"]
     assert trace["marker"]["color"] == ["--muted", "--ok", "--ok", "--muted", "--muted", "--bad"]
-    assert trace["customdata"][4].endswith(told(1504.0))
-    assert trace["customdata"][5].endswith(told(0.7))
+    assert trace["customdata"][4].endswith(error_text(1504.0))
+    assert trace["customdata"][5].endswith(error_text(0.7))
     times = [(end + APPROACH) / 1000.0 + CUT for end in ENDS]
     assert trace["x"] == pytest.approx(times, abs=0.011)
     assert sorted(set(named(chart, "tolerance")["y"])) == [-0.1, 0.1]
 
 
 def test_errors_that_are_rounding_are_not_drawn_large(run: Run) -> None:
-    """1e-11 beside positions of 12000 is rounding: the row has the height of the tolerance, 0.1."""
+    """1e-11 with positions of 12000 is rounding: the row has the height of the tolerance, 0.1."""
     s, recording = run
     values = recording.values | {"last.error": np.where(recording.values["last.error"] > 0.0, 1e-11, 0.0)}
     chart = run_charts(s, replace(recording, values=values))["pieces"]
@@ -197,7 +197,7 @@ def test_each_reserve_is_a_bar(run: Run) -> None:
 
 def test_a_run_without_a_piece_and_one_with_very_many_have_their_charts(run: Run, tmp_path: Path) -> None:
     s, recording = run
-    nothing = sawn(s, Sawn(198.0, 4.0, [], [], ASKED, LIMIT), 0.2, 0.01)
+    nothing = record(s, HandMadeRun(198.0, 4.0, [], [], ASKED, LIMIT), 0.2, 0.01)
     charts = run_charts(s, nothing)
     assert "list" not in charts
     assert any(n["text"] == "no piece" for n in charts["pieces"].layout["annotations"])
@@ -217,7 +217,7 @@ def test_kinds_have_the_same_colours_in_all_charts(run: Run) -> None:
     chart = run_charts(*run)["lanes"]
     bars = {(t["name"], t["marker"]["color"]) for t in chart.traces if t["type"] == "bar"}
     for name, colour in (("PRODUCT", "--kind-1"), ("SAMPLE", "--kind-2"), ("TRIM", "--kind-4"), ("MERGED", "--kind-6")):
-        assert {found for kind, found in bars if kind == name} == {colour}
+        assert {colour_of_bar for kind, colour_of_bar in bars if kind == name} == {colour}
 
 
 def test_the_picture_of_an_example_has_the_ends_of_its_pieces(run: Run) -> None:
@@ -234,9 +234,9 @@ def test_the_picture_of_an_example_has_the_ends_of_its_pieces(run: Run) -> None:
 # --- the page ---
 
 
-def test_the_page_tells_the_pieces(run: Run, tmp_path: Path) -> None:
+def test_the_page_lists_the_pieces(run: Run, tmp_path: Path) -> None:
     text = words(page(run, tmp_path))
-    figures = text[: text.index("Pieces The block tells")]
+    figures = text[: text.index("Pieces The block reports")]
     for part in (
         "pieces 6 1 TRIM, 3 PRODUCT, 1 SAMPLE, 1 MERGED; 2 good",
         "worst length error 0.7 mm (piece 6) of 3 products, tolerance 0.1 mm",
@@ -248,13 +248,13 @@ def test_the_page_tells_the_pieces(run: Run, tmp_path: Path) -> None:
     head = "piece kind ordered length error good measured reserve in sync at"
     table = text[text.index(head) + len(head) :]
     assert table.strip().startswith(
-        "1 TRIM 500 mm 500 mm 0 mm - 100 % 0.788603 s 2 PRODUCT 1500 mm 1500 mm 0 mm yes as told 50 % 2.2926 s "
-        "3 PRODUCT 1499.95 mm 1500 mm 0.05 mm yes as told 40 % 3.7966 s"
+        "1 TRIM 500 mm 500 mm 0 mm - 100 % 0.788603 s 2 PRODUCT 1500 mm 1500 mm 0 mm yes as reported 50 % 2.2926 s "
+        "3 PRODUCT 1499.95 mm 1500 mm 0.05 mm yes as reported 40 % 3.7966 s"
     )
-    assert "6 PRODUCT 1499.3 mm 1500 mm 0.7 mm no as told 0 % 9.3126 s" in table
+    assert "6 PRODUCT 1499.3 mm 1500 mm 0.7 mm no as reported 0 % 9.3126 s" in table
 
 
-def test_a_length_that_is_measured_otherwise_is_told(run: Run, tmp_path: Path) -> None:
+def test_a_length_that_is_measured_otherwise_is_shown(run: Run, tmp_path: Path) -> None:
     """The saw is 0.25 behind in the third cut: the piece before it is 1500.25 long, the one after it 999.75."""
     s, recording = run
     third = (recording.time > 3.0) & (recording.time < 4.5) & (recording.values["tool.cutting"] != 0.0)
@@ -262,10 +262,10 @@ def test_a_length_that_is_measured_otherwise_is_told(run: Run, tmp_path: Path) -
     text = words(page((s, replace(recording, values=recording.values | {"slave.position": saw})), tmp_path))
     assert "yes 1500.25 mm 40 %" in text
     assert "999.75 mm 5 %" in text
-    assert "broken cuts within 0.1 mm of where they are told" in text
+    assert "not met cuts within 0.1 mm of where they are reported" in text
 
 
-def test_headings_come_in_the_order_of_what_a_reader_asks(run: Run, tmp_path: Path) -> None:
+def test_headings_come_in_the_sequence_of_a_reader_s_questions(run: Run, tmp_path: Path) -> None:
     headings = re.findall(r"<h2[^>]*>(.*?)</h2>", page(run, tmp_path))
     assert headings[:4] == ["Pieces", "The machine", "Motion", "States and commands"]
 
@@ -274,9 +274,9 @@ def test_headings_come_in_the_order_of_what_a_reader_asks(run: Run, tmp_path: Pa
 
 
 def data_of(run: Run) -> dict[str, Any]:
-    found = re.search(r'<script type="application/json">(.*?)</script>', machine(*run), re.S)
-    assert found
-    return dict(json.loads(found[1]))
+    data = re.search(r'<script type="application/json">(.*?)</script>', machine(*run), re.S)
+    assert data
+    return dict(json.loads(data[1]))
 
 
 def test_the_picture_knows_the_pieces_and_the_next_cut(run: Run) -> None:
@@ -285,7 +285,7 @@ def test_the_picture_knows_the_pieces_and_the_next_cut(run: Run) -> None:
     assert [p["end"] for p in data["pieces"]] == pytest.approx(ENDS)
     assert [p["name"] for p in data["pieces"]][3:5] == ["SAMPLE", "MERGED"]
     assert data["marks"]["next"]["x"][1:7] == pytest.approx(ENDS)
-    assert data["marks"]["known"]["x"] == [0, 1, 0]
+    assert data["marks"]["shown"]["x"] == [0, 1, 0]
     assert data["ratio"] == 1.0
     assert data["home"] == {"at": 0.0, "label": "home"}
     assert data["request"]["x"] == [0, 1100, 900]
@@ -305,8 +305,8 @@ def test_the_blade_is_down_from_its_command_until_it_is_clear(run: Run) -> None:
     assert lasted == pytest.approx([CUT + 0.05] * len(ENDS), abs=0.011)
 
 
-def test_on_a_rotary_master_the_next_cut_lies_in_the_turn_in_which_it_is_made(run: Run) -> None:
-    """The block tells positions within 700: 2206 as 106, for instance."""
+def test_on_a_rotary_master_the_next_cut_is_in_the_turn_in_which_it_is_made(run: Run) -> None:
+    """The block reports positions within 700: 2206 as 106, for instance."""
     s, recording = run
     wrapped = recording.values | {"next_cut.position": recording.values["next_cut.position"] % 700.0}
     rotary = replace(s, start={**s.start, "master.period": 700.0})

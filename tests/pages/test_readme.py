@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.limits import (
+from motionsync.cut_to_length.machine_limits import (
     Machine,
     approach_distance,
     cycle_time,
@@ -21,12 +21,12 @@ from motionsync.cut_to_length.limits import (
     return_time,
     stroke,
 )
-from motionsync_fmu.build import Flavour
+from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.interface.turns import Interface
 from motionsync_fmu.interface.variables import cells, members
-from motionsync_fmu.pages.readme import readme
-from motionsync_fmu.pages.state_diagram import read
+from motionsync_fmu.pages.readme import read_readme
+from motionsync_fmu.pages.state_diagram import read_diagram
 from tests import ROOT
 from tests.support.fmus import Fmus
 
@@ -58,9 +58,9 @@ def replaced(code: str, old: str, new: str) -> str:
 
 
 def row(text: str, head: str) -> list[float]:
-    """The cells of a row of a table that begin with a number: that number."""
-    (found,) = re.findall(rf"^ *\| {re.escape(head)} \|(.*)\|$", text, re.M)
-    return [float(cell.split()[0]) for cell in found.split("|") if re.match(r"\s*\d", cell)]
+    """The cells of a row of a table that start with a number: that number."""
+    (row,) = re.findall(rf"^ *\| {re.escape(head)} \|(.*)\|$", text, re.M)
+    return [float(cell.split()[0]) for cell in row.split("|") if re.match(r"\s*\d", cell)]
 
 
 def printed(line: str, word: str) -> tuple[float, float]:
@@ -77,7 +77,7 @@ def executed(code: str, capsys: pytest.CaptureFixture[str]) -> tuple[dict[str, A
 
 
 @pytest.mark.parametrize(("length", "line"), [(800.0, 500.0), (1000.0, 250.0), (800.0, 600.0), (300.0, 500.0)])
-def test_the_fifteen_lines_tell_the_truth_of_other_lengths_and_speeds(
+def test_the_fifteen_lines_are_right_about_other_lengths_and_speeds(
     fmus: Fmus,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -113,7 +113,7 @@ def test_the_fifteen_lines_tell_the_truth_of_other_lengths_and_speeds(
 
 
 @pytest.mark.parametrize(("length", "line"), [(1500.0, 1000.0), (400.0, 500.0), (3000.0, 1200.0), (1000.0, 1300.0)])
-def test_the_plc_loop_tells_the_truth_of_other_lengths_and_speeds(
+def test_the_plc_loop_is_right_about_other_lengths_and_speeds(
     fmus: Fmus, capsys: pytest.CaptureFixture[str], length: float, line: float
 ) -> None:
     """A cut is counted 0.2 s after its mark met the saw, `meet` beyond it; the first order can be met by mark 1. At
@@ -136,8 +136,8 @@ def test_the_plc_loop_tells_the_truth_of_other_lengths_and_speeds(
 
 
 def test_the_line_that_follows_the_request_misses_no_cut(fmus: Fmus, capsys: pytest.CaptureFixture[str]) -> None:
-    """The example begins like the one of the FlyingSaw. All 17 pieces are made, and each is good; what is printed
-    stands below it. Pieces of 600 mm are cut at 98 % of what the machine can do then, those of 2500 mm at the velocity
+    """The example starts like the one of the FlyingSaw. All 17 pieces are made, and each is good; what is printed
+    is below it. Pieces of 600 mm are cut at 98 % of what the machine can do then, those of 2500 mm at the velocity
     that is wanted, which the line comes near to."""
     head, _, _ = code_with(WIRING, "gear_in_pos").partition("saw.instantiate()")
     code = head.replace("build/native/FlyingSaw.fmu", str(fmus.native("CutToLength")))
@@ -146,8 +146,8 @@ def test_the_line_that_follows_the_request_misses_no_cut(fmus: Fmus, capsys: pyt
     assert names["slowest"] == pytest.approx(0.98 * max_line_velocity(Machine(max_position=900.0), 604.0), rel=1e-6)
     assert names["fastest"] == pytest.approx(1500.0, abs=0.5)
     assert 0.98 * max_line_velocity(Machine(max_position=900.0), 2504.0) > 1500.0
-    told = re.findall(r"at (\d+) to (\d+) mm/s", WIRING)
-    assert told == [(f"{names['slowest']:.0f}", f"{names['fastest']:.0f}")]
+    velocities = re.findall(r"at (\d+) to (\d+) mm/s", WIRING)
+    assert velocities == [(f"{names['slowest']:.0f}", f"{names['fastest']:.0f}")]
 
 
 def test_the_batch_example_gives_what_its_comments_say() -> None:
@@ -209,38 +209,38 @@ def test_links_lead_to_files_that_exist() -> None:
 
 
 def test_the_builds_that_the_pages_show_are_possible() -> None:
-    """Their patterns name variables that may be turned so; values to be baked in are tried elsewhere."""
+    """Their patterns name variables that may have this causality; baked start values are tested elsewhere."""
     pages = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "model").rglob("README.md")]
     seen = 0
     text = "\n".join(page.read_text("utf-8") for page in pages)
     inline, blocks = r"`motionsync build ([^`]+)`", r"^    motionsync build (.*(?:(?<=\\)\n.*)*)$"
     for command in re.findall(inline, text) + re.findall(blocks, text, re.M):
         name, *words = shlex.split(command.replace("\\\n", " "), comments=True)
-        turned: dict[str, list[str]] = {}
+        overrides: dict[str, list[str]] = {}
         for option, value in zip(words[::2], words[1::2], strict=True):
-            turned.setdefault(option.removeprefix("--"), []).append(value)
-        if turned and turned.keys() <= {"input", "output", "parameter", "local"}:
-            seen += len(Recipe(name, interface=Interface(**turned)).turned)
+            overrides.setdefault(option.removeprefix("--"), []).append(value)
+        if overrides and overrides.keys() <= {"input", "output", "parameter", "local"}:
+            seen += len(Recipe(name, interface=Interface(**overrides)).causality_overrides)
     assert seen > 10
 
 
 # --- of the CutToLength ---
 
 
-def test_what_is_wired_is_told() -> None:
-    """Its table has each input and each output of the default interface once, and says how many there are."""
-    text = readme(CutToLength)
+def test_the_wiring_lists_all_variables() -> None:
+    """Its table has each input and each output of the default interface once, and states how many there are."""
+    text = read_readme(CutToLength)
     _, _, part = text.partition("\n## What is wired\n")
     rows = re.findall(r"^\|.*\|(.*)\|(.*)\|$", part.partition("\n- ")[0], re.M)[2:]
-    for told, causality in zip(zip(*rows, strict=True), ("input", "output"), strict=True):
-        names = re.findall(r"`(.+?)`", " ".join(told))
+    for column, causality in zip(zip(*rows, strict=True), ("input", "output"), strict=True):
+        names = re.findall(r"`(.+?)`", " ".join(column))
         wired = [name for name, v in Recipe("CutToLength").variables.items() if v.causality == causality]
         assert sorted(names) == sorted(wired)
         assert f"{len(names)} {causality}s" in text
 
 
 def test_how_far_its_start_values_carry() -> None:
-    text, machine = readme(CutToLength), Machine()
+    text, machine = read_readme(CutToLength), Machine()
     lengths, highest, ways = (row(text, head) for head in ("pieces of", "highest line velocity", "way of the carriage"))
     assert len(lengths) > 5
     velocities = [max_line_velocity(machine, length) for length in lengths]
@@ -250,7 +250,7 @@ def test_how_far_its_start_values_carry() -> None:
 
 def test_the_parts_of_its_cycle() -> None:
     """Of the reference machine, at 500 and at 1000 mm/s; a cut takes 0.25 s: the way from home is D + 0.25 V."""
-    text, machine = readme(CutToLength), REFERENCE
+    text, machine = read_readme(CutToLength), REFERENCE
     for i, v in enumerate((500.0, 1000.0)):
         distance, cycle = approach_distance(machine, v), cycle_time(machine, v)
         away = distance + 0.25 * v
@@ -269,12 +269,12 @@ def test_the_parts_of_its_cycle() -> None:
 
 def test_what_its_limits_cost() -> None:
     """The sentence on the reference machine: the highest line velocity for pitches, the last of them by the stroke."""
-    text = re.sub(r"\s+", " ", readme(CutToLength))
-    told = re.findall(
+    text = re.sub(r"\s+", " ", read_readme(CutToLength))
+    velocities = re.findall(
         r"it is (\S+) mm/s for a pitch of 500, (\S+) for 1000, (\S+) for 1500, and (\S+), for the stroke", text
     )
     pitches = (500.0, 1000.0, 1500.0, 2000.0)
-    assert told == [tuple(f"{max_line_velocity(REFERENCE, pitch):.1f}" for pitch in pitches)]
+    assert velocities == [tuple(f"{max_line_velocity(REFERENCE, pitch):.1f}" for pitch in pitches)]
 
 
 # --- of the blocks ---
@@ -291,7 +291,7 @@ def test_the_root_readme_links_to_each_block(block: str) -> None:
 
 
 def test_a_block_s_readme_has_the_sections_that_all_have(block: str) -> None:
-    text = readme(type(Recipe(block).block()))
+    text = read_readme(type(Recipe(block).block()))
     assert text.startswith(f"# {block}\n")
     headings = re.findall(r"^## (.*)", text, re.M)
     assert [heading for heading in headings if heading in SECTIONS] == list(SECTIONS)
@@ -299,15 +299,15 @@ def test_a_block_s_readme_has_the_sections_that_all_have(block: str) -> None:
 
 
 def test_its_diagram_has_the_states_that_the_block_shows_or_its_stages(block: str) -> None:
-    _, _, text = readme(type(Recipe(block).block())).partition("\n## States\n")
+    _, _, text = read_readme(type(Recipe(block).block())).partition("\n## States\n")
     (diagram,) = re.findall(r"```mermaid\nstateDiagram-v2\n(.*?)```", text, re.S)
     shown = {member.name for member in Recipe(block).variables["state"].choices}
-    assert set(read(diagram).states) in (shown, set(stages(block)))
+    assert set(read_diagram(diagram).states) in (shown, set(stages(block)))
     assert all(re.search(rf"\b{name}\b", text) for name in shown)
 
 
 def test_its_table_has_a_row_for_each_stage(block: str) -> None:
-    _, _, text = readme(type(Recipe(block).block())).partition("\n## States\n")
+    _, _, text = read_readme(type(Recipe(block).block())).partition("\n## States\n")
     (table,) = re.findall(r"^\| [Ss]tage \|.*\n\|[- |]+\n((?:\|.*\n)+)", text, re.M)
     assert re.findall(r"^\| `?(\w+)`? \|", table, re.M) == list(stages(block))
 
@@ -322,11 +322,13 @@ def test_the_variables_that_it_names_exist(block: str) -> None:
     """All in backticks that is written as a variable: in full, the last part after a dot, a group, or a pattern."""
     recipe = Recipe(block)
     names = set(recipe.variables)
-    known = {name.split(".", i)[-1] for name in names for i in range(name.count(".") + 1)}
-    known |= {f".{last}" for last in known} | {name.partition(".")[0] for name in names} | {"true", "false"}
-    prose = re.sub(r"```.*?```", "", readme(type(recipe.block())), flags=re.S)
+    existing = {name.split(".", i)[-1] for name in names for i in range(name.count(".") + 1)}
+    existing |= {f".{last}" for last in existing} | {name.partition(".")[0] for name in names} | {"true", "false"}
+    prose = re.sub(r"```.*?```", "", read_readme(type(recipe.block())), flags=re.S)
     written = set(re.findall(r"`(\.?[a-z][a-z0-9_.*]*)`", prose))
     files = {name for name in written if name.endswith((".py", ".toml", ".md"))}
-    unknown = {name for name in written - files - known - SOURCES if not any(fnmatchcase(full, name) for full in names)}
+    unknown = {
+        name for name in written - files - existing - SOURCES if not any(fnmatchcase(full, name) for full in names)
+    }
     assert not unknown
     assert written & names

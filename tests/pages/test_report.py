@@ -1,4 +1,4 @@
-"""The report of a run: which charts it has, what they show, and what the page tells."""
+"""The report of a run: which charts it has, what they show, and what the page states."""
 
 import hashlib
 import json
@@ -12,17 +12,20 @@ import plotly.graph_objects as go
 import pytest
 from plotly.offline import get_plotlyjs_version
 
+from motionsync_fmu.build.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.numbers import jumps, points, rounded, thinned
 from motionsync_fmu.pages.report.chart import Chart
-from motionsync_fmu.pages.report.origin import origin
-from motionsync_fmu.pages.report.page import BUNDLE, run_charts, write_report
-from motionsync_fmu.pages.style import TEMPLATES, typeset
-from motionsync_fmu.scenario.cuts import CutSpec, passages
-from motionsync_fmu.scenario.judge import check, compare
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.pages.report.origin import describe_fmu
+from motionsync_fmu.pages.report.page import PLOTLY, run_charts, write_report
+from motionsync_fmu.pages.style import TEMPLATES, load_template, typeset
+from motionsync_fmu.scenario.cutting import CutSpec
+from motionsync_fmu.scenario.evaluate.cuts import passages
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.settings import Setting
 from tests import ROOT
@@ -37,14 +40,20 @@ SHOWN = (
     "Gearing/ccw_direct",
     "CutToLength/cyclic_orders",
 )
-RETOLD = ("limit of the axis", "tolerance", "cutting", "stems", "reserve of a piece")  # another trace tells the same
+SHOWN_ELSEWHERE = (
+    "limit of the axis",
+    "tolerance",
+    "cutting",
+    "stems",
+    "reserve of a piece",
+)  # another trace shows the same
 Run = tuple[Scenario, Recording]
 
 
 @pytest.fixture(scope="module")
 def runs() -> dict[str, Run]:
     """Scenarios of all blocks, and their recordings."""
-    loaded = {name: load(ROOT / "scenarios" / name / "scenario.toml") for name in SHOWN}
+    loaded = {name: load_scenario(ROOT / "scenarios" / name / "scenario.toml") for name in SHOWN}
     return {name: (s, run_in_process(s, s.step_size)) for name, s in loaded.items()}
 
 
@@ -57,7 +66,13 @@ def page(run: Run, file: Path) -> str:
     """The report of a run."""
     s, recording = run
     write_report(
-        file, s, recording, check(s, recording), compare(s, recording), s.step_size, results=file.parent / "out.csv"
+        file,
+        s,
+        recording,
+        check_expectations(s, recording),
+        compare_with_reference(s, recording),
+        s.step_size,
+        results=file.parent / "out.csv",
     )
     return file.read_text("utf-8")
 
@@ -89,7 +104,7 @@ def coloured(value: Any, colours: dict[str, str]) -> Any:
 
 def sheets() -> list[dict[str, str]]:
     """The colours of a light and of a dark page, by CSS property."""
-    text = TEMPLATES.get_template("plotted.html.j2").render(bundle="")
+    text = load_template(TEMPLATES, "plotted.html.j2").render(bundle="")
     light, dark = text[: text.index("@media screen")], text[text.index("@media screen") : text.index(".good")]
     pairs = [dict(re.findall(r"(--[\w-]+): ([^;]+);", part)) for part in (light, dark)]
     return pairs
@@ -102,12 +117,12 @@ def test_the_report_of_the_cyclic_cut_is_small(cyclic_cut: Run, tmp_path: Path) 
     """Below 2.5 MB: plotly.js' basic bundle is the greater part of it."""
     text = page(cyclic_cut, tmp_path / "report.html")
     assert len(text.encode()) < 2_500_000
-    assert len(text.encode()) > BUNDLE.stat().st_size
+    assert len(text.encode()) > PLOTLY.stat().st_size
 
 
 def test_a_report_loads_nothing(runs: dict[str, Run], tmp_path: Path) -> None:
     for run in runs.values():
-        text = page(run, tmp_path / "report.html").replace(BUNDLE.read_text("utf-8"), "")
+        text = page(run, tmp_path / "report.html").replace(PLOTLY.read_text("utf-8"), "")
         assert not re.search(r"<(script|link|img|iframe)[^>]+(src|href)=", text)
         assert not re.search(r"https?://(?!www\.w3\.org/2000/svg\b)|@import|url\(|fetch\(|XMLHttpRequest", text)
         assert '<a href="out.csv">' in text
@@ -115,13 +130,13 @@ def test_a_report_loads_nothing(runs: dict[str, Run], tmp_path: Path) -> None:
 
 def test_plotly_js_is_the_one_that_was_looked_at() -> None:
     """The digest is that of `plotly-basic.min.js` of the npm package plotly.js-basic-dist-min 4.1.1."""
-    text = BUNDLE.read_bytes()
+    text = PLOTLY.read_bytes()
     assert hashlib.sha256(text).hexdigest() == "99784e3abfb07b142a15e521a439e6d9addceadb3f79553fd24c72774f0649ba"
     assert b"Licensed under the MIT license" in text[:300]
     assert b"</script" not in text
-    readme = BUNDLE.with_name("README.md").read_text("utf-8")
+    readme = PLOTLY.with_name("README.md").read_text("utf-8")
     assert f"plotly.js {get_plotlyjs_version()}," in readme
-    assert "MIT" in BUNDLE.with_name("plotly-basic.MIT.txt").read_text("utf-8")
+    assert "MIT" in PLOTLY.with_name("plotly-basic.MIT.txt").read_text("utf-8")
 
 
 def test_the_charts_are_what_plotly_js_takes(runs: dict[str, Run]) -> None:
@@ -145,18 +160,18 @@ def test_a_dark_page_has_a_colour_of_its_own_for_each_of_a_light_one() -> None:
 
 
 def test_the_figures_come_first(cyclic_cut: Run, tmp_path: Path) -> None:
-    """The scenario asks for 20 cuts within 1e-9 mm; its axis has the limits that its file says."""
+    """The scenario asks for 20 cuts within 1e-9 mm; its axis has the limits in its file."""
     text = words(page(cyclic_cut, tmp_path / "report.html"))
     begin = text[: text.index("Cuts A cut each time")]
     for part in (
-        "cuts 20 a mark each 1500 mm",
+        "cuts 20 a mark every 1500 mm",
         "worst error of a cut 0 (to rounding) tolerance 1e-9 mm",
         "limit -250 to 800 mm",
         "greatest acceleration 10000 mm/s² limit 10000 mm/s², 100 % used",
         "limit 1500 mm/s,",
     ):
         assert part in begin, begin
-    assert re.search(r"verdict as expected (\d+) of \1 expectations kept", begin)
+    assert re.search(r"verdict as expected (\d+) of \1 expectations met", begin)
 
 
 def test_cuts_machine_motion_and_states_follow_one_another(cyclic_cut: Run, tmp_path: Path) -> None:
@@ -180,12 +195,12 @@ def test_nothing_is_said_of_a_reference_that_there_is_not(cyclic_cut: Run, tmp_p
     assert not named(run_charts(alone, recording)["motion"], "reference")
 
 
-def test_the_page_tells_which_fmu_and_script_it_comes_from(runs: dict[str, Run], fmus: Fmus, tmp_path: Path) -> None:
+def test_the_page_states_which_fmu_and_script_it_comes_from(runs: dict[str, Run], fmus: Fmus, tmp_path: Path) -> None:
     s, recording = runs["Synchronizer/polynomial"]
     fmu = fmus.python("Synchronizer")
     write_report(tmp_path / "report.html", s, recording, [], [], 0.02, fmu)
     text = words((tmp_path / "report.html").read_text("utf-8"))
-    assert f"Synchronizer.fmu, FMI 2.0, python flavour, GUID {Recipe('Synchronizer').guid()}" in text
+    assert f"Synchronizer.fmu, FMI 2.0, python flavour, GUID {compute_guid(Recipe('Synchronizer'))}" in text
     assert "step size 0.02 s, 801 communication points up to 8 s" in text
     assert re.search(r"date \d{4}-\d\d-\d\d \d\d:\d\d:\d\d[+-]\d\d:\d\d motionsync \d", text)
     assert re.search(r"platform \w+ \S+, \w+, Python 3\.", text)
@@ -193,7 +208,7 @@ def test_the_page_tells_which_fmu_and_script_it_comes_from(runs: dict[str, Run],
         "utf-8"
     )
     assert "from position velocity acceleration jerk 0 s 0 90 0 0" in text
-    assert origin(fmu).flavour == "python"
+    assert "python flavour" in describe_fmu(fmu)
 
 
 REACTING = """
@@ -221,18 +236,18 @@ def reacting(tmp_path: Path) -> Run:
     (tmp_path / "odd").mkdir()
     file = tmp_path / "odd" / "scenario.toml"
     file.write_text(REACTING, "utf-8")
-    s = load(file)
+    s = load_scenario(file)
     return s, run_in_process(s, s.step_size)
 
 
-def test_a_reaction_that_never_happened_is_told(reacting: Run, tmp_path: Path) -> None:
+def test_a_reaction_that_never_happened_is_reported(reacting: Run, tmp_path: Path) -> None:
     text = words(page(reacting, tmp_path / "report.html"))
     assert "reactions that did not happen 2 reaction to syn_ramp_on once: never" in text
     assert "when after set how often syn_ramp_on 0.05 s stop = true once" in text
     assert "slave.position &gt; 1e6 at once rest_value = 5 once" in text
 
 
-def test_what_reactions_set_is_told_with_its_time(cyclic_cut: Run, tmp_path: Path) -> None:
+def test_what_reactions_set_is_listed_with_its_time(cyclic_cut: Run, tmp_path: Path) -> None:
     s, recording = cyclic_cut
     assert s.reactions
     text = words(page(cyclic_cut, tmp_path / "report.html"))
@@ -242,9 +257,9 @@ def test_what_reactions_set_is_told_with_its_time(cyclic_cut: Run, tmp_path: Pat
     for number in (1, len(recording.settings)):
         setting = recording.settings[number - 1]
         name, value = next(iter(setting.values.items()))
-        told = s.recipe.variables[name].text(value)
-        assert f"{number} {setting.at:.10g} s {name} {told}" in text
-        assert f"{name} = {told}" in marks["customdata"][number - 1]
+        text_of_value = s.recipe.variables[name].text(value)
+        assert f"{number} {setting.at:.10g} s {name} {text_of_value}" in text
+        assert f"{name} = {text_of_value}" in marks["customdata"][number - 1]
 
 
 def test_of_very_many_settings_the_table_lists_the_first_thousand(runs: dict[str, Run], tmp_path: Path) -> None:
@@ -253,12 +268,12 @@ def test_of_very_many_settings_the_table_lists_the_first_thousand(runs: dict[str
     run = s, replace(recording, settings=given)
     text = words(page(run, tmp_path / "report.html"))
     assert "1501 times at which something was set" in text
-    assert "1000 1 s rest_value 11000 and 501 times more, which the chart shows" in text
+    assert "1000 1 s rest_value 11000 and 501 more times, which the chart shows" in text
     (marks,) = named(run_charts(*run)["lanes"], "set")
     assert len(marks["x"]) == 1501
 
 
-def test_what_a_scenario_says_is_escaped(reacting: Run, tmp_path: Path) -> None:
+def test_the_texts_of_a_scenario_are_escaped(reacting: Run, tmp_path: Path) -> None:
     text = page(reacting, tmp_path / "report.html")
     assert "<h1>A &lt;b&gt;stop&lt;/b&gt; &lt;/script&gt; &amp; more</h1>" in text
     assert "<b>stop" not in text
@@ -268,7 +283,7 @@ def test_what_a_scenario_says_is_escaped(reacting: Run, tmp_path: Path) -> None:
 # --- charts ---
 
 
-def test_every_colour_has_a_legend_or_a_key_and_is_told_under_the_pointer(runs: dict[str, Run], tmp_path: Path) -> None:
+def test_every_colour_has_a_legend_or_a_key_and_a_text_at_the_pointer(runs: dict[str, Run], tmp_path: Path) -> None:
     for name, run in runs.items():
         text = page(run, tmp_path / "report.html")
         for chart in run_charts(*run).values():
@@ -276,8 +291,8 @@ def test_every_colour_has_a_legend_or_a_key_and_is_told_under_the_pointer(runs: 
                 colour = trace.get("fillcolor") or trace.get("marker", trace.get("line"))["color"]
                 legend = [t["showlegend"] for t in named(chart, trace["name"])].count(True)
                 key = f'style="background: var({colour})"' in text
-                told = "hovertemplate" in trace or "fill" in trace or trace["name"] in RETOLD
-                assert told, (name, trace["name"])
+                is_explained = "hovertemplate" in trace or "fill" in trace or trace["name"] in SHOWN_ELSEWHERE
+                assert is_explained, (name, trace["name"])
                 assert legend == 1 or key or colour in ("--true", "--ink") or isinstance(colour, list), trace["name"]
 
 
@@ -341,9 +356,9 @@ def test_a_saw_is_not_drawn_over_the_axis_of_an_endless_material(cyclic_cut: Run
     s, recording = cyclic_cut
     chart = run_charts(s, recording)["motion"]
     (saw,) = named(chart, "slave", "y")
-    (beside,) = [t for t in named(chart, "master") if t["yaxis"] not in ("y2", "y3", "y4")]
-    assert beside["yaxis"] != "y"
-    assert chart.layout[beside["yaxis"].replace("y", "yaxis")]["side"] == "right"
+    (right,) = [t for t in named(chart, "master") if t["yaxis"] not in ("y2", "y3", "y4")]
+    assert right["yaxis"] != "y"
+    assert chart.layout[right["yaxis"].replace("y", "yaxis")]["side"] == "right"
     assert {"slave position in mm", "master in mm"} <= set(notes(chart))
     assert max(saw["y"]) == pytest.approx(recording.values["slave.position"].max(), rel=1e-6)
 
@@ -354,7 +369,7 @@ def test_axes_of_one_range_share_it(runs: dict[str, Run]) -> None:
 
 
 def test_rounding_is_not_drawn_large(cyclic_cut: Run) -> None:
-    """A jerk of 1e-9 mm/s3, beside positions of 30 m, is 0; one of 1 mm/s3 is not."""
+    """A jerk of 1e-9 mm/s3, with positions of 30 m, is 0; one of 1 mm/s3 is not."""
     s, recording = cyclic_cut
     still = np.zeros_like(recording.master)
     still[:, 0] = recording.master[:, 0]
@@ -363,13 +378,13 @@ def test_rounding_is_not_drawn_large(cyclic_cut: Run) -> None:
         chart = run_charts(replace(s, file=Path("none"), start={}), replace(recording, values=values, master=still))[
             "motion"
         ]
-        said = [text for text in notes(chart) if text.startswith("0 to rounding: at most 1e-9")]
+        rounding_notes = [text for text in notes(chart) if text.startswith("0 to rounding: at most 1e-9")]
         assert (chart.axis(4).get("range") == [-1.0, 1.0]) == rounding
-        assert bool(said) == rounding
+        assert bool(rounding_notes) == rounding
         assert ("yaxis4" in chart.layout["meta"]["rescaled"]) != rounding
 
 
-def test_errors_of_cuts_are_shown_beside_the_tolerance(cyclic_cut: Run) -> None:
+def test_errors_of_cuts_are_shown_with_the_tolerance(cyclic_cut: Run) -> None:
     """They are rounding here: the plot has the height of the tolerance. With 0.05 mm off it shows 0.05 mm."""
     s, recording = cyclic_cut
     chart = run_charts(s, recording)["cuts"]
@@ -391,19 +406,19 @@ def test_errors_of_cuts_are_shown_beside_the_tolerance(cyclic_cut: Run) -> None:
 @pytest.mark.parametrize("ratio", [1.0, -0.5, 2.0])
 def test_marks_pass_the_saw_where_they_are(ratio: float) -> None:
     """Marks at 5 + 30 n on a material that goes from 0 to 100 in 10 s: seen from the saw, a mark p is at ratio (m - p).
-    The window of the saw is 70 wide, so that several marks are in it at once; no point lies on its edges."""
+    The window of the saw is 70 wide, so that several marks are in it at once; no point is on its edges."""
     time = np.linspace(0.0, 10.0, 1001)
     master = np.zeros((1001, 4))
     master[:, 0] = 10.0 * time
     spec = CutSpec("cut", 30.0, 5.0, ratio, 0.1, None)
-    found = list(passages(spec, Recording(time, {}, master, []), -30.003, 39.997))
+    passing = list(passages(spec, Recording(time, {}, master, []), -30.003, 39.997))
     expected = {}
     for n in range(-10, 20):
         seen = ratio * (master[:, 0] - 5.0 - 30.0 * n)
         if (inside := (seen > -30.003) & (seen < 39.997)).any():
             expected[n] = (time[inside], seen[inside])
-    assert sorted(p.number for p in found) == sorted(expected)
-    for p in found:
+    assert sorted(p.number for p in passing) == sorted(expected)
+    for p in passing:
         assert p.place == 5.0 + 30.0 * p.number
         assert p.time == pytest.approx(expected[p.number][0])
         assert p.position == pytest.approx(expected[p.number][1])
@@ -541,7 +556,7 @@ def test_powers_of_units_are_raised(text: str, printed: str) -> None:
 
 def test_the_script_offers_no_button_that_sends_data() -> None:
     """plotly.js has one, `sendChartToCloud`; the list of buttons is the page's own."""
-    text = TEMPLATES.get_template("plots.js").render()
+    text = load_template(TEMPLATES, "plots.js").render()
     (buttons,) = re.findall(r"modeBarButtons: \[\[(.*?)\]\]", text)
     assert set(re.findall(r'"(\w+)"', buttons)) == {
         "toImage",

@@ -8,9 +8,16 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from motionsync_fmu.plan.confirmation import GAP_SKIPPED, confirmed
-from motionsync_fmu.plan.plan import chosen_lengths, chosen_velocities, make_plan
-from motionsync_fmu.plan.prediction import CYCLE, STROKE, VELOCITY, WAYS, fastest, shortest
+from motionsync_fmu.plan.confirmation import GAP_SKIPPED, confirm
+from motionsync_fmu.plan.line_plan import default_lengths, default_velocities, make_plan
+from motionsync_fmu.plan.prediction import (
+    CYCLE,
+    STROKE,
+    VELOCITY,
+    WAYS,
+    predict_greatest_velocity,
+    predict_shortest_length,
+)
 from tests.plan.machines import JERKLESS, REFERENCE, machine
 
 ONE_PER_CENT = math.sqrt(1.01) - 1.0  # of what goes with the square of the velocity
@@ -26,7 +33,7 @@ ONE_PER_CENT = math.sqrt(1.01) - 1.0  # of what goes with the square of the velo
     ],
 )
 def test_the_greatest_line_velocity_and_what_limits_it(length: float, velocity: float, bound: str) -> None:
-    point = fastest(machine(REFERENCE), length)
+    point = predict_greatest_velocity(machine(REFERENCE), length)
     assert point.velocity == pytest.approx(velocity, abs=5e-7)
     assert point.bound == bound
     assert point.lost == pytest.approx(point.velocity, rel=1e-12)  # there is no reserve
@@ -34,7 +41,7 @@ def test_the_greatest_line_velocity_and_what_limits_it(length: float, velocity: 
 
 def test_the_shortest_length_and_the_parts_of_its_cycle() -> None:
     """At 1000: 2D/V = 2 sqrt(1.5e9/2e5)/1000, a cut of 0.25 s, way home from S = 336.6; 411.6 - S is 500 R(1000)."""
-    point = shortest(machine(REFERENCE), 1000.0)
+    point = predict_shortest_length(machine(REFERENCE), 1000.0)
     assert point.cycle
     assert point.length == pytest.approx(997.606774, abs=5e-7)
     assert point.cycle.approach == pytest.approx(0.173205081, abs=5e-10)
@@ -52,7 +59,7 @@ def test_settling_clearing_and_rest_are_parts_of_the_cycle() -> None:
         "tool.retract_time": "0.04",
         "homing.settle_time": "0.02",
     }
-    point = shortest(machine(REFERENCE | limits | times), 800.0)
+    point = predict_shortest_length(machine(REFERENCE | limits | times), 800.0)
     assert point.cycle
     assert point.length == pytest.approx(988.802845, abs=5e-7)
     assert (point.cycle.settling, point.cycle.clearing, point.cycle.rest) == (pytest.approx(0.05), 0.04, 0.02)
@@ -63,7 +70,7 @@ def test_settling_clearing_and_rest_are_parts_of_the_cycle() -> None:
 def test_kerf_measuring_wheel_mitre_and_gap() -> None:
     """L 812, b 4, f 1.02: the pitch is 800. The gap of 10 over 150 takes as long as the carriage needs for 150."""
     more = {"material_factor": "1.02", "diagonal_angle": "30", "kerf": "4", "gap.distance": "10", "gap.travel": "150"}
-    point = fastest(machine(REFERENCE | more, axis_max_position="900"), 812.0)
+    point = predict_greatest_velocity(machine(REFERENCE | more, axis_max_position="900"), 812.0)
     assert point.cycle
     assert point.velocity == pytest.approx(674.114819, abs=5e-7)
     assert point.cycle.gap == pytest.approx(150.0 / (674.114819 * 1.02 / math.cos(math.pi / 6.0)), rel=1e-8)
@@ -71,16 +78,16 @@ def test_kerf_measuring_wheel_mitre_and_gap() -> None:
 
 def test_a_velocity_that_is_too_great_has_no_length() -> None:
     """The stroke of 650 admits 1431.8; without it the axis admits 1500."""
-    assert [shortest(machine(REFERENCE), v).bound for v in (1431.7, 1431.9)] == [CYCLE, STROKE]
-    assert shortest(machine(REFERENCE), 1431.9).length is None
+    assert [predict_shortest_length(machine(REFERENCE), v).bound for v in (1431.7, 1431.9)] == [CYCLE, STROKE]
+    assert predict_shortest_length(machine(REFERENCE), 1431.9).length is None
     endless = machine(REFERENCE, axis_max_position="1e9")
-    assert [shortest(endless, v).bound for v in (1500.0, 1500.1)] == [CYCLE, VELOCITY]
+    assert [predict_shortest_length(endless, v).bound for v in (1500.0, 1500.1)] == [CYCLE, VELOCITY]
 
 
 def test_a_length_below_the_ways_of_a_cycle_has_no_velocity() -> None:
     """An approach over 150 takes 300 of the material, however slow the line is."""
     data = machine(REFERENCE, approach_distance="150")
-    points = [fastest(data, length) for length in (299.0, 301.0)]
+    points = [predict_greatest_velocity(data, length) for length in (299.0, 301.0)]
     assert [point.bound for point in points] == [WAYS, CYCLE]
     assert points[0].velocity == 0.0 < points[1].velocity
 
@@ -88,15 +95,15 @@ def test_a_length_below_the_ways_of_a_cycle_has_no_velocity() -> None:
 def test_gains_by_hand() -> None:
     """Without jerk and times p = 4.736 v2/a, stroke = 1.25 v2/a: what goes with v2 gains sqrt(1.01) - 1."""
     data = machine(JERKLESS)
-    long = fastest(data, 1000.0)
+    long = predict_greatest_velocity(data, 1000.0)
     assert long.gains["acceleration"] == pytest.approx(ONE_PER_CENT, rel=1e-4)
-    assert shortest(data, 1000.0).gains["acceleration"] == pytest.approx(0.01, rel=1e-4)
+    assert predict_shortest_length(data, 1000.0).gains["acceleration"] == pytest.approx(0.01, rel=1e-4)
     assert long.limited_by == "cycle time: acceleration"
     assert {name for name, gain in long.gains.items() if gain > 1e-6} == {"acceleration"}
-    at_end = fastest(machine(JERKLESS, axis_max_position="100"), 1000.0)
+    at_end = predict_greatest_velocity(machine(JERKLESS, axis_max_position="100"), 1000.0)
     assert at_end.gains["stroke"] == pytest.approx(ONE_PER_CENT, rel=1e-4)
     assert at_end.gains["acceleration"] == pytest.approx(ONE_PER_CENT, rel=1e-4)
-    fast = fastest(machine(JERKLESS, axis_max_velocity="100"), 1000.0)
+    fast = predict_greatest_velocity(machine(JERKLESS, axis_max_velocity="100"), 1000.0)
     assert fast.gains["velocity"] == pytest.approx(0.01, rel=1e-9)
     assert fast.limited_by == "velocity"
 
@@ -105,7 +112,7 @@ def test_cuts_are_lost_only_when_the_reserve_is_used_up() -> None:
     """Without jerk and times: D = q lead, q = 1.1^2, lead = 0.75 v2/a; p_min = (1.5 q + 1 + 2 sqrt(0.75 q + 0.5)) v2/a.
     A start may be late by D - lead, so cuts are lost from p_min - 0.75 (q - 1) v2/a = p on."""
     q = 1.21
-    point = fastest(machine(JERKLESS, approach_reserve="0.1"), 1000.0)
+    point = predict_greatest_velocity(machine(JERKLESS, approach_reserve="0.1"), 1000.0)
     factor = 1.5 * q + 1.0 + 2.0 * math.sqrt(0.75 * q + 0.5)
     assert point.velocity == pytest.approx(math.sqrt(1e4 * 1000.0 / factor), rel=1e-6)
     assert point.lost == pytest.approx(math.sqrt(1e4 * 1000.0 / (factor - 0.75 * (q - 1.0))), rel=1e-6)
@@ -113,15 +120,15 @@ def test_cuts_are_lost_only_when_the_reserve_is_used_up() -> None:
 
 def test_a_reserve_is_of_no_use_where_the_tool_s_delay_is_waited_for() -> None:
     """A shorter approach leaves more of the delay to be waited in sync: the carriage never catches up."""
-    point = fastest(machine(REFERENCE, approach_reserve="0.1", tool_on_delay="0.5"), 1500.0)
+    point = predict_greatest_velocity(machine(REFERENCE, approach_reserve="0.1", tool_on_delay="0.5"), 1500.0)
     assert point.lost == pytest.approx(point.velocity, rel=1e-12)
-    assert confirmed(machine(REFERENCE, approach_reserve="0.1", tool_on_delay="0.5"), point).confirmed
+    assert confirm(machine(REFERENCE, approach_reserve="0.1", tool_on_delay="0.5"), point).is_confirmed
 
 
-def test_what_is_chosen_shows_where_the_cycle_time_no_longer_limits() -> None:
+def test_the_default_lengths_show_where_the_cycle_time_no_longer_limits() -> None:
     data = machine(REFERENCE)
-    lengths, velocities = chosen_lengths(data), chosen_velocities(data)
-    assert {fastest(data, length).bound for length in lengths} == {CYCLE, STROKE}
+    lengths, velocities = default_lengths(data), default_velocities(data)
+    assert {predict_greatest_velocity(data, length).bound for length in lengths} == {CYCLE, STROKE}
     assert velocities[-1] == data.greatest_velocity == pytest.approx(1431.797780, abs=5e-7)
     assert all(x < y for values in (lengths, velocities) for x, y in pairwise(values))
 
@@ -131,36 +138,36 @@ def test_what_is_chosen_shows_where_the_cycle_time_no_longer_limits() -> None:
 
 def test_runs_confirm_what_is_predicted() -> None:
     plan = make_plan(machine(REFERENCE), [1500.0, 2000.0], [500.0, 1400.0, 1480.0])
-    assert plan.confirmed
-    assert all(point.checks for point in plan.points)
+    assert plan.is_confirmed
+    assert all(point.checks for point in plan.predictions)
     assert [len(point.checks) for point in plan.over_length] == [3, 3]  # below, cycle, above
 
 
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_runs_confirm_no_other_velocity(share: float) -> None:
     data = machine(REFERENCE)
-    point = fastest(data, 1500.0)
+    point = predict_greatest_velocity(data, 1500.0)
     assert point.lost
-    assert confirmed(data, point).confirmed
-    assert not confirmed(data, replace(point, velocity=share * point.velocity, lost=share * point.lost)).confirmed
+    assert confirm(data, point).is_confirmed
+    assert not confirm(data, replace(point, velocity=share * point.velocity, lost=share * point.lost)).is_confirmed
 
 
 @pytest.mark.parametrize("share", [0.999, 1.001])
 def test_runs_confirm_no_other_length(share: float) -> None:
     data = machine(REFERENCE, approach_reserve="0.02")
-    point = shortest(data, 800.0)
+    point = predict_shortest_length(data, 800.0)
     assert point.length
     assert point.lost
-    assert confirmed(data, point).confirmed
-    assert not confirmed(data, replace(point, length=share * point.length)).confirmed
-    assert not confirmed(data, replace(point, lost=share * point.lost)).confirmed
+    assert confirm(data, point).is_confirmed
+    assert not confirm(data, replace(point, length=share * point.length)).is_confirmed
+    assert not confirm(data, replace(point, lost=share * point.lost)).is_confirmed
 
 
-def test_a_gap_that_is_left_out_is_told() -> None:
+def test_a_gap_that_is_left_out_is_noted() -> None:
     """The gap of 10 over 100 at 1000 needs a jerk of 60 10 / 0.1^3 = 600000, three times the axis's."""
     data = machine(REFERENCE, gap_distance="10")
-    assert confirmed(data, shortest(data, 1000.0)).remark == GAP_SKIPPED
-    assert not confirmed(data, shortest(data, 400.0)).remark
+    assert confirm(data, predict_shortest_length(data, 1000.0)).note == GAP_SKIPPED
+    assert not confirm(data, predict_shortest_length(data, 400.0)).note
 
 
 values = {
@@ -188,4 +195,4 @@ values = {
 @given(st.fixed_dictionaries(values), st.sampled_from((400.0, 1000.0, 2500.0)), st.sampled_from((150.0, 700.0)))
 def test_runs_confirm_any_machine(given_values: dict[str, str], length: float, velocity: float) -> None:
     plan = make_plan(machine(REFERENCE | given_values), [length], [velocity])
-    assert plan.confirmed, [check.text for point in plan.points for check in point.checks if not check.passed]
+    assert plan.is_confirmed, [check.text for point in plan.predictions for check in point.checks if not check.passed]

@@ -18,8 +18,8 @@ from markdown_it import MarkdownIt
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__
-from motionsync_fmu.archive import write
-from motionsync_fmu.build import Flavour
+from motionsync_fmu.build.fmu import BuildOptions
+from motionsync_fmu.build.zip import write_zip
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
@@ -30,10 +30,10 @@ NAME = f"motionsync-{__version__}"
 MADE = {f"{NAME}-py3-none-any.whl", f"{NAME}.tar.gz", f"{NAME}-fmus.zip", "RELEASE_NOTES.md", "SHA256SUMS"}
 RELEASE = """
 from pathlib import Path
-from motionsync_fmu.build import Flavour
-from tools.release import release
+from motionsync_fmu.build.fmu import BuildOptions, Flavour
+from tools.release import make_release
 
-release(Path({folder!r}), print, ["Synchronizer"], ["mm", "deg"], Flavour.PYTHON)
+make_release(Path({folder!r}), print, ["Synchronizer"], ["mm", "deg"], Flavour.PYTHON)
 """
 CHANGELOG = """# Changelog
 
@@ -79,7 +79,7 @@ def made(shared: Shared) -> Path:
 
 
 def run(folder: Path, **environment: str) -> str:
-    """Make it in a process of its own; what that tells meanwhile."""
+    """Make the release in a process of its own, and return its output."""
     path = os.pathsep.join(str(ROOT / part) for part in ("", "model", "fmu_src"))
     path = os.pathsep.join([path, os.environ.get("PYTHONPATH", "")])
     code = RELEASE.format(folder=str(folder))
@@ -89,9 +89,9 @@ def run(folder: Path, **environment: str) -> str:
     return done.stdout
 
 
-def test_a_release_is_complete_and_its_progress_is_told(tmp_path: Path, made: Path) -> None:
-    told = run(tmp_path / "again", PYTHONHASHSEED="7", TZ="Asia/Tokyo")
-    assert told.splitlines() == [
+def test_a_release_is_complete_and_its_progress_is_reported(tmp_path: Path, made: Path) -> None:
+    messages = run(tmp_path / "again", PYTHONHASHSEED="7", TZ="Asia/Tokyo")
+    assert messages.splitlines() == [
         "wheel and source",
         "mm/Synchronizer_mm.fmu (1 of 2)",
         "deg/Synchronizer_deg.fmu (2 of 2)",
@@ -106,8 +106,8 @@ def test_the_checksums_are_those_of_all_other_files(made: Path) -> None:
     lines = (made / "SHA256SUMS").read_text().splitlines()
     assert [line.split("  ")[1] for line in lines] == sorted(MADE - {"SHA256SUMS"})
     for line in lines:
-        told, name = line.split("  ")
-        assert hashlib.sha256((made / name).read_bytes()).hexdigest() == told
+        messages, name = line.split("  ")
+        assert hashlib.sha256((made / name).read_bytes()).hexdigest() == messages
 
 
 def test_every_fmu_has_its_unit_in_its_name_and_its_page_beside_it(made: Path, tmp_path: Path) -> None:
@@ -118,9 +118,9 @@ def test_every_fmu_has_its_unit_in_its_name_and_its_page_beside_it(made: Path, t
     assert names == {"LICENSE", "README.html"} | {f"{fmu}.{kind}" for fmu in fmus for kind in ("fmu", "html")}
     for fmu in fmus:
         block, unit = fmu.split("/")[1].split("_")
-        found = read_model_description(str(tmp_path / f"{fmu}.fmu"))
-        assert (found.modelName, found.version) == (block, __version__)
-        assert {t.name: t.unit for t in found.typeDefinitions}["Position"] == unit
+        result = read_model_description(str(tmp_path / f"{fmu}.fmu"))
+        assert (result.modelName, result.version) == (block, __version__)
+        assert {t.name: t.unit for t in result.typeDefinitions}["Position"] == unit
         page = (tmp_path / f"{fmu}.html").read_text("utf-8")
         assert f"<h1>{block}</h1>" in page
         addresses = Referring(page).addresses
@@ -136,19 +136,17 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
     """What is built when nothing is chosen; the build itself is another test's."""
     built = []
 
-    def build(
-        flavour: Flavour, recipe: Recipe, target: Path, progress: release.Progress, *, with_sources: bool
-    ) -> Path:
-        assert with_sources
-        built.append((flavour, recipe.name, recipe.unit, recipe.fmi))
+    def build(recipe: Recipe, target: Path, options: BuildOptions, progress: release.Progress) -> Path:
+        assert options.with_sources
+        built.append((options.flavour, recipe.name, recipe.unit, recipe.fmi))
         page = f"<code>motionsync explore {recipe.name}</code>"
-        write(target, {"documentation/index.html": page.encode(), "documentation/example.svg": b""})
+        write_zip(target, {"documentation/index.html": page.encode(), "documentation/example.svg": b""})
         return target
 
     monkeypatch.setattr(release, "build", build)
-    monkeypatch.setattr(release, "write_page", lambda name, scenarios, fmu, target, tell: target.write_text(name))
-    monkeypatch.setattr(release, "package", lambda folder: None)
-    release.release(tmp_path / "all", lambda text: None)
+    monkeypatch.setattr(release, "write_page", lambda name, scenarios, fmu, target, notify: target.write_text(name))
+    monkeypatch.setattr(release, "build_package", lambda folder: None)
+    release.make_release(tmp_path / "all", lambda text: None)
     assert sorted(built) == sorted(
         ("native", block, unit, fmi) for block in BLOCKS for unit in ("mm", "m", "deg") for fmi in ("2", "3")
     )
@@ -171,15 +169,15 @@ def test_the_date_is_that_of_the_changelog(made: Path) -> None:
 
 
 def test_source_date_epoch_is_honoured_and_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
-    for given, told in (("1700000000", "1700000000"), (None, "86400")):
+    for given, messages in (("1700000000", "1700000000"), (None, "86400")):
         monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
         if given:
             monkeypatch.setenv("SOURCE_DATE_EPOCH", given)
-        with release.dated(86400):
-            assert os.environ["SOURCE_DATE_EPOCH"] == told
+        with release.date_files(86400):
+            assert os.environ["SOURCE_DATE_EPOCH"] == messages
         assert os.environ.get("SOURCE_DATE_EPOCH") == given
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "soon")
-    with pytest.raises(UserError, match="SOURCE_DATE_EPOCH = soon is not allowed"), release.dated(0):
+    with pytest.raises(UserError, match="SOURCE_DATE_EPOCH = soon is not allowed"), release.date_files(0):
         pass
 
 
@@ -196,15 +194,15 @@ def test_the_notes_are_the_changelog_of_the_version(made: Path) -> None:
 
 
 def test_a_section_ends_where_another_or_the_links_begin() -> None:
-    told = release.notes(CHANGELOG, "2.0.0")
-    assert told == release.Notes("### Added\n\n- Two things ([#1]).\n", 1804118400)  # 2027-03-04: 20,881 days
-    assert release.notes(CHANGELOG, "0.9.0").text == "- One thing.\n"
+    messages = release.read_notes(CHANGELOG, "2.0.0")
+    assert messages == release.Notes("### Added\n\n- Two things ([#1]).\n", 1804118400)  # 2027-03-04: 20,881 days
+    assert release.read_notes(CHANGELOG, "0.9.0").text == "- One thing.\n"
 
 
 @pytest.mark.parametrize("version", ["3.0.0", "1.0.0", "2.0", "2x0.0", "Unreleased"])
 def test_a_version_of_which_the_changelog_says_nothing_is_refused(version: str) -> None:
-    with pytest.raises(UserError, match=f"^CHANGELOG.md says nothing of version {version}: write what has changed"):
-        release.notes(CHANGELOG, version)
+    with pytest.raises(UserError, match=f"^CHANGELOG.md has no text on version {version}: write what has changed"):
+        release.read_notes(CHANGELOG, version)
 
 
 def test_nothing_is_made_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -213,13 +211,13 @@ def test_nothing_is_made_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     (tmp_path / "CHANGELOG.md").write_text(CHANGELOG)
     with pytest.raises(SystemExit) as e:
         release.main()
-    assert str(e.value.code).startswith("release: CHANGELOG.md says nothing of version 99.0.0: write")
+    assert str(e.value.code).startswith("release: CHANGELOG.md has no text on version 99.0.0: write")
     assert "\n" not in str(e.value.code)
     assert [file.name for file in tmp_path.iterdir()] == ["CHANGELOG.md"]
 
 
 def test_the_changelog_says_something_of_the_present_version_and_is_in_order() -> None:
-    release.notes(changelog(), __version__)
+    release.read_notes(changelog(), __version__)
     dates = re.findall(r"^## \[\d+\.\d+\.\d+\] - (\d{4}-\d\d-\d\d)$", changelog(), re.M)
     assert dates == sorted(dates, reverse=True)
     assert re.findall(r"^## \[(.*?)\]", changelog(), re.M)[0] == "Unreleased"
@@ -235,11 +233,11 @@ def metadata(made: Path) -> Message:
 
 
 def test_the_package_names_authors_and_addresses(made: Path) -> None:
-    found = metadata(made)
+    result = metadata(made)
     home = "https://github.com/motionsync/motionsync"
-    assert found["Version"] == __version__
-    assert found["Author"] == "The motionsync authors"
-    assert found.get_all("Project-URL") == [
+    assert result["Version"] == __version__
+    assert result["Author"] == "The motionsync authors"
+    assert result.get_all("Project-URL") == [
         f"Homepage, {home}",
         f"Repository, {home}",
         f"Changelog, {home}/blob/v{__version__}/CHANGELOG.md",
@@ -251,12 +249,14 @@ def test_the_readme_in_the_package_refers_to_no_file_but_by_its_address(made: Pa
     text = metadata(made).get_payload()
     assert isinstance(text, str)
     shipped = (ROOT / "README.md").read_text("utf-8")
-    there, here = (Referring(MarkdownIt("commonmark").enable("table").render(t)).addresses for t in (text, shipped))
-    assert not relative(there)
-    assert relative(here)  # else this test sees nothing
+    release_links, readme_links = (
+        Referring(MarkdownIt("commonmark").enable("table").render(t)).addresses for t in (text, shipped)
+    )
+    assert not relative(release_links)
+    assert relative(readme_links)  # else this test sees nothing
     at = rf"https://github\.com/motionsync/motionsync/(raw|blob)/v{re.escape(__version__)}/"
-    assert [re.sub(at, "", address) for address in there] == here
-    assert all((ROOT / address.partition("#")[0]).exists() for address in relative(here))
+    assert [re.sub(at, "", address) for address in release_links] == readme_links
+    assert all((ROOT / address.partition("#")[0]).exists() for address in relative(readme_links))
     assert re.findall(r"```.*?```", text, re.S) == re.findall(r"```.*?```", shipped, re.S)
 
 

@@ -26,13 +26,13 @@ def test_without_jitter_the_latest_telegram_is_the_whole_part_of_the_true_index(
     true = c.true_index(np.arange(3000) * T)
     np.testing.assert_allclose(true, phase + np.arange(3000) * (1.0 + 1e-6 * ppm), rtol=1e-12)
     clear = np.abs(true - np.round(true)) > 1e-9
-    np.testing.assert_array_equal(c.received(3000)[clear], np.floor(true)[clear])
+    np.testing.assert_array_equal(c.received_indices(3000)[clear], np.floor(true)[clear])
 
 
 @pytest.mark.parametrize(("ppm", "step"), [(1000.0, 2), (-1000.0, 0)])
 def test_a_beat_comes_each_million_over_ppm_cycles(ppm: float, step: int) -> None:
     """A faster sender's index then skips one, a slower one's repeats."""
-    steps = np.diff(clocks(ppm, phase=0.5).received(4400))
+    steps = np.diff(clocks(ppm, phase=0.5).received_indices(4400))
     beats = np.flatnonzero(steps != 1)
     assert steps[beats].tolist() == [step] * 4
     assert np.diff(beats).tolist() == [1000] * 3
@@ -40,12 +40,12 @@ def test_a_beat_comes_each_million_over_ppm_cycles(ppm: float, step: int) -> Non
 
 @pytest.mark.parametrize(("cycle", "steps"), [(2.0 * T, [0, 1]), (0.5 * T, [2]), (3.0 * T, [0, 0, 1])])
 def test_a_data_cycle_may_be_a_multiple_or_a_part(cycle: float, steps: list[int]) -> None:
-    index = Clocks(T, (Rate(0.0, cycle),), phase=0.3).received(60)
+    index = Clocks(T, (Rate(0.0, cycle),), phase=0.3).received_indices(60)
     assert sorted(np.diff(index)[: len(steps)].tolist()) == sorted(steps)
     assert index[-1] == int(0.3 + 59 * T / cycle)
 
 
-def test_a_telegram_tells_the_axis_at_its_instant_without_jitter() -> None:
+def test_a_telegram_shows_the_axis_at_its_instant_without_jitter() -> None:
     axis = Script(10.0, 100.0, 0.0, [Segment(1.0), Segment(2.0, acceleration=-30.0)])
     c = clocks(300.0, phase=0.4, jitter=0.05, seed=3, first_index=65000)
     seen = c.telegrams(axis, 1200)
@@ -54,7 +54,7 @@ def test_a_telegram_tells_the_axis_at_its_instant_without_jitter() -> None:
     np.testing.assert_allclose(seen.motion[:, 0], 10.0 + 100.0 * sent - 15.0 * later**2, atol=1e-9)
     np.testing.assert_allclose(seen.motion[:, 1], 100.0 - 30.0 * later, atol=1e-9)
     np.testing.assert_array_equal(seen.motion[:, 2], np.where(later > 0.0, -30.0, 0.0))
-    np.testing.assert_allclose(c.sent(seen.index), sent, atol=1e-12)
+    np.testing.assert_allclose(c.send_times(seen.index), sent, atol=1e-12)
 
 
 def test_the_index_wraps_as_a_word_does_and_the_true_one_never() -> None:
@@ -67,7 +67,7 @@ def test_the_index_wraps_as_a_word_does_and_the_true_one_never() -> None:
 
 def test_before_the_first_telegram_arrives_the_one_before_is_seen() -> None:
     axis = Script(0.0, 1.0, 0.0, [])
-    late = next(s for s in range(100) if clocks(jitter=0.01, seed=s).received(1)[0] == -1)
+    late = next(s for s in range(100) if clocks(jitter=0.01, seed=s).received_indices(1)[0] == -1)
     seen = clocks(jitter=0.01, seed=late).telegrams(axis, 1)
     assert seen.cycle_index.tolist() == [65535]
     assert seen.motion[0, 0] == -T
@@ -75,9 +75,9 @@ def test_before_the_first_telegram_arrives_the_one_before_is_seen() -> None:
 
 def test_lost_telegrams_leave_the_one_before_them() -> None:
     c = clocks(phase=0.5, lost=((10, 15), (20, 20)))
-    assert c.received(24).tolist() == [*range(10), *[9] * 6, 16, 17, 18, 19, 19, 21, 22, 23]
+    assert c.received_indices(24).tolist() == [*range(10), *[9] * 6, 16, 17, 18, 19, 19, 21, 22, 23]
     shifted = clocks(phase=0.5, lost=((110, 115), (120, 120)), first_index=100)
-    np.testing.assert_array_equal(shifted.received(24), c.received(24) + 100)
+    np.testing.assert_array_equal(shifted.received_indices(24), c.received_indices(24) + 100)
 
 
 def test_a_change_of_the_sender_s_cycle_keeps_the_phase() -> None:
@@ -87,7 +87,7 @@ def test_a_change_of_the_sender_s_cycle_keeps_the_phase() -> None:
     expected = [0.25 - 5.0, 250.25, 500.25, 1000.75, 1501.25, 2000.75]
     np.testing.assert_allclose(c.true_index(times), expected, atol=1e-9)
     index = np.arange(-5, 2500)
-    np.testing.assert_allclose(c.true_index(c.sent(index)), index, atol=1e-9)
+    np.testing.assert_allclose(c.true_index(c.send_times(index)), index, atol=1e-9)
 
 
 def normal(x: float) -> float:
@@ -104,9 +104,9 @@ def test_jitter_is_gaussian_and_independent_on_both_sides(cycle: float) -> None:
     for seed in seeds:
         c = Clocks(T, (Rate(0.0, cycle / 1.00001),), phase=0.95, jitter=0.01, seed=seed)
         true = c.true_index(np.arange(cycles) * T)
-        found = c.received(cycles) >= np.round(true)
+        result = c.received_indices(cycles) >= np.round(true)
         distance = (np.round(true) - true) * cycle / T
-        arrived[seed] = [found[np.abs(distance - d) < 0.0005].mean() for d in due]
+        arrived[seed] = [result[np.abs(distance - d) < 0.0005].mean() for d in due]
     share = [normal(-d / (0.01 * math.sqrt(2.0))) for d in due]
     np.testing.assert_allclose(arrived.mean(axis=0), share, atol=0.02)
     assert len(np.unique(arrived[:, 2])) > 10
@@ -115,14 +115,14 @@ def test_jitter_is_gaussian_and_independent_on_both_sides(cycle: float) -> None:
 def test_jitter_never_changes_the_order() -> None:
     """However great it is: a cycle never sees an older telegram than the one before it."""
     for cycle in (T, 3.0 * T, T / 3.0):
-        index = Clocks(T, (Rate(0.0, cycle / 1.0002),), jitter=1.0, seed=1).received(20_000)
+        index = Clocks(T, (Rate(0.0, cycle / 1.0002),), jitter=1.0, seed=1).received_indices(20_000)
         assert np.diff(index).min() >= 0
 
 
 def test_the_same_seed_gives_the_same_run_however_long() -> None:
     c = clocks(100.0, phase=0.99, jitter=0.02, seed=7)
-    np.testing.assert_array_equal(c.received(500), c.received(3000)[:500])
-    assert (c.received(3000) != clocks(100.0, phase=0.99, jitter=0.02, seed=8).received(3000)).any()
+    np.testing.assert_array_equal(c.received_indices(500), c.received_indices(3000)[:500])
+    assert (c.received_indices(3000) != clocks(100.0, phase=0.99, jitter=0.02, seed=8).received_indices(3000)).any()
 
 
 @pytest.mark.parametrize(
@@ -139,12 +139,12 @@ def test_the_same_seed_gives_the_same_run_however_long() -> None:
     ],
 )
 def test_a_step_shows_its_first_cycle_s_telegram(begin: float, end: float, shown: int) -> None:
-    assert clocks().shown(begin, end) == shown
+    assert clocks().find_visible_cycle(begin, end) == shown
 
 
 def test_steps_up_to_a_cycle_show_each_telegram_with_the_step_in_which_its_cycle_acts() -> None:
     c = clocks()
     for h in (T, 0.0007, 0.0019999):
         grid = [i * h for i in range(int(1.0 / h))]
-        acting = [(begin, end) for begin, end in pairwise(grid) if c.acted(end) > c.acted(begin)]
-        assert [c.shown(begin, end) for begin, end in acting] == list(range(c.acted(grid[-1])))
+        acting = [(begin, end) for begin, end in pairwise(grid) if c.count_cycles(end) > c.count_cycles(begin)]
+        assert [c.find_visible_cycle(begin, end) for begin, end in acting] == list(range(c.count_cycles(grid[-1])))

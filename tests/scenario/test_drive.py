@@ -17,14 +17,14 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.pages.report.page import write_report
 from motionsync_fmu.pages.results import write_outcome
-from motionsync_fmu.scenario.crosscheck import inputs_csv
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Reals, Recording
-from motionsync_fmu.scenario.run import run_in_process, simulate
+from motionsync_fmu.scenario.run.simulation import run_in_process, simulate
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
-from tests.support.scenario_texts import FREE_SAW, written
+from tests.support.scenario_texts import FREE_SAW, write_scenario
 
 FREE = FREE_SAW + 'follows = "slave.velocity"\ntime_constant = 0.3\n'
 COUPLED = """\
@@ -54,7 +54,7 @@ LOOK = 0.01 / 128.0  # s
 
 
 def ran(text: str, folder: Path, step_size: float = 0.01) -> Recording:
-    return run_in_process(load(written(text, folder)), step_size)
+    return run_in_process(load_scenario(write_scenario(text, folder)), step_size)
 
 
 def of_the_master(recording: Recording, times: Iterator[float] | list[float]) -> Reals:
@@ -70,27 +70,27 @@ def of_the_master(recording: Recording, times: Iterator[float] | list[float]) ->
 @pytest.mark.parametrize("step_size", STEP_SIZES)
 @pytest.mark.parametrize("mode", ["START_OF_STEP", "END_OF_STEP", "POSITION_ONLY"])
 def test_a_master_follows_with_the_lag_of_its_time_constant(mode: str, step_size: float, tmp_path: Path) -> None:
-    """It stands until the first scan, and n scans later has the velocity 100 (1 - Q^n): after a time constant, n = 30,
+    """It rests until the first scan, and n scans later has the velocity 100 (1 - Q^n): after a time constant, n = 30,
     100 (1 - 1/e) = 63.21. Each scan it goes 0.01 times the mean of two such velocities; their sum up to n = 30 is
     100 (30 - (1 + Q)/2 (1 - Q^30)/(1 - Q))."""
     text = FREE.replace("[start]\n", f'[start]\n"master.input_mode" = "{mode}"\n')
     recording = ran(text, tmp_path, step_size)
-    found = of_the_master(recording, [0.01, 0.02, 0.31, 1.81])
+    result = of_the_master(recording, [0.01, 0.02, 0.31, 1.81])
     velocities = [0.0, 100.0 * (1.0 - Q), 100.0 * (1.0 - math.exp(-1.0)), 100.0 * (1.0 - math.exp(-6.0))]
-    assert found[:, 1] == pytest.approx(velocities, abs=1e-10)
+    assert result[:, 1] == pytest.approx(velocities, abs=1e-10)
     way = 100.0 * (30.0 - (1.0 + Q) / 2.0 * (1.0 - math.exp(-1.0)) / (1.0 - Q)) * 0.01
-    assert found[[0, 2], 0] == pytest.approx([0.0, way], abs=1e-10)
+    assert result[[0, 2], 0] == pytest.approx([0.0, way], abs=1e-10)
 
 
 @pytest.mark.parametrize("step_size", STEP_SIZES)
 def test_its_acceleration_is_constant_within_a_scan_and_limited(step_size: float, tmp_path: Path) -> None:
-    """The lag alone would begin with 100 (1 - Q)/0.01 = 327.8 mm/s2. With 200 the velocity rises by 2 each scan, and
+    """The lag alone would start with 100 (1 - Q)/0.01 = 327.8 mm/s2. With 200 the velocity rises by 2 each scan, and
     the lag needs less than that from 100 - 200/3.278 = 39.0 on: n = 20, at 40. Half a second later, 50 scans,
     100 - 60 Q^50 = 88.67."""
     recording = ran(FREE + "max_acceleration = 200.0\n", tmp_path, step_size)
-    found = of_the_master(recording, [0.11, 0.21, 0.71])
-    assert found[:, 1] == pytest.approx([20.0, 40.0, 100.0 - 60.0 * Q**50], abs=1e-10)
-    assert found[0, 0] == pytest.approx(200.0 * 0.1**2 / 2.0, abs=1e-10)
+    result = of_the_master(recording, [0.11, 0.21, 0.71])
+    assert result[:, 1] == pytest.approx([20.0, 40.0, 100.0 - 60.0 * Q**50], abs=1e-10)
+    assert result[0, 0] == pytest.approx(200.0 * 0.1**2 / 2.0, abs=1e-10)
     time, accelerations = recording.time[1:], recording.master[1:, 2]
     scans = np.ceil(time / 0.01 - 1e-6)
     assert all(np.ptp(accelerations[scans == n]) == 0.0 for n in range(1, 200))
@@ -100,7 +100,7 @@ def test_its_acceleration_is_constant_within_a_scan_and_limited(step_size: float
 
 @pytest.mark.parametrize("step_size", STEP_SIZES)
 def test_a_scan_takes_what_was_there_shortly_before_it(step_size: float, tmp_path: Path) -> None:
-    """The line has the saw's 100 mm/s when, at 0.5 s, the saw begins to speed up with a jerk of 100000: after t it has
+    """The line has the saw's 100 mm/s when, at 0.5 s, the saw starts to speed up with a jerk of 100000: after t it has
     100 + 50000 t^2."""
     text = FREE.replace("[master]\n", "[master]\nvelocity = 100.0\n")
     recording = ran(
@@ -119,7 +119,7 @@ def test_a_scan_takes_what_was_there_shortly_before_it(step_size: float, tmp_pat
 @pytest.mark.parametrize("mode", ["START_OF_STEP", "END_OF_STEP"])
 @pytest.mark.parametrize("step_size", STEP_SIZES)
 def test_the_loop_through_the_block_is_closed(mode: str, step_size: float, tmp_path: Path) -> None:
-    """Until 0.1 the slave stands, and the line slows down from 100; then the slave has half of the line's velocity.
+    """Until 0.1 the slave is at rest, and the line slows down from 100; then the slave has half of the line's velocity.
     What a scan sees of it is a look before: less than at the scan by that part of the line's last change."""
     text = COUPLED.replace("[start]\n", f'[start]\n"master.input_mode" = "{mode}"\n')
     velocities = [100.0, 100.0]  # at 0 and at the first scan
@@ -129,10 +129,10 @@ def test_the_loop_through_the_block_is_closed(mode: str, step_size: float, tmp_p
         asked = 0.5 * (now - (now - last) / 128.0) if scan > 10 else 0.0
         velocities.append(asked + (now - asked) * Q)
     recording = ran(text, tmp_path, step_size)
-    found = of_the_master(recording, [round(0.01 * n, 12) for n in range(200)])
-    assert found[:, 1] == pytest.approx(velocities, abs=1e-9)
+    result = of_the_master(recording, [round(0.01 * n, 12) for n in range(200)])
+    assert result[:, 1] == pytest.approx(velocities, abs=1e-9)
     way = 0.01 * sum((one + other) / 2.0 for one, other in pairwise(velocities))
-    assert found[-1, 0] == pytest.approx(way, abs=1e-9)
+    assert result[-1, 0] == pytest.approx(way, abs=1e-9)
     slave = recording.values["slave.velocity"][recording.time > 0.1 + 1e-9]
     assert slave == pytest.approx(recording.master[recording.time > 0.1 + 1e-9, 1] / 2.0, abs=1e-9)
 
@@ -140,11 +140,11 @@ def test_the_loop_through_the_block_is_closed(mode: str, step_size: float, tmp_p
 def test_the_position_is_wrapped_into_the_period_of_the_master(tmp_path: Path) -> None:
     """The scripted axis of the recording is the unwrapped one; what the block gets is below the period."""
     text = COUPLED.replace("[start]\n", '[start]\n"master.period" = 20.0\n')
-    scenario = load(written(text, tmp_path))
+    scenario = load_scenario(write_scenario(text, tmp_path))
     recording = run_in_process(scenario, 0.01)
     assert recording.master[-1, 0] > 40.0
     assert recording.script
-    rows = inputs_csv(scenario.settled(recording.settings, recording.script)).splitlines()[1:]
+    rows = inputs_csv(scenario.with_recorded_inputs(recording.settings, recording.script)).splitlines()[1:]
     assert all(0.0 <= float(row.split(",")[2]) < 20.0 for row in rows)
 
 
@@ -153,7 +153,7 @@ def test_the_position_is_wrapped_into_the_period_of_the_master(tmp_path: Path) -
 
 @pytest.mark.parametrize("step_size", [0.01, 0.007])
 def test_an_fmu_leads_to_the_same_numbers(step_size: float, tmp_path: Path, fmus: Fmus) -> None:
-    scenario = load(written(COUPLED, tmp_path))
+    scenario = load_scenario(write_scenario(COUPLED, tmp_path))
     one, other = run_in_process(scenario, step_size), simulate(scenario, fmus.python("Gearing"), step_size)
     assert one.master.tolist() == other.master.tolist()
     assert one.values["slave.position"].tolist() == other.values["slave.position"].tolist()
@@ -163,10 +163,10 @@ def test_an_fmu_leads_to_the_same_numbers(step_size: float, tmp_path: Path, fmus
 def test_the_settled_scenario_has_the_motion_of_the_run(mode: str, tmp_path: Path) -> None:
     """It neither reacts nor follows, and gives the same master at another step size, too."""
     text = COUPLED.replace("[start]\n", f'[start]\n"master.input_mode" = "{mode}"\n')
-    scenario = load(written(text, tmp_path))
+    scenario = load_scenario(write_scenario(text, tmp_path))
     recording = run_in_process(scenario, 0.01)
     assert recording.script
-    settled = scenario.settled(recording.settings, recording.script)
+    settled = scenario.with_recorded_inputs(recording.settings, recording.script)
     assert (scenario.reacts, settled.reacts) == (True, False)
     again = run_in_process(settled, 0.007)
     common, i, j = np.intersect1d(recording.time, again.time, return_indices=True)
@@ -175,7 +175,7 @@ def test_the_settled_scenario_has_the_motion_of_the_run(mode: str, tmp_path: Pat
 
 
 def test_a_run_does_not_change_the_scenario(tmp_path: Path) -> None:
-    scenario = load(written(FREE, tmp_path))
+    scenario = load_scenario(write_scenario(FREE, tmp_path))
     one, other = (run_in_process(scenario, 0.01) for _ in range(2))
     assert one.master.tolist() == other.master.tolist()
     assert scenario.master.breaks == [0.0]
@@ -185,12 +185,14 @@ def test_a_run_does_not_change_the_scenario(tmp_path: Path) -> None:
 def test_the_oracle_finds_the_same_by_itself(limit: str, tmp_path: Path) -> None:
     """The saw's velocity is constant at first; then it changes from scan to scan, and is constant again."""
     change = '[[set]]\nat = 0.4\n"move_velocity.velocity" = 300.0\n"move_velocity.execute" = true\n'
-    scenario = load(written(FREE.replace("stop_time = 2.0", "stop_time = 1.0") + limit + change, tmp_path))
+    scenario = load_scenario(
+        write_scenario(FREE.replace("stop_time = 2.0", "stop_time = 1.0") + limit + change, tmp_path)
+    )
     recording = run_in_process(scenario, 0.01)
     script = regenerate.independent_script(scenario)
     assert "follows" not in script["master"]
-    found = regenerate.master(scenario, script)
-    motions = [found.until(t) for t in recording.time.tolist()]
+    result = regenerate.master(scenario, script)
+    motions = [result.until(t) for t in recording.time.tolist()]
     expected = [(m.position, m.velocity, m.acceleration) for m in motions]
     np.testing.assert_allclose(recording.master[:, :3], expected, atol=1e-9, rtol=0.0)
     files = regenerate.files(scenario.file)
@@ -201,7 +203,7 @@ def test_the_oracle_finds_the_same_by_itself(limit: str, tmp_path: Path) -> None
 
 def outcome(text: str, folder: Path) -> tuple[Scenario, Path]:
     """The scenario, and the folder into which a run of it has written its files."""
-    scenario = load(written(text, folder))
+    scenario = load_scenario(write_scenario(text, folder))
     recording = run_in_process(scenario, 0.01)
     write_outcome(scenario, folder / "none.fmu", recording, folder / "out", own_step=True, report=False)
     write_report(folder / "report.html", scenario, recording, [], [], 0.01)
@@ -220,9 +222,9 @@ def test_the_inputs_for_fmpy_have_the_motion_of_the_run(tmp_path: Path) -> None:
 def test_the_report_says_what_the_master_follows(tmp_path: Path) -> None:
     outcome(FREE.replace("[master]\n", "[master]\nposition = 7.5\n") + "max_acceleration = 500.0\n", tmp_path)
     text = " ".join((tmp_path / "report.html").read_text("utf-8").split())
-    told = "begins at the position 7.5 with the velocity 0, and follows <code>slave.velocity</code> with a lag of first"
-    assert told in text
-    assert "time constant 0.3 s, at most 500 of acceleration. It takes the velocity each 0.01 s." in text
+    sentence = "starts at the position 7.5 with the velocity 0, and follows <code>slave.velocity</code> with a lag"
+    assert sentence in text
+    assert "time constant 0.3 s, at most 500 of acceleration. It reads this velocity every 0.01 s." in text
 
 
 # --- the flagship ---
@@ -238,12 +240,12 @@ def numbers(text: str) -> Reals:
 @pytest.mark.parametrize("step_size", [0.01, 0.007])
 def test_the_flagship_s_line_runs_as_the_oracle_s(step_size: float) -> None:
     """The oracle has closed the loop by itself, and made the input file of it: time, the master and the commands."""
-    scenario = load(FLAGSHIP)
+    scenario = load_scenario(FLAGSHIP)
     recording = run_in_process(scenario, step_size)
     assert recording.script
-    found = numbers(inputs_csv(scenario.settled(recording.settings, recording.script)))
+    result = numbers(inputs_csv(scenario.with_recorded_inputs(recording.settings, recording.script)))
     expected = numbers((FLAGSHIP.parent / "CutToLength_in.csv").read_text())
-    np.testing.assert_allclose(found, expected, atol=1e-7, rtol=0.0)
+    np.testing.assert_allclose(result, expected, atol=1e-7, rtol=0.0)
 
 
 @pytest.mark.parametrize(
@@ -283,20 +285,20 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> None:
+def test_a_mistake_is_reported_with_file_line_and_key(name: str, tmp_path: Path) -> None:
     old, new, key, line, words = MISTAKES[name]
-    assert load(written(FREE, tmp_path))
-    file = written(FREE.replace(old, new, 1), tmp_path)
-    with pytest.raises(UserError) as found:
-        load(file)
-    assert str(found.value).startswith(f"{file}:{line}: {key}: ")
-    assert [word for word in words if word not in str(found.value)] == []
-    assert "\n" not in str(found.value)
+    assert load_scenario(write_scenario(FREE, tmp_path))
+    file = write_scenario(FREE.replace(old, new, 1), tmp_path)
+    with pytest.raises(UserError) as result:
+        load_scenario(file)
+    assert str(result.value).startswith(f"{file}:{line}: {key}: ")
+    assert [word for word in words if word not in str(result.value)] == []
+    assert "\n" not in str(result.value)
 
 
 def test_the_remote_axis_of_a_scenario_or_a_line_does_not_follow(tmp_path: Path) -> None:
-    for place, read in (("RemoteSync/no_drift/scenario.toml", load), ("line/line.toml", load_line)):
+    for place, read in (("RemoteSync/no_drift/scenario.toml", load_scenario), ("line/line.toml", load_line)):
         text = (ROOT / "scenarios" / place).read_text()
-        file = written(text.replace("[remote]", '[remote]\nfollows = "slave.velocity"', 1), tmp_path)
+        file = write_scenario(text.replace("[remote]", '[remote]\nfollows = "slave.velocity"', 1), tmp_path)
         with pytest.raises(UserError, match="follows: unknown key"):
             read(file)

@@ -1,7 +1,7 @@
-"""The pieces of a block that tells them: what a run of a scenario finds, measures once more and judges.
+"""The pieces of a block that reports them: what a run of a scenario finds, measures once more and checks.
 
-Most runs are made by hand (`tests/support/sawn.py`), so that each number is known: the line runs at 1000 u/s, the front
-end stands for a cut at 198, the kerf is 4. Pieces of 1500, 1500, 1000 and 2000 end at 1702, 3206, 4210 and 6214.
+Most runs are made by hand (`tests/support/hand_made_run.py`), so that each number is known: the line runs at 1000 u/s,
+the front end is a cut at 198, the kerf is 4. Pieces of 1500, 1500, 1000 and 2000 end at 1702, 3206, 4210 and 6214.
 """
 
 from dataclasses import replace
@@ -11,23 +11,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motionsync.cut_to_length.interface import PieceKind
+from motionsync.cutting.interface import PieceKind
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.interface.roles import books
+from motionsync_fmu.interface.roles import piece_variables
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.summary import print_result, print_row
-from motionsync_fmu.scenario.figures import figures
-from motionsync_fmu.scenario.judge import check
-from motionsync_fmu.scenario.outcome import Outcome
-from motionsync_fmu.scenario.pieces import Piece, find_pieces, rises
-from motionsync_fmu.scenario.production import Production, production
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.find_pieces import Piece, find_pieces, rises
+from motionsync_fmu.scenario.evaluate.key_figures import compute_key_figures
+from motionsync_fmu.scenario.evaluate.outcome import ScenarioOutcome
+from motionsync_fmu.scenario.evaluate.production import Production, evaluate_production
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.settings import Setting
-from tests.support.sawn import APPROACH, CUT, Sawn, sawn
+from tests.support.hand_made_run import APPROACH, CUT, HandMadeRun, record
 
 TEXT = """
 title = "t"
@@ -50,13 +50,13 @@ ENDS = [1702.0, 3206.0, 4210.0, 6214.0]
 def scenario(folder: Path, more: str = "", text: str = TEXT) -> Scenario:
     file = folder / "scenario.toml"
     file.write_text(text + more, "utf-8")
-    return load(file)
+    return load_scenario(file)
 
 
 def run(s: Scenario, **changed: Any) -> Recording:
     """A run by hand of the four pieces; `changed`: what is different in it."""
-    made = Sawn(198.0, 4.0, FOUR, [1.0, 0.4, 0.3, 0.2], [(0.0, 900.0)], [(0.0, 1250.0)], [3])
-    return sawn(s, replace(made, **changed), 0.2, 0.01)
+    four_pieces = HandMadeRun(198.0, 4.0, FOUR, [1.0, 0.4, 0.3, 0.2], [(0.0, 900.0)], [(0.0, 1250.0)], [3])
+    return record(s, replace(four_pieces, **changed), 0.2, 0.01)
 
 
 def with_values(recording: Recording, **values: Any) -> Recording:
@@ -64,58 +64,58 @@ def with_values(recording: Recording, **values: Any) -> Recording:
     return replace(recording, values=recording.values | {name.replace("__", "."): v for name, v in values.items()})
 
 
-def made_of(s: Scenario, recording: Recording) -> Production:
-    made = production(s, recording)
-    assert made
-    return made
+def production_of(s: Scenario, recording: Recording) -> Production:
+    production = evaluate_production(s, recording)
+    assert production
+    return production
 
 
 def verdicts(s: Scenario, recording: Recording) -> dict[str, tuple[str, bool]]:
     """What is found of each expectation, by its first two words."""
-    return {" ".join(c.expected.split()[:2]): (c.found, c.passed) for c in check(s, recording)}
+    return {" ".join(c.expected.split()[:2]): (c.actual, c.passed) for c in check_expectations(s, recording)}
 
 
 # --- what is found ---
 
 
-def test_the_pieces_are_told_and_measured(tmp_path: Path) -> None:
+def test_the_pieces_are_reported_and_measured(tmp_path: Path) -> None:
     """A cut is in sync when the material has gone on by D: at (C + D)/1000 s, and it lasts 0.25 s."""
-    found = find_pieces(s := scenario(tmp_path), run(s))
-    assert [(p.number, p.name, p.length, p.error, p.good) for p in found] == [
+    result = find_pieces(s := scenario(tmp_path), run(s))
+    assert [(p.number, p.name, p.length, p.error, p.good) for p in result] == [
         (1, "PRODUCT", 1500.0, 0.0, True),
         (2, "PRODUCT", 1500.0, 0.0, True),
         (3, "SAMPLE", 1000.0, 0.0, False),
         (4, "MERGED", 2000.0, 500.0, False),
     ]
-    assert [p.end for p in found] == pytest.approx(ENDS, abs=1e-9)
-    assert [p.begin for p in found] == pytest.approx([198.0, *ENDS[:-1]], abs=1e-9)
-    assert found[0].measured is None  # where the front end was, the positions do not tell
-    assert [p.measured for p in found[1:]] == pytest.approx([1500.0, 1000.0, 2000.0], abs=1e-9)
-    assert [p.ordered for p in found] == [1500.0, 1500.0, 1000.0, 1500.0]
-    assert [p.reserve for p in found] == [1.0, 0.4, 0.3, 0.2]
-    for piece, end in zip(found, ENDS, strict=True):
+    assert [p.end for p in result] == pytest.approx(ENDS, abs=1e-9)
+    assert [p.begin for p in result] == pytest.approx([198.0, *ENDS[:-1]], abs=1e-9)
+    assert result[0].measured is None  # where the front end was, the positions do not show
+    assert [p.measured for p in result[1:]] == pytest.approx([1500.0, 1000.0, 2000.0], abs=1e-9)
+    assert [p.ordered for p in result] == [1500.0, 1500.0, 1000.0, 1500.0]
+    assert [p.reserve for p in result] == [1.0, 0.4, 0.3, 0.2]
+    for piece, end in zip(result, ENDS, strict=True):
         sync = (end + APPROACH) / 1000.0
         assert piece.sync == pytest.approx(sync, abs=1e-9)
         assert piece.cut == pytest.approx((sync, sync + CUT), abs=0.01)
-        assert 0.0 <= piece.told - (sync + CUT) < 0.01
+        assert 0.0 <= piece.reported_at - (sync + CUT) < 0.01
         assert piece.wander < 1e-9
 
 
-def test_a_block_that_tells_no_pieces_has_none() -> None:
-    assert books(variables(FlyingSaw())) is None
+def test_a_block_that_shows_no_pieces_has_none() -> None:
+    assert piece_variables(variables(FlyingSaw())) is None
 
 
 def test_factor_kerf_and_correction_are_those_with_which_a_piece_was_begun(tmp_path: Path) -> None:
     """From 3 s on, while the second piece is made, the correction is 7 and the kerf 5.
 
-    The block told 1500 of a pitch of 1504, so it took those of before; the third is told as 992 = 1004 - 5 - 7. With a
-    factor of 1.02 and the kerf of 5 a pitch of 1504 is 1529.08 long."""
+    The block reported 1500 of a pitch of 1504, so it took those of before; the third is reported as 992 = 1004 - 5 - 7.
+    With a factor of 1.02 and the kerf of 5 a pitch of 1504 is 1529.08 long."""
     s = scenario(tmp_path)
     later = replace(run(s), settings=[*s.settings, Setting(3.0, {"length_correction": 7.0, "kerf": 5.0})])
     lengths = later.values["last.length"]
-    told = np.where(lengths == 1000.0, 992.0, lengths)
-    found = find_pieces(s, with_values(later, last__length=told))
-    assert [p.measured for p in found[1:3]] == pytest.approx([1500.0, 992.0], abs=1e-9)
+    error = np.where(lengths == 1000.0, 992.0, lengths)
+    result = find_pieces(s, with_values(later, last__length=error))
+    assert [p.measured for p in result[1:3]] == pytest.approx([1500.0, 992.0], abs=1e-9)
     factor = scenario(tmp_path, text=TEXT.replace("kerf = 4.0", "kerf = 5.0\nmaterial_factor = 1.02"))
     second = find_pieces(factor, run(s))[1]
     assert second.measured == pytest.approx(1.02 * 1504.0 - 5.0, abs=1e-9)
@@ -137,40 +137,40 @@ def test_the_first_piece_after_a_further_start_is_not_measured_from_the_cut_befo
     s = scenario(tmp_path)
     stopped = run(s)
     running = np.where((stopped.time > 2.5) & (stopped.time < 2.8), 0.0, stopped.values["running"])
-    found = find_pieces(s, with_values(stopped, running=running))
-    assert [p.measured is None for p in found] == [True, True, False, False]
-    assert found[1].begin == pytest.approx(3206.0 - 1504.0, abs=1e-9)
+    result = find_pieces(s, with_values(stopped, running=running))
+    assert [p.measured is None for p in result] == [True, True, False, False]
+    assert result[1].begin == pytest.approx(3206.0 - 1504.0, abs=1e-9)
 
 
-def test_a_cut_within_one_step_is_told_but_not_measured(tmp_path: Path) -> None:
+def test_a_cut_within_one_step_is_reported_but_not_measured(tmp_path: Path) -> None:
     s = scenario(tmp_path)
     plain = run(s)
     unseen = with_values(plain, tool__cutting=np.zeros(len(plain.time)))
-    found = find_pieces(s, unseen)
-    assert [(p.number, p.cut, p.measured) for p in found] == [(n, None, None) for n in (1, 2, 3, 4)]
+    result = find_pieces(s, unseen)
+    assert [(p.number, p.cut, p.measured) for p in result] == [(n, None, None) for n in (1, 2, 3, 4)]
     assert "cuts within" not in verdicts(scenario(tmp_path, "[cuts]\ncount = 4\n"), unseen)
 
 
 def test_a_cut_that_was_broken_off_is_none(tmp_path: Path) -> None:
-    """The blade was down between 2.4 s and 2.6 s, and no piece was told: the cut at 3.3 s ended the second one."""
+    """The blade was down between 2.4 s and 2.6 s, and no piece was reported: the cut at 3.3 s ended the second one."""
     s = scenario(tmp_path)
     plain = run(s)
     cutting = np.where((plain.time > 2.4) & (plain.time < 2.6), 1.0, plain.values["tool.cutting"])
-    found = find_pieces(s, with_values(plain, tool__cutting=cutting))
-    assert [p.end for p in found] == pytest.approx(ENDS, abs=1e-9)
+    result = find_pieces(s, with_values(plain, tool__cutting=cutting))
+    assert [p.end for p in result] == pytest.approx(ENDS, abs=1e-9)
 
 
-def test_pieces_that_are_told_within_one_step_are_counted(tmp_path: Path) -> None:
-    """At points 3 s apart the block has told 0, 1 and 3 pieces: the second one nobody saw."""
+def test_pieces_that_are_reported_within_one_step_are_counted(tmp_path: Path) -> None:
+    """At points 3 s apart the block has reported 0, 1 and 3 pieces: the second one nobody saw."""
     s = scenario(tmp_path)
     full = run(s)
     sparse = Recording(
         full.time[::300], {n: v[::300] for n, v in full.values.items()}, full.master[::300], [], full.settings
     )
-    made = made_of(s, sparse)
-    assert made.cuts == 3
-    assert [p.number for p in made.pieces] == [1, 3]
-    assert made.remarks[-1] == "1 piece not told: the step is longer than it takes to make one"
+    production = production_of(s, sparse)
+    assert production.cuts == 3
+    assert [p.number for p in production.pieces] == [1, 3]
+    assert production.notes[-1] == "1 piece not reported: the step is longer than it takes to make one"
 
 
 def test_a_counter_that_begins_anew_goes_on_counting() -> None:
@@ -178,68 +178,72 @@ def test_a_counter_that_begins_anew_goes_on_counting() -> None:
     assert rises(counter).tolist() == [0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0]
 
 
-# --- how it is told ---
+# --- how it is shown ---
 
 
-def test_what_was_made_is_told_in_words(tmp_path: Path) -> None:
+def test_what_was_made_is_reported_in_words(tmp_path: Path) -> None:
     s = scenario(tmp_path)
-    made = made_of(s, run(s))
-    assert made.pieces_text == "4 pieces: 2 PRODUCT, 1 SAMPLE, 1 MERGED; 2 good"
-    assert made.worst_text == "0 mm"
-    assert (made.skipped, made.late, made.missed_text) == (1, 0, "1 skipped")
-    assert made.reserve_text == "20 % (piece 4)"
-    assert made.short_text == "4 pieces, worst error 0 mm, 1 skipped"
-    assert made.tolerance == 0.5  # the block's own
-    assert made.line
-    assert made.line.greatest_text == "1000 mm/s"
-    assert made.line.limit_text == "nearest to its limit at 0.21 s: 1000 of 1250 mm/s"
-    assert made.remarks == ["cuts that did not come on time: 1 skipped"]
+    production = production_of(s, run(s))
+    assert production.pieces_text == "4 pieces: 2 PRODUCT, 1 SAMPLE, 1 MERGED; 2 good"
+    assert production.worst_text == "0 mm"
+    assert (production.skipped, production.late, production.missed_text) == (1, 0, "1 skipped")
+    assert production.reserve_text == "20 % (piece 4)"
+    assert production.short_text == "4 pieces, worst error 0 mm, 1 skipped"
+    assert production.tolerance == 0.5  # the block's own
+    assert production.line
+    assert production.line.greatest_text == "1000 mm/s"
+    assert production.line.limit_text == "nearest to its limit at 0.21 s: 1000 of 1250 mm/s"
+    assert production.notes == ["cuts that did not come on time: 1 skipped"]
 
 
-def test_the_worst_product_is_told_with_its_number(tmp_path: Path) -> None:
+def test_the_worst_product_is_reported_with_its_number(tmp_path: Path) -> None:
     """The merged piece is off by 500, but nobody ordered it so."""
     s = scenario(tmp_path)
-    made = made_of(s, run(s, pieces=[(P, 1500.0, 0.1), (P, 1500.0, -0.25), *FOUR[2:]]))
-    assert made.worst_text == "0.25 mm (piece 2)"
-    assert made.short_text == "4 pieces, worst error 0.25 mm (piece 2), 1 skipped"
+    production = production_of(s, run(s, pieces=[(P, 1500.0, 0.1), (P, 1500.0, -0.25), *FOUR[2:]]))
+    assert production.worst_text == "0.25 mm (piece 2)"
+    assert production.short_text == "4 pieces, worst error 0.25 mm (piece 2), 1 skipped"
 
 
-def test_a_line_that_is_too_fast_is_told_and_a_remark_where_cuts_were_missed(tmp_path: Path) -> None:
+def test_a_line_that_is_too_fast_is_reported_and_a_remark_where_cuts_were_missed(tmp_path: Path) -> None:
     """Between 2 s and 3.5 s the machine follows 950 u/s only; before `start` nothing is asked of it."""
     s = scenario(tmp_path)
     limit = [(0.0, 1250.0), (2.0, 950.0), (3.5, 1250.0)]
     for skipped, remarks in (([], 0), ([3], 1)):
-        made = made_of(s, run(s, limit=limit, skipped_with=skipped))
-        assert made.line
-        assert made.line.beyond == pytest.approx(1.5)
-        assert made.line.limit_text == "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
-        assert len(made.remarks) == remarks
+        production = production_of(s, run(s, limit=limit, skipped_with=skipped))
+        assert production.line
+        assert production.line.beyond == pytest.approx(1.5)
+        assert production.line.limit_text == "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
+        assert len(production.notes) == remarks
     text = "the line was above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
-    assert made.remarks == [f"cuts that did not come on time: 1 skipped; {text}"]
+    assert production.notes == [f"cuts that did not come on time: 1 skipped; {text}"]
 
 
-def test_without_a_piece_there_is_little_to_tell(tmp_path: Path) -> None:
+def test_without_a_piece_there_is_little_to_show(tmp_path: Path) -> None:
     s = scenario(tmp_path, "[cuts]\n")
     nothing = run(s, pieces=[])
-    made = made_of(s, nothing)
-    assert (made.pieces_text, made.worst_text, made.reserve_text) == ("no piece", "", "")
-    assert made.short_text == "no piece"
+    production = production_of(s, nothing)
+    assert (production.pieces_text, production.worst_text, production.reserve_text) == ("no piece", "", "")
+    assert production.short_text == "no piece"
     assert verdicts(s, nothing) == {"products as": ("no piece", False)}
     assert verdicts(scenario(tmp_path, "[cuts]\ncount = 0\n"), nothing) == {"number of": ("0", True)}
 
 
-def test_the_outcome_tells_the_pieces(tmp_path: Path) -> None:
+def test_the_outcome_shows_the_pieces(tmp_path: Path) -> None:
     s = scenario(tmp_path)
-    outcome = Outcome("f", "n", "t", "CutToLength", 0.01, figures(s, run(s)), [], [], [], [], "r", None, "p")
-    told = outcome.as_json()["production"]
-    assert [p["length"] for p in told["pieces"]] == [1500.0, 1500.0, 1000.0, 2000.0]
-    assert (told["cuts"], told["skipped"], told["late"]) == (4, 1, 0)
-    assert "cuts that did not come on time: 1 skipped" in outcome.remarks
+    outcome = ScenarioOutcome(
+        "f", "n", "t", "CutToLength", 0.01, compute_key_figures(s, run(s)), [], [], [], [], "r", None, "p"
+    )
+    error = outcome.as_json()["production"]
+    assert [p["length"] for p in error["pieces"]] == [1500.0, 1500.0, 1000.0, 2000.0]
+    assert (error["cuts"], error["skipped"], error["late"]) == (4, 1, 0)
+    assert "cuts that did not come on time: 1 skipped" in outcome.notes
 
 
-def test_the_console_tells_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_console_shows_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     s = scenario(tmp_path)
-    outcome = Outcome("f", "n", "t", "CutToLength", 0.01, figures(s, run(s)), [], [], [], [], "r", None, "p")
+    outcome = ScenarioOutcome(
+        "f", "n", "t", "CutToLength", 0.01, compute_key_figures(s, run(s)), [], [], [], [], "r", None, "p"
+    )
     print_result(outcome, verbose=False)
     lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
     begin = next(i for i, line in enumerate(lines) if line.startswith("made "))
@@ -254,17 +258,17 @@ def test_the_console_tells_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "4 pieces, worst error 0 mm, 1 skipped; v " in capsys.readouterr().out
 
 
-# --- how it is judged ---
+# --- how it is evaluated ---
 
 
-def test_pieces_are_judged_by_their_table(tmp_path: Path) -> None:
+def test_pieces_are_evaluated_by_their_table(tmp_path: Path) -> None:
     s = scenario(tmp_path, "[cuts]\ntolerance = 1e-9\ncount = 4\n")
-    found = verdicts(s, run(s))
-    assert found["number of"] == ("4", True)
-    assert found["products as"] == ("at most 0 mm off", True)
-    assert found["cuts within"][1]
+    result = verdicts(s, run(s))
+    assert result["number of"] == ("4", True)
+    assert result["products as"] == ("at most 0 mm off", True)
+    assert result["cuts within"][1]
     assert verdicts(scenario(tmp_path, "[cuts]\ncount = 5\n"), run(s))["number of"] == ("4", False)
-    assert check(scenario(tmp_path), run(s)) == []
+    assert check_expectations(scenario(tmp_path), run(s)) == []
 
 
 def test_lengths_and_kinds_are_compared_one_by_one(tmp_path: Path) -> None:
@@ -276,14 +280,14 @@ def test_lengths_and_kinds_are_compared_one_by_one(tmp_path: Path) -> None:
         ('kinds = ["PRODUCT", "PRODUCT", "SAMPLE", "MERGED"]', "kinds of", ("PRODUCT, PRODUCT, SAMPLE, MERGED", True)),
         ('kinds = ["PRODUCT", "PRODUCT"]', "kinds of", ("PRODUCT, PRODUCT, SAMPLE, MERGED", False)),
     )
-    for text, expected, found in cases:
+    for text, expected, result in cases:
         s = scenario(tmp_path, f"[cuts]\n{text}\n")
-        judged = verdicts(s, run(s))
-        assert judged[expected] == found
-        assert ("products as" in judged) == text.startswith("kinds")
+        check = verdicts(s, run(s))
+        assert check[expected] == result
+        assert ("products as" in check) == text.startswith("kinds")
 
 
-def test_a_product_that_is_not_as_ordered_is_judged(tmp_path: Path) -> None:
+def test_a_product_that_is_not_as_ordered_is_evaluated(tmp_path: Path) -> None:
     s = scenario(tmp_path, "[cuts]\ntolerance = 0.3\n")
     off = run(s, pieces=[(P, 1500.2, 0.2), (P, 1500.4, 0.4), *FOUR[2:]])
     assert verdicts(s, off)["products as"] == ("at most 0.4 mm (piece 2) off", False)
@@ -291,15 +295,15 @@ def test_a_product_that_is_not_as_ordered_is_judged(tmp_path: Path) -> None:
     assert verdicts(wider, off)["products as"][1]
 
 
-def test_books_that_do_not_agree_with_the_positions_are_found(tmp_path: Path) -> None:
-    """The block tells 1500 and no error, but the saw was 0.2 behind its place all through the second cut."""
+def test_records_that_do_not_agree_with_the_positions_are_found(tmp_path: Path) -> None:
+    """The block reports 1500 and no error, but the saw was 0.2 behind its place all through the second cut."""
     s = scenario(tmp_path, "[cuts]\n")
     honest = run(s)
     second = (honest.time > 2.0) & (honest.time < 4.0) & (honest.values["tool.cutting"] != 0.0)
     saw = honest.values["slave.position"] - 0.2 * second
-    found = verdicts(s, with_values(honest, slave__position=saw))
-    assert found["products as"] == ("at most 0 mm off", True)
-    assert found["cuts within"] == ("at most 0.2 mm away", False)
+    result = verdicts(s, with_values(honest, slave__position=saw))
+    assert result["products as"] == ("at most 0 mm off", True)
+    assert result["cuts within"] == ("at most 0.2 mm away", False)
 
 
 def test_a_saw_that_does_not_stay_at_its_place_is_found(tmp_path: Path) -> None:
@@ -331,9 +335,9 @@ def test_the_table_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "key", "says"),
+    ("line", "key", "parts"),
     [
-        ("length = 1500.0", "length", ("is not needed", "CutToLength itself tells")),
+        ("length = 1500.0", "length", ("is not needed", "CutToLength itself reports")),
         ('while = "in_sync"', "while", ("is not needed",)),
         ("lenghts = [1.0]", "lenghts", ("unknown key", "lengths")),
         ("lengths = 1500.0", "lengths", ("1500.0", "list of numbers")),
@@ -346,21 +350,21 @@ def test_the_table_is_read(tmp_path: Path) -> None:
         ("tolerance = -0.1", "tolerance", ("-0.1", ">= 0")),
     ],
 )
-def test_a_mistake_in_the_table_is_told_with_its_line(
-    line: str, key: str, says: tuple[str, ...], tmp_path: Path
+def test_a_mistake_in_the_table_is_reported_with_its_line(
+    line: str, key: str, parts: tuple[str, ...], tmp_path: Path
 ) -> None:
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         scenario(tmp_path, f"[cuts]\n{line}\n")
-    assert str(told.value).startswith(f"{tmp_path / 'scenario.toml'}:{TEXT.count(chr(10)) + 2}: {key}: ")
-    for part in says:
-        assert part in str(told.value)
+    assert str(error.value).startswith(f"{tmp_path / 'scenario.toml'}:{TEXT.count(chr(10)) + 2}: {key}: ")
+    for part in parts:
+        assert part in str(error.value)
 
 
 def test_where_positions_are_no_lengths_the_tolerance_has_to_be_given(tmp_path: Path) -> None:
-    turned = TEXT.replace("stop", 'unit = "deg"\nstop')
+    overridden = TEXT.replace("stop", 'unit = "deg"\nstop')
     with pytest.raises(UserError, match="tolerance: is missing: in deg"):
-        scenario(tmp_path, "[cuts]\n", turned)
-    assert scenario(tmp_path, "[cuts]\ntolerance = 1.0\n", turned).pieces
+        scenario(tmp_path, "[cuts]\n", overridden)
+    assert scenario(tmp_path, "[cuts]\ntolerance = 1.0\n", overridden).pieces
 
 
 # --- the block itself ---
@@ -390,14 +394,14 @@ tolerance = 1e-9
 
 
 @pytest.mark.parametrize("step", [0.01, 0.037])
-def test_the_block_tells_what_the_positions_say(step: float, tmp_path: Path) -> None:
+def test_the_block_shows_what_the_positions_say(step: float, tmp_path: Path) -> None:
     """Pitches of (1500 + 4)/1.02 = 1474.51 before the correction, (1500 + 4 + 3)/1.02 = 1477.45 after it. The second
     piece was fixed before 2 s, at the end of the first cut at about 1.8 s."""
     s = scenario(tmp_path, text=REAL.format(step))
     recording = run_in_process(s, step)
-    assert all(c.passed for c in check(s, recording))
-    found = find_pieces(s, recording)
-    assert len(found) == 4
-    pitches = np.diff([p.end for p in found])
+    assert all(c.passed for c in check_expectations(s, recording))
+    result = find_pieces(s, recording)
+    assert len(result) == 4
+    pitches = np.diff([p.end for p in result])
     assert pitches == pytest.approx([1504.0 / 1.02, 1507.0 / 1.02, 1507.0 / 1.02], abs=1e-9)
-    assert all(isinstance(p, Piece) and p.measured == pytest.approx(1500.0, abs=1e-9) for p in found[1:])
+    assert all(isinstance(p, Piece) and p.measured == pytest.approx(1500.0, abs=1e-9) for p in result[1:])

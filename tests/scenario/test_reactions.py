@@ -15,15 +15,15 @@ from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.line.reader import load_line
-from motionsync_fmu.scenario.crosscheck import inputs_csv
-from motionsync_fmu.scenario.judge import check
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import run_in_process, simulate
+from motionsync_fmu.scenario.run.simulation import run_in_process, simulate
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
-from tests.support.scenario_texts import FREE_SAW, written
+from tests.support.scenario_texts import FREE_SAW, write_scenario
 
 MOVING = FREE_SAW + "velocity = 500.0\n"
 FINE = 0.001
@@ -31,10 +31,10 @@ STEP_SIZES = (0.01, FINE, 0.007, 0.0333, 0.3)  # s
 
 
 def ran(text: str, folder: Path, step_size: float = 0.01) -> Recording:
-    return run_in_process(load(written(text, folder)), step_size)
+    return run_in_process(load_scenario(write_scenario(text, folder)), step_size)
 
 
-def told(recording: Recording) -> list[tuple[float, dict[str, Any]]]:
+def recorded_sets(recording: Recording) -> list[tuple[float, dict[str, Any]]]:
     """What was set, and when."""
     return [(s.at, dict(s.values)) for s in recording.settings]
 
@@ -56,7 +56,7 @@ def told(recording: Recording) -> list[tuple[float, dict[str, Any]]]:
 def test_a_scan_sees_what_was_there_shortly_before_it(when: str, at: float, step_size: float, tmp_path: Path) -> None:
     reaction = f'[[on]]\nwhen = "{when}"\nset = {{ "halt.execute" = true }}\n'
     recording = ran(MOVING + reaction, tmp_path, step_size)
-    assert told(recording) == ([(at, {"halt.execute": True})] if at else [])
+    assert recorded_sets(recording) == ([(at, {"halt.execute": True})] if at else [])
     if at:  # from there on it slows down, and not before
         rises = np.flatnonzero(recording.values["slave.acceleration"] != 0.0)
         assert recording.time[rises[0] - 1] == at
@@ -68,7 +68,7 @@ def test_it_sets_some_time_later_at_a_point_of_its_own(step_size: float, tmp_pat
     """Seen by the scan at 0.51; 0.3333 s later is no multiple of any step size."""
     reaction = '[[on]]\nwhen = "slave.position > 50"\nafter = 0.3333\nset = { "halt.execute" = true }\n'
     recording = ran(MOVING + reaction, tmp_path, step_size)
-    assert told(recording) == [(0.8433, {"halt.execute": True})]
+    assert recorded_sets(recording) == [(0.8433, {"halt.execute": True})]
     i = int(np.flatnonzero(recording.time == 0.8433)[0])
     assert recording.values["slave.position"][i] == pytest.approx(84.33, abs=1e-12)
     assert recording.values["slave.acceleration"][i : i + 2].tolist()[0] == 0.0
@@ -76,26 +76,26 @@ def test_it_sets_some_time_later_at_a_point_of_its_own(step_size: float, tmp_pat
 
 
 def test_what_holds_at_the_beginning_has_not_become_true(tmp_path: Path) -> None:
-    """It stands from 0.57 on. From 1 s on it takes 2 sqrt(100/100000) = 0.0632 s to 100, with a jerk of 100000, and
+    """It is at rest from 0.57 on. From 1 s on it takes 2 sqrt(100/100000) = 0.0632 s to 100, with a jerk of 100000, and
     half of that to 50: the scan at 1.04 sees it beyond 50."""
     text = MOVING + (
         '[[set]]\nat = 0.5\n"halt.execute" = true\n[[set]]\nat = 1.0\n"move_velocity.execute" = true\n'
         '[[on]]\nwhen = "slave.velocity > 50"\nrepeat = true\nset = { "halt.execute" = false }\n'
     )
-    assert [at for at, _ in told(ran(text, tmp_path))] == [0.5, 1.0, 1.04]
+    assert [at for at, _ in recorded_sets(ran(text, tmp_path))] == [0.5, 1.0, 1.04]
 
 
 def test_rounding_makes_nothing_greater_or_smaller_than_itself(tmp_path: Path) -> None:
-    """At constant velocity its numbers lie around 100, at some points above, at others below."""
+    """At constant velocity its numbers are around 100, at some points above, at others below."""
     reactions = "".join(
         f'[[on]]\nwhen = "slave.velocity {c}"\nrepeat = true\nset = {{ "halt.jerk" = 1.0 }}\n'
         for c in ("> 100", "< 100", "> 99.99999999", "== 100.000001")
     )
     noisy = MOVING.replace("= 100.0\n", "= 100.00000000000003\n", 1)
-    assert told(ran(noisy + reactions, tmp_path)) == []
+    assert recorded_sets(ran(noisy + reactions, tmp_path)) == []
     equal = '[[on]]\nwhen = "slave.velocity == 300"\nset = { "halt.jerk" = 1.0 }\n[[set]]\nat = 0.5\n'
     faster = '"move_velocity.velocity" = 300.0\n"move_velocity.execute" = true\n'
-    assert len(told(ran(MOVING + equal + faster, tmp_path))) == 2
+    assert len(recorded_sets(ran(MOVING + equal + faster, tmp_path))) == 2
 
 
 def test_an_enumeration_is_compared_by_the_name_of_a_member(tmp_path: Path) -> None:
@@ -104,7 +104,7 @@ def test_an_enumeration_is_compared_by_the_name_of_a_member(tmp_path: Path) -> N
         '[[set]]\nat = 0.5\n"halt.execute" = true\n'
         '[[on]]\nwhen = "plcopen_state == STANDSTILL"\nset = { "halt.execute" = false }\n'
     )
-    assert told(ran(text, tmp_path)) == [(0.5, {"halt.execute": True}), (0.57, {"halt.execute": False})]
+    assert recorded_sets(ran(text, tmp_path)) == [(0.5, {"halt.execute": True}), (0.57, {"halt.execute": False})]
 
 
 # --- what a reaction sets, and in which order ---
@@ -118,7 +118,7 @@ def test_what_is_set_at_one_time_is_set_in_the_order_of_the_file_after_what_has_
         '[[on]]\nwhen = "slave.position > 40"\nafter = 0.1\nset = { "halt.jerk" = 4.0 }\n'
         '[[set]]\nat = 0.51\n"halt.jerk" = 5.0\n"halt.deceleration" = 6.0\n'
     )
-    assert told(ran(text, tmp_path)) == [
+    assert recorded_sets(ran(text, tmp_path)) == [
         (0.51, {"halt.jerk": 5.0, "halt.deceleration": 6.0}),
         (0.51, {"halt.jerk": 4.0}),
         (0.51, {"halt.jerk": 1.0}),
@@ -133,7 +133,7 @@ def test_what_a_reaction_sets_is_seen_by_the_next_scan(tmp_path: Path) -> None:
         '[[on]]\nwhen = "move_velocity.in_velocity"\nset = { "reset.execute" = true }\n'
         '[[on]]\nwhen = "reset.done"\nset = { "halt.execute" = true }\n'
     )
-    assert [at for at, _ in told(ran(text, tmp_path))] == [0.51, 0.52, 0.53]
+    assert [at for at, _ in recorded_sets(ran(text, tmp_path))] == [0.51, 0.52, 0.53]
 
 
 def test_an_addition_counts_from_the_present_value(tmp_path: Path) -> None:
@@ -147,7 +147,9 @@ def test_an_addition_counts_from_the_present_value(tmp_path: Path) -> None:
         '[[on]]\nwhen = "move_velocity.in_velocity"\nrepeat = true\n'
         'add = { "halt.jerk" = 1.5, "halt.deceleration" = 2, "gear_in_pos.ratio_numerator" = -2 }\n'
     )
-    given = [(at, values) for at, values in told(ran(text, tmp_path)) if "gear_in_pos.ratio_numerator" in values]
+    given = [
+        (at, values) for at, values in recorded_sets(ran(text, tmp_path)) if "gear_in_pos.ratio_numerator" in values
+    ]
     assert [at for at, _ in given] == [0.11, 0.31, 0.51]
     assert [v["halt.jerk"] for _, v in given] == [11.5, 13.0, 101.5]
     assert [v["halt.deceleration"] for _, v in given] == [2.0, 4.0, 6.0]
@@ -163,8 +165,8 @@ def test_it_happens_once_or_some_times_or_each_time(often: str, times: int, tmp_
     levels = [(0.1 * i, "true" if i % 2 else "false") for i in range(1, 7)]
     pulses = "".join(f'[[set]]\nat = {at:g}\n"reset.execute" = {level}\n' for at, level in levels)
     recording = ran(f'{MOVING}{pulses}[[on]]\nwhen = "reset.done"\n{often}set = {{ "halt.jerk" = 1.0 }}\n', tmp_path)
-    assert [at for at, values in told(recording) if "halt.jerk" in values] == [0.11, 0.31, 0.51][:times]
-    assert [(u.found, u.expected) for u in recording.unmet] == (
+    assert [at for at, values in recorded_sets(recording) if "halt.jerk" in values] == [0.11, 0.31, 0.51][:times]
+    assert [(u.actual, u.expected) for u in recording.unmet] == (
         [("3 times", "reaction to reset.done 9 times")] if "9" in often else []
     )
 
@@ -210,7 +212,7 @@ set = { "reset.execute" = true }
 
 def test_the_oracle_finds_the_same_by_itself(tmp_path: Path) -> None:
     """The last reaction has its state from the beginning. The others: by hand."""
-    scenario = load(written(MOVING + PROGRAM, tmp_path))
+    scenario = load_scenario(write_scenario(MOVING + PROGRAM, tmp_path))
     expected = [
         (0.51, {"move_velocity.execute": True, "halt.jerk": 300.0}),
         (0.51, {"halt.jerk": 1000.0}),
@@ -218,9 +220,9 @@ def test_the_oracle_finds_the_same_by_itself(tmp_path: Path) -> None:
         (0.91, {"move_velocity.execute": True}),
         (1.16, {"move_velocity.execute": False, "move_velocity.velocity": 200.0, "halt.jerk": 1002.0}),
     ]
-    assert told(run_in_process(scenario, 0.01)) == expected
-    found = regenerate.settings(regenerate.independent_script(scenario))
-    assert [(s.at, dict(s.values)) for s in found] == expected
+    assert recorded_sets(run_in_process(scenario, 0.01)) == expected
+    result = regenerate.settings(regenerate.independent_script(scenario))
+    assert [(s.at, dict(s.values)) for s in result] == expected
 
 
 # --- what did not happen ---
@@ -234,16 +236,16 @@ def test_the_oracle_finds_the_same_by_itself(tmp_path: Path) -> None:
         ("repeat = true\n", "reaction to slave.position > 1000 at least once"),
     ],
 )
-def test_what_never_happened_is_told_and_judged_if_it_is_required(often: str, expected: str, tmp_path: Path) -> None:
+def test_what_never_happened_is_reported_and_fails_if_required(often: str, expected: str, tmp_path: Path) -> None:
     text = f'{MOVING}[[on]]\nwhen = "slave.position > 1000"\n{often}set = {{ "halt.execute" = true }}\n'
-    scenario = load(written(text, tmp_path))
+    scenario = load_scenario(write_scenario(text, tmp_path))
     recording = run_in_process(scenario, 0.01)
     (unmet,) = recording.unmet
-    assert (unmet.expected, unmet.found) == (expected, "never")
-    assert check(scenario, recording) == []
-    required = load(written(text.replace("[[on]]", "[[on]]\nrequired = true"), tmp_path))
-    (judged,) = check(required, run_in_process(required, 0.01))
-    assert (judged.expected, judged.found, judged.passed) == (expected, "never", False)
+    assert (unmet.expected, unmet.actual) == (expected, "never")
+    assert check_expectations(scenario, recording) == []
+    required = load_scenario(write_scenario(text.replace("[[on]]", "[[on]]\nrequired = true"), tmp_path))
+    (check,) = check_expectations(required, run_in_process(required, 0.01))
+    assert (check.expected, check.actual, check.passed) == (expected, "never", False)
 
 
 # --- the cyclic cut ---
@@ -270,7 +272,7 @@ def cyclic_cut(velocity: float, length: float, folder: Path) -> Scenario:
     ):
         assert text.count(old) == 1
         text = text.replace(old, new)
-    return load(written(text, folder))
+    return load_scenario(write_scenario(text, folder))
 
 
 @pytest.mark.parametrize(
@@ -293,19 +295,19 @@ def test_the_cyclic_cut_cuts_other_lengths_from_other_lines(velocity: float, len
     """All cuts are there and on their marks, nothing is refused, and the saw keeps the limits of its axis."""
     scenario = cyclic_cut(velocity, length, tmp_path)
     recording = run_in_process(scenario, scenario.step_size)
-    found = check(scenario, recording)
-    assert len(found) == 4
-    assert [c for c in found if not c.passed] == []
+    result = check_expectations(scenario, recording)
+    assert len(result) == 4
+    assert [c for c in result if not c.passed] == []
     slave = {name: recording.values[f"slave.{name}"] for name in ("position", "velocity", "acceleration", "jerk")}
     assert -250.0 <= slave["position"].min() <= slave["position"].max() <= 800.0
     assert np.abs(slave["velocity"]).max() <= 1500.0
     assert np.abs(slave["acceleration"]).max() <= 10000.0 * (1.0 + 1e-9)
 
 
-def test_what_the_machine_cannot_do_is_refused_and_told(tmp_path: Path) -> None:
+def test_what_the_machine_cannot_do_is_refused_and_reported(tmp_path: Path) -> None:
     """600 mm at 1200 mm/s: a cut each 0.5 s, of which it saws for 0.25 s."""
     scenario = cyclic_cut(1200.0, 600.0, tmp_path)
-    broken = [c for c in check(scenario, run_in_process(scenario, scenario.step_size)) if not c.passed]
+    broken = [c for c in check_expectations(scenario, run_in_process(scenario, scenario.step_size)) if not c.passed]
     assert "error from -inf to 0 ± 1e-9 between 0 s and 33 s" in [c.expected for c in broken]
     assert any(c.expected.startswith("number of cuts") for c in broken)
 
@@ -319,7 +321,7 @@ def test_the_cyclic_cut_takes_the_next_mark_on_its_way_home() -> None:
     waits for 500, until 2.25. The stop from -1000 takes 0.15 and 75, so it has begun at 2.195: after 0.05 the saw is
     45.8333 nearer and at -750, and 0.005 later, at -10000, another 3.625 nearer and at -700.
     """
-    recording = run_in_process(load(CYCLIC_CUT), 0.01)
+    recording = run_in_process(load_scenario(CYCLIC_CUT), 0.01)
 
     def at(time: float, name: str) -> float:
         return float(recording.values[name][np.argmin(np.abs(recording.time - time))])
@@ -336,27 +338,27 @@ def test_the_cyclic_cut_takes_the_next_mark_on_its_way_home() -> None:
 @pytest.mark.parametrize("step_size", [0.01, 0.001, 0.007])
 def test_reactions_happen_at_the_scans_of_the_oracle(step_size: float) -> None:
     """The oracle has found them from its own trajectory, and has made the input file of them."""
-    scenario = load(CYCLIC_CUT)
+    scenario = load_scenario(CYCLIC_CUT)
     assert scenario.reactions
     recording = run_in_process(scenario, step_size)
-    assert inputs_csv(scenario.settled(recording.settings, scenario.master)) == of_the_oracle(scenario)
+    assert inputs_csv(scenario.with_recorded_inputs(recording.settings, scenario.master)) == of_the_oracle(scenario)
 
 
 @pytest.mark.parametrize("step_size", [0.01, 0.007])
 def test_they_happen_there_in_an_fmu_too(step_size: float, fmus: Fmus) -> None:
-    scenario = load(CYCLIC_CUT)
+    scenario = load_scenario(CYCLIC_CUT)
     recording = simulate(scenario, fmus.python("FlyingSaw"), step_size)
-    assert inputs_csv(scenario.settled(recording.settings, scenario.master)) == of_the_oracle(scenario)
+    assert inputs_csv(scenario.with_recorded_inputs(recording.settings, scenario.master)) == of_the_oracle(scenario)
 
 
 @given(st.floats(0.001, 0.5))
 @settings(deadline=None, max_examples=15)
 def test_a_scenario_that_reacts_means_the_same_at_every_step_size(step_size: float) -> None:
     """The first five cuts; both runs have the scans and their looks in common."""
-    scenario = load(CYCLIC_CUT)
+    scenario = load_scenario(CYCLIC_CUT)
     scenario = replace(scenario, stop_time=8.0, expectations=(), cuts=None)
     one, other = (run_in_process(scenario, h) for h in (scenario.step_size, step_size))
-    assert told(one) == told(other)
+    assert recorded_sets(one) == recorded_sets(other)
     common, i, j = np.intersect1d(one.time, other.time, return_indices=True)
     assert len(common) >= 1590  # 800 scans, and a look before each
     for name in ("slave.position", "slave.velocity", "state_code", "in_sync", "gear_in_pos.busy"):
@@ -366,7 +368,7 @@ def test_a_scenario_that_reacts_means_the_same_at_every_step_size(step_size: flo
 
 # --- files with a mistake ---
 
-GOOD = (
+VALID = (
     MOVING
     + """\
 [[on]]
@@ -468,26 +470,26 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> None:
+def test_a_mistake_is_reported_with_file_line_and_key(name: str, tmp_path: Path) -> None:
     old, new, key, line, words = MISTAKES[name]
-    assert load(written(GOOD, tmp_path))
-    text = GOOD.replace(old, new, 1)
+    assert load_scenario(write_scenario(VALID, tmp_path))
+    text = VALID.replace(old, new, 1)
     if name == "one table":
         text = text[: text.index("[[on]]")]
-    file = written(text, tmp_path)
-    with pytest.raises(UserError) as found:
-        load(file)
-    assert str(found.value).startswith(f"{file}:{line}: {key}: ")
-    assert [word for word in words if word not in str(found.value)] == []
-    assert "\n" not in str(found.value)
+    file = write_scenario(text, tmp_path)
+    with pytest.raises(UserError) as result:
+        load_scenario(file)
+    assert str(result.value).startswith(f"{file}:{line}: {key}: ")
+    assert [word for word in words if word not in str(result.value)] == []
+    assert "\n" not in str(result.value)
 
 
 def test_the_length_of_the_cuts_can_be_added(tmp_path: Path) -> None:
-    text = GOOD.replace('add."halt.jerk" = 1.0', 'add."halt.jerk" = "cuts.length"')
-    assert load(written(text, tmp_path)).reactions[1].add == {"halt.jerk": 100.0}
-    file = written(text[: text.index("[cuts]")], tmp_path)
+    text = VALID.replace('add."halt.jerk" = 1.0', 'add."halt.jerk" = "cuts.length"')
+    assert load_scenario(write_scenario(text, tmp_path)).reactions[1].add == {"halt.jerk": 100.0}
+    file = write_scenario(text[: text.index("[cuts]")], tmp_path)
     with pytest.raises(UserError, match=r":21: halt\.jerk: .*no length in a table \[cuts\]"):
-        load(file)
+        load_scenario(file)
 
 
 def test_a_line_does_not_react(tmp_path: Path) -> None:
@@ -502,4 +504,4 @@ def test_the_delay_of_a_remote_axis_is_not_set_by_a_reaction(tmp_path: Path) -> 
     text = (ROOT / "scenarios" / "RemoteSync" / "no_drift" / "scenario.toml").read_text()
     reaction = '\n[[on]]\nwhen = "slave.position > 1"\nset = { "delay_time_offset" = 0.002 }\n'
     with pytest.raises(UserError, match=r"when: delay_time_offset .*\[\[set\]\]"):
-        load(written(text + reaction, tmp_path))
+        load_scenario(write_scenario(text + reaction, tmp_path))

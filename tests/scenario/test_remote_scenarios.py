@@ -1,4 +1,4 @@
-"""Scenarios with two clocks: what [remote] says, what the block sees of it, how it is judged and shown."""
+"""Scenarios with two clocks: what [remote] parts, what the block sees of it, how it is evaluated and shown."""
 
 import csv
 from collections.abc import Iterator
@@ -12,16 +12,17 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
 from motionsync_fmu.scenario.clocks import Clocks, Rate
-from motionsync_fmu.scenario.crosscheck import inputs_csv
-from motionsync_fmu.scenario.judge import check
-from motionsync_fmu.scenario.reader import load
-from motionsync_fmu.scenario.run import run_in_process, schedule
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
+from motionsync_fmu.scenario.evaluate.remote_errors import remote_errors
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.remote_view import Accuracy
+from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
 from motionsync_fmu.scenario.scenario import Scenario
-from motionsync_fmu.scenario.telegrams import Accuracy, errors
 from tests import regenerate
 from tests.support.fake_blocks.listener import ListenerOracle, registered
 
-GOOD = """\
+VALID = """\
 title = "A faster sender"
 source = "By hand"
 fmu = "Listener"
@@ -63,20 +64,20 @@ def listener() -> Iterator[None]:
 
 
 def scenario(folder: Path, *changes: tuple[str, str]) -> Scenario:
-    text = GOOD
+    text = VALID
     for old, new in changes:
         assert text.count(old) == 1
         text = text.replace(old, new)
     file = folder / "scenario.toml"
     file.write_text(text, "utf-8")
-    return load(file)
+    return load_scenario(file)
 
 
 CALM = ("jitter = 0.01\nseed = 5\nlost = [[70, 72], [900, 900]]\n", "")
 STEADY = ("    { duration = 1.0, acceleration = 20.0 },\n", "")
 
 
-# --- what it says ---
+# --- what it parts ---
 
 
 def test_it_is_read(tmp_path: Path) -> None:
@@ -91,8 +92,8 @@ def test_it_is_read(tmp_path: Path) -> None:
 
 def test_all_but_the_sender_s_cycle_may_be_left_out(tmp_path: Path) -> None:
     file = tmp_path / "scenario.toml"
-    file.write_text(GOOD[: GOOD.index("[remote]")] + "[remote]\nsender_cycle = 0.002\n")
-    remote = load(file).remote
+    file.write_text(VALID[: VALID.index("[remote]")] + "[remote]\nsender_cycle = 0.002\n")
+    remote = load_scenario(file).remote
     assert remote
     assert (remote.clocks, remote.accuracy) == (Clocks(0.002, [Rate(0.0, 0.002)], lost=[]), None)
 
@@ -113,10 +114,10 @@ def test_the_sender_s_cycle_may_change(tmp_path: Path) -> None:
 
 
 RATES = "sender_cycle = [\n    { at = 0.0, cycle = 0.002 },\n    { at = 1.0, cycle = 0.001 },\n]"
-# What is replaced, by what; the key and the words of the message, and the text on whose line it stands (the new one).
+# What is replaced, by what; the key and the words of the message, and the text on whose line it is (the new one).
 MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str, tuple[str, ...], str]] = {
     "a master": ("[remote]", "[master]", "master", ("Listener has no inputs master.*", "[remote]")),
-    "no remote": (GOOD[GOOD.index("[remote]") :], "", "remote", ("missing",), "title"),
+    "no remote": (VALID[VALID.index("[remote]") :], "", "remote", ("missing",), "title"),
     "unknown key": ("phase =", "phases =", "phases", ("unknown key", "position", "sender_cycle", "first_index")),
     "key of a segment": ("{ duration = 1.0 },", "{ time = 1.0 },", "time", ("unknown key", "duration")),
     "duration": ("{ duration = 1.0 },", "{ duration = -1.0 },", "duration", ("-1", "> 0")),
@@ -162,28 +163,28 @@ MISTAKES: dict[str, tuple[str, str, str, tuple[str, ...]] | tuple[str, str, str,
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-def test_a_mistake_is_told_with_file_line_and_key(name: str, tmp_path: Path) -> None:
-    old, new, key, says, *named_line = MISTAKES[name]
-    text = GOOD.replace(old, new)
+def test_a_mistake_is_reported_with_file_line_and_key(name: str, tmp_path: Path) -> None:
+    old, new, key, parts, *named_line = MISTAKES[name]
+    text = VALID.replace(old, new)
     line = text[: text.index(named_line[0]) if named_line else text.index(new)].count("\n") + 1
     line += new[: new.index("from")].count("\n") if name == "key of a cycle" else 0
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         scenario(tmp_path, (old, new))
     file = tmp_path / "scenario.toml"
-    assert str(told.value).startswith(f"{file}:{line}: {key}: ")
-    for part in says:
-        assert part in str(told.value)
+    assert str(error.value).startswith(f"{file}:{line}: {key}: ")
+    for part in parts:
+        assert part in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("accuracy", "told"),
+    ("accuracy", "message"),
     [("{ from = 9, index = 1 }", "from: 9 "), ("1.0", r"accuracy: must be a table: \[remote\.accuracy\]")],
 )
-def test_a_mistake_in_the_accuracy_on_one_line_is_told_with_that_line(accuracy: str, told: str, tmp_path: Path) -> None:
+def test_a_mistake_in_an_accuracy_on_one_line_names_that_line(accuracy: str, message: str, tmp_path: Path) -> None:
     file = tmp_path / "scenario.toml"
-    file.write_text(GOOD[: GOOD.index("[remote.accuracy]")].replace("seed = 5", f"accuracy = {accuracy}"))
-    with pytest.raises(UserError, match=f":20: {told}"):
-        load(file)
+    file.write_text(VALID[: VALID.index("[remote.accuracy]")].replace("seed = 5", f"accuracy = {accuracy}"))
+    with pytest.raises(UserError, match=f":20: {message}"):
+        load_scenario(file)
 
 
 def test_a_block_with_a_master_has_no_remote_axis(tmp_path: Path) -> None:
@@ -198,7 +199,7 @@ def test_each_step_shows_the_telegram_of_its_cycle(tmp_path: Path) -> None:
     s = scenario(tmp_path)
     assert s.remote
     seen = s.remote.clocks.telegrams(s.master, 2000)
-    steps = list(schedule(s, 0.002))
+    steps = list(scheduled_steps(s, 0.002))
     assert [values["remote.cycle_index"] for _, _, values in steps] == seen.cycle_index.tolist()
     for i, name in enumerate(("position", "velocity", "acceleration")):
         assert [values[f"remote.{name}"] for _, _, values in steps] == seen.motion[:, i].tolist()
@@ -209,7 +210,7 @@ def test_each_step_shows_the_telegram_of_its_cycle(tmp_path: Path) -> None:
 def test_steps_within_a_cycle_give_the_same_outputs(step_size: float, tmp_path: Path) -> None:
     s = scenario(tmp_path)
     whole, parts = run_in_process(s, 0.002), run_in_process(s, step_size)
-    acted = [s.remote.clocks.acted(t) for t in parts.time.tolist()] if s.remote else []
+    acted = [s.remote.clocks.count_cycles(t) for t in parts.time.tolist()] if s.remote else []
     for name, values in parts.values.items():
         np.testing.assert_array_equal(values, whole.values[name][acted], err_msg=name)
 
@@ -217,7 +218,7 @@ def test_steps_within_a_cycle_give_the_same_outputs(step_size: float, tmp_path: 
 def test_a_step_of_several_cycles_shows_the_first_one_s_telegram(tmp_path: Path) -> None:
     s = scenario(tmp_path)
     assert s.remote
-    shown = [values["remote.cycle_index"] for _, _, values in schedule(s, 0.01)]
+    shown = [values["remote.cycle_index"] for _, _, values in scheduled_steps(s, 0.01)]
     assert shown == s.remote.telegrams.cycle_index[::5].tolist()
 
 
@@ -239,8 +240,8 @@ def test_an_oracle_is_stepped_as_the_fmu_is(tmp_path: Path, monkeypatch: pytest.
         tmp_path, ("share = 0.5", "share = 0.25\nshifted = false"), ("at = 3.0", "at = 3.0015\nshifted = true")
     )
     recording = run_in_process(s, 0.002)
-    found = regenerate.files(s.file)
-    header, *rows = list(csv.reader(found[tmp_path / "Listener_ref.csv"].splitlines()))
+    result = regenerate.files(s.file)
+    header, *rows = list(csv.reader(result[tmp_path / "Listener_ref.csv"].splitlines()))
     assert header == ["time", "slave.position", "corrected_cycle_index", "shifted"]
     table = np.array(rows, float)
     np.testing.assert_array_equal(table[:, 0], [i * 0.002 for i in range(10, 2001, 10)])
@@ -250,27 +251,27 @@ def test_an_oracle_is_stepped_as_the_fmu_is(tmp_path: Path, monkeypatch: pytest.
     np.testing.assert_array_equal(table[:, 3], table[:, 0] > 3.0015)
 
 
-# --- how it is judged ---
+# --- how it is evaluated ---
 
 
 def test_the_errors_are_those_against_the_true_axis(tmp_path: Path) -> None:
     """The true index is 0.25 + 1.001001 n; the telegram is its whole part behind, the Listener adds a half."""
     s = scenario(tmp_path, CALM, STEADY)
     assert s.remote
-    found = errors(s.remote, run_in_process(s, 0.002))
+    result = remote_errors(s.remote, run_in_process(s, 0.002))
     age = (0.25 + np.arange(2000) * 0.002 / 0.001998) % 1.0
     clear = np.minimum(age, 1.0 - age) > 1e-9
-    np.testing.assert_allclose(found.index[clear], -age[clear], atol=1e-9)
-    np.testing.assert_allclose(found.corrected_index[clear], 0.5 - age[clear], atol=1e-9)
-    np.testing.assert_allclose(found.position[clear], -0.1998 * age[clear], atol=1e-9)
-    np.testing.assert_allclose(found.corrected_position[clear], 0.1 - 0.1998 * age[clear], atol=1e-9)
-    np.testing.assert_allclose(found.received[:, 1], 100.0)
-    np.testing.assert_array_equal(found.time, np.arange(1, 2001) * 0.002)
+    np.testing.assert_allclose(result.index[clear], -age[clear], atol=1e-9)
+    np.testing.assert_allclose(result.corrected_index[clear], 0.5 - age[clear], atol=1e-9)
+    np.testing.assert_allclose(result.position[clear], -0.1998 * age[clear], atol=1e-9)
+    np.testing.assert_allclose(result.corrected_position[clear], 0.1 - 0.1998 * age[clear], atol=1e-9)
+    np.testing.assert_allclose(result.received[:, 1], 100.0)
+    np.testing.assert_array_equal(result.time, np.arange(1, 2001) * 0.002)
 
 
 def test_the_error_of_an_index_that_wraps_does_not_jump(tmp_path: Path) -> None:
     plain, wrapping = (
-        errors(s.remote, run_in_process(s, 0.002))
+        remote_errors(s.remote, run_in_process(s, 0.002))
         for first in (65, 64000)
         if (s := scenario(tmp_path, CALM, ("first_index = 65", f"first_index = {first}"))).remote
     )
@@ -280,11 +281,11 @@ def test_the_error_of_an_index_that_wraps_does_not_jump(tmp_path: Path) -> None:
 
 def test_an_event_is_known_to_a_cycle(tmp_path: Path) -> None:
     """The first cycle acts at 0 and is over at 0.002; in shorter steps it shows before."""
-    accuracy = GOOD[GOOD.index("[remote.accuracy]") :]
+    accuracy = VALID[VALID.index("[remote.accuracy]") :]
     s = scenario(tmp_path, (accuracy, '[[expect]]\nwhen = "state == LISTENING"\ntime = 0.002\n'))
-    (told,) = check(s, run_in_process(s, 0.0007))
-    assert (told.found, told.passed) == ("0.0007 s", True)
-    assert told.expected == "first state == LISTENING at 0.002 s ± 0.002"
+    (error,) = check_expectations(s, run_in_process(s, 0.0007))
+    assert (error.actual, error.passed) == ("0.0007 s", True)
+    assert error.expected == "first state == LISTENING at 0.002 s ± 0.002"
 
 
 def test_the_slave_may_be_behind_by_design(tmp_path: Path) -> None:
@@ -294,12 +295,15 @@ def test_the_slave_may_be_behind_by_design(tmp_path: Path) -> None:
     assert s.remote
     assert behind.remote
     recording = run_in_process(s, 0.002)
-    ahead = errors(behind.remote, recording).corrected_position - errors(s.remote, recording).corrected_position
+    ahead = (
+        remote_errors(behind.remote, recording).corrected_position
+        - remote_errors(s.remote, recording).corrected_position
+    )
     np.testing.assert_allclose(ahead, 1.5 * 0.2, atol=1e-9)
 
 
 @pytest.mark.parametrize(
-    ("accuracy", "found"),
+    ("accuracy", "expected"),
     [
         ("index = 1.0\nposition = 0.1", [("0.999", True), ("at most 0.0999 mm away", True)]),
         ("index = 0.998\nposition = 0.0998", [("0.999", False), ("at most 0.0999 mm away", False)]),
@@ -307,10 +311,10 @@ def test_the_slave_may_be_behind_by_design(tmp_path: Path) -> None:
         ("position = 0.2", [("at most 0.0999 mm away", True)]),
     ],
 )
-def test_the_accuracy_is_an_expectation(accuracy: str, found: list[tuple[str, bool]], tmp_path: Path) -> None:
+def test_the_accuracy_is_an_expectation(accuracy: str, expected: list[tuple[str, bool]], tmp_path: Path) -> None:
     s = scenario(tmp_path, CALM, STEADY, ("index = 1.5\nposition = 0.5", accuracy))
-    checks = check(s, run_in_process(s, 0.002))
-    assert [(c.found, c.passed) for c in checks] == found
+    checks = check_expectations(s, run_in_process(s, 0.002))
+    assert [(c.actual, c.passed) for c in checks] == expected
     assert all(" from 0.5 s on" in c.expected for c in checks)
 
 
@@ -335,7 +339,7 @@ def test_the_report_shows_what_was_received_and_both_errors(tmp_path: Path) -> N
         *((f"y{row}", name) for row in ("", 2, 3, 4) for name in ("remote axis", "slave")),
         *((f"y{row}", "received") for row in ("", 2, 3)),
     }
-    write_report(tmp_path / "report.html", s, recording, check(s, recording), [], 0.002)
+    write_report(tmp_path / "report.html", s, recording, check_expectations(s, recording), [], 0.002)
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "telegrams of 0.001998 s cycles" in page
     assert "corrected_cycle_index within 1.5 cycles" in page

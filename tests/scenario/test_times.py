@@ -9,58 +9,58 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsync_fmu.scenario.drive import Drive
-from motionsync_fmu.scenario.reactions import rounded, scans
-from motionsync_fmu.scenario.reader import load
-from motionsync_fmu.scenario.run import points
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.files.shipped import find_files
+from motionsync_fmu.scenario.run.reactions import round_times, scan_times
+from motionsync_fmu.scenario.run.simulation import communication_points
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
 from motionsync_fmu.scenario.settings import Setting
-from motionsync_fmu.scenario.shipped import find
 from tests import ROOT
 
-EXAMPLE = load(find(ROOT / "scenarios/FlyingSaw/cyclic_cut")[0])
+EXAMPLE = load_scenario(find_files(ROOT / "scenarios/FlyingSaw/cyclic_cut")[0])
 
 
 @settings(max_examples=300)
 @given(st.lists(st.floats(0.0, 1e7) | st.floats(0.0, 1e-9) | st.integers(0, 10**12).map(lambda n: n / 1e9), min_size=1))
 def test_times_are_rounded_as_python_rounds_them(times: list[float]) -> None:
-    assert rounded(np.array(times)).tolist() == [round(t, 12) for t in times]
+    assert round_times(np.array(times)).tolist() == [round(t, 12) for t in times]
 
 
 @given(st.integers(0, 2**26))
 def test_of_two_decimals_at_the_same_distance_the_even_one_is_taken(odd: int) -> None:
     """Odd multiples of 2^-13 have 13 decimals, the last of which is 5."""
     tie = (2 * odd + 1) / 8192.0
-    assert rounded(np.array([tie])).tolist() == [round(tie, 12)]
+    assert round_times(np.array([tie])).tolist() == [round(tie, 12)]
 
 
 def test_scans_are_the_multiples_before_the_end() -> None:
-    assert scans(0.1, 0.5).tolist() == [0.1, 0.2, 0.3, 0.4]
-    assert scans(0.1, 0.45).tolist() == [0.1, 0.2, 0.3, 0.4]
-    assert scans(math.inf, 1.0).tolist() == []
+    assert scan_times(0.1, 0.5).tolist() == [0.1, 0.2, 0.3, 0.4]
+    assert scan_times(0.1, 0.45).tolist() == [0.1, 0.2, 0.3, 0.4]
+    assert scan_times(math.inf, 1.0).tolist() == []
     with pytest.raises(ValueError, match="read-only"):
-        scans(0.1, 0.5)[0] = 0.0
+        scan_times(0.1, 0.5)[0] = 0.0
 
 
 def one_by_one(scenario: Scenario, step_size: float) -> list[float]:
-    """The points, as `points` says in words."""
-    known = []
-    while scenario.reacts and (scan := round((len(known) + 1) * scenario.scan, 12)) < scenario.stop_time:
-        known.append(scan)
-    extra = [*(s.at for s in scenario.settings), *known, *scenario.master.breaks[1:], scenario.stop_time]
-    breaks = known if scenario.drive else scenario.master.breaks
+    """The points, as `communication_points` explains them."""
+    expected = []
+    while scenario.reacts and (scan := round((len(expected) + 1) * scenario.scan, 12)) < scenario.stop_time:
+        expected.append(scan)
+    extra = [*(s.at for s in scenario.settings), *expected, *scenario.master.breaks[1:], scenario.stop_time]
+    breaks = expected if scenario.drive else scenario.master.breaks
     grid = [i * step_size for i in range(math.floor(scenario.stop_time / step_size * (1.0 + 1e-12)) + 1)]
-    kept: list[float] = []
+    remaining: list[float] = []
     for t in sorted([*grid, *(t for t in extra if t <= scenario.stop_time)]):
-        if not kept or t - kept[-1] > 1e-9 * step_size:
-            kept.append(t)
-        elif t in extra and kept[-1] not in breaks:
-            kept[-1] = t
-    return kept
+        if not remaining or t - remaining[-1] > 1e-9 * step_size:
+            remaining.append(t)
+        elif t in extra and remaining[-1] not in breaks:
+            remaining[-1] = t
+    return remaining
 
 
 NEAR = st.builds(
-    lambda i, step, beside: i * step + beside,
+    lambda i, step, offset: i * step + offset,
     st.integers(1, 40),
     st.sampled_from([0.05, 0.07, 0.1]),
     st.sampled_from([0.0, 1e-13, -1e-13, 3e-12, -3e-12, 5e-11, -5e-11, 9e-11, 1.1e-10, 2e-10]),
@@ -79,7 +79,7 @@ NEAR = st.builds(
 def test_points_that_lie_close_are_those_that_are_found_one_by_one(
     step_size: float, scan: float, at: list[float], durations: list[float], reacts: bool, driven: bool
 ) -> None:
-    """Settings and breaks lie beside the grid and the scans, some just within what is close, some just outside."""
+    """Settings and breaks are next to the grid and the scans, some just within what is close, some just outside."""
     scenario = replace(
         EXAMPLE,
         stop_time=2.0,
@@ -90,7 +90,7 @@ def test_points_that_lie_close_are_those_that_are_found_one_by_one(
         drive=Drive("slave.velocity", 1.0, math.inf) if driven else None,
         expectations=(),
     )
-    assert points(scenario, step_size).tolist() == one_by_one(scenario, step_size)
+    assert communication_points(scenario, step_size).tolist() == one_by_one(scenario, step_size)
 
 
 @given(
@@ -105,5 +105,5 @@ def test_motions_at_many_times_are_those_at_each(times: list[float], segments: l
     script = Script(1.5, -2.25, 3.125, segments)
     times += script.breaks
     one = [script.at(t) for t in times]
-    found = script.motions_at(np.array(times)).tolist()
-    assert found == [[m.position, m.velocity, m.acceleration, m.jerk] for m in one]
+    result = script.motions_at(np.array(times)).tolist()
+    assert result == [[m.position, m.velocity, m.acceleration, m.jerk] for m in one]

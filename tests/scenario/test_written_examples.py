@@ -1,13 +1,13 @@
-"""The examples in the READMEs of the scenarios run as they stand, and are as expected."""
+"""The examples in the READMEs of the scenarios run as they are written, and are as expected."""
 
 import re
 from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.scenario.judge import check
-from motionsync_fmu.scenario.reader import load
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests import ROOT
 
 README = ROOT / "scenarios" / "README.md"
@@ -27,13 +27,13 @@ def test_an_example_copied_from_the_page_is_as_expected(i: int, step_size: float
     file = tmp_path / "saw" / "scenario.toml"
     file.parent.mkdir()
     file.write_text(examples[i])
-    scenario = load(file)
+    scenario = load_scenario(file)
     recording = run_in_process(scenario, step_size)
-    found = check(scenario, recording)
-    assert found
-    assert [c for c in found if not c.passed] == []
+    result = check_expectations(scenario, recording)
+    assert result
+    assert [c for c in result if not c.passed] == []
     made = "pieces" if scenario.pieces else "cuts"
-    assert any(c.expected == f"number of {made} = 3" and c.found == "3" for c in found)
+    assert any(c.expected == f"number of {made} = 3" and c.actual == "3" for c in result)
     assert recording.unmet == []
     assert not any(recording.values[name].any() for name in recording.values if name.endswith("limit_exceeded"))
 
@@ -44,12 +44,12 @@ def test_the_card_has_every_key_of_a_scenario(tmp_path: Path) -> None:
     file = tmp_path / "scenario.toml"
     for table, spared in (("", {"slave_unit", "remote"}), ("[[on]]", set()), ("[cuts]", set()), ("[picture]", set())):
         file.write_text(f"nonsense = 1\n{card}" if not table else card.replace(table, f"{table}\nnonsense = 1", 1))
-        with pytest.raises(Exception, match="unknown key; there is") as told:
-            load(file)
-        for key in set(str(told.value).split("there is ")[1].split(", ")) - spared:
+        with pytest.raises(Exception, match="unknown key; there is") as error:
+            load_scenario(file)
+        for key in set(str(error.value).split("there is ")[1].split(", ")) - spared:
             assert re.search(rf"^(# )?(\[+(picture\.)?{key}\b|{key} =)", card, re.MULTILINE), key
     file.write_text(pieces.replace("[cuts]", "[cuts]\nnonsense = 1"))
-    with pytest.raises(Exception, match="unknown key; there is") as told:
-        load(file)
-    for key in set(str(told.value).split("there is ")[1].split(", ")):
+    with pytest.raises(Exception, match="unknown key; there is") as error:
+        load_scenario(file)
+    for key in set(str(error.value).split("there is ")[1].split(", ")):
         assert re.search(rf"^{key} =", pieces, re.MULTILINE), key

@@ -1,4 +1,4 @@
-"""Finds what the tests hold for a block by the block's name: the modules of `tests/model/<block>/`."""
+"""Finds a block's modules of tests, in `tests/model/<block>/`, by the block's name."""
 
 from importlib import import_module
 from importlib.util import find_spec
@@ -8,19 +8,19 @@ from typing import Any
 from motionsync_fmu.interface.recipe import Recipe
 
 
-def folder(name: str) -> str:
-    """The folder of a registered block, as in `model/motionsync`: FlyingSaw lies in flying_saw."""
+def block_folder(name: str) -> str:
+    """The folder of a registered block, as in `model/motionsync`: flying_saw for FlyingSaw."""
     block: Any = Recipe(name).block()
     return str(type(block).__module__).split(".")[1]
 
 
-def own(name: str, module: str) -> ModuleType:
+def load_test_module(name: str, module: str) -> ModuleType:
     """The module of that name among the block's tests.
 
     Raises:
         LookupError: the block has none; the text says which file is missing.
     """
-    found = f"tests.model.{folder(name)}"
-    if not find_spec(found) or not find_spec(f"{found}.{module}"):
-        raise LookupError(f"{name} needs tests/model/{folder(name)}/{module}.py")
-    return import_module(f"{found}.{module}")
+    package = f"tests.model.{block_folder(name)}"
+    if not find_spec(package) or not find_spec(f"{package}.{module}"):
+        raise LookupError(f"{name} needs tests/model/{block_folder(name)}/{module}.py")
+    return import_module(f"{package}.{module}")

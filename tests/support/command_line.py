@@ -1,4 +1,4 @@
-"""What a command of the command line leaves behind, and what it says to a mistake."""
+"""The outcome of a command of the command line, and a check of its message about a mistake."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command left behind: exit status and both streams."""
+    """The exit status and both streams of a command."""
 
     status: int
     out: str
@@ -17,7 +17,7 @@ Command = Callable[..., Outcome]
 
 
 def assert_one_line(outcome: Outcome, *parts: str) -> None:
-    """A mistake of the user: exit status 2, one line that says all of this, nothing else."""
+    """A mistake of the user: exit status 2, one line with all these parts, nothing else."""
     assert outcome.status == 2, outcome
     assert outcome.err.count("\n") == 1, outcome.err
     assert outcome.err.startswith("motionsync: ")

@@ -5,9 +5,9 @@ from operator import attrgetter
 from struct import Struct
 from typing import Any
 
+from motionsync_fmu.batch.library import library
+from motionsync_fmu.compiler.memory_layout import image, offset
 from motionsync_fmu.interface.variables import cells
-from motionsync_fmu.native.loop.library import library
-from motionsync_fmu.native.memory_layout import image, offset
 
 
 class Compiled:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 
-from motionsync_fmu.build import Flavour, build, fmu_path
+from motionsync_fmu.build.fmu import BuildOptions, Flavour, build, fmu_path
 from motionsync_fmu.interface.recipe import Fmi, Recipe
-from motionsync_fmu.native.platforms import here
+from motionsync_fmu.native.platforms import host_platform
 
 
 class Shared:
@@ -21,7 +21,7 @@ class Shared:
     def once(self, name: str, fill: Callable[[Path], object]) -> Path:
         """The folder of that name, filled by the first process that asks for it.
 
-        Other processes wait for it. If this process fails or dies, the next one deletes what is there and begins anew.
+        Other processes wait for it. If this process fails or dies, the next one deletes what is there and starts anew.
         """
         done, part = self.folder / name, self.folder / f"{name}.part"
         done.parent.mkdir(parents=True, exist_ok=True)
@@ -34,10 +34,10 @@ class Shared:
         return done
 
 
-def build_here(flavour: Flavour, recipe: Recipe, target: Path) -> Path:
+def build_for_host(flavour: Flavour, recipe: Recipe, target: Path) -> Path:
     """Build an FMU that need not run anywhere else: the native one for this machine alone, if it is a platform."""
-    platform = here(recipe.fmi) if flavour == Flavour.NATIVE else None
-    return build(flavour, recipe, target, platforms=[platform] if platform else ())
+    platform = host_platform(recipe.fmi) if flavour == Flavour.NATIVE else None
+    return build(recipe, target, BuildOptions(flavour, [platform] if platform else ()))
 
 
 class Fmus:
@@ -54,11 +54,11 @@ class Fmus:
 
     def fmi3(self, name: str) -> Path:
         """The FMU of FMI 3.0, for this machine alone."""
-        if (platform := here(Fmi.THREE)) is None:
+        if (platform := host_platform(Fmi.THREE)) is None:
             pytest.skip("no native FMU is for this machine")
 
         def fill(folder: Path) -> None:
-            build(Flavour.NATIVE, Recipe(name, fmi=Fmi.THREE), folder / f"{name}.fmu", platforms=[platform])
+            build(Recipe(name, fmi=Fmi.THREE), folder / f"{name}.fmu", BuildOptions(platforms=[platform]))
 
         return self.shared.once(f"fmi3-here/{name}", fill) / f"{name}.fmu"
 
@@ -66,13 +66,13 @@ class Fmus:
         """The FMU of FMI 3.0, for all platforms."""
 
         def fill(folder: Path) -> None:
-            build(Flavour.NATIVE, Recipe(name, fmi=Fmi.THREE), folder / f"{name}.fmu")
+            build(Recipe(name, fmi=Fmi.THREE), folder / f"{name}.fmu")
 
         return self.shared.once(f"fmi3/{name}", fill) / f"{name}.fmu"
 
     def built(self, flavour: Flavour, name: str) -> Path:
         def fill(folder: Path) -> None:
-            build(flavour, Recipe(name), folder / f"{name}.fmu")
+            build(Recipe(name), folder / f"{name}.fmu", BuildOptions(flavour))
 
         return self.shared.once(f"{flavour.value}/{name}", fill) / f"{name}.fmu"
 

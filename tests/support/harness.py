@@ -1,8 +1,10 @@
 """Runs a block along a scripted master whose motion is exact, for tests of the block alone."""
 
 from collections.abc import Iterable, Mapping
-from copy import copy
+from copy import copy, deepcopy
+from dataclasses import replace
 from itertools import pairwise
+from operator import attrgetter
 from typing import Any, ClassVar, Self
 
 from motionsync.master import MasterInput
@@ -12,11 +14,22 @@ MOTION = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk"
 Row = dict[str, float]
 
 
-class BlockHarness:
-    """A block and its master, which is now at `place` with the velocity `speed`.
+def copy_stepper(stepper: Stepper) -> Stepper:
+    """Another stepper, with a copy of the block in the same state."""
+    other = copy(stepper)
+    other.block, other.cells = deepcopy(stepper.block), {}
+    for name, cell in stepper.cells.items():
+        part = name.rpartition(".")[0]
+        other.cells[name] = replace(cell, owner=attrgetter(part)(other.block) if part else other.block)
+    return other
 
-    The master's acceleration is constant during each `run`. Values that are set between two runs act at the beginning
-    of the second one. A subclass for each block gives the class of the block, `TYPE`, and what `rows` shows, `SHOWN`.
+
+class BlockHarness:
+    """A block and its master, which is at `master_position` with the velocity `speed`.
+
+    The master's acceleration is constant during each `run`. Values that are set between two runs act at the start of
+    the second one. A subclass for each block gives the block's class, `TYPE`, and the variables that `rows` returns,
+    `SHOWN`.
     """
 
     TYPE: ClassVar[type[Any]]
@@ -26,70 +39,70 @@ class BlockHarness:
         self,
         values: Mapping[str, Any] | None = None,
         *,
-        place: float = 0.0,
+        master_position: float = 0.0,
         speed: float = 0.0,
         mode: MasterInput = MasterInput.START_OF_STEP,
     ) -> None:
         self.stepper = Stepper(self.TYPE())
-        self.place, self.speed, self.time = place, speed, 0.0
-        self.put({"master.input_mode": mode, **(values or {})})
-        self._show_master(place, speed, 0.0)
+        self.master_position, self.speed, self.time = master_position, speed, 0.0
+        self.set({"master.input_mode": mode, **(values or {})})
+        self._show_master(master_position, speed, 0.0)
         self.stepper.initialize()
-        self.stepped()
+        self.after_step()
 
     @property
     def block(self) -> Any:
         return self.stepper.block
 
-    def stepped(self) -> None:
-        """Called after each step, for subclasses."""
+    def after_step(self) -> None:
+        """A hook for subclasses, called after each step."""
 
     def twin(self) -> Self:
         """Another harness whose block is in the same state."""
         other = copy(self)
-        other.stepper = self.stepper.twin()
+        other.stepper = copy_stepper(self.stepper)
         return other
 
-    def saved(self) -> tuple[Any, ...]:
-        """The present state, for `restore`: quicker than a twin."""
+    def save(self) -> tuple[Any, ...]:
+        """The present state, for `restore`; this is quicker than a twin."""
         values = [cell.get() for cell in self.stepper.cells.values()]
-        return self.place, self.speed, self.time, [copy(v) if isinstance(v, list) else v for v in values]
+        return self.master_position, self.speed, self.time, [copy(v) if isinstance(v, list) else v for v in values]
 
     def restore(self, saved: tuple[Any, ...]) -> Self:
-        self.place, self.speed, self.time, values = saved
+        self.master_position, self.speed, self.time, values = saved
         for cell, value in zip(self.stepper.cells.values(), values, strict=True):
             setattr(cell.owner, cell.attribute, copy(value) if isinstance(value, list) else value)
         return self
 
-    def put(self, values: Mapping[str, Any]) -> Self:
+    def set(self, values: Mapping[str, Any]) -> Self:
         self.stepper.set(values)
         return self
 
     def run(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> Self:
-        """Run for a time with this acceleration of the master, in steps that end at these times since its beginning."""
+        """Run for a time with this acceleration of the master, in steps that end at these times since its start."""
         self.rows(duration, acceleration=acceleration, cuts=cuts)
         return self
 
-    def to(self, place: float, steps: int = 1) -> Self:
-        """Run with constant velocity until the master is at `place`."""
-        duration = (place - self.place) / self.speed
+    def to(self, master_position: float, steps: int = 1) -> Self:
+        """Run with constant velocity until the master is at `master_position`."""
+        duration = (master_position - self.master_position) / self.speed
         self.run(duration, cuts=[i * duration / steps for i in range(1, steps)])
-        self.place = place
+        self.master_position = master_position
         return self
 
     def rows(self, duration: float, *, acceleration: float = 0.0, cuts: Iterable[float] = ()) -> dict[float, Row]:
-        """As `run`; the answer is what is shown at the end of each step, by time."""
-        place, speed, begin = self.place, self.speed, self.time
-        found = {}
+        """As `run`; returns the values in `SHOWN` at the end of each step, by time."""
+        master_position, speed, begin = self.master_position, self.speed, self.time
+        rows = {}
         for first, last in pairwise(sorted({0.0, duration, *(cut for cut in cuts if 0.0 < cut < duration)})):
-            seen = last if self.block.master.input_mode == MasterInput.END_OF_STEP else first
-            self._show_master(*moved(place, speed, acceleration, seen), acceleration)
+            input_time = last if self.block.master.input_mode == MasterInput.END_OF_STEP else first
+            self._show_master(*advance(master_position, speed, acceleration, input_time), acceleration)
             self.stepper.step(last - first)
-            self.stepped()
+            self.after_step()
             self.time = begin + last
-            self.place, self.speed = moved(place, speed, acceleration, last)
-            found[self.time] = self.read(self.SHOWN)
-        return found
+            self.master_position, self.speed = advance(master_position, speed, acceleration, last)
+            rows[self.time] = self.read(self.SHOWN)
+        return rows
 
     def read(self, names: Iterable[str]) -> Row:
         return self.stepper.get(names)
@@ -107,18 +120,18 @@ class BlockHarness:
     def state(self) -> Any:
         return self.block.state
 
-    def _show_master(self, place: float, speed: float, acceleration: float) -> None:
+    def _show_master(self, master_position: float, speed: float, acceleration: float) -> None:
         master = self.block.master
-        master.position = place % master.period if master.period > 0.0 else place
+        master.position = master_position % master.period if master.period > 0.0 else master_position
         if master.input_mode != MasterInput.POSITION_ONLY:
             master.velocity, master.acceleration = speed, acceleration
 
 
-def moved(place: float, speed: float, acceleration: float, time: float) -> tuple[float, float]:
-    """Place and velocity after a time; after a stop the velocity is 0, without a rounding error."""
-    after = speed + acceleration * time
-    stopped = abs(after) < 1e-14 * abs(speed)
-    return place + (speed + 0.5 * acceleration * time) * time, 0.0 if stopped else after
+def advance(position: float, velocity: float, acceleration: float, time: float) -> tuple[float, float]:
+    """Position and velocity after a time; after a stop the velocity is 0, without a rounding error."""
+    after = velocity + acceleration * time
+    stopped = abs(after) < 1e-14 * abs(velocity)
+    return position + (velocity + 0.5 * acceleration * time) * time, 0.0 if stopped else after
 
 
 def grid(duration: float, h: float) -> list[float]:

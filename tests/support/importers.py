@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from motionsync_fmu.scenario.fmu_instance import FmuInstance
-from tests.support.runs import Run
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
+from tests.support.runs import BlockRun
 
 
 class Logged(FmuInstance):
@@ -22,7 +22,7 @@ def bits(values: dict[str, Any]) -> dict[str, Any]:
     return {name: v.hex() if isinstance(v, float) else int(v) for name, v in values.items() if name != "time"}
 
 
-def through_fmpy(fmu: Path, run: Run) -> list[dict[str, Any]]:
+def through_fmpy(fmu: Path, run: BlockRun) -> list[dict[str, Any]]:
     """All variables, initially and after each step."""
     with FmuInstance(fmu) as host:
         host.initialize(run.start)

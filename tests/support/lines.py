@@ -4,7 +4,7 @@ import math
 import shutil
 from pathlib import Path
 
-from motionsync_fmu.build import Flavour
+from motionsync_fmu.build.fmu import Flavour
 from motionsync_fmu.line.line import REMOTE
 from motionsync_fmu.line.package import write_package
 from motionsync_fmu.line.reader import load_line
@@ -33,14 +33,14 @@ def copied(shared: Shared, fmus: Fmus, own: Path) -> Path:
     return Path(shutil.copytree(shared.once("lines", fill), own, dirs_exist_ok=True))
 
 
-def integrated(pieces: list[tuple[float, float]], t: float) -> float:
+def integrated(phases: list[tuple[float, float]], t: float) -> float:
     """Position at t of an axis that starts at rest, from durations and accelerations."""
     position, velocity = 0.0, 0.0
-    for duration, acceleration in [*pieces, (math.inf, 0.0)]:
-        stretch = min(duration, t)
-        position += velocity * stretch + 0.5 * acceleration * stretch * stretch
-        velocity += acceleration * stretch
-        if (t := t - stretch) <= 0.0:
+    for duration, acceleration in [*phases, (math.inf, 0.0)]:
+        elapsed = min(duration, t)
+        position += velocity * elapsed + 0.5 * acceleration * elapsed * elapsed
+        velocity += acceleration * elapsed
+        if (t := t - elapsed) <= 0.0:
             break
     return position
 

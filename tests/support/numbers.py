@@ -1,4 +1,4 @@
-"""Every number in an object, whatever it is made of: for tests that none of them is ever NaN or infinite."""
+"""Every number in an object and its parts, for tests that none of them is ever NaN or infinite."""
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
@@ -6,19 +6,20 @@ from operator import attrgetter
 from typing import Any
 
 Getter = Any  # of operator.attrgetter
-_places: dict[tuple[type[Any], tuple[str, ...]], tuple[Getter, list[Getter]]] = {}
+_getters: dict[tuple[type[Any], tuple[str, ...]], tuple[Getter, list[Getter]]] = {}
 
 
 def numbers_in(part: Any, but: tuple[str, ...] = ()) -> Iterator[float]:
-    """The floats that an object and its parts hold, except the fields whose names are in `but`: first those that stand
-    alone, then those in lists. All objects of a class have theirs at the same places."""
+    """The floats in an object and its parts: first single ones, then those in lists, without the fields named in `but`.
+
+    All objects of a class have the same fields."""
     key = type(part), but
-    if key not in _places:
-        found = dict(_paths(part, "", but))
-        alone = [path for path, value in found.items() if isinstance(value, float)]
-        lists = [attrgetter(path) for path, value in found.items() if isinstance(value, list)]
-        _places[key] = attrgetter(*alone), lists
-    numbers, lists = _places[key]
+    if key not in _getters:
+        values = dict(_paths(part, "", but))
+        single = [path for path, value in values.items() if isinstance(value, float)]
+        lists = [attrgetter(path) for path, value in values.items() if isinstance(value, list)]
+        _getters[key] = attrgetter(*single), lists
+    numbers, lists = _getters[key]
     yield from numbers(part)
     for get in lists:
         yield from get(part)
@@ -34,5 +35,5 @@ def _paths(part: Any, prefix: str, but: tuple[str, ...]) -> Iterator[tuple[str, 
             yield f"{prefix}{field.name}", value
 
 
-# Greater than 0, from the least number that there is (a denormal one) to where products of a few are ordinary again.
+# Greater than 0, from the least (denormal) number to those whose products are normal numbers again.
 TINY = (5e-324, 1e-323, 1e-318, 1e-310, 2.3e-308, 1e-300, 4e-282, 1e-200, 1e-160, 1e-150, 1e-108, 1e-80, 1e-50, 1e-20)

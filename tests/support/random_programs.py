@@ -1,6 +1,6 @@
-"""Random programs in the kernel subset: methods of one block, each a list of statements, by hypothesis's choices.
+"""Random programs in the kernel subset: methods of one block, each a list of statements that hypothesis chooses.
 
-A program stays where Python and C promise to agree: whole numbers stay far within 64 bits, and loops end."""
+Python and C promise to agree on each program: whole numbers stay far within 64 bits, and loops end."""
 
 import textwrap
 from collections.abc import Callable
@@ -41,7 +41,7 @@ class Part:
     on: bool = False
     values: list[float] = var.ring(4)
 
-    def put(self, x: float) -> float:
+    def add(self, x: float) -> float:
         self.x += x
         self.on = x > 1.0
         return self.x - x
@@ -81,7 +81,7 @@ class Programs:
     def initialize(self) -> Refusal:
         return Refusal.NONE
 
-    def turned(self, way: Way) -> Way:
+    def opposite_way(self, way: Way) -> Way:
         match way:
             case Way.UP | Way.NONE:
                 return Way.BACK
@@ -92,12 +92,12 @@ class Programs:
         self.noted[self.notes % 32] = x
         self.notes += 1
 
-    def called(self) -> int:
+    def count_call(self) -> int:
         self.calls += 1
         return self.calls % 3
 
     def try_move(self) -> bool:
-        self.i = self.called() - 1
+        self.i = self.count_call() - 1
         self.part.n -= 1
         self.y = self.a
         return self.f
@@ -150,7 +150,7 @@ class Writer:
     counted: list[str] = field(default_factory=list)  # the variables of the loops around
     number: int = 0
 
-    def new(self, letter: str) -> str:
+    def new_name(self, letter: str) -> str:
         self.number += 1
         return f"{letter}{self.number}"
 
@@ -255,6 +255,7 @@ class Writer:
             "ways": lambda: f"({self.leaf('way')} {self.pick(['==', '!='])} {self.leaf('way')})",
             "among": lambda: f"({self.leaf('way')} in ({self.leaf('way')}, Way.UP))",
             "isfinite": lambda: f"isfinite({x()})",
+            "same": lambda: f"var.same({self.pick(['self.part', 'self.other'])}, self.other)",
         }
         return str(forms[self.pick(list(forms))]())
 
@@ -262,12 +263,12 @@ class Writer:
         forms = {
             "leaf": lambda: self.leaf("way"),
             "if": lambda: f"({self.leaf('way')} if {self.bool_expression(depth - 1)} else {self.leaf('way')})",
-            "call": lambda: f"self.turned({self.leaf('way')})",
+            "call": lambda: f"self.opposite_way({self.leaf('way')})",
         }
         return str(forms[self.pick(list(forms))]())
 
     def bounded(self) -> str:
-        """A whole number that stays small, to be kept."""
+        """A whole number that stays small, and may be stored."""
         return f"({self.int_expression(2)}) % 1009 - 500"
 
     def value(self, kind: str) -> str:
@@ -276,7 +277,7 @@ class Writer:
     # --- statements ---
 
     def body(self, depth: int, loop: bool) -> list[str]:
-        """A block: what it declares is forgotten after it."""
+        """A block; the locals that it declares end with it."""
         before = {kind: list(names) for kind, names in self.locals.items()}
         lines = [line for _ in range(self.pick([1, 1, 2, 3])) for line in self.statement(depth, loop)]
         self.locals = before
@@ -301,15 +302,14 @@ class Writer:
         leaving = [self.leave] if loop else []
         write = self.pick([*simple, *nested, *nested, *leaving])
         before = {kind: list(names) for kind, names in self.locals.items()}
-        found: list[str] = write(depth, loop) if write in nested else write()
-        return [*found, *self.notes(before)]
+        lines: list[str] = write(depth, loop) if write in nested else write()
+        return [*lines, *self.notes(before)]
 
     def notes(self, before: dict[str, list[str]]) -> list[str]:
-        """Nothing stays unseen: the values of new locals, and of one that had been there, are kept."""
-        known = [name for name in self.locals["float"] if name in before["float"]]
-        reals = [name for name in self.locals["float"] if name not in before["float"]] + [self.pick(known)] * bool(
-            known
-        )
+        """Make all values visible: those of new locals, and of an earlier one, are stored in the block."""
+        earlier = [name for name in self.locals["float"] if name in before["float"]]
+        reals = [name for name in self.locals["float"] if name not in before["float"]]
+        reals += [self.pick(earlier)] if earlier else []
         wholes = [name for kind in ("int", "bool") for name in self.locals[kind] if name not in before[kind]]
         return [f"self.note({name})" for name in reals] + [f"self.note(float({name}))" for name in wholes]
 
@@ -317,42 +317,42 @@ class Writer:
         kind = self.pick(list(FIRST))
         if self.locals[kind] and self.pick([True, False]):
             return [f"{self.pick(self.locals[kind])} = {self.value(kind)}"]
-        name, value = self.new(kind[0]), self.value(kind)
+        name, value = self.new_name(kind[0]), self.value(kind)
         self.locals[kind].append(name)
         return [f"{name} = {value}  # a new one" if self.number % 3 == 0 else f"{name} = {value}"]
 
     def field(self) -> list[str]:
         kind = self.pick(list(FIRST))
-        place = self.pick(FIELDS[kind])
+        target = self.pick(FIELDS[kind])
         other = self.pick(FIELDS[kind])
-        if self.pick([True, False, False]) and other != place:
-            return [f"{place} = {other} = {self.value(kind)}"]
-        return [f"{place} = {self.value(kind)}"]
+        if self.pick([True, False, False]) and other != target:
+            return [f"{target} = {other} = {self.value(kind)}"]
+        return [f"{target} = {self.value(kind)}"]
 
     def changed(self) -> list[str]:
         sign = self.pick(["+", "-", "*", "/", "%"])
-        place = self.pick([*FIELDS["float"], *self.locals["float"], "self.values[1]"])
-        return [f"{place} {sign}= {self.expression('float')}"]
+        target = self.pick([*FIELDS["float"], *self.locals["float"], "self.values[1]"])
+        return [f"{target} {sign}= {self.expression('float')}"]
 
     def changing(self) -> list[str]:
         """A call that changes something."""
-        kept = self.new("f")
-        call = self.pick(["self.part.put", "self.longer.put", "self.other.put"])
-        line = f"{kept} = {call}({self.expression('float', 2)})"
-        self.locals["float"].append(kept)
-        return [line, self.pick(["var.copy(self.other, self.part)", "self.i = self.called()"])]
+        result = self.new_name("f")
+        call = self.pick(["self.part.add", "self.longer.add", "self.other.add"])
+        line = f"{result} = {call}({self.expression('float', 2)})"
+        self.locals["float"].append(result)
+        return [line, self.pick(["var.copy(self.other, self.part)", "self.i = self.count_call()"])]
 
     def unpacked(self) -> list[str]:
         if self.pick([True, False]):
-            x, n = self.new("f"), self.new("i")
+            x, n = self.new_name("f"), self.new_name("i")
             line = f"{x}, {n}, _ = split({self.expression('float', 2)}, {self.leaf('int')} % 7)"
             self.locals["float"].append(x)
             self.locals["int"].append(n)
             return [line]
-        known = self.locals["float"]
-        x, y = self.pick([*known, self.new("f")]), self.new("f")
+        reals = self.locals["float"]
+        x, y = self.pick([*reals, self.new_name("f")]), self.new_name("f")
         line = f"{x}, {y} = pair({self.expression('float', 2)}, {self.expression('float', 2)})"
-        self.locals["float"] += [name for name in (x, y) if name not in known]
+        self.locals["float"] += [name for name in (x, y) if name not in reals]
         return [line]
 
     def item(self) -> list[str]:
@@ -360,40 +360,53 @@ class Writer:
 
     def aliased(self) -> list[str]:
         if self.pick([True, False]):
-            values = self.new("v")
+            values = self.new_name("v")
             return [f"{values} = self.part.values", f"{values}[{self.small()}] += {self.expression('float', 1)}"]
-        part = self.new("p")
+        part = self.new_name("p")
         return [f"{part} = self.longer", f"{part}.{self.pick(['x', 'y'])} = {self.expression('float', 2)}"]
 
     def again(self) -> list[str]:
         """Elements with the same index, which may change in between."""
         at = self.pick([*self.locals["int"], "self.i", "self.part.n", "self.k"])
         index = self.pick([at, at, f"{at} + 1", f"{at} - 1", f"3 * {at} + {self.pick(['0', '2', '3'])}"])
-        places = [f"self.rows[{index}]", *(f"{values}[{index}]" for values in LISTS)]
-        place = lambda: self.pick(places)  # noqa: E731
+        elements = [f"self.rows[{index}]", *(f"{values}[{index}]" for values in LISTS)]
+        element = lambda: self.pick(elements)  # noqa: E731
         real = lambda: self.expression("float", 1)  # noqa: E731
-        lines = [f"{at} = {self.small()}", f"{place()} = {real()}"]
+        lines = [f"{at} = {self.small()}", f"{element()} = {real()}"]
         for _ in range(self.pick([1, 2, 3])):
             lines += self.pick(
                 [
-                    [f"{place()} = {place()} * 0.5 + {place()}"],
-                    [f"{place()} {self.pick(['+', '-', '/', '%'])}= {place()}"],
-                    [f"self.on = {place()} > 0.5 {self.pick(['and', 'or'])} {place()} > {place()}"],
-                    [f"self.on = self.try_move() {self.pick(['and', 'or'])} {place()} > 0.0"],
-                    [f"self.x = {place()} if {self.expression('bool', 1)} else {place()}"],
-                    [f"self.x = {place()} / {place()} if {place()} != 0.0 else {real()}"],
-                    [f"self.note({place()})"],
-                    [f"if {place()} < 1.0:", f"    {at} = {self.small()}", "else:", f"    {place()} = {place()}"],
-                    [f"if {self.expression('bool', 1)}:", f"    {place()} += {place()}", f"self.note({place()})"],
-                    ["for _ in range(2):", f"    self.note({place()})", f"    self.x -= {place()}", f"    {at} += 1"],
-                    [f"while {at} < 2:", f"    {place()} += {place()}", f"    {at} += 1"],
-                    ["match self.m:", "    case 1 | 2:", f"        {place()} += {place()}", f"self.note({place()})"],
-                    ["self.i = self.called()"],
+                    [f"{element()} = {element()} * 0.5 + {element()}"],
+                    [f"{element()} {self.pick(['+', '-', '/', '%'])}= {element()}"],
+                    [f"self.on = {element()} > 0.5 {self.pick(['and', 'or'])} {element()} > {element()}"],
+                    [f"self.on = self.try_move() {self.pick(['and', 'or'])} {element()} > 0.0"],
+                    [f"self.x = {element()} if {self.expression('bool', 1)} else {element()}"],
+                    [f"self.x = {element()} / {element()} if {element()} != 0.0 else {real()}"],
+                    [f"self.note({element()})"],
+                    [f"if {element()} < 1.0:", f"    {at} = {self.small()}", "else:", f"    {element()} = {element()}"],
+                    [f"if {self.expression('bool', 1)}:", f"    {element()} += {element()}", f"self.note({element()})"],
+                    [
+                        "for _ in range(2):",
+                        f"    self.note({element()})",
+                        f"    self.x -= {element()}",
+                        f"    {at} += 1",
+                    ],
+                    [f"while {at} < 2:", f"    {element()} += {element()}", f"    {at} += 1"],
+                    [
+                        "match self.m:",
+                        "    case 1 | 2:",
+                        f"        {element()} += {element()}",
+                        f"self.note({element()})",
+                    ],
+                    ["self.i = self.count_call()"],
                     [f"{at} = {self.small()}"],
-                    ["var.copy(self.part, self.other)"],
+                    [
+                        "var.copy(self.part, self.other)",
+                        f"self.on = var.same(self.other, self.part) and {element()} > 0.5",
+                    ],
                 ]
             )
-        return [*lines, f"self.note({place()})"]
+        return [*lines, f"self.note({element()})"]
 
     def divided(self) -> list[str]:
         """Divisions by the same number, which may be 0, may have been compared before, and may change in between."""
@@ -432,9 +445,8 @@ class Writer:
 
     def comparison(self, n: str) -> str:
         limit, sign = self.pick(["0", "0.0", "0.0", "1", "2.5"]), self.pick(["<", "<=", ">", ">=", "==", "!="])
-        found = self.pick([f"{n} {sign} {limit}", f"{limit} {sign} {n}", f"0.0 < {n} {sign} 2.5"])
-        joined = self.pick([found, found, f"not {found}", f"({found} and self.f)", f"({found} or self.f)"])
-        return str(joined)
+        test = self.pick([f"{n} {sign} {limit}", f"{limit} {sign} {n}", f"0.0 < {n} {sign} 2.5"])
+        return str(self.pick([test, test, f"not {test}", f"({test} and self.f)", f"({test} or self.f)"]))
 
     def leave(self) -> list[str]:
         if self.pick([True, False]):
@@ -452,7 +464,7 @@ class Writer:
         return lines
 
     def count(self, depth: int, loop: bool) -> list[str]:
-        name = self.new("j")
+        name = self.new_name("j")
         limits = self.pick(
             [
                 f"({self.leaf('int')}) % 4",
@@ -473,7 +485,7 @@ class Writer:
         return [f"for {name} in range({limits}):", *body]
 
     def repeat(self, depth: int, loop: bool) -> list[str]:
-        name = self.new("w")
+        name = self.new_name("w")
         test = self.pick([f"{name} < 4", f"{name} < 3 and {self.expression('bool', 2)}"])
         return [f"{name} = 0", f"while {test}:", f"    {name} += 1", *self.body(depth - 1, True)]
 
@@ -493,7 +505,7 @@ class Writer:
     def program(self) -> list[str]:
         lines: list[str] = []
         for kind, first in FIRST.items():
-            name = self.new(kind[0])
+            name = self.new_name(kind[0])
             lines.append(f"{name} = {first}")
             self.locals[kind].append(name)
         for _ in range(self.pick([2, 3, 4, 6])):

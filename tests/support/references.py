@@ -1,4 +1,4 @@
-"""Judges what an importer has put out by a reference that lies beside an FMU or in it."""
+"""Compares the outputs of an importer with a reference that is next to an FMU or in it."""
 
 from typing import Any
 

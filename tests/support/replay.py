@@ -15,10 +15,10 @@ import pytest
 from motionsync_fmu.interface.recipe import Fmi
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import OF_VERSION, ROWS, parts
-from motionsync_fmu.scenario.fmu_instance import FmuError, FmuInstance, version
+from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance, fmi_version
 from tests import ROOT
 from tests.support.fmus import Shared
-from tests.support.runs import Run
+from tests.support.runs import BlockRun
 
 KINDS = {  # those of the orders, by the types of the variables
     Fmi.TWO: {"Real": "R", "Integer": "I", "Enumeration": "I", "Boolean": "B"},
@@ -46,20 +46,20 @@ def tried(call: Any, *arguments: Any) -> str:
 
 
 def wine() -> list[str]:
-    found = shutil.which("wine64") or shutil.which("wine64", path="/usr/lib/wine") or shutil.which("wine")
-    if not found:
+    result = shutil.which("wine64") or shutil.which("wine64", path="/usr/lib/wine") or shutil.which("wine")
+    if not result:
         pytest.skip("wine64 is not installed")
-    return [found]
+    return [result]
 
 
 def qemu(processor: str) -> list[str]:
     root = Path(os.environ.get("QEMU_LD_PREFIX", f"/usr/{processor}-linux-gnu"))
-    found = shutil.which(f"qemu-{processor}") or shutil.which(f"qemu-{processor}-static")
-    if not found:
+    result = shutil.which(f"qemu-{processor}") or shutil.which(f"qemu-{processor}-static")
+    if not result:
         pytest.skip("qemu-user is not installed")
     if not (root / "lib" / f"ld-linux-{processor}.so.1").exists():
         pytest.skip(f"the C library of Linux on {processor} is not installed (Debian: libc6-arm64-cross)")
-    return [found, "-L", str(root)]
+    return [result, "-L", str(root)]
 
 
 def launcher(target: str) -> list[str]:
@@ -76,7 +76,7 @@ def double(x: float) -> str:
     return struct.pack(">d", x).hex()
 
 
-def orders(host: FmuInstance, run: Run) -> Iterator[tuple[str, str]]:
+def orders(host: FmuInstance, run: BlockRun) -> Iterator[tuple[str, str]]:
     """A run as lines for the host in C, and what the FMU in `host` answers to each."""
 
     def setting(values: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -86,8 +86,8 @@ def orders(host: FmuInstance, run: Run) -> Iterator[tuple[str, str]]:
             yield f"{kind[0]} {reference} {double(value) if kind == 'Real' else int(value)}", "0"
 
     def all_values() -> tuple[str, str]:
-        found = host.get()
-        return "g", " ".join(double(found[n]) if k == "Real" else str(found[n]) for n, (_, k) in host.kinds.items())
+        result = host.get()
+        return "g", " ".join(double(result[n]) if k == "Real" else str(result[n]) for n, (_, k) in host.kinds.items())
 
     yield "n", "0"
     host.unit.setupExperiment(startTime=0.0)
@@ -135,14 +135,14 @@ def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path, sh
     `target`: zig's name of the processor and the system of its library; `scratch`: an empty folder."""
     start = launcher(target)
     description = fmpy.read_model_description(str(folder))
-    fmi = version(description)
+    fmi = fmi_version(description)
     kinds = "".join(KINDS[fmi][v.type] for v in description.modelVariables)
     program = host_program(target, fmi, shared)
     (platform,) = (platform for platform in OF_VERSION[fmi] if target in platform.targets)
-    asked, answered = scratch / "orders.txt", scratch / "answers.txt"
-    asked.write_text("".join(f"{order}\n" for order in orders))
+    orders_file, answers_file = scratch / "orders.txt", scratch / "answers.txt"
+    orders_file.write_text("".join(f"{order}\n" for order in orders))
     library = folder / platform.library(description.coSimulation.modelIdentifier)
-    with asked.open() as stdin, answered.open("w") as stdout:  # no pipes: wine's server would hold them open
+    with orders_file.open() as stdin, answers_file.open("w") as stdout:  # no pipes: wine's server would hold them open
         subprocess.run(
             [*start, str(program), str(library), description.guid, kinds],
             stdin=stdin,
@@ -151,4 +151,4 @@ def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path, sh
             timeout=PATIENCE,
             env=os.environ | (wine_environment(start, shared) if "windows" in target else {}),
         )
-    return [line.strip() for line in answered.read_text().splitlines()]
+    return [line.strip() for line in answers_file.read_text().splitlines()]

@@ -1,4 +1,4 @@
-"""What the random runs of all blocks have in common."""
+"""A random run of a block, and the strategy that draws such runs."""
 
 import math
 from collections.abc import Callable
@@ -11,7 +11,7 @@ EXTREMES = (0.0, -0.0, 5e-324, -1e-300, 1e12, -1e12, 1e15, math.nan, math.inf)
 
 
 @dataclass(frozen=True)
-class Run:
+class BlockRun:
     """Start values of parameters and inputs, and for each step its size and what is set before it."""
 
     start: dict[str, Any]
@@ -20,15 +20,15 @@ class Run:
 
 @dataclass(frozen=True)
 class Strategy:
-    """How a block is run at random.
+    """Random runs of a block, and the states that they have to reach.
 
     Attributes:
         runs: draws runs of a given number of steps: ordinary runs, and runs at the limits of the inputs and beyond.
             Start values are within their limits.
-        watch: the things in a block's present state that are worth meeting.
-        meets: the things of these that a few runs have to meet; they have to meet a refused step as well.
+        watch: the remarkable features of a block's present state.
+        required_features: the features that a few runs have to reach; these also contain a refused step.
     """
 
-    runs: Callable[[int], st.SearchStrategy[Run]]
+    runs: Callable[[int], st.SearchStrategy[BlockRun]]
     watch: Callable[[Any], set[Any]]
-    meets: frozenset[Any]
+    required_features: frozenset[Any]

@@ -1,4 +1,4 @@
-"""A scenario of a saw that moves freely, for tests of what may be added to a scenario."""
+"""Texts of scenarios: of a saw that moves freely, of one that searches run, and of a Synchronizer with all tables."""
 
 from pathlib import Path
 
@@ -15,9 +15,73 @@ step_size = 0.01
 [master]
 """
 
+EVEN_RAMP = """\
+title = "A saw at rest comes into sync over an even ramp"
+fmu = "FlyingSaw"
+stop_time = 1.0
+step_size = 0.02
+[start]
+"axis.max_velocity" = 1e6
+"axis.max_acceleration" = 4000.0
+"gear_in_pos.slave_sync_position" = 100.0
+"gear_in_pos.master_start_distance" = 200.0
+"gear_in_pos.master_sync_position" = 310.0
+[master]
+velocity = 500.0
+[[set]]
+at = 0.02
+"gear_in_pos.execute" = true
+"""
 
-def written(text: str, folder: Path) -> Path:
-    """A scenario file with this text."""
+VALID = """\
+title = "A good one"
+source = "By hand"
+fmu = "Synchronizer"
+unit = "deg"
+stop_time = 4.0
+step_size = 0.01
+tolerance = 1e-9
+
+[start]
+"master.period" = 360.0
+curve = "PARABOLA"
+active = true
+
+[master]
+position = 0.0
+velocity = 90.0
+segments = [
+    { duration = 1.0, acceleration = 1.0 },
+    { duration = 1.5 },
+]
+
+[[set]]
+at = 0.5
+stop = true
+
+[[set]]
+at = 1.5
+output_phasing = 45.0
+
+[[expect]]
+at = 2.0
+"slave.position" = 1.0
+tolerance = 1e-6
+
+[[expect]]
+when = "syn_ramp_on"
+time = 1.0
+
+[[expect]]
+from = 0.0
+to = 1.0
+"slave.velocity" = { min = 0.0, max = 90.0 }
+"""
+SEGMENTS = VALID[VALID.index("segments") : VALID.index("]\n\n[[set]]") + 1]
+
+
+def write_scenario(text: str, folder: Path) -> Path:
+    """Write a scenario file with this text."""
     file = folder / "scenario.toml"
     file.write_text(text, "utf-8")
     return file

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-HERE = "127.0.0.1"
+LOCALHOST = "127.0.0.1"
 ROOT = Path(__file__).parents[2]
 FAR = """\
 import sys
@@ -46,7 +46,7 @@ def computers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Computers]:
     seen = tmp_path_factory.mktemp("seen")
     hidden = homes[1] / "hidden.py"
     hidden.write_text(FAR.format(folder=str(seen)), "utf-8")
-    with LocalCluster(n_workers=0, host=HERE, dashboard_address=f"{HERE}:0") as cluster:
+    with LocalCluster(n_workers=0, host=LOCALHOST, dashboard_address=f"{LOCALHOST}:0") as cluster:
         address = cluster.scheduler_address
         with worker(address, homes[0]), worker(address, homes[1], "--preload", str(hidden)):
             with Client(cluster) as client:
@@ -58,7 +58,7 @@ def computers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Computers]:
 def worker(scheduler: str, home: Path, *options: str) -> Iterator[None]:
     """A worker of a scheduler for a while, with a home of its own."""
     command = [sys.executable, "-m", "distributed.cli.dask_worker", scheduler, "--no-nanny", "--nthreads", "1"]
-    command += ["--no-dashboard", "--host", HERE, "--local-directory", str(home), *options]
+    command += ["--no-dashboard", "--host", LOCALHOST, "--local-directory", str(home), *options]
     path = os.pathsep.join([str(ROOT / "model"), str(ROOT / "fmu_src"), str(ROOT)])
     own = {"PYTHONPATH": path, "XDG_CACHE_HOME": str(home / "cache"), "LOCALAPPDATA": str(home / "cache")}
     with (home / "log").open("ab") as log:

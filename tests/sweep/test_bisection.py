@@ -11,7 +11,7 @@ LOW, HIGH = 300.0, 3000.0
 THRESHOLDS = st.lists(st.floats(0.0, 4000.0), min_size=1, max_size=20)
 
 
-def found(thresholds: list[float], relative: float, *, above: bool) -> Boundaries:
+def search_rows(thresholds: list[float], relative: float, *, above: bool) -> Boundaries:
     """The boundaries of conditions that hold above (below) a threshold, at the threshold too."""
     at = np.array(thresholds)
 
@@ -23,7 +23,7 @@ def found(thresholds: list[float], relative: float, *, above: bool) -> Boundarie
 
 @given(THRESHOLDS, st.sampled_from([1e-2, 1e-6, 1e-12]), st.booleans())
 def test_the_boundary_is_found_in_both_directions(thresholds: list[float], relative: float, above: bool) -> None:
-    b = found(thresholds, relative, above=above)
+    b = search_rows(thresholds, relative, above=above)
     for i, threshold in enumerate(thresholds):
         if LOW < threshold <= HIGH if above else LOW <= threshold < HIGH:
             low, high = (b.other[i], b.holding[i]) if above else (b.holding[i], b.other[i])
@@ -48,7 +48,7 @@ def test_a_range_with_zero_inside_comes_to_an_end(threshold: float, relative: fl
 
 def test_neighbours_are_not_halved() -> None:
     """A share of 0 asks for more than floating-point numbers have."""
-    b = found([1000.1], 0.0, above=True)
+    b = search_rows([1000.1], 0.0, above=True)
     assert b.holding[0] == 1000.1
     assert b.other[0] == np.nextafter(1000.1, 0.0)
 

@@ -45,12 +45,12 @@ def test_a_condition_holds_for_these_rows(text: str, held: list[bool]) -> None:
     assert condition.holds(ROWS).to_pylist() == held
 
 
-def test_its_columns_are_told_once_each() -> None:
+def test_its_columns_are_reported_once_each() -> None:
     assert RowCondition.read("a.max > 1 and b and a.max < 2").columns == ["a.max", "b"]
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("", "'' is no condition"),
         ("late = 0", "'late = 0' is neither COLUMN == VALUE"),
@@ -59,17 +59,17 @@ def test_its_columns_are_told_once_each() -> None:
         ("late == 0 and", "is neither COLUMN == VALUE"),
         ("late == none", "'none' is no number, true, false or text in quotes"),
         ("late == nan", "nothing is equal to nan"),
-        ("not late == 0", "not stands before the name of a column alone"),
+        ("not late == 0", "not is for the name of a column alone"),
     ],
 )
-def test_a_text_that_is_no_condition_is_told(text: str, told: str) -> None:
+def test_a_text_that_is_no_condition_is_reported(text: str, message: str) -> None:
     with pytest.raises(UserError) as e:
         RowCondition.read(text)
-    assert told in str(e.value)
+    assert message in str(e.value)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("lat == 0", "no column of a row is named 'lat'; there is late"),
         ("late", "late == 1: compare late with a number"),
@@ -80,7 +80,7 @@ def test_a_text_that_is_no_condition_is_told(text: str, told: str) -> None:
         ('cut_error == "0"', 'cut_error == "0": compare cut_error with a number'),
     ],
 )
-def test_what_rows_cannot_be_asked_is_told(text: str, told: str) -> None:
+def test_what_rows_cannot_be_asked_is_reported(text: str, message: str) -> None:
     with pytest.raises(UserError) as e:
         RowCondition.read(text).check(ROWS.schema)
-    assert told in str(e.value)
+    assert message in str(e.value)

@@ -1,4 +1,4 @@
-"""docs/sweeps.md tells the truth: its commands find the lengths in its tables, and its picture is drawn from them."""
+"""docs/sweeps.md is true: its commands find the lengths in its tables, and its picture is drawn from them."""
 
 import ast
 import csv
@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motionsync.cut_to_length.limits import Machine, shortest_pitch
-from motionsync_fmu.sweep.picture import Found, beside, svg
+from motionsync.cut_to_length.machine_limits import Machine, shortest_pitch
 from tests import ROOT
 from tests.support.command_line import Command
+from tools.shortest_length_picture import BoundaryCurves, compare_with, draw_picture
 
 DOCS = ROOT / "docs"
 PAGE = (DOCS / "sweeps.md").read_text("utf-8")
@@ -36,25 +36,25 @@ def rows(block: str) -> list[dict[str, str]]:
         return list(csv.DictReader(stream))
 
 
-def found(block: str) -> Found:
-    return Found.read(DOCS / "shortest_length" / f"{block}.csv")
+def read_curves(block: str) -> BoundaryCurves:
+    return BoundaryCurves.read(DOCS / "shortest_length" / f"{block}.csv")
 
 
 @pytest.mark.parametrize("block", BLOCKS)
 @pytest.mark.parametrize("share", [0.0, 0.55, 1.0])
 def test_the_commands_find_what_the_tables_have(motionsync: Command, block: str, share: float) -> None:
     """At some of the points."""
-    known = rows(block)[round(share * (len(rows(block)) - 1))]
+    expected = rows(block)[round(share * (len(rows(block)) - 1))]
     words = command(block)[:-2]  # without a folder
     for i, word in enumerate(words):
         name = word.partition("=")[0]
         if name in ("master.velocity", "axis.max_acceleration"):
-            words[i] = f"{name}={known[name]}"
+            words[i] = f"{name}={expected[name]}"
     done = motionsync(*words, "--json", "--workers", "1")
     assert done.status == 0
     (row,) = json.loads(done.out)
-    assert row["length"] == pytest.approx(float(known["length"]), rel=1e-12)
-    assert row["runs"] == int(known["runs"])
+    assert row["length"] == pytest.approx(float(expected["length"]), rel=1e-12)
+    assert row["runs"] == int(expected["runs"])
 
 
 @pytest.mark.parametrize("block", BLOCKS)
@@ -70,31 +70,31 @@ def test_the_tables_are_those_of_the_whole_commands(block: str) -> None:
 
 
 def test_the_lengths_on_the_page_are_those_of_the_tables() -> None:
-    told = re.findall(r"^\| (?:line at (\d+) m/min|the same), (\w+) \|(.*)\|$", PAGE, re.M)
-    assert len(told) == 6
+    error = re.findall(r"^\| (?:line at (\d+) m/min|the same), (\w+) \|(.*)\|$", PAGE, re.M)
+    assert len(error) == 6
     velocity = ""
-    for at, block, cells in told:
+    for at, block, cells in error:
         velocity = at or velocity
         lengths = [float(cell.replace("mm", "")) for cell in cells.split("|")]
         for acceleration, length in zip((2e3, 5e3, 1e4, 2e4), lengths, strict=True):
-            speeds, known = found(block).curve(acceleration)
+            speeds, expected, _ = read_curves(block).curve(acceleration)
             (place,) = np.flatnonzero(speeds == float(velocity) / 0.06)
-            assert length == round(float(known[place]), 1)
+            assert length == round(float(expected[place]), 1)
 
 
-def test_what_is_foretold_lies_between_what_works_and_what_does_not() -> None:
+def test_what_is_predicted_lies_between_what_works_and_what_does_not() -> None:
     """At all points; and the numbers in the text are right."""
-    machine = found("CutToLength")
-    assert (machine.beside <= machine.predicted * (1.0 + 1e-9)).all()
+    machine = read_curves("CutToLength")
+    assert (machine.other_side <= machine.predicted * (1.0 + 1e-9)).all()
     assert (machine.length >= machine.predicted * (1.0 - 1e-9)).all()
-    assert (machine.length / machine.beside - 1.0).max() <= 1.0001e-6
-    said = PAGE.replace("\n", " ")
-    assert f"A search of {machine.runs:,} runs".replace(",", " ") in said
-    assert f"at {len(machine.length)} points" in re.sub(" +", " ", said)
+    assert (machine.length / machine.other_side - 1.0).max() <= 1.0001e-6
+    message = PAGE.replace("\n", " ")
+    assert f"A search of {machine.runs:,} runs".replace(",", " ") in message
+    assert f"at {len(machine.length)} points" in re.sub(" +", " ", message)
 
 
 def test_how_much_more_the_saw_needs() -> None:
-    compared = beside(found("FlyingSaw"), found("CutToLength"))
+    compared = compare_with(read_curves("FlyingSaw"), read_curves("CutToLength"))
     assert len(compared.length) == 224
     share = 100.0 * (compared.length / compared.predicted - 1.0)
     (least, most) = re.findall(r"The FlyingSaw needs (\S+) to (\S+) % more", PAGE)[0]
@@ -117,7 +117,7 @@ def test_the_examples_in_python_run(
 
 
 def passing() -> int:
-    """At how many of the example's points pieces are long enough, by what the block foretells."""
+    """At how many of the example's points pieces are long enough, by the prediction of the block."""
     machine = Machine(
         max_velocity=1500.0, approach_reserve=0.0, approach_jerk=2e5, homing_velocity=1500.0, homing_jerk=2e5
     )
@@ -130,7 +130,7 @@ def passing() -> int:
 
 def test_the_picture_is_drawn_from_the_tables() -> None:
     """But for rounding: two processors may differ in the last digit that is written."""
-    made = svg(found("CutToLength"), found("FlyingSaw")).decode()
+    made = draw_picture(read_curves("CutToLength"), read_curves("FlyingSaw")).decode()
     shipped = (DOCS / "shortest_length.svg").read_text("utf-8")
     assert re.sub(NUMBER, "#", made) == re.sub(NUMBER, "#", shipped)
     a, b = (np.array([float(x) for x in re.findall(NUMBER, text)]) for text in (made, shipped))

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.sweep.expressions import in_order, parse
+from motionsync_fmu.sweep.expressions import parse, sort_by_need
 
 NAMES = ("length", "master.velocity", "master.segments.1.acceleration", "cuts.while", "_0")
 numbers = st.floats(-1e6, 1e6, allow_subnormal=False)
@@ -34,9 +34,9 @@ def in_python(text: str, values: dict[str, float]) -> float:
     """What Python itself makes of the expression; NaN where it divides by 0."""
     for i, name in enumerate(NAMES):
         text = text.replace(name, f"v[{i}]")
-    known: dict[str, Any] = {"v": [values[name] for name in NAMES], "sqrt": math.sqrt, "min": min, "max": max}
+    expected: dict[str, Any] = {"v": [values[name] for name in NAMES], "sqrt": math.sqrt, "min": min, "max": max}
     try:
-        return float(eval(text, known))
+        return float(eval(text, expected))
     except ZeroDivisionError:
         return math.nan
 
@@ -44,14 +44,14 @@ def in_python(text: str, values: dict[str, float]) -> float:
 @given(expressions, st.lists(st.tuples(*[numbers] * len(NAMES)), min_size=1, max_size=3))
 def test_an_expression_has_the_bits_of_pythons_arithmetic(text: str, rows: list[tuple[float, ...]]) -> None:
     columns = dict(zip(NAMES, np.array(rows).T, strict=True))
-    found = np.broadcast_to(parse(text).values(columns), len(rows))
-    for value, row in zip(found.tolist(), rows, strict=True):
-        wanted = in_python(text, dict(zip(NAMES, row, strict=True)))
-        if math.isfinite(wanted):
-            assert value.hex() == wanted.hex()
+    result = np.broadcast_to(parse(text).values(columns), len(rows))
+    for value, row in zip(result.tolist(), rows, strict=True):
+        expected = in_python(text, dict(zip(NAMES, row, strict=True)))
+        if math.isfinite(expected):
+            assert value.hex() == expected.hex()
 
 
-def test_an_expression_tells_the_names_in_it() -> None:
+def test_an_expression_shows_the_names_in_it() -> None:
     assert parse("2*gear_in_pos.velocity - min(a.b, 3e2, gear_in_pos.velocity)/max.x").names == (
         "gear_in_pos.velocity",
         "a.b",
@@ -75,7 +75,7 @@ def test_a_division_by_zero_and_a_root_of_a_negative_number_are_no_numbers() -> 
     [
         "2**3", "a b", "(a", "a if b else c", "a[0]", "[a]", "'x'", "a < b", "a and b", "not a", "~a", "a // b",
         "a % b", "lambda: 1", "a.b = 3", "a; b", "2 @ 3", "1j", "", "*a", "min(*a, b)", "max(a, b, key=c)", "a . b",
-        "µ$", "0x10",
+        "µ$", "0x10", "(kerf)(2)", "(min)(1, 2)", "(2)(3)",
     ],
 )  # fmt: skip
 def test_what_is_more_than_arithmetic_is_refused(text: str) -> None:
@@ -95,7 +95,7 @@ def test_what_is_more_than_arithmetic_is_refused(text: str) -> None:
         ("-" * 500 + "a", "nested too deeply"),
     ],
 )
-def test_a_wrong_call_or_number_is_told(text: str, message: str) -> None:
+def test_a_wrong_call_or_number_is_reported(text: str, message: str) -> None:
     with pytest.raises(UserError, match=message):
         parse(text)
 
@@ -113,9 +113,9 @@ def test_a_text_or_flag_cannot_be_calculated_with() -> None:
 
 
 def test_names_come_after_those_that_they_need() -> None:
-    assert in_order({"c": ["b", "a"], "b": ["a"], "d": ["c"]}) == ["a", "b", "c", "d"]
+    assert sort_by_need({"c": ["b", "a"], "b": ["a"], "d": ["c"]}) == ["a", "b", "c", "d"]
 
 
-def test_a_circle_is_told() -> None:
+def test_a_circle_is_reported() -> None:
     with pytest.raises(UserError, match="a value cannot follow from itself: a from b from c from a"):
-        in_order({"a": ["b"], "b": ["c"], "c": ["a"]})
+        sort_by_need({"a": ["b"], "b": ["c"], "c": ["a"]})

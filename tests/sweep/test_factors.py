@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.sweep.expressions import Expression
-from motionsync_fmu.sweep.factors import Kind, Linear, Listed, Range, assigned, read_values
+from motionsync_fmu.sweep.factors import Linear, Listed, Range, ValueKind, read_values, split_setting
 
-REAL, INTEGER, BOOLEAN = Kind("Real"), Kind("Integer"), Kind("Boolean")
-MODE = Kind("Enumeration", ((0, "TRIM"), (1, "CONTINUE")))
+REAL, INTEGER, BOOLEAN = ValueKind("Real"), ValueKind("Integer"), ValueKind("Boolean")
+MODE = ValueKind("Enumeration", ((0, "TRIM"), (1, "CONTINUE")))
 
 
 @given(
@@ -22,16 +22,16 @@ def test_a_grid_is_equally_spaced_from_the_first_to_the_last_number(a: float, b:
     start, stop = min(a, b), max(a, b)
     values = read_values(f"{start!r}:{stop!r}:{count}", REAL)
     assert isinstance(values, Linear)
-    found = values.at(np.arange(count))
-    assert (found[0], found[-1]) == (start, stop)
-    assert np.allclose(found, np.linspace(start, stop, count), rtol=1e-12, atol=(stop - start) * 1e-12)
+    result = values.at(np.arange(count))
+    assert (result[0], result[-1]) == (start, stop)
+    assert np.allclose(result, np.linspace(start, stop, count), rtol=1e-12, atol=(stop - start) * 1e-12)
 
 
 def test_a_grid_of_an_integer_has_whole_numbers() -> None:
     values = read_values("1:10:4", INTEGER)
     assert isinstance(values, Linear)
-    found = values.at(np.arange(4))
-    assert (found.dtype, found.tolist()) == (np.int64, [1, 4, 7, 10])
+    result = values.at(np.arange(4))
+    assert (result.dtype, result.tolist()) == (np.int64, [1, 4, 7, 10])
 
 
 @pytest.mark.parametrize(
@@ -43,19 +43,19 @@ def test_a_grid_of_an_integer_has_whole_numbers() -> None:
         ("3,1,2", INTEGER, [3, 1, 2]),
         ("true,false", BOOLEAN, [True, False]),
         ("false", BOOLEAN, [False]),
-        ("true", Kind(), [True]),
+        ("true", ValueKind(), [True]),
         ("TRIM,CONTINUE", MODE, ["TRIM", "CONTINUE"]),
         ("continue", MODE, ["CONTINUE"]),
         ("1,TRIM", MODE, ["CONTINUE", "TRIM"]),
-        ("5,6.5", Kind(), [5.0, 6.5]),
+        ("5,6.5", ValueKind(), [5.0, 6.5]),
     ],
 )
-def test_listed_values(text: str, kind: Kind, values: list[object]) -> None:
-    found = read_values(text, kind)
-    assert isinstance(found, Listed)
-    assert found.values.tolist() == values
-    assert found.at(np.array([0, 0, found.count - 1])).tolist() == [values[0], values[0], values[-1]]
-    assert type(found.values.tolist()[0]) is type(values[0])
+def test_listed_values(text: str, kind: ValueKind, values: list[object]) -> None:
+    result = read_values(text, kind)
+    assert isinstance(result, Listed)
+    assert result.values.tolist() == values
+    assert result.at(np.array([0, 0, result.count - 1])).tolist() == [values[0], values[0], values[-1]]
+    assert type(result.values.tolist()[0]) is type(values[0])
 
 
 def test_a_range_is_what_is_sampled() -> None:
@@ -67,16 +67,16 @@ def test_a_range_is_what_is_sampled() -> None:
 def test_a_range_of_an_integer_has_each_whole_number_as_often() -> None:
     values = read_values("-1..2", INTEGER)
     assert isinstance(values, Range)
-    found = values.at((np.arange(400) + 0.5) / 400)
-    assert np.unique(found, return_counts=True)[0].tolist() == [-1, 0, 1, 2]
-    assert np.unique(found, return_counts=True)[1].tolist() == [100, 100, 100, 100]
+    result = values.at((np.arange(400) + 0.5) / 400)
+    assert np.unique(result, return_counts=True)[0].tolist() == [-1, 0, 1, 2]
+    assert np.unique(result, return_counts=True)[1].tolist() == [100, 100, 100, 100]
 
 
 @pytest.mark.parametrize("text", ["axis.max_acceleration", "2*length", "max(a, b)", "max(min(a, (b)), c)", "-a", "a/2"])
 def test_what_is_no_value_is_an_expression(text: str) -> None:
-    found = read_values(text, REAL)
-    assert isinstance(found, Expression)
-    assert found.text == text
+    result = read_values(text, REAL)
+    assert isinstance(result, Expression)
+    assert result.text == text
 
 
 @pytest.mark.parametrize(
@@ -112,10 +112,10 @@ def test_what_is_no_value_is_an_expression(text: str) -> None:
         ("TRIM,CUT", MODE, "'CUT' is not allowed: it must be 0 TRIM, 1 CONTINUE"),
         ("CUT", MODE, "'CUT' is not allowed: it must be 0 TRIM, 1 CONTINUE"),
         ("0:1:2", MODE, "it must be 0 TRIM, 1 CONTINUE, one by one with commas"),
-        ("1,true", Kind(), "numbers and true or false cannot be mixed"),
+        ("1,true", ValueKind(), "numbers and true or false cannot be mixed"),
     ],
 )
-def test_wrong_values_are_told(text: str, kind: Kind, message: str) -> None:
+def test_wrong_values_are_reported(text: str, kind: ValueKind, message: str) -> None:
     with pytest.raises(UserError) as e:
         read_values(text, kind)
     assert message in str(e.value)
@@ -124,8 +124,8 @@ def test_wrong_values_are_told(text: str, kind: Kind, message: str) -> None:
 @pytest.mark.parametrize("setting", ["length", "=5", "length=", " = "])
 def test_a_setting_has_a_name_and_values(setting: str) -> None:
     with pytest.raises(UserError, match="write NAME=start:stop:count"):
-        assigned(setting)
+        split_setting(setting)
 
 
 def test_a_name_and_its_values_may_have_spaces_around() -> None:
-    assert assigned(" length = 1, 2 ") == ("length", "1, 2")
+    assert split_setting(" length = 1, 2 ") == ("length", "1, 2")

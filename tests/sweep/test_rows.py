@@ -1,6 +1,6 @@
-"""The rows of a sweep: each tells what `motionsync run` tells of the same scenario with the same values.
+"""The rows of a sweep: each shows what `motionsync run` shows of the same scenario with the same values.
 
-The other side of the comparison is the block in Python, stepped one run at a time, and the whole judgement and all
+The other side of the comparison is the block in Python, stepped one run at a time, and the whole evaluation and all
 figures of its recording of all outputs."""
 
 from collections.abc import Mapping, Sequence
@@ -12,24 +12,24 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from motionsync_fmu.batch.scripted_runs import ScriptedRun, run_scenarios
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.native.loop.scripted import ScriptedRun, run_scenarios
-from motionsync_fmu.scenario.example import example_of
-from motionsync_fmu.scenario.figures import SLAVE, figures
-from motionsync_fmu.scenario.judge import check
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.key_figures import SLAVE_OUTPUTS, compute_key_figures
+from motionsync_fmu.scenario.files.example import load_example
+from motionsync_fmu.scenario.files.shipped import shipped_folder
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run import run_in_process
+from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
-from motionsync_fmu.scenario.shipped import shipped
 from motionsync_fmu.sweep import rows as of_sweep
-from motionsync_fmu.sweep.measures import columns
-from motionsync_fmu.sweep.plan import SweepPlan
-from motionsync_fmu.sweep.rows import rows, schema
+from motionsync_fmu.sweep.result_columns import measure_columns, schema
+from motionsync_fmu.sweep.rows import rows
+from motionsync_fmu.sweep.sweep_plan import SweepPlan
 
-SAW = example_of("FlyingSaw").file
+SAW = load_example("FlyingSaw").file
 ALWAYS = ["passed", "refusal", "refused_at", "broken", "first_broken"]
 SMOOTH = """\
-title = "A saw goes along, and nobody judges it"
+title = "A saw goes along, and nothing is expected of it"
 fmu = "FlyingSaw"
 stop_time = 3.0
 step_size = 0.01
@@ -81,22 +81,22 @@ def expected(scenario: Scenario) -> dict[str, Any]:
     except UserError as e:
         at, _, why = str(e).removeprefix(f"{scenario.file}: at ").partition(" s ")
         return {"passed": False, "refusal": why, "refused_at": float(at)}
-    broken = [c.text for c in check(scenario, recording) if not c.passed]
-    told = {"passed": not broken, "refusal": "", "broken": len(broken), "first_broken": "".join(broken[:1])}
-    made = figures(scenario, recording)
-    limits = ", ".join(peak.name for peak in made.peaks if peak.exceeded)
-    return told | {"limits_broken": limits} | cut(scenario, recording) | fault(recording)
+    broken = [c.text for c in check_expectations(scenario, recording) if not c.passed]
+    error = {"passed": not broken, "refusal": "", "broken": len(broken), "first_broken": "".join(broken[:1])}
+    figures = compute_key_figures(scenario, recording)
+    limits = ", ".join(peak.name for peak in figures.peaks if peak.exceeded)
+    return error | {"limits_broken": limits} | cut(scenario, recording) | fault(recording)
 
 
 def cut(scenario: Scenario, recording: Recording) -> dict[str, Any]:
-    found = figures(scenario, recording)
-    if found.production:
-        made = found.production
-        worst = max((abs(p.error) for p in made.pieces if p.name == "PRODUCT"), default=None)
-        away = [max(p.wander, abs((p.measured or p.length) - p.length)) for p in made.pieces if p.cut]
+    result = compute_key_figures(scenario, recording)
+    if result.production:
+        figures = result.production
+        worst = max((abs(p.error) for p in figures.pieces if p.name == "PRODUCT"), default=None)
+        away = [max(p.wander, abs((p.measured or p.length) - p.length)) for p in figures.pieces if p.cut]
         errors = {"cut_error": max(away, default=None), "length_error": worst}
-        return errors | {"cuts": made.cuts, "late": made.late, "skipped": made.skipped}
-    return {"cuts": len(found.cuts), "cut_error": max((abs(c.error) for c in found.cuts), default=None)}
+        return errors | {"cuts": figures.cuts, "late": figures.late, "skipped": figures.skipped}
+    return {"cuts": len(result.cuts), "cut_error": max((abs(c.error) for c in result.cuts), default=None)}
 
 
 def fault(recording: Recording) -> dict[str, Any]:
@@ -108,40 +108,42 @@ def fault(recording: Recording) -> dict[str, Any]:
 
 def assert_same(of: SweepPlan) -> list[dict[str, Any]]:
     """Each row is what is expected of its run; the rows."""
-    found = table(of)
-    for run, row in enumerate(found):
-        wanted = expected(of.scenario(run))
-        told = {name for name in row if name not in ("run", *(f.name for f in of.factors), *columns(of.measures))}
-        assert {name: row[name] for name in told} == {name: wanted.get(name) for name in told}
-        assert told >= wanted.keys() - {"limits_broken", "cuts", "cut_error"}
-    return found
+    result = table(of)
+    for run, row in enumerate(result):
+        by_hand = expected(of.scenario(run))
+        error = {
+            name for name in row if name not in ("run", *(f.name for f in of.factors), *measure_columns(of.measures))
+        }
+        assert {name: row[name] for name in error} == {name: by_hand.get(name) for name in error}
+        assert error >= by_hand.keys() - {"limits_broken", "cuts", "cut_error"}
+    return result
 
 
 # --- the same as one run ---
 
 
 def test_the_rows_of_a_saw() -> None:
-    found = assert_same(
+    result = assert_same(
         plan(SAW, "axis.max_acceleration=600,2500", "axis.max_position=150,1000", "set.0.at=0.2,0.9", "stop_time=4.4")
     )
-    assert {row["passed"] for row in found} == {True, False}
-    assert {row["limits_broken"] for row in found} == {"", "position"}
-    assert {row["fault"] for row in found} == {0, 17118, 17119}
-    assert {row["cuts"] for row in found} == {0, 1, 2}
+    assert {row["passed"] for row in result} == {True, False}
+    assert {row["limits_broken"] for row in result} == {"", "position"}
+    assert {row["fault"] for row in result} == {0, 17118, 17119}
+    assert {row["cuts"] for row in result} == {0, 1, 2}
 
 
 def test_the_rows_of_a_saw_with_reactions() -> None:
-    found = assert_same(plan(shipped() / "FlyingSaw/cyclic_cut/scenario.toml", "length=1100,1500"))
-    assert [row["passed"] for row in found] == [False, True]
-    assert found[1]["cuts"] == 20
+    result = assert_same(plan(shipped_folder() / "FlyingSaw/cyclic_cut/scenario.toml", "length=1100,1500"))
+    assert [row["passed"] for row in result] == [False, True]
+    assert result[1]["cuts"] == 20
 
 
-def test_the_rows_of_a_block_that_tells_its_pieces() -> None:
-    cutter = shipped() / "CutToLength/basic_cut/scenario.toml"
-    found = assert_same(plan(cutter, "length=300,900,1500", "axis.max_acceleration=1000,10000"))
-    assert {row["passed"] for row in found} == {True, False}
-    assert {row["skipped"] for row in found} >= {0, 2, 18}
-    assert {row["length_error"] for row in found} == {None, 0.0}
+def test_the_rows_of_a_block_that_shows_its_pieces() -> None:
+    cutter = shipped_folder() / "CutToLength/basic_cut/scenario.toml"
+    result = assert_same(plan(cutter, "length=300,900,1500", "axis.max_acceleration=1000,10000"))
+    assert {row["passed"] for row in result} == {True, False}
+    assert {row["skipped"] for row in result} >= {0, 2, 18}
+    assert {row["length_error"] for row in result} == {None, 0.0}
 
 
 @pytest.mark.parametrize(
@@ -154,36 +156,36 @@ def test_the_rows_of_a_block_that_tells_its_pieces() -> None:
     ],
 )
 def test_the_rows_of_the_other_blocks(name: str, setting: str) -> None:
-    assert_same(plan(shipped() / name / "scenario.toml", setting))
+    assert_same(plan(shipped_folder() / name / "scenario.toml", setting))
 
 
 # --- refused runs ---
 
 
 def test_a_value_out_of_its_range_is_a_row() -> None:
-    found = table(plan(SAW, "axis.max_velocity=-1,1000", slave__velocity=["max"]))
+    result = table(plan(SAW, "axis.max_velocity=-1,1000", slave__velocity=["max"]))
     wrong = "axis.max_velocity = -1 is not allowed: it must be 1e-12 to 1e+12"
-    assert (found[0]["refusal"], found[0]["refused_at"], found[0]["passed"]) == (wrong, 0.0, False)
+    assert (result[0]["refusal"], result[0]["refused_at"], result[0]["passed"]) == (wrong, 0.0, False)
     nothing = ["broken", "first_broken", "cuts", "cut_error", "limits_broken", "fault", "slave.velocity.max"]
-    assert {found[0][name] for name in nothing} == {None}
-    assert found[1]["refusal"] == ""
-    assert found[1]["slave.velocity.max"] > 0.0
+    assert {result[0][name] for name in nothing} == {None}
+    assert result[1]["refusal"] == ""
+    assert result[1]["slave.velocity.max"] > 0.0
 
 
 def test_a_number_that_the_script_does_not_allow_is_a_row() -> None:
-    found = table(plan(SAW, "set.0.at=0.2,4.4"))
-    assert found[1]["refusal"] == "at: 4.4 is not before stop_time = 4.4: no step would show it"
-    assert found[1]["refused_at"] == 0.0
+    result = table(plan(SAW, "set.0.at=0.2,4.4"))
+    assert result[1]["refusal"] == "at: 4.4 is not before stop_time = 4.4: no step would show it"
+    assert result[1]["refused_at"] == 0.0
 
 
 def test_a_refused_start_is_a_row() -> None:
-    starts = plan(shipped() / "Gearing/direct_time_based/scenario.toml", "gearing.denominator=1,0")
-    _, found = assert_same(starts)
+    starts = plan(shipped_folder() / "Gearing/direct_time_based/scenario.toml", "gearing.denominator=1,0")
+    _, result = assert_same(starts)
     assert (
-        found["refusal"]
+        result["refusal"]
         == "Gearing refuses initialize(): gearing.denominator = 0 is not allowed: an unwired input gives 0"
     )
-    assert found["refused_at"] == 0.0
+    assert result["refused_at"] == 0.0
 
 
 def test_a_refused_step_is_a_row(tmp_path: Path) -> None:
@@ -196,9 +198,9 @@ def test_a_refused_step_is_a_row(tmp_path: Path) -> None:
 
 
 def test_an_input_that_the_fmu_refuses_during_a_run_is_a_row() -> None:
-    found = table(plan(SAW, "set.2.gear_in_pos.master_sync_position=750,1e13"))
-    assert found[1]["refusal"] == "gear_in_pos.master_sync_position = 1e+13 is not allowed: it must be -1e+12 to 1e+12"
-    assert found[1]["refused_at"] == 2.36
+    result = table(plan(SAW, "set.2.gear_in_pos.master_sync_position=750,1e13"))
+    assert result[1]["refusal"] == "gear_in_pos.master_sync_position = 1e+13 is not allowed: it must be -1e+12 to 1e+12"
+    assert result[1]["refused_at"] == 2.36
 
 
 # --- measures and columns ---
@@ -222,12 +224,12 @@ def test_columns_that_a_scenario_cannot_have_are_left_out() -> None:
     assert schema(plan(SAW, "master.velocity=1,2")).names == [
         "run", "master.velocity", *ALWAYS, "cuts", "cut_error", "limits_broken", "fault", "faulted_at"
     ]  # fmt: skip
-    gearing = plan(example_of("Gearing").file, "master.velocity=1,2", slave__jerk=["rms", "last"])
+    gearing = plan(load_example("Gearing").file, "master.velocity=1,2", slave__jerk=["rms", "last"])
     assert schema(gearing).names == [
         "run", "master.velocity", *ALWAYS, "fault", "faulted_at", "slave.jerk.rms", "slave.jerk.last"
     ]  # fmt: skip
     assert {"cuts", "late", "skipped", "length_error"} < {
-        *schema(plan(example_of("CutToLength").file, "kerf=1,2")).names
+        *schema(plan(load_example("CutToLength").file, "kerf=1,2")).names
     }
 
 
@@ -245,10 +247,10 @@ def test_columns_have_the_types_of_their_values() -> None:
     assert types["gear_in_pos.ratio_denominator"] == pa.int64()
     assert types["master.input_mode"] == pa.string()
     assert (types["run"], types["passed"], types["refusal"]) == (pa.int64(), pa.bool_(), pa.string())
-    found = rows(varied, 1, 3)
-    assert found.schema == schema(varied)
-    assert found["run"].to_pylist() == [1, 2]
-    assert found["master.input_mode"].to_pylist() == ["END_OF_STEP", "START_OF_STEP"]
+    result = rows(varied, 1, 3)
+    assert result.schema == schema(varied)
+    assert result["run"].to_pylist() == [1, 2]
+    assert result["master.input_mode"].to_pylist() == ["END_OF_STEP", "START_OF_STEP"]
     assert rows(varied, 2, 2).num_rows == 0
 
 
@@ -256,7 +258,7 @@ def test_columns_have_the_types_of_their_values() -> None:
 
 
 class Watched:
-    """Stands for `run_scenarios`, and keeps how many runs were recorded together, and of which outputs."""
+    """Replaces `run_scenarios`, and records how many runs were recorded together, and of which outputs."""
 
     def __init__(self) -> None:
         self.calls: list[tuple[int, list[str]]] = []
@@ -270,9 +272,9 @@ class Watched:
 
 @pytest.fixture
 def watched(monkeypatch: pytest.MonkeyPatch) -> Watched:
-    found = Watched()
-    monkeypatch.setattr(of_sweep, "run_scenarios", found)
-    return found
+    result = Watched()
+    monkeypatch.setattr(of_sweep, "run_scenarios", result)
+    return result
 
 
 def test_only_so_many_recordings_are_in_memory(watched: Watched, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -289,7 +291,7 @@ def test_only_so_many_recordings_are_in_memory(watched: Watched, monkeypatch: py
     assert table(of) == whole
 
 
-def test_runs_that_nobody_judges_are_not_recorded(
+def test_runs_that_nobody_evaluates_are_not_recorded(
     tmp_path: Path, watched: Watched, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Limits, faults and measures are known nevertheless; who may have broken a limit is run once more."""
@@ -300,15 +302,15 @@ def test_runs_that_nobody_judges_are_not_recorded(
         "master.velocity=100,250,500",
         slave__position=["max"],
     )
-    found = assert_same(of)
-    assert {row["limits_broken"] for row in found} == {"", "position"}
-    assert {row["fault"] for row in found} > {0}
+    result = assert_same(of)
+    assert {row["limits_broken"] for row in result} == {"", "position"}
+    assert {row["fault"] for row in result} > {0}
     assert watched.calls[0] == (18, [])
-    broken = sum(row["limits_broken"] != "" for row in found)
-    assert watched.calls[1:] == [(broken, [*SLAVE])]
+    broken = sum(row["limits_broken"] != "" for row in result)
+    assert watched.calls[1:] == [(broken, [*SLAVE_OUTPUTS])]
     watched.calls.clear()
     monkeypatch.setattr(of_sweep, "MOST_MEMORY", 3 * 8.0 * 300)  # without outputs: 8 bytes a step
-    assert table(of) == found
+    assert table(of) == result
     assert max(number for number, _ in watched.calls) == 3
 
 
@@ -324,12 +326,12 @@ def test_scenarios_that_have_run_are_dropped(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(of_sweep, "run_scenarios", counted)
     monkeypatch.setattr(of_sweep, "MOST_MEMORY", 1.0)
-    table(plan(shipped() / "RemoteSync/no_drift/scenario.toml", "remote.phase=0:0.9:6"))
+    table(plan(shipped_folder() / "RemoteSync/no_drift/scenario.toml", "remote.phase=0:0.9:6"))
     assert len(alive) == 6
     assert max(alive) <= 1
 
 
-def test_a_required_reaction_is_judged_without_a_recording(tmp_path: Path) -> None:
+def test_a_required_reaction_is_evaluated_without_a_recording(tmp_path: Path) -> None:
     """It never happens where the saw is never in sync."""
     react = '[[on]]\nwhen = "in_sync"\nrequired = true\nset = { "gear_in_pos.execute" = false }\n'
     of = plan(written(tmp_path, SMOOTH + react), "axis.max_acceleration=100,2000")

@@ -1,7 +1,5 @@
-"""Searches: boundaries that are known from closed forms, in both directions; what has none; what is refused."""
+"""Searches: boundaries that follow from closed forms, in both directions; what has none; what is refused."""
 
-import csv
-import json
 from collections.abc import Sequence
 from math import sqrt
 from pathlib import Path
@@ -13,33 +11,16 @@ from hypothesis import strategies as st
 
 from motionsync_fmu.errors import Interrupted, UserError
 from motionsync_fmu.interface.recipe import Recipe
-from motionsync_fmu.scenario.reader import load
-from motionsync_fmu.sweep.factors import assigned
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.sweep.factors import split_setting
 from motionsync_fmu.sweep.search import search
 from tests import ROOT
 from tests.oracle.cut_to_length_limits import Saw
-from tests.support.command_line import Command, assert_one_line
+from tests.support.scenario_texts import EVEN_RAMP, write_scenario
 
-RAMP = """
-title = "A saw at rest comes into sync over an even ramp"
-fmu = "FlyingSaw"
-stop_time = 1.0
-step_size = 0.02
-[start]
-"axis.max_velocity" = 1e6
-"axis.max_acceleration" = 4000.0
-"gear_in_pos.slave_sync_position" = 100.0
-"gear_in_pos.master_start_distance" = 200.0
-"gear_in_pos.master_sync_position" = 310.0
-[master]
-velocity = 500.0
-[[set]]
-at = 0.02
-"gear_in_pos.execute" = true
-"""
 MACHINES = ROOT / "scenarios" / "CutToLength" / "any_length" / "scenario.toml"
 VELOCITY = "master.velocity=100..5000"
-FOLLOWING = (  # the ramp begins where the master is at 110, which it passes at 5000 mm/s after the command, too
+FOLLOWING = (  # the ramp starts where the master is at 110, which it passes at 5000 mm/s after the command, too
     "gear_in_pos.master_start_distance=2*gear_in_pos.slave_sync_position",
     "gear_in_pos.master_sync_position=110+gear_in_pos.master_start_distance",
 )
@@ -48,14 +29,14 @@ FOLLOWING = (  # the ramp begins where the master is at 110, which it passes at 
 @pytest.fixture
 def ramp(tmp_path: Path) -> Path:
     """A scenario whose peak acceleration is 0.75 v2/S, where v is the line's velocity and S the way of the saw."""
-    file = tmp_path / "ramp.toml"
-    file.write_text(RAMP)
-    return file
+    return write_scenario(EVEN_RAMP, tmp_path)
 
 
-def found(scenario: Path, vary: str, until: str, grid: Sequence[str] = (), **options: Any) -> list[dict[str, Any]]:
+def search_rows(
+    scenario: Path, vary: str, until: str, grid: Sequence[str] = (), **options: Any
+) -> list[dict[str, Any]]:
     """The rows of a search; `grid`: texts NAME=VALUES."""
-    factors = dict(map(assigned, grid))
+    factors = dict(map(split_setting, grid))
     rows: list[dict[str, Any]] = search(scenario, vary, until, factors, **options).to_pylist()
     return rows
 
@@ -80,13 +61,13 @@ def test_the_greatest_line_velocity_is_found(
         f"gear_in_pos.slave_sync_position={way!r}",
         *FOLLOWING,
     ]
-    rows = found(ramp, VELOCITY, "fault == 0", grid, relative=relative)
+    rows = search_rows(ramp, VELOCITY, "fault == 0", grid, relative=relative)
     assert [row["axis.max_acceleration"] for row in rows] == accelerations
     for row in rows:
-        known = greatest_velocity(row["axis.max_acceleration"], way)
+        expected = greatest_velocity(row["axis.max_acceleration"], way)
         assert row["holds"] == "below"
-        assert row["master.velocity"] <= known * (1.0 + 1e-9)
-        assert row["master.velocity.beside"] >= known * (1.0 - 1e-9)
+        assert row["master.velocity"] <= expected * (1.0 + 1e-9)
+        assert row["master.velocity.beside"] >= expected * (1.0 - 1e-9)
         assert row["master.velocity.beside"] / row["master.velocity"] - 1.0 <= relative
         assert row["gear_in_pos.master_start_distance"] == 2.0 * way
 
@@ -94,16 +75,16 @@ def test_the_greatest_line_velocity_is_found(
 def test_the_shortest_way_is_found_with_what_follows_from_it(ramp: Path) -> None:
     """S = 0.75 v2/a; the start distance follows, and so is that of the boundary. At 500 mm/s and 4000 mm/s2: 46.875."""
     grid = [*FOLLOWING, "master.velocity=250,500"]
-    rows = found(ramp, "gear_in_pos.slave_sync_position=1..400", "fault == 0", grid)
+    rows = search_rows(ramp, "gear_in_pos.slave_sync_position=1..400", "fault == 0", grid)
     assert [row["holds"] for row in rows] == ["above", "above"]
-    for row, known in zip(rows, (0.75 * 250.0**2 / 4000.0, 46.875), strict=True):
-        assert row["gear_in_pos.slave_sync_position"] == pytest.approx(known, rel=1e-6)
+    for row, expected in zip(rows, (0.75 * 250.0**2 / 4000.0, 46.875), strict=True):
+        assert row["gear_in_pos.slave_sync_position"] == pytest.approx(expected, rel=1e-6)
         assert row["gear_in_pos.master_start_distance"] == 2.0 * row["gear_in_pos.slave_sync_position"]
 
 
-def test_a_measure_in_the_condition_is_taken_and_told(ramp: Path) -> None:
+def test_a_measure_in_the_condition_is_taken_and_reported(ramp: Path) -> None:
     """The acceleration is 3000 at most where v2 = 3000 S/0.75; at the ends of the steps it may be a little less."""
-    (row,) = found(ramp, VELOCITY, "slave.acceleration.max <= 3000 and fault == 0", relative=1e-4)
+    (row,) = search_rows(ramp, VELOCITY, "slave.acceleration.max <= 3000 and fault == 0", relative=1e-4)
     assert row["master.velocity"] == pytest.approx(sqrt(3000.0 * 100.0 / 0.75), rel=5e-3)
     assert row["slave.acceleration.max"] == pytest.approx(3000.0, rel=1e-2)
     assert row["slave.acceleration.max"] <= 3000.0
@@ -111,25 +92,25 @@ def test_a_measure_in_the_condition_is_taken_and_told(ramp: Path) -> None:
 
 @pytest.mark.parametrize(("velocity", "acceleration"), [(500.0, 10000.0), (1000.0, 10000.0), (1000.0, 5000.0)])
 def test_the_shortest_length_is_that_of_the_oracle(velocity: float, acceleration: float) -> None:
-    """And that which the block foretells: the kerf is 0, so pitch and length are the same."""
+    """And the prediction of the block: the kerf is 0, so pitch and length are the same."""
     setting = [f"master.velocity={velocity}", f"axis.max_acceleration={acceleration}"]
-    (row,) = found(MACHINES, "length=50..6000", "passed", setting, measures={"limits.min_length": ("last",)})
-    known = machine(acceleration).shortest_pitch(velocity)
-    assert row["length.beside"] <= known * (1.0 + 1e-9)
-    assert row["length"] >= known * (1.0 - 1e-9)
+    (row,) = search_rows(MACHINES, "length=50..6000", "passed", setting, measures={"limits.min_length": ("last",)})
+    expected = machine(acceleration).shortest_pitch(velocity)
+    assert row["length.beside"] <= expected * (1.0 + 1e-9)
+    assert row["length"] >= expected * (1.0 - 1e-9)
     assert row["length"] - row["length.beside"] <= 1e-6 * row["length"]
-    assert row["limits.min_length.last"] == pytest.approx(known, rel=1e-9)
+    assert row["limits.min_length.last"] == pytest.approx(expected, rel=1e-9)
 
 
 def machine(acceleration: float) -> Saw:
     """The machine of CutToLength/any_length with another limit of the acceleration, in the words of the oracle."""
-    given = {name: v.start for name, v in Recipe("CutToLength").variables.items()} | load(MACHINES).start
+    given = {name: v.start for name, v in Recipe("CutToLength").variables.items()} | load_scenario(MACHINES).start
     return Saw.of(given | {"axis.max_acceleration": acceleration}, 1.0)
 
 
 def test_without_a_boundary_the_row_says_so_and_the_others_are_found(ramp: Path) -> None:
     """With 1e6 mm/s2 each velocity of the range is possible, with 1 mm/s2 none is."""
-    rows = found(ramp, "master.velocity=300..700", "fault == 0", ["axis.max_acceleration=1,3000,1e6"])
+    rows = search_rows(ramp, "master.velocity=300..700", "fault == 0", ["axis.max_acceleration=1,3000,1e6"])
     assert [row["holds"] for row in rows] == ["at neither end", "below", "at both ends"]
     assert [row["runs"] for row in rows[::2]] == [2, 2]
     for row in rows[::2]:
@@ -140,78 +121,31 @@ def test_without_a_boundary_the_row_says_so_and_the_others_are_found(ramp: Path)
 
 def test_what_holds_only_inside_the_range_has_no_boundary_at_its_ends(ramp: Path) -> None:
     """The peak of the acceleration is between 1000 and 2000 from 365 to 516 mm/s."""
-    (row,) = found(ramp, VELOCITY, "slave.acceleration.max > 1000 and slave.acceleration.max < 2000")
+    (row,) = search_rows(ramp, VELOCITY, "slave.acceleration.max > 1000 and slave.acceleration.max < 2000")
     assert (row["holds"], row["runs"]) == ("at neither end", 2)
-    (row,) = found(ramp, "master.velocity=400..5000", "slave.acceleration.max > 1000 and slave.acceleration.max < 2000")
+    (row,) = search_rows(
+        ramp, "master.velocity=400..5000", "slave.acceleration.max > 1000 and slave.acceleration.max < 2000"
+    )
     assert row["holds"] == "below"
 
 
-def test_why_the_run_beside_is_refused_is_told(tmp_path: Path) -> None:
+def test_why_the_run_beside_is_refused_is_reported(tmp_path: Path) -> None:
     """A negative stop_time is no scenario: all above 0 is one."""
-    file = tmp_path / "ramp.toml"
-    file.write_text(RAMP.replace("stop_time = 1.0", "stop_time = 1.0\ntolerance = 1e-9"))
-    (row,) = found(file, "tolerance=-1..1", "passed", relative=1e-3)
+    file = write_scenario(EVEN_RAMP.replace("stop_time = 1.0", "stop_time = 1.0\ntolerance = 1e-9"), tmp_path)
+    (row,) = search_rows(file, "tolerance=-1..1", "passed", relative=1e-3)
     assert row["holds"] == "above"
     assert "tolerance" in row["refusal"]
 
 
 def test_samples_are_points_like_those_of_a_grid(ramp: Path) -> None:
-    rows = found(ramp, VELOCITY, "fault == 0", ["axis.max_acceleration=2000..9000"], samples=5, seed=3, relative=1e-3)
+    rows = search_rows(
+        ramp, VELOCITY, "fault == 0", ["axis.max_acceleration=2000..9000"], samples=5, seed=3, relative=1e-3
+    )
     assert [row["point"] for row in rows] == [0, 1, 2, 3, 4]
     assert len({row["axis.max_acceleration"] for row in rows}) == 5
     for row in rows:
-        known = greatest_velocity(row["axis.max_acceleration"], 100.0)
-        assert row["master.velocity"] == pytest.approx(known, rel=1.1e-3)
-
-
-# --- the command ---
-
-
-def test_the_command_prints_a_table(motionsync: Command, ramp: Path) -> None:
-    done = motionsync("search", ramp, "--vary", VELOCITY, "--until", "fault == 0", "--workers", "1")
-    assert done.status == 0
-    head, row, last = done.out.splitlines()
-    assert head.split() == ["point", "master.velocity", "master.velocity.beside", "holds", "runs"]
-    assert row.split()[3] == "below"
-    assert float(row.split()[1]) == pytest.approx(730.296743, rel=1e-6)
-    assert last == f"1 point, {row.split()[-1]} runs"
-
-
-def test_the_command_writes_json_and_csv(motionsync: Command, ramp: Path) -> None:
-    arguments = (
-        "--vary",
-        "master.velocity=300..700",
-        "--until",
-        "fault == 0",
-        "--set",
-        "axis.max_acceleration=3000,1e6",
-    )
-    done = motionsync("search", ramp, *arguments, "--workers", "1", "--json", "--output", "found")
-    rows = json.loads(done.out)
-    assert rows[1]["master.velocity"] is None
-    with Path("found/boundaries.csv").open(newline="") as stream:
-        written = list(csv.DictReader(stream))
-    assert [float(row["axis.max_acceleration"]) for row in written] == [3000.0, 1e6]
-    assert float(written[0]["master.velocity"]) == rows[0]["master.velocity"]
-    assert written[1]["master.velocity"] == ""
-
-
-def test_the_same_command_goes_on_and_another_is_refused(motionsync: Command, ramp: Path) -> None:
-    arguments = ("search", ramp, "--vary", VELOCITY, "--workers", "1", "--output", "found", "--until")
-    first = motionsync(*arguments, "fault == 0")
-    part = Path("found/part-000000.parquet")
-    written = part.stat().st_mtime_ns
-    assert motionsync(*arguments, "fault == 0").out == first.out
-    assert part.stat().st_mtime_ns == written
-    assert_one_line(motionsync(*arguments, "fault == 1"), "until", "fault == 1", "fault == 0")
-    assert_one_line(motionsync(*arguments, "fault == 0", "--relative", "1e-3"), "relative", "0.001")
-
-
-def test_the_folder_of_a_search_is_no_sweep_s(motionsync: Command, ramp: Path) -> None:
-    assert motionsync("search", ramp, "--vary", VELOCITY, "--until", "fault == 0", "--output", "found").status == 0
-    told = "found is the folder of a search, not of a sweep"
-    assert_one_line(motionsync("sweep-plot", "found", "--x", "run", "--y", "passed"), told)
-    assert_one_line(motionsync("sweep", ramp, "--set", "master.velocity=100,5000", "--output", "found"), told)
+        expected = greatest_velocity(row["axis.max_acceleration"], 100.0)
+        assert row["master.velocity"] == pytest.approx(expected, rel=1.1e-3)
 
 
 def test_an_interrupted_search_says_what_is_kept(ramp: Path, tmp_path: Path) -> None:
@@ -222,49 +156,13 @@ def test_an_interrupted_search_says_what_is_kept(ramp: Path, tmp_path: Path) -> 
         search(ramp, VELOCITY, "fault == 0", relative=0.1, progress=stop)
     with pytest.raises(Interrupted, match="nothing is kept without a folder"):
         search(ramp, VELOCITY, "fault == 0", relative=0.1, workers=2, progress=stop)
-    with pytest.raises(Interrupted, match="the same command begins them"):
+    with pytest.raises(Interrupted, match="the same command starts them"):
         search(ramp, VELOCITY, "fault == 0", relative=0.1, output=tmp_path / "found", progress=stop)
-
-
-@pytest.mark.parametrize(
-    ("changed", "parts"),
-    [
-        ({"--vary": "master.velocity"}, ("--vary master.velocity: write NAME=low..high",)),
-        ({"--vary": "master.velocity=1:2:3"}, ("1:2:3 is no range of numbers",)),
-        ({"--vary": "master.velocity=a..b"}, ("a..b is no range of numbers",)),
-        ({"--vary": "master.velocity=3..3"}, ("the range is empty",)),
-        ({"--vary": "master.velocity=30..3"}, ("the range is reversed",)),
-        ({"--vary": "master.velocity=3..inf"}, ("both ends must be finite",)),
-        ({"--vary": "master.velocty=3..30"}, ("master.velocty", "master.velocity")),
-        ({"--vary": "gear_in_pos.ratio_denominator=1..3"}, ("gear_in_pos.ratio_denominator", "nothing to halve")),
-        ({"--set": "master.velocity=500"}, ("master.velocity is given twice",)),
-        ({"--set": "cuts.length=5"}, ("cuts",)),
-        ({"--method": "dice"}, ("no method is named 'dice'", "lhs, sobol")),
-        ({"--set": "axis.max_jerk=2..1"}, ("axis.max_jerk", "reversed")),
-        ({"--until": "fault"}, ("fault == 1: compare fault with a number",)),
-        ({"--until": "fault = 0"}, ("'fault = 0' is neither COLUMN == VALUE",)),
-        ({"--until": "faults == 0"}, ("no column of a row is named 'faults'", "fault")),
-        ({"--until": "slave.velocity.greatest > 1"}, ("greatest", "max")),
-        ({"--relative": "0"}, ("--relative 0 is not allowed",)),
-        ({"--relative": "1"}, ("--relative 1 is not allowed",)),
-        ({"--relative": "fine"}, ("--relative fine: it must be a number",)),
-        ({"--workers": "0"}, ("workers = 0 is not allowed",)),
-    ],
-)
-def test_a_mistake_has_one_line(
-    motionsync: Command, ramp: Path, changed: dict[str, str], parts: tuple[str, ...]
-) -> None:
-    given = {"--vary": VELOCITY, "--until": "fault == 0"} | changed
-    assert_one_line(motionsync("search", ramp, *(word for option in given.items() for word in option)), *parts)
-
-
-def test_a_search_needs_one_scenario(motionsync: Command) -> None:
-    assert_one_line(motionsync("search", "FlyingSaw", "--vary", "a=1..2", "--until", "passed"), "name one of them")
 
 
 def test_a_mistake_in_python_is_a_user_error(ramp: Path) -> None:
     with pytest.raises(UserError, match="no column of a row"):
-        found(ramp, VELOCITY, "lat == 0")
+        search_rows(ramp, VELOCITY, "lat == 0")
 
 
 def test_a_folder_keeps_what_is_found_without_one(ramp: Path, tmp_path: Path) -> None:

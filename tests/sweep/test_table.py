@@ -9,13 +9,13 @@ import pyarrow.compute as pc
 import pytest
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.scenario.example import example_of
-from motionsync_fmu.sweep.plan import SweepPlan
+from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.sweep.rows import rows
 from motionsync_fmu.sweep.sweep import sweep
+from motionsync_fmu.sweep.sweep_plan import SweepPlan
 from motionsync_fmu.sweep.table import Rows
 
-SAW = example_of("FlyingSaw").file
+SAW = load_example("FlyingSaw").file
 JERKS = np.linspace(1e4, 5e4, 5)
 
 
@@ -49,7 +49,7 @@ def test_a_sweep_gives_the_rows_of_its_plan(done: Rows) -> None:
 
 
 def test_what_follows_is_derived(tmp_path: Path) -> None:
-    found = sweep(
+    result = sweep(
         SAW,
         {"master.velocity": "200..300", "axis.max_acceleration": 2000},
         derived={"axis.max_deceleration": "2*axis.max_acceleration"},
@@ -59,8 +59,8 @@ def test_what_follows_is_derived(tmp_path: Path) -> None:
         output=tmp_path,
         workers=1,
     )
-    assert found.column("axis.max_deceleration").to_pylist() == [4000.0] * 3
-    assert len(set(found.column("master.velocity").to_pylist())) == 3
+    assert result.column("axis.max_deceleration").to_pylist() == [4000.0] * 3
+    assert len(set(result.column("master.velocity").to_pylist())) == 3
 
 
 def test_flags_members_and_whole_numbers_are_values(tmp_path: Path) -> None:
@@ -69,8 +69,8 @@ def test_flags_members_and_whole_numbers_are_values(tmp_path: Path) -> None:
         "master.input_mode": np.array(["END_OF_STEP"]),
         "gear_in_pos.ratio_denominator": range(1, 3),
     }
-    found = sweep("FlyingSaw/start_distance", factors, output=str(tmp_path), workers=1).to_table([*factors]).to_pylist()
-    assert [tuple(row.values()) for row in found] == [
+    rows = sweep("FlyingSaw/start_distance", factors, output=str(tmp_path), workers=1).to_table([*factors]).to_pylist()
+    assert [tuple(row.values()) for row in rows] == [
         (True, "END_OF_STEP", 1), (True, "END_OF_STEP", 2), (False, "END_OF_STEP", 1), (False, "END_OF_STEP", 2)
     ]  # fmt: skip
 
@@ -78,15 +78,15 @@ def test_flags_members_and_whole_numbers_are_values(tmp_path: Path) -> None:
 def test_the_same_sweep_goes_on_and_another_one_is_refused(tmp_path: Path) -> None:
     whole = swept(tmp_path).to_table()
     (tmp_path / "part-000001.parquet").unlink()
-    told: list[tuple[int, int]] = []
-    assert swept(tmp_path, progress=lambda *done: told.append(done)).to_table() == whole
-    assert told == [(6, 10), (10, 10)]
+    reported: list[tuple[int, int]] = []
+    assert swept(tmp_path, progress=lambda *done: reported.append(done)).to_table() == whole
+    assert reported == [(6, 10), (10, 10)]
     with pytest.raises(UserError, match="has another sweep"):
         swept(tmp_path, measures={"state": "last"})
 
 
 @pytest.mark.parametrize(
-    ("factors", "options", "said"),
+    ("factors", "options", "message"),
     [
         ({"axis.max_jerk": np.ones((2, 2))}, {}, r"axis.max_jerk is an array of shape \(2, 2\) of float64: it must be"),
         ({"axis.max_jerk": []}, {}, r"of shape \(0,\)"),
@@ -104,8 +104,8 @@ def test_the_same_sweep_goes_on_and_another_one_is_refused(tmp_path: Path) -> No
         ({}, {}, "a sweep varies something"),
     ],
 )
-def test_what_is_no_sweep_is_told(tmp_path: Path, factors: Any, options: Any, said: str) -> None:
-    with pytest.raises(UserError, match=said):
+def test_what_is_no_sweep_is_reported(tmp_path: Path, factors: Any, options: Any, message: str) -> None:
+    with pytest.raises(UserError, match=message):
         sweep(SAW, factors, output=tmp_path / "out", workers=1, **options)
     assert not (tmp_path / "out").exists()
 
@@ -144,24 +144,24 @@ def test_others_read_the_dataset(done: Rows) -> None:
 def test_the_runs_without_rows_are_known(done: Rows, tmp_path: Path, gone: list[int], missing: list[range]) -> None:
     for part in gone:
         (copied(done, tmp_path) if part == gone[0] else tmp_path).joinpath(f"part-{part:06}.parquet").unlink()
-    found = Rows(tmp_path)
-    assert found.missing == missing
-    assert len(found) == 10 - sum(map(len, missing))
-    assert set(found.column("run").to_pylist()) == set(range(10)) - {run for runs in missing for run in runs}
+    result = Rows(tmp_path)
+    assert result.missing == missing
+    assert len(result) == 10 - sum(map(len, missing))
+    assert set(result.column("run").to_pylist()) == set(range(10)) - {run for runs in missing for run in runs}
 
 
 @pytest.mark.parametrize("damage", [lambda b: b[:-10], lambda b: b"", lambda b: b[:40] + bytes(8) + b[48:]])
-def test_a_damaged_part_is_told_by_its_name(done: Rows, tmp_path: Path, damage: Any) -> None:
+def test_a_damaged_part_is_reported_by_its_name(done: Rows, tmp_path: Path, damage: Any) -> None:
     part = copied(done, tmp_path) / "part-000001.parquet"
     part.write_bytes(damage(part.read_bytes()))
     for read in (Rows.to_table, list):
-        with pytest.raises(UserError) as told:
+        with pytest.raises(UserError) as error:
             read(Rows(tmp_path))
-        assert f"{part} is damaged" in str(told.value)
-        assert "\n" not in str(told.value)
+        assert f"{part} is damaged" in str(error.value)
+        assert "\n" not in str(error.value)
 
 
-def test_an_unknown_column_is_told(done: Rows) -> None:
+def test_an_unknown_column_is_reported(done: Rows) -> None:
     with pytest.raises(UserError, match="no column is named 'cut'; there is"):
         done.column("cut")
 
@@ -172,7 +172,7 @@ def test_of_a_plan_that_was_only_written_all_runs_are_missing(tmp_path: Path) ->
     assert Rows(tmp_path).to_table().num_rows == 0
 
 
-def test_a_folder_without_a_plan_is_told(tmp_path: Path) -> None:
+def test_a_folder_without_a_plan_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"plan\.toml"):
         Rows(tmp_path)
     with pytest.raises(UserError, match=r"plan\.toml"):

@@ -27,8 +27,8 @@ class Tiny:
 
     @classmethod
     def read(cls, folder: Path) -> Self:
-        said = tomllib.loads((folder / "plan.toml").read_text("utf-8"))
-        return cls(said["runs"], said["chunk"], said["seed"])
+        message = tomllib.loads((folder / "plan.toml").read_text("utf-8"))
+        return cls(message["runs"], message["chunk"], message["seed"])
 
     def write(self, folder: Path) -> None:
         (folder / "plan.toml").write_text(f"runs = {self.runs}\nchunk = {self.chunk}\nseed = {self.seed}\n", "utf-8")

@@ -10,21 +10,30 @@ from rich.markup import escape
 
 from motionsync.blocks import BLOCKS
 
-from .. import places
-from ..archive import build_time
-from ..build import NO_COMPONENT, Finish, Flavour, begun, fmu_path, has_component, has_sources, outdated
-from ..builds import chosen
-from ..errors import UserError, spelled
+from .. import paths
+from ..build.fmu import (
+    NO_COMPONENT,
+    BuildOptions,
+    Finish,
+    Flavour,
+    fmu_path,
+    optional_contents,
+    start_build,
+    why_outdated,
+)
+from ..build.prebuilt import select_flavours
+from ..errors import UserError, resolve_name
+from ..interface.build_time import build_time
+from ..interface.causality import CausalityError, Interface
 from ..interface.recipe import Fmi, Recipe
-from ..interface.turns import Interface, TurnError
 from ..interface.units import BASES
 from ..pages.console import err, out
-from ..pages.progress import doing
-from .options import UNITS, Version, assignments
+from ..pages.progress import report_progress
+from .options import UNITS, Version, parse_assignments
 
-Turned = Annotated[
+CausalityPatterns = Annotated[
     list[str] | None,
-    typer.Option(metavar="PATTERN", help="Turn these variables to such ones; may be repeated. For one block only."),
+    typer.Option(metavar="PATTERN", help="Give variables this causality; may be repeated. For one block only."),
 ]
 
 
@@ -41,22 +50,22 @@ def build(
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
     slave_unit: Annotated[
         str,
-        typer.Option(metavar=UNITS, help="Unit of the slave's positions, of a block that tells them apart (Follower)."),
+        typer.Option(metavar=UNITS, help="Unit of the slave's positions, of a block that has both (Follower)."),
     ] = "",
     start: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="Bake in a start value; may be repeated. For one block only."),
     ] = None,
-    input: Turned = None,
-    output: Turned = None,
-    parameter: Turned = None,
-    local: Turned = None,
+    input: CausalityPatterns = None,
+    output: CausalityPatterns = None,
+    parameter: CausalityPatterns = None,
+    local: CausalityPatterns = None,
     folder: Annotated[
         Path | None,
-        typer.Option(help="Where to put the FMUs: FOLDER/<flavour>/<FMU>.fmu, FOLDER/fmi3/<FMU>.fmu; else into build."),
+        typer.Option(help="Target of the FMUs: FOLDER/<flavour>/<FMU>.fmu, FOLDER/fmi3/<FMU>.fmu; else in build."),
     ] = None,
     sources: Annotated[
-        bool, typer.Option("--sources", help="Put the C into the FMU, for any other processor; native flavour.")
+        bool, typer.Option("--sources", help="Add the C code to the FMU, for any other processor; native flavour.")
     ] = False,
     wasm: Annotated[
         bool, typer.Option("--wasm", help="Add a WebAssembly component, of FMI 3.0 (experimental: a draft may change).")
@@ -65,7 +74,7 @@ def build(
 ) -> None:
     """Build FMUs that are missing or stale.
 
-    A tunable parameter can be turned to an input, an input to a parameter, an output to a local variable, and back.
+    A tunable parameter can become an input, an input a parameter, an output a local variable, and back.
     Such an FMU has a name of its own.
 
     Examples:
@@ -84,68 +93,67 @@ def build(
 
         motionsync build Gearing --input "gearing.*" --parameter activate
     """
-    names = [spelled(BLOCKS, name, "block") for name in fmu or BLOCKS]
-    unit, slave_unit = spelled(BASES, unit, "unit"), spelled(["", *BASES], slave_unit, "slave unit")
-    starts = assignments("--start", start or [], "output_phasing=45")
+    names = [resolve_name(BLOCKS, name, "block") for name in fmu or BLOCKS]
+    unit, slave_unit = resolve_name(BASES, unit, "unit"), resolve_name(["", *BASES], slave_unit, "slave unit")
+    starts = parse_assignments("--start", start or [], "output_phasing=45")
     interface = Interface(input or (), output or (), parameter or (), local or ())
-    turned = next((f"--{causality}" for causality, _ in interface.patterns()), "")
-    if (option := "--start" if starts else turned) and len(names) != 1:
-        one = f"motionsync build Synchronizer {option} ..."
-        raise UserError(f"{option}: name the one block that it is for, as in: {one}")
+    override = next((f"--{causality}" for causality, _ in interface.patterns()), "")
+    if (option := "--start" if starts else override) and len(names) != 1:
+        example = f"motionsync build Synchronizer {option} ..."
+        raise UserError(f"{option}: name the one block that it is for, as in: {example}")
     recipes = [Recipe(name, unit, starts, slave_unit, interface, fmi) for name in names]
     for recipe in recipes:
-        _check(recipe)
+        _validate(recipe)
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
-    flavours, folder = chosen(fmi, flavour or [], err.print), folder or places.output(err.print)
+    flavours, folder = select_flavours(fmi, flavour or [], err.print), folder or paths.output_folder(err.print)
     if sources and Flavour.NATIVE not in flavours:
         raise UserError("--sources: the python flavour has no C; take --flavour native")
     if wasm and fmi != Fmi.THREE:
         raise UserError(NO_COMPONENT)
-    wanted = [
-        Wanted(recipe, one, fmu_path(recipe, folder, one), sources and one == Flavour.NATIVE, wasm, force)
+    builds = [
+        RequestedBuild(recipe, fmu_path(recipe, folder, options.flavour), options, force)
         for recipe in recipes
-        for one in flavours
+        for options in (BuildOptions(each, (), sources and each == Flavour.NATIVE, wasm) for each in flavours)
     ]
-    ahead: Finish | None = None
-    for this, following in zip(wanted, [*wanted[1:], None], strict=True):
-        finish, ahead = ahead, None
+    finish_next: Finish | None = None
+    for this, following in zip(builds, [*builds[1:], None], strict=True):
+        finish, finish_next = finish_next, None
         if this.is_up_to_date():
             out.print(f"{escape(str(this.target))}  is up to date")
             continue
         this.target.parent.mkdir(parents=True, exist_ok=True)
-        with doing(f"building {this.target}") as tell:
-            finish = finish or this.begun()
-            with suppress(UserError):  # it is told when the following one's turn comes
-                ahead = following.begun() if following and not following.is_up_to_date() else None
-            finish(this.target, tell)
+        with report_progress(f"building {this.target}") as notify:
+            finish = finish or this.start()
+            with suppress(UserError):  # its own iteration starts it again, and reports this error
+                finish_next = following.start() if following and not following.is_up_to_date() else None
+            finish(this.target, notify)
         of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
         size = this.target.stat().st_size
         out.print(f"{escape(str(this.target))}  {size / 1000:.0f} kB, positions in {unit}{of_slave}")
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """An FMU that is asked for, and what is to be in it."""
+class RequestedBuild:
+    """An FMU to build, and what it shall contain."""
 
     recipe: Recipe
-    flavour: Flavour
     target: Path
-    sources: bool
-    wasm: bool
+    options: BuildOptions
     force: bool
 
     def is_up_to_date(self) -> bool:
-        stale = self.force or outdated(self.target, self.recipe) or has_sources(self.target) != self.sources
-        return not stale and has_component(self.target) == self.wasm
+        if self.force or why_outdated(self.target, self.recipe):
+            return False
+        return optional_contents(self.target) == (self.options.with_sources, self.options.with_component)
 
-    def begun(self) -> Finish:
-        """Its build, begun: zig compiles it while the one before is finished."""
-        return begun(self.flavour, self.recipe, with_sources=self.sources, with_component=self.wasm)
+    def start(self) -> Finish:
+        """Start the build: zig compiles this FMU while the previous one is finished."""
+        return start_build(self.recipe, self.options)
 
 
-def _check(recipe: Recipe) -> None:
-    """Report every mistake before anything is built."""
+def _validate(recipe: Recipe) -> None:
+    """Report a mistake in a recipe before anything is built."""
     try:
         recipe.block()
-    except TurnError as e:
+    except CausalityError as e:
         raise UserError(f"--{e}") from None

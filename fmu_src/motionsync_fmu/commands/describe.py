@@ -8,7 +8,7 @@ import typer
 
 from motionsync.blocks import BLOCKS
 
-from ..errors import UserError, spelled
+from ..errors import UserError, resolve_name
 from ..interface.recipe import Recipe
 from ..interface.units import BASES
 from ..interface.variables import summary
@@ -33,21 +33,21 @@ def describe(
     recipe = _recipe(fmu, unit, slave_unit)
     block = replace(recipe, starts={}).block()
     out.print(f"{recipe.name}: {summary(type(block))}")
-    print_variables(block, recipe.unit, recipe.slave_unit, recipe.starts, recipe.turned)
+    print_variables(block, recipe.unit, recipe.slave_unit, recipe.starts, recipe.causality_overrides)
     print_enumerations(block)
     print_codes(codes_of(recipe.name, block))
 
 
 def _recipe(fmu: str, unit: str, slave_unit: str) -> Recipe:
-    """What the argument names: a file, or a block."""
+    """The recipe of the FMU or block that the argument names."""
     path = Path(fmu)
     if path.is_file() or path.suffix.lower() == ".fmu":
-        from ..scenario.fmu_instance import recipe_of
+        from ..scenario.run.fmu_instance import read_recipe
 
         if not path.is_file():
             raise UserError(f"{fmu}: no such file")
-        return recipe_of(path)
+        return read_recipe(path)
     if path.name != fmu:
         raise UserError(f"{fmu}: no such file; name a block, or the path of a built FMU")
-    slaves = spelled(BASES, slave_unit, "slave unit") if slave_unit else ""
-    return Recipe(spelled(BLOCKS, fmu, "block"), spelled(BASES, unit, "unit"), {}, slaves)
+    slaves = resolve_name(BASES, slave_unit, "slave unit") if slave_unit else ""
+    return Recipe(resolve_name(BLOCKS, fmu, "block"), resolve_name(BASES, unit, "unit"), {}, slaves)

@@ -7,11 +7,11 @@ import typer
 
 from motionsync.blocks import BLOCKS
 
-from ..errors import UserError, spelled
+from ..errors import UserError, resolve_name
 from ..pages.console import out
-from ..pages.description import Code, all_codes, print_code
+from ..pages.description import CodeMeaning, all_codes, print_code
 
-NEAREST = 3  # codes that a message names where there is none of the number
+NEAREST = 3  # codes that a message names if no code has the number
 
 
 def error(
@@ -32,19 +32,19 @@ def error(
 
         motionsync error sync positions
     """
-    known = all_codes()
+    codes = all_codes()
     words = list(code)
     if len(words) > 1 and words[0].lower() in (name.lower() for name in BLOCKS):
-        block = spelled(BLOCKS, words.pop(0), "block")
-        known = [c for c in known if c.block == block]
-    for i, found in enumerate(_found(known, " ".join(words))):
+        block = resolve_name(BLOCKS, words.pop(0), "block")
+        codes = [c for c in codes if c.block == block]
+    for i, match in enumerate(_find_codes(codes, " ".join(words))):
         if i:
             out.print()
-        print_code(found)
+        print_code(match)
 
 
-def _found(known: list[Code], text: str) -> list[Code]:
-    """The codes of that number, or whose name or description has these words.
+def _find_codes(codes: list[CodeMeaning], text: str) -> list[CodeMeaning]:
+    """The codes with this number, or with this text in their name or description.
 
     Raises:
         UserError: there is none.
@@ -53,13 +53,13 @@ def _found(known: list[Code], text: str) -> list[Code]:
     with suppress(ValueError):
         number = int(text, 0)
     if number is None:
-        found = [c for c in known if text.lower() in f"{c.member.name} {c.member.description}".lower()]
-        if not found:
-            raise UserError(f"no fault code speaks of {text!r}; motionsync describe lists those of a block")
-        return found
-    found = [c for c in known if c.member.value == number]
-    if not found:
-        near = sorted(known, key=lambda c: abs(c.member.value - number))[:NEAREST]
-        named = ", ".join(f"{c.number} ({c.block})" for c in near)
-        raise UserError(f"no block has the fault code {text}; the nearest are {named}")
-    return found
+        matches = [c for c in codes if text.lower() in f"{c.member.name} {c.member.description}".lower()]
+        if not matches:
+            raise UserError(f"no fault code mentions {text!r}; motionsync describe lists those of a block")
+        return matches
+    matches = [c for c in codes if c.member.value == number]
+    if not matches:
+        nearest = sorted(codes, key=lambda c: abs(c.member.value - number))[:NEAREST]
+        listed = ", ".join(f"{c.number} ({c.block})" for c in nearest)
+        raise UserError(f"no block has the fault code {text}; the nearest are {listed}")
+    return matches

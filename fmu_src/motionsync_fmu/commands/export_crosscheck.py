@@ -6,17 +6,17 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from ..archive import build_time
 from ..errors import UserError
-from ..extras import how_to_install, missing_for_native
+from ..interface.build_time import build_time
+from ..optional_dependencies import how_to_install, missing_for_native
 from ..pages.console import out
-from ..pages.progress import doing
+from ..pages.progress import report_progress
 
 
 def export_crosscheck(
-    folder: Annotated[Path, typer.Argument(help="Where to put all: a clone of the cross-check's repository, say.")],
+    folder: Annotated[Path, typer.Argument(help="Where to write, such as a clone of the cross-check's repository.")],
     model: Annotated[
-        list[str] | None, typer.Argument(help="Blocks, which stand for their examples, or scenarios; else all blocks.")
+        list[str] | None, typer.Argument(help="Scenarios, or blocks, whose examples are taken; else all blocks.")
     ] = None,
 ) -> None:
     """Write FMUs with inputs and references for the FMI cross-check.
@@ -31,13 +31,13 @@ def export_crosscheck(
 
         motionsync export-crosscheck fmi-cross-check Gearing Synchronizer/polynomial
     """
-    from ..crosscheck import export, models
+    from ..export.crosscheck import export, models
 
     if missing := missing_for_native():
-        raise UserError(f"{missing} is not installed, with which the FMUs are built: {how_to_install('native')}")
+        raise UserError(f"{missing} builds the FMUs, and is not installed: {how_to_install('native')}")
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
     for each in models(model or []):
-        with doing(f"building {each.name}") as tell:
-            places = export(each, folder, tell)
-        for place in places:
-            out.print(escape(str(place)))
+        with report_progress(f"building {each.name}") as notify:
+            exported = export(each, folder, notify)
+        for path in exported:
+            out.print(escape(str(path)))

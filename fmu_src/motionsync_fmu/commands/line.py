@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .. import places
-from ..build import Flavour
-from ..builds import at_hand
+from .. import paths
+from ..build.fmu import Flavour
+from ..build.prebuilt import available_flavours
 from ..errors import UserError
 from ..pages.console import err
-from ..pages.progress import doing
+from ..pages.progress import report_progress
 
 if TYPE_CHECKING:
-    from ..line.line import Line
+    from ..line.line import ProductionLine
 
 
 def line(
@@ -23,7 +23,7 @@ def line(
     output: Annotated[
         Path | None,
         typer.Option(
-            help="Where all goes: OUTPUT/<line>.ssp, OUTPUT/<line>/, OUTPUT/reports/line/<line>/; else into build."
+            help="Where to write: OUTPUT/<line>.ssp, OUTPUT/<line>/, OUTPUT/reports/line/<line>/; else into build."
         ),
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")] = False,
@@ -46,19 +46,19 @@ def line(
         motionsync line line/line.toml --output elsewhere
     """
     from ..line.console import print_line
-    from ..line.judge import examine
+    from ..line.evaluation import evaluate_line
     from ..line.outcome import write_outcome
     from ..line.package import write_package
 
     outcomes = []
-    lines = _lines(path or [Path("line")])
-    chosen, place = flavour or at_hand(err.print)[0], output or places.output(err.print)
+    lines = _load_lines(path or [Path("line")])
+    flavour, output = flavour or available_flavours(err.print)[0], output or paths.output_folder(err.print)
     for each in lines:
-        with doing(f"{each.name}: its FMUs", at_once=False) as tell:
-            package = write_package(each, chosen, place, tell)
-        with doing(f"{each.name}: its runs") as tell:
-            result = examine(each, package, tell)
-        folder = place / "reports" / "line" / each.name
+        with report_progress(f"{each.name}: its FMUs", at_once=False) as notify:
+            package = write_package(each, flavour, output, notify)
+        with report_progress(f"{each.name}: its runs") as notify:
+            result = evaluate_line(each, package, notify)
+        folder = output / "reports" / "line" / each.name
         outcomes.append(write_outcome(each, package, result, folder, report=not no_report))
         if not as_json:
             print_line(each, outcomes[-1], result.settled)
@@ -68,12 +68,12 @@ def line(
         raise typer.Exit(1)
 
 
-def _lines(paths: list[Path]) -> "list[Line]":
+def _load_lines(paths: list[Path]) -> "list[ProductionLine]":
     """The lines at these paths; every mistake in them is reported before anything runs."""
     from ..line.reader import load_line
-    from ..scenario.shipped import LINES, find
+    from ..scenario.files.shipped import LINE_FILES, find_files
 
-    lines = [load_line(file) for path in paths for file in find(path, LINES)]
+    lines = [load_line(file) for path in paths for file in find_files(path, LINE_FILES)]
     files: dict[str, Path] = {}
     for line in lines:
         if (other := files.setdefault(line.name, line.follower.file)) != line.follower.file:

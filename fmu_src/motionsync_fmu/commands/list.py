@@ -10,12 +10,11 @@ from rich.table import Table
 
 from motionsync.blocks import BLOCKS
 
-from ..errors import spelled
+from ..errors import resolve_name
 from ..interface.variables import summary
-from ..pages.console import out, wide
-from ..scenario.shipped import FILE, LINES, called, shipped
-from ..scenario.toml_tables import Table as TomlTable
-from ..scenario.toml_tables import read_toml
+from ..pages.console import out, print_table
+from ..scenario.files.shipped import LINE_FILES, SCENARIO_FILE, scenario_name, shipped_folder
+from ..scenario.files.toml_tables import TomlTable, read_toml
 
 
 def list_all(
@@ -35,18 +34,18 @@ def list_all(
         motionsync list --scenarios my_scenarios
     """
     if block:
-        block = spelled(BLOCKS, block, "block")
-    place = scenarios or shipped()
-    if not place.is_dir():
-        out.print(f"No scenarios: there is no folder {escape(str(place))}")
+        block = resolve_name(BLOCKS, block, "block")
+    folder = scenarios or shipped_folder()
+    if not folder.is_dir():
+        out.print(f"No scenarios: there is no folder {escape(str(folder))}")
         return
-    found = [read_toml(file) for file in sorted(place.rglob(FILE))]
+    tables = [read_toml(file) for file in sorted(folder.rglob(SCENARIO_FILE))]
     if block or scenarios:
-        _print("Scenarios", [top for top in found if block in ("", top.string("fmu"))])
+        _print_files("Scenarios", [t for t in tables if block in ("", t.string("fmu"))])
     else:
-        _print_blocks(Counter(top.string("fmu") for top in found))
+        _print_blocks(Counter(t.string("fmu") for t in tables))
     if not block:
-        _print("Lines", [read_toml(file) for file in sorted(place.rglob(LINES))])
+        _print_files("Lines", [read_toml(file) for file in sorted(folder.rglob(LINE_FILES))])
     if not (block or scenarios):
         out.print(
             "\nmotionsync list FlyingSaw lists the scenarios of a block; motionsync run and motionsync line run them."
@@ -57,23 +56,15 @@ def _print_blocks(counts: Counter[str]) -> None:
     table = Table("block", "scenarios", "what it does", box=None)
     for name, block_type in BLOCKS.items():
         table.add_row(name, str(counts[name]), summary(block_type))
-    _show(table)
+    print_table(table)
 
 
-def _print(title: str, files: list[TomlTable]) -> None:
-    """Print the names by which these files are run, and their titles; nothing if there are none."""
+def _print_files(title: str, files: list[TomlTable]) -> None:
+    """Print the names by which files are run, and their titles; without files nothing is printed."""
     if not files:
         return
     table = Table("name", "title", title=f"\n{title}", title_justify="left", box=None)
     table.columns[0].overflow = "fold"
-    for top in files:
-        table.add_row(called(top.file), top.string("title"))
-    _show(table)
-
-
-def _show(table: Table) -> None:
-    """Print a table as wide as the terminal; where there is none, a row is one line."""
-    if out.is_terminal:
-        out.print(table, soft_wrap=False)
-    else:
-        wide.print(table)
+    for each in files:
+        table.add_row(scenario_name(each.file), each.string("title"))
+    print_table(table)

@@ -8,27 +8,27 @@ from rich.markup import escape
 
 from motionsync.blocks import BLOCKS
 
-from ..errors import UserError, spelled
+from ..errors import UserError, resolve_name
 from ..pages.console import out
-from ..scenario.shipped import FILE
+from ..scenario.files.shipped import SCENARIO_FILE
 
 
 def new(
     block: Annotated[str, typer.Argument(help="The block that the scenario runs.")],
     folder: Annotated[Path, typer.Argument(help="Where to write scenario.toml; the folder is made if it is missing.")],
 ) -> None:
-    """Write a scenario that runs, to begin one of your own with.
+    """Write a scenario that runs, as the start of one of your own.
 
     Example:
 
         motionsync new FlyingSaw my_saw
     """
-    from ..scenario.template import template_of
+    from ..scenario.files.template import make_template
 
-    name, file = spelled(BLOCKS, block, "block"), folder / FILE
+    name, file = resolve_name(BLOCKS, block, "block"), folder / SCENARIO_FILE
     if file.exists():
         raise UserError(f"{file} exists: name another folder")
-    text = template_of(name)
+    text = make_template(name)
     folder.mkdir(parents=True, exist_ok=True)
     file.write_text(text, "utf-8")
     out.print(f"written: {escape(str(file))}")

@@ -1,6 +1,6 @@
 """Options that several commands have."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Annotated
 
 import typer
@@ -18,25 +18,37 @@ Sampling = Annotated[
 ]
 Seed = Annotated[int, typer.Option(help="The seed of the samples.")]
 Scheduler = Annotated[
-    str, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers do it, as tcp://10.0.0.5:8786.")
+    str, typer.Option(metavar="ADDRESS", help="A Dask scheduler, whose workers do the runs, as tcp://10.0.0.5:8786.")
 ]
 Workers = Annotated[
     int | None, typer.Option(metavar="N", help="Processes of this computer; by default one for each core.")
 ]
-Yes = Annotated[bool, typer.Option("--yes", help="Begin even if there are more than 10^9 runs.")]
+Yes = Annotated[bool, typer.Option("--yes", help="Start even if there are more than 10^9 runs.")]
 
 
-def assignments(option: str, texts: Iterable[str], example: str) -> dict[str, str]:
+def number_parser(option: str, form: str) -> Callable[[str], float]:
+    """The parser of an option that is a number; `form`: what it must be, in words."""
+
+    def parse(text: str) -> float:
+        try:
+            return float(text)
+        except ValueError:
+            raise UserError(f"{option} {text}: it must be {form}") from None
+
+    return parse
+
+
+def parse_assignments(option: str, texts: Iterable[str], example: str) -> dict[str, str]:
     """The values of an option NAME=VALUE that may be repeated, by name.
 
     Raises:
         UserError: a text is no assignment, or a name has two values; the message has the option and an example.
     """
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise UserError(f"{option} {text}: write NAME=VALUE, as in: {option} {example}")
-        if (other := found.setdefault(name, value)) != value:
+        if (other := values.setdefault(name, value)) != value:
             raise UserError(f"{option} {name} is given twice, as {other} and as {value}")
-    return found
+    return values

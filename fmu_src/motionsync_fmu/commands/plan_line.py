@@ -8,11 +8,11 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from .. import places
+from .. import paths
 from ..errors import UserError
 from ..pages.console import err, out
-from ..pages.progress import doing
-from .options import UNITS, assignments
+from ..pages.progress import report_progress
+from .options import UNITS, parse_assignments
 
 
 def plan_line(
@@ -38,14 +38,14 @@ def plan_line(
     ] = "",
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; else the file's, else mm.")] = "",
     output: Annotated[
-        Path | None, typer.Option(help="Where the page goes: OUTPUT/<machine>/report.html; else to build/reports/plan.")
+        Path | None, typer.Option(help="Target of the page: OUTPUT/<machine>/report.html; else build/reports/plan.")
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML page.")] = False,
     show: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Print what every run of the block did.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the plan as JSON.")] = False,
 ) -> None:
-    """Tell how fast a line may run, and how short its pieces may be, for a machine that cuts to length.
+    """Show how fast a line may run, and how short its pieces may be, for a machine that cuts to length.
 
     For each length: the greatest line velocity, and the velocity above which cuts are lost (in between, the
     approach's reserve is used up). For each line velocity: the shortest length. For both: the parts of the cycle (way
@@ -54,7 +54,7 @@ def plan_line(
 
     All of it is computed from the machine's data before any cut is made, and then confirmed: the block CutToLength is
     run a millionth below each figure, where it has to make every cut, and a millionth above it, where it has to
-    warn, and then to miss some. The exit status is 1 if it did not.
+    warn, and then to miss some. If it does not, the exit status is 1.
 
     The file has the block's parameters by name (motionsync describe CutToLength
     lists them); a scenario of CutToLength has its machine in the same table:
@@ -76,19 +76,19 @@ def plan_line(
         motionsync plan-line --set axis.max_position=650 --length 300..1500
     """
     from ..plan.console import print_plan
-    from ..plan.plan import make_plan
-    from ..plan.reader import check_length, option, read_machine
+    from ..plan.line_plan import make_plan
+    from ..plan.reader import check_length, read_machine, read_option
     from ..plan.report import write_plan
 
     if show and no_report:
         raise UserError("--open shows the page, which --no-report leaves out")
-    settings = assignments("--set", setting or [], "axis.max_velocity=1500")
+    settings = parse_assignments("--set", setting or [], "axis.max_velocity=1500")
     data, lengths, velocities = read_machine(machine, settings, unit)
-    lengths, velocities = option("length", length) or lengths, option("velocity", velocity) or velocities
-    for given in lengths:
-        check_length(data, given)
-    folder = (output or places.output(err.print) / "reports" / "plan") / data.name
-    with doing(f"planning {data.name}", at_once=False):
+    lengths, velocities = read_option("length", length) or lengths, read_option("velocity", velocity) or velocities
+    for each in lengths:
+        check_length(data, each)
+    folder = (output or paths.output_folder(err.print) / "reports" / "plan") / data.name
+    with report_progress(f"planning {data.name}", at_once=False):
         plan = make_plan(data, lengths, velocities)
         page = None if no_report else write_plan(plan, folder)
     if as_json:
@@ -99,5 +99,5 @@ def plan_line(
             out.print(f"report: {escape(page.resolve().as_uri())}")
     if page and show:
         webbrowser.open(page.resolve().as_uri())
-    if not plan.confirmed:
+    if not plan.is_confirmed:
         raise typer.Exit(1)

@@ -7,29 +7,21 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from ..errors import UserError
-from ..extras import need
+from ..optional_dependencies import require
 from ..pages.console import out
-from ..pages.progress import counting
-from ..scenario.shipped import called, find_one
-from .options import Sampling, Scheduler, Seed, Workers, Yes
-
-
-def _share(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise UserError(f"--relative {text}: it must be a number, as 1e-6") from None
+from ..pages.progress import report_count
+from ..scenario.files.shipped import find_scenario, scenario_name
+from .options import Sampling, Scheduler, Seed, Workers, Yes, number_parser
 
 
 def search(
     path: Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario's file or folder, or its short name.")],
-    vary: Annotated[str, typer.Option(metavar="NAME=LOW..HIGH", help="What is varied, and between which values.")],
+    vary: Annotated[str, typer.Option(metavar="NAME=LOW..HIGH", help="The value to vary, and its range.")],
     until: Annotated[
         str,
         typer.Option(
             metavar="CONDITION",
-            help="What is asked of a row: columns compared with values, joined with and; a column may be a measure.",
+            help="The condition on a row: columns compared with values, joined with and; a column may be a measure.",
         ),
     ],
     setting: Annotated[
@@ -46,7 +38,9 @@ def search(
     relative: Annotated[
         float,
         typer.Option(
-            parser=_share, metavar="SHARE", help="How near the two values beside a boundary are, as a share of them."
+            parser=number_parser("--relative", "a number, as 1e-6"),
+            metavar="SHARE",
+            help="Distance of the values around a boundary, as a share of them.",
         ),
     ] = 1e-6,
     scheduler: Scheduler = "",
@@ -55,14 +49,13 @@ def search(
     yes: Yes = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON.")] = False,
 ) -> None:
-    """Find the value at which a condition begins to hold, at each point of a grid: the shortest length that works.
+    """Find the value at which a condition starts to hold, at each point of a grid: the shortest length that works.
 
-    Each point is run at both ends of the range, and then again and again in the middle of what is left of it, until the
-    two values beside the boundary are near enough to each other. At the value in the column of what is varied the
-    condition holds, at the one in the column .beside it does not; both were run. The column holds says on which side
-    of the boundary it does: above a shortest length, below a greatest velocity. If it holds at both ends, or at
-    neither, no boundary is looked for, and the row says so. If it changes more than once in the range, one of the
-    boundaries is found.
+    Each point is run at both ends of the range, which is then halved by further runs until the two values around the
+    boundary are near enough to each other. Both have a column: at the first value the condition holds, at the second
+    one, named .beside, it does not. The column holds shows the side on which the condition holds: above a shortest
+    length, below a greatest velocity. If the condition holds at both ends, or at neither, there is no search, and the
+    row shows that. If it changes more than once in the range, one of the boundaries is found.
 
     Examples:
 
@@ -70,34 +63,26 @@ def search(
 
         motionsync search CutToLength/any_length --vary master.velocity=100..1400 --until "late == 0 and skipped == 0"
     """
-    need("sweep", "distributed", "pyarrow", "scipy")
-    from ..errors import choose
-    from ..scenario.reader import load
+    require("sweep", "distributed", "pyarrow", "scipy")
+    from ..scenario.files.reader import load_scenario
     from ..sweep.boundaries import Search
-    from ..sweep.found import print_found, records, write_csv
-    from ..sweep.measures import parsed
-    from ..sweep.samples import Method
-    from ..sweep.search import found
+    from ..sweep.measures import parse_texts
+    from ..sweep.search import run_search
+    from ..sweep.search_output import print_boundaries, records, write_csv
+    from ..sweep.sweep_plan import SamplingOptions
 
-    file = find_one(path)
-    wanted = Search.of(
-        file,
-        vary,
-        until,
-        setting or [],
-        relative=relative,
-        samples=samples,
-        method=choose({str(m): m for m in Method}, method, "method"),
-        seed=seed,
-        measures=parsed(measure, load(file).recipe) if measure else {},
-        yes=yes,
-    )
-    with counting(f"searching {called(file)}", "points") as count:
-        rows = found(wanted, output=output, workers=workers, scheduler=scheduler, progress=count, tell=count.tell)
+    file = find_scenario(path)
+    options: SamplingOptions = {"samples": samples, "method": method, "seed": seed, "yes": yes}
+    options["measures"] = parse_texts(measure, load_scenario(file).recipe) if measure else {}
+    request = Search.of(file, vary, until, setting or [], relative=relative, **options)
+    with report_count(f"searching {scenario_name(file)}", "points") as count:
+        rows = run_search(
+            request, output=output, workers=workers, scheduler=scheduler, progress=count, notify=count.notify
+        )
     table = write_csv(rows, output) if output else None
     if as_json:
         print(json.dumps(records(rows), indent=2))
         return
-    print_found(rows)
+    print_boundaries(rows)
     if table:
         out.print(f"rows: {escape(str(table))}")

@@ -11,15 +11,15 @@ import typer
 from rich.markup import escape
 
 from ..errors import UserError
-from ..extras import need
+from ..optional_dependencies import require
 from ..pages.console import out
-from ..pages.progress import Count, counting, doing
-from ..scenario.shipped import called, find_one
+from ..pages.progress import CountReport, report_count, report_progress
+from ..scenario.files.shipped import find_scenario, scenario_name
 from .options import Sampling, Scheduler, Seed, Workers, Yes
 
 if TYPE_CHECKING:
-    from ..sweep.plan import SweepPlan
     from ..sweep.summary import Summary
+    from ..sweep.sweep_plan import SweepPlan
 
 
 def sweep(
@@ -27,9 +27,9 @@ def sweep(
     output: Annotated[Path, typer.Option(metavar="DIR", help="The folder for the rows and the plan.")],
     setting: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUES", help="What varies, and how; may be repeated."),
+        typer.Option("--set", metavar="NAME=VALUES", help="A value to vary, and how; may be repeated."),
     ] = None,
-    samples: Annotated[int | None, typer.Option(metavar="N", help="How many samples ranges have.")] = None,
+    samples: Annotated[int | None, typer.Option(metavar="N", help="How many samples are drawn from ranges.")] = None,
     method: Sampling = "lhs",
     seed: Seed = 0,
     measure: Annotated[
@@ -39,7 +39,7 @@ def sweep(
     scheduler: Scheduler = "",
     workers: Workers = None,
     chunk: Annotated[
-        int | None, typer.Option(metavar="RUNS", help="Runs in a part file; by default, those of some seconds.")
+        int | None, typer.Option(metavar="RUNS", help="Runs in a part file; by default, as many as take some seconds.")
     ] = None,
     yes: Yes = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
@@ -53,17 +53,17 @@ def sweep(
         --set cuts.length=500,600,800             these values
         --set axis.max_jerk=1e5..1e6              a range, which is sampled; needs --samples
         --set axis.max_deceleration=axis.max_acceleration
-                                                  what follows from others
+                                                  a value that follows from others
 
-    All combinations of values are run, each with every sample of the ranges. A row has the values, whether all was as
-    the scenario expects, a refusal, the cuts and their worst error, limits that were broken, faults, and each
-    --measure NAME=KINDS: last, min, max, min_time, max_time, mean, rms, rises, above:LIMIT.
+    All combinations of values are run, each with every sample of the ranges. A row has the values, whether the
+    expectations of the scenario are met, a refusal, the cuts and their worst error, limits that were broken, faults,
+    and each --measure NAME=KINDS: last, min, max, min_time, max_time, mean, rms, rises, above:LIMIT.
 
-    The rows go to DIR as Parquet files, a chunk of runs each, beside the sweep's plan. After an interruption the same
-    command goes on with what is missing. Workers of other computers (dask worker ADDRESS --nthreads 1) need the same
-    version of motionsync, and nothing else: what they cannot write to DIR they send back.
+    The rows are written to DIR as Parquet files, a chunk of runs each, together with the sweep's plan. After an
+    interruption the same command does the missing runs. Workers on other computers (dask worker ADDRESS --nthreads 1)
+    need only the same version of motionsync: rows that they cannot write to DIR they send back.
 
-    The exit status is 0 when all runs have their rows, whatever stands in these.
+    The exit status is 0 when all runs have their rows, whatever the rows contain.
 
     Examples:
 
@@ -72,107 +72,79 @@ def sweep(
         motionsync sweep CutToLength/basic_cut --set length=300..3000 --set axis.max_jerk=1e5..1e6 --samples 100000 \
 --measure slave.acceleration=max --output out
     """
-    need("sweep", "distributed", "pyarrow", "scipy")
+    require("sweep", "distributed", "pyarrow", "scipy")
+    from ..scenario.files.reader import load_scenario
+    from ..sweep.execution import execute
+    from ..sweep.measures import parse_texts
     from ..sweep.rows import rows
-    from ..sweep.spread import go
-    from ..sweep.summary import summary
+    from ..sweep.summary import summarize
+    from ..sweep.sweep_plan import SamplingOptions, SweepPlan
     from ..sweep.table import Rows
-
-    plan = _plan(path, setting or [], samples, method, seed, measure or [], chunk, yes)
-    with counting(f"sweeping {called(plan.file)}", "runs") as count:
-        pace = _Pace(count)
-        plan = go(plan, output, rows, scheduler=scheduler, workers=workers, progress=pace, tell=count.tell)
-        pace.stop()
-    with doing("reading the rows", at_once=False):
-        told = summary(Rows(output))
-    if as_json:
-        print(json.dumps({**told.as_json(), "now": pace.runs, "runs_per_second": pace.rate, "folder": str(output)}))
-    else:
-        _print(told, plan, output, pace)
-
-
-@dataclass
-class _Pace:
-    """How many runs this command has done, and how fast: those that were there before do not count.
-
-    Attributes:
-        runs: done by this command.
-        begin: when it began (s, of the monotonic clock).
-        took: how long all of it took (s).
-    """
-
-    count: Count
-    runs: int = 0
-    before: int | None = None
-    begin: float = field(default_factory=monotonic)
-    took: float = 0.0
-
-    def __call__(self, done: int, whole: int) -> None:
-        if self.before is None:
-            self.before = done
-        self.runs = done - self.before
-        self.count(done, whole)
-
-    def stop(self) -> None:
-        """Take the time: all is done."""
-        self.took = monotonic() - self.begin
-
-    @property
-    def rate(self) -> float:
-        """Runs per second."""
-        return self.runs / self.took
-
-
-def _plan(
-    path: Path,
-    settings: list[str],
-    samples: int | None,
-    method: str,
-    seed: int,
-    measures: list[str],
-    chunk: int | None,
-    yes: bool,
-) -> "SweepPlan":
-    """The plan that the options make.
-
-    Raises:
-        UserError: an option, or what they make together, is refused.
-    """
-    from ..errors import choose
-    from ..scenario.reader import load
-    from ..sweep.measures import parsed
-    from ..sweep.plan import SweepPlan
-    from ..sweep.samples import Method
 
     if chunk is not None and chunk < 1:
         raise UserError(f"--chunk {chunk} is not allowed: it must be >= 1")
-    file = find_one(path)
-    return SweepPlan.of(
-        file,
-        settings,
-        samples=samples,
-        method=choose({str(m): m for m in Method}, method, "method"),
-        seed=seed,
-        measures=parsed(measures, load(file).recipe) if measures else {},
-        chunk=chunk or 0,
-        yes=yes,
-    )
+    file = find_scenario(path)
+    options: SamplingOptions = {"samples": samples, "method": method, "seed": seed, "yes": yes}
+    options["measures"] = parse_texts(measure, load_scenario(file).recipe) if measure else {}
+    plan = SweepPlan.of(file, setting or [], chunk=chunk or 0, **options)
+    with report_count(f"sweeping {scenario_name(plan.file)}", "runs") as count:
+        rate = _RunRate(count)
+        plan = execute(plan, output, rows, scheduler=scheduler, workers=workers, progress=rate, notify=count.notify)
+        rate.stop()
+    with report_progress("reading the rows", at_once=False):
+        totals = summarize(Rows(output))
+    if as_json:
+        speed = {"now": rate.runs, "runs_per_second": rate.runs_per_second}
+        print(json.dumps({**totals.as_json(), **speed, "folder": str(output)}))
+    else:
+        _print_summary(totals, plan, output, rate)
 
 
-def _print(told: "Summary", plan: "SweepPlan", folder: Path, pace: _Pace) -> None:
+@dataclass
+class _RunRate:
+    """How many runs this command has done, and how fast.
+
+    Attributes:
+        runs: the runs of this command.
+        earlier: the runs of earlier commands; None: not yet reported.
+        start: the time of the start (s, of the monotonic clock).
+        duration: the time that all runs of this command took (s).
+    """
+
+    count: CountReport
+    runs: int = 0
+    earlier: int | None = None
+    start: float = field(default_factory=monotonic)
+    duration: float = 0.0
+
+    def __call__(self, done: int, total: int) -> None:
+        if self.earlier is None:
+            self.earlier = done
+        self.runs = done - self.earlier
+        self.count(done, total)
+
+    def stop(self) -> None:
+        self.duration = monotonic() - self.start
+
+    @property
+    def runs_per_second(self) -> float:
+        return self.runs / self.duration
+
+
+def _print_summary(totals: "Summary", plan: "SweepPlan", folder: Path, rate: _RunRate) -> None:
     """Print the summary, and the command that shows the rows."""
-    out.print(f"{told.runs:,} runs of {escape(called(plan.file))}")
-    for what, number in told.counts().items():
-        out.print(f"  {what:24}{number:>14,}  {number / told.runs:7.2%}")
-    if pace.runs:
-        out.print(f"{pace.runs:,} of them now, {pace.rate:,.4g} runs/s")
+    out.print(f"{totals.runs:,} runs of {escape(scenario_name(plan.file))}")
+    for name, number in totals.counts().items():
+        out.print(f"  {name:24}{number:>14,}  {number / totals.runs:7.2%}")
+    if rate.runs:
+        out.print(f"{rate.runs:,} of them now, {rate.runs_per_second:,.4g} runs/s")
     out.print(f"rows: {escape(str(folder))}")
-    out.print(f"see them: {escape(_plot_command(plan, folder))}")
+    out.print(f"plot them: {escape(_plot_command(plan, folder))}")
 
 
 def _plot_command(plan: "SweepPlan", folder: Path) -> str:
-    """The command that shows the rows: over the first two numbers that vary, or what came out over the only one."""
-    from ..sweep.rows import schema
+    """The command that plots the rows over the first two numbers that vary, or a result over the only one."""
+    from ..sweep.result_columns import schema
 
     values = plan.values(0, 1)
     x, *more = [name for name in plan.independent if values[name].dtype.kind in "if"] or ["run"]

@@ -8,13 +8,13 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from ..extras import need
+from ..optional_dependencies import require
 from ..pages.console import out
-from ..pages.progress import doing
+from ..pages.progress import report_progress
 
 
-class Amount(StrEnum):
-    """What is told of the runs in a cell."""
+class AmountOption(StrEnum):
+    """The statistic of the runs in a cell."""
 
     MEAN = "mean"
     MIN = "min"
@@ -24,29 +24,29 @@ class Amount(StrEnum):
 
 def sweep_plot(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a sweep: its plan.toml and its parts.")],
-    x: Annotated[str, typer.Option("--x", metavar="NAME", help="The column to the right, one with numbers.")],
-    y: Annotated[str, typer.Option("--y", metavar="NAME", help="The column upwards: numbers, or true and false.")],
+    x: Annotated[str, typer.Option("--x", metavar="NAME", help="The column along the x axis, with numbers.")],
+    y: Annotated[str, typer.Option("--y", metavar="NAME", help="The column along the y axis; Booleans are allowed.")],
     colour: Annotated[
         str,
         typer.Option(
-            metavar="NAME", help="What the map's colours tell, or, of a factor, what the lines are for; else passed."
+            metavar="NAME", help="The result for the map's colours, or a factor with a line per value; else passed."
         ),
     ] = "",
     amount: Annotated[
-        Amount | None,
-        typer.Option(case_sensitive=False, help="What a cell tells of the numbers of its runs; else the mean."),
+        AmountOption | None,
+        typer.Option(case_sensitive=False, help="The statistic of the runs in a cell; else the mean."),
     ] = None,
     better: Annotated[
-        str, typer.Option(metavar="x=min,y=max", help="What is better, for the Pareto front; else less of both.")
+        str, typer.Option(metavar="x=min,y=max", help="The better direction, for the Pareto front; else less of both.")
     ] = "",
-    beside: Annotated[
+    comparisons: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="A further result, drawn over x beside y; may be repeated."),
+        typer.Option("--beside", metavar="NAME", help="A further result over x, next to y; may be repeated."),
     ] = None,
     passed: Annotated[
         str,
         typer.Option(
-            metavar="CONDITION", help="When a run counts as passed; else when it met its scenario's expectations."
+            metavar="CONDITION", help="When a run counts as passed; else if it meets its scenario's expectations."
         ),
     ] = "",
     output: Annotated[Path | None, typer.Option(help="The page's file; else plot.html in the sweep's folder.")] = None,
@@ -54,16 +54,16 @@ def sweep_plot(
 ) -> None:
     """Write a page about a sweep: a map, curves, the Pareto front, and how each run is repeated.
 
-    Columns are the factors, the derived values and the results; a wrong name gets the names that there are. What the
-    page shows depends on them:
+    Columns are the factors, the derived values and the results; the message about a wrong name lists them. The page
+    shows, depending on x and y:
 
     \b
         x and y are varied    from which y on the runs pass, over x; the map
         y is a result         y over x, a line for each value of --colour
         both are results      the map, and the Pareto front
 
-    Rows are put together to cells before they come to the page, which stays below 3 MB. Under the pointer, or with the
-    arrow keys, each cell tells how many runs lie in it, and the command that repeats one of them.
+    The page has cells in place of single rows, and stays below 3 MB. Under the pointer, or with the arrow keys, each
+    cell shows how many runs it has, and the command that repeats one of them.
 
     Examples:
 
@@ -73,12 +73,12 @@ def sweep_plot(
 
         motionsync sweep-plot out --x slave.acceleration.max --y cuts --better x=min,y=max
     """
-    need("sweep", "duckdb", "pyarrow")
+    require("sweep", "duckdb", "pyarrow")
     from ..sweep.plot.page import make_page
     from ..sweep.plot.view import Question
 
-    question = Question(x, y, colour, amount or "", better, beside or (), passed)
-    with doing(f"reading {folder}", at_once=False):
+    question = Question(x, y, colour, amount or "", better, comparisons or (), passed)
+    with report_progress(f"reading {folder}", at_once=False):
         page = make_page(folder, question, output)
     out.print(f"page: {escape(page.resolve().as_uri())}")
     if show:

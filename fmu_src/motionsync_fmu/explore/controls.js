@@ -6,7 +6,7 @@ const GRADES = 500; // of a slider, about
 const WIDE = 1000; // a declared range up to this is a slider's own range
 
 /** A new element; names with a dash are attributes, the others properties. */
-function made(tag, values = {}, ...parts) {
+function newElement(tag, values = {}, ...parts) {
   const node = document.createElement(tag);
   for (const [name, value] of Object.entries(values)) {
     if (name.includes("-")) node.setAttribute(name, value);
@@ -23,14 +23,12 @@ function round(x) {
 }
 
 /**
- * Where a slider goes from and to, and by what: the declared range where it is narrow; else from 0 to two and a half times
+ * The range and the step of a slider: the declared range where it is narrow; else from 0 to two and a half times
  * the value; of a value 0 as far as `usual` to both sides. It never leaves the declared range.
  */
 function sliderRange({min = -Infinity, max = Infinity, kind}, x, usual) {
-  const narrow = max - min <= WIDE,
-    far = Math.abs(x) * 2.5 || usual;
-  const low = narrow ? min : Math.max(x > 0 ? 0 : -far, min),
-    high = narrow ? max : Math.min(x < 0 ? 0 : far, max);
+  const narrow = max - min <= WIDE, far = Math.abs(x) * 2.5 || usual;
+  const low = narrow ? min : Math.max(x > 0 ? 0 : -far, min), high = narrow ? max : Math.min(x < 0 ? 0 : far, max);
   const step = kind === "Real" ? round((high - low) / GRADES) : 1;
   return {min: step * Math.ceil(low / step - 1e-9), max: high, step};
 }
@@ -42,9 +40,8 @@ function sliderRange({min = -Infinity, max = Infinity, kind}, x, usual) {
  * that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value.
  */
 function control(about, values, name, {first, usual, changed}) {
-  const label = about.label ?? name,
-    text = made("span", {className: "name"}, ...breakable(label));
-  const row = made("div", {className: "knob", title: [about.description, about.range].filter(Boolean).join("\n")});
+  const label = about.label ?? name, text = newElement("span", {className: "name"}, ...breakable(label));
+  const row = newElement("div", {className: "knob", title: [about.description, about.range].filter(Boolean).join("\n")});
   const show = () => row.classList.toggle("moved", values[name] !== first);
   const put = (x) => {
     values[name] = x;
@@ -60,31 +57,31 @@ function control(about, values, name, {first, usual, changed}) {
 
 /** A name that may be broken after its dots and underscores. */
 function breakable(name) {
-  return name.split(/(?<=[._])/).flatMap((part) => [part, made("wbr")]);
+  return name.split(/(?<=[._])/).flatMap((part) => [part, newElement("wbr")]);
 }
 
 function tick(label, value, put) {
-  const box = made("input", {type: "checkbox", checked: value !== 0, "aria-label": label});
+  const box = newElement("input", {type: "checkbox", checked: value !== 0, "aria-label": label});
   box.oninput = () => put(box.checked ? 1 : 0);
   return box;
 }
 
 function choice(label, choices, value, put) {
   const options = choices.map(([n, text, meaning]) =>
-    made("option", {value: n, title: meaning, selected: n === value}, text),
+    newElement("option", {value: n, title: meaning, selected: n === value}, text),
   );
-  const select = made("select", {"aria-label": label}, ...options);
+  const select = newElement("select", {"aria-label": label}, ...options);
   select.oninput = () => put(Number(select.value));
   return select;
 }
 
 function number(about, label, {value, first, usual, put}) {
-  const field = made("input", {type: "number", step: "any", value, "aria-label": label});
-  const parts = [made("span", {}, field, made("span", {className: "unit"}, about.unit ?? ""))];
+  const field = newElement("input", {type: "number", step: "any", value, "aria-label": label});
+  const parts = [newElement("span", {}, field, newElement("span", {className: "unit"}, about.unit ?? ""))];
   let line = null;
   if (usual) {
     const range = sliderRange(about, first, usual);
-    line = made("input", {type: "range", ...range, "aria-label": `${label}, slider`});
+    line = newElement("input", {type: "range", ...range, "aria-label": `${label}, slider`});
     line.value = value;
     line.oninput = () => {
       field.value = Number(Number(line.value).toPrecision(9));
@@ -102,5 +99,5 @@ function number(about, label, {value, first, usual, put}) {
 
 /** A part of the page that opens and closes; it is left out without rows. */
 function group(title, rows, open = true) {
-  return rows.length ? [made("details", {open}, made("summary", {}, title), ...rows)] : [];
+  return rows.length ? [newElement("details", {open}, newElement("summary", {}, title), ...rows)] : [];
 }

@@ -11,29 +11,35 @@ from typing import Any
 import numpy as np
 
 from .. import HOME, __version__
+from ..batch import script_tables
+from ..batch.script_tables import block_memory
+from ..batch.simulation import limits
 from ..errors import UserError
 from ..interface.recipe import Recipe
-from ..interface.roles import books
+from ..interface.roles import piece_variables
 from ..interface.units import unit_name
 from ..interface.variables import Variable, summary
+from ..pages.machine.description import pictures_of
 from ..pages.style import typeset
-from ..scenario.clocks import BEFORE
-from ..scenario.example import example_of
-from ..scenario.reaction_tables import LENGTH
+from ..scenario import clocks
+from ..scenario.files.example import load_example
+from ..scenario.files.reaction_tables import LENGTH
+from ..scenario.files.shipped import SCENARIO_FILE
 from ..scenario.recording import Recording
-from ..scenario.run import simulate
+from ..scenario.remote_view import RemoteView
+from ..scenario.run.reactions import COMPARISON_MARGIN, SAMPLE_LEAD
+from ..scenario.run.simulation import CLOSE, simulate
 from ..scenario.scenario import Scenario
 from ..scenario.settings import Reaction
-from ..scenario.shipped import FILE
-from ..scenario.telegrams import Remote
 
-JUDGED = ("count", "lengths", "kinds")  # keys of [cuts] that say what is expected of a run
+SCALARS = ("title", "source", "unit", "slave_unit", "stop_time", "step_size", "step_bound")
+EXPECTED = ("count", "lengths", "kinds")  # keys of [cuts] that say what is expected of a run
 SCRIPT = ("position", "velocity", "acceleration", "segments")  # keys of [master] and of [remote]
 MOST = 1e9  # a declared limit beyond it limits nothing that anybody would choose
 
 
 def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, Any]:
-    """All that the page of a block knows but the block's code; `fmu`: its native FMU, whose bits are told.
+    """All data of a block's page but the block's code; `fmu`: its native FMU, whose bits the page shows.
 
     Raises:
         UserError: no block has this name.
@@ -41,17 +47,25 @@ def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, 
     scenarios = [explored(s) for s in scenarios]
     recipe = Recipe(name)
     declared = recipe.variables.values()
-    told = books(declared)
+    memory, ranges = block_memory(recipe), sorted({limits(v) for v in declared if v.checked})
+    names_of_pieces = piece_variables(declared)
     names = _names(scenarios)
     return {
         "name": name,
         "version": __version__,
         "home": HOME,
         "summary": summary(type(recipe.block())),
-        "variables": [_variable(v) for v in declared],
+        "variables": [
+            _variable(v)
+            | {"offset": memory.fields[v.name].offset}
+            | ({"limit": ranges.index(limits(v))} if v.checked else {})
+            for v in declared
+        ],
+        "runner": _runner() | {"limits": ranges},
         "roles": {v.declaration.role.name: v.name for v in declared if v.declaration.role},
-        "books": asdict(told) if told else None,
-        "shaded": example_of(name).picture.shaded,
+        "piece_variables": asdict(names_of_pieces) if names_of_pieces else None,
+        "pictures": pictures_of(recipe),
+        "shaded": load_example(name).picture.shaded,
         "units": {_units_of(s): _unit_names(s, declared) for s in scenarios},
         "normals": _normals(scenarios),
         "scenarios": [_scenario(s, n, fmu) for s, n in zip(scenarios, names, strict=True)],
@@ -69,13 +83,30 @@ def fingerprint(recording: Recording) -> str:
     return hashlib.sha256(np.column_stack(list(recording.values.values())).tobytes()).hexdigest()
 
 
+def _runner() -> dict[str, Any]:
+    """What the tables of a run are made from: the layouts, by structure and member whether it is a double, and numbers
+    that have one meaning in Python and in C."""
+    layouts = {
+        name: {member: int(layout[member].kind == "f") for member in layout.names or ()}
+        for name, layout in script_tables.LAYOUTS.items()
+    }
+    return {
+        "layouts": layouts,
+        "kinds": script_tables.KINDS,
+        "comparisons": script_tables.COMPARISONS,
+        "close": CLOSE,
+        "sample_lead": SAMPLE_LEAD,
+        "margin": COMPARISON_MARGIN,
+        "cycle_close": clocks.CLOSE,
+        "largest_jitter": clocks.LARGEST_JITTER,
+        "sent_before_start": clocks.SENT_BEFORE_START,
+    }
+
+
 def _variable(v: Variable) -> dict[str, Any]:
     d = v.declaration
-    row: dict[str, Any] = {
-        "name": v.name,
-        "kind": v.kind,
-        "causality": v.causality,
-        "variability": v.variability,
+    row: dict[str, Any] = {name: getattr(v, name) for name in ("name", "kind", "causality", "variability")}
+    row |= {
         "unit": d.unit.name,
         "description": d.description,
         "choices": [[int(m), m.name, m.description] for m in v.choices],
@@ -100,7 +131,7 @@ def _unit_names(s: Scenario, declared: Iterable[Variable]) -> dict[str, str]:
 
 def _names(scenarios: Iterable[Scenario]) -> list[str]:
     """The names of the scenarios' folders or files; the second one of a name has a 2 behind it."""
-    names = [s.name if s.file.name == FILE else s.file.stem for s in scenarios]
+    names = [s.name if s.file.name == SCENARIO_FILE else s.file.stem for s in scenarios]
     counts = (names[: i + 1].count(name) for i, name in enumerate(names))
     return [name if count == 1 else f"{name}_{count}" for name, count in zip(names, counts, strict=True)]
 
@@ -111,24 +142,17 @@ def _scenario(s: Scenario, name: str, fmu: Path) -> dict[str, Any]:
         recording = simulate(s, fmu, s.step_size)
     except UserError:
         recording = None
-    return {
+    return {key: getattr(s, key) for key in SCALARS} | {
         "name": name,
-        "title": s.title,
-        "source": s.source,
         "units": _units_of(s),
-        "unit": s.unit,
-        "slave_unit": s.slave_unit,
         "interface": raw.get("interface", {}),
-        "stop_time": s.stop_time,
-        "step_size": s.step_size,
-        "step_bound": s.step_bound,
         "start": plain_values(s.start),
         "axis": {key: raw[_axis(s)][key] for key in SCRIPT if key in raw[_axis(s)]},
         "drive": _drive(s),
         "remote": _remote(s.remote) if s.remote else None,
         "settings": [{"at": setting.at, "values": plain_values(setting.values)} for setting in s.settings],
         "reactions": [_reaction(r, table) for r, table in zip(s.reactions, raw.get("on", []), strict=True)],
-        "cuts": {key: value for key, value in raw.get("cuts", {}).items() if key not in JUDGED},
+        "cuts": {key: value for key, value in raw.get("cuts", {}).items() if key not in EXPECTED},
         "points": len(recording.time) if recording else 0,
         "sha256": fingerprint(recording) if recording else "",
     }
@@ -143,30 +167,16 @@ def _drive(s: Scenario) -> dict[str, Any] | None:
     if not s.drive:
         return None
     d = s.drive
-    limit = d.max_acceleration if d.limited else None
+    limit = d.max_acceleration if d.has_acceleration_limit else None
     gain = -math.expm1(-s.scan / d.time_constant)
     drive = {"follows": d.follows, "time_constant": d.time_constant, "max_acceleration": limit}
     return drive | {"scan": s.scan, "gain": gain}
 
 
-def _remote(remote: Remote) -> dict[str, Any]:
-    clocks, names = remote.clocks, remote.names
-    return {
-        "part": names.part,
-        "cycle_index": names.cycle_index,
-        "task_cycle": names.task_cycle,
-        "data_cycle": names.data_cycle,
-        "delay": names.delay,
-        "corrected_index": names.corrected_index,
-        "wraps_at": clocks.wraps_at,
-        "rates": [asdict(rate) for rate in clocks.rates],
-        "phase": clocks.phase,
-        "jitter": clocks.jitter,
-        "seed": clocks.seed,
-        "lost": [list(pair) for pair in clocks.lost],
-        "first_index": clocks.first_index,
-        "behind": remote.accuracy.behind if remote.accuracy else 0.0,
-    }
+def _remote(remote: RemoteView) -> dict[str, Any]:
+    """The clocks, and the names of the variables that hold the lengths of the receiver's cycles and the delay."""
+    behind = remote.accuracy.behind if remote.accuracy else 0.0
+    return asdict(remote.clocks) | asdict(remote.names) | {"behind": behind}
 
 
 def _normals(scenarios: Iterable[Scenario]) -> dict[str, list[list[float]]]:
@@ -175,14 +185,13 @@ def _normals(scenarios: Iterable[Scenario]) -> dict[str, list[list[float]]]:
     needed: dict[int, int] = {}
     for s in scenarios:
         if s.remote and s.remote.clocks.jitter:
-            count = max(s.remote.cycles, int(s.remote.clocks.true_index(np.array([s.stop_time]))[0]) + 2 * BEFORE + 2)
+            sent = int(s.remote.clocks.true_index(np.array([s.stop_time]))[0])
+            count = max(s.remote.cycles, sent + 2 * clocks.SENT_BEFORE_START + 2)
             needed[s.remote.clocks.seed] = max(needed.get(s.remote.clocks.seed, 0), count)
-    streams = ((seed, side, count) for seed, count in needed.items() for side in (0, 1))
-    found: dict[str, list[list[float]]] = {}
-    for seed, side, count in streams:
-        normals = np.random.default_rng((seed, side)).standard_normal(count)
-        found.setdefault(str(seed), []).append(normals.tolist())
-    return found
+    return {
+        str(seed): [np.random.default_rng((seed, side)).standard_normal(count).tolist() for side in (0, 1)]
+        for seed, count in needed.items()
+    }
 
 
 def _reaction(r: Reaction, table: Mapping[str, Any]) -> dict[str, Any]:

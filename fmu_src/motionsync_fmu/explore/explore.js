@@ -9,18 +9,10 @@ const REFRESH = 120; // ms: the table of all values is slow to draw
 /** The block: what the page knows of it, its variables by name, the running unit. */
 let block, variables, unit;
 /** The scenario as it was, and as it is now; the program in the editor; the sliders that it makes, by name. */
-let untouched,
-  scenario,
-  program = NO_PROGRAM,
-  sliders = {};
+let untouched, scenario, program = NO_PROGRAM, sliders = {};
 /** The run, that of the untouched scenario, the plots, the time that is shown. */
-let course = null,
-  before = null,
-  plots,
-  now = 0;
-let asked = false,
-  told = 0,
-  listed = 0;
+let course = null, before = null, plots, now = 0;
+let asked = false, latestBadge = 0, listed = 0;
 
 const copy = (thing) => JSON.parse(JSON.stringify(thing));
 const own = () =>
@@ -31,30 +23,19 @@ const own = () =>
 // --- the choice of a scenario ---
 
 function choose(name) {
-  const driven = name === PROGRAM,
-    source = block.scenarios.find((s) => s.name === (driven ? own().scenario : name));
+  const driven = name === PROGRAM, source = block.scenarios.find((s) => s.name === (driven ? own().scenario : name));
   untouched = copy(source);
-  if (driven)
-    Object.assign(untouched, {
-      settings: [],
-      reactions: [],
-      sha256: "",
-      title: `Driven by the program below: ${source.title}`,
-    });
+  const title = `Driven by the program below: ${source.title}`;
+  if (driven) Object.assign(untouched, {settings: [], reactions: [], sha256: "", title});
   scenario = copy(untouched);
   program = driven ? own().text : NO_PROGRAM;
   sliders = {};
-  $("made").replaceChildren();
+  $("sliders").replaceChildren();
   $("program").value = program;
   $("editor").open = driven;
   $("title").textContent = scenario.title;
-  $("other").textContent = scenario.remote
-    ? "telegram"
-    : block.roles.PIECES
-      ? "master; of positions, the next cut"
-      : scenario.cuts.while
-        ? "master; of positions, the next mark"
-        : "master";
+  const next = block.roles.PIECES ? "; of positions, the next cut" : scenario.cuts.while ? "; of positions, the next mark" : "";
+  $("other").textContent = scenario.remote ? "telegram" : `master${next}`;
   $("exported").hidden = true;
   $("export").setAttribute("aria-expanded", "false");
   plots.zoom = null;
@@ -77,33 +58,27 @@ function usual(of) {
 
 /** A control of a variable's value. */
 function variable(name, values, first, slider = true) {
-  const v = variables.get(name),
-    unitName = block.units[scenario.units][v.unit];
+  const v = variables.get(name), unitName = block.units[scenario.units][v.unit];
   return control({...v, unit: unitName}, values, name, {first, usual: slider ? usual(v.unit) : 0, changed: update});
 }
 
-/** A control of a number that is no variable of the block. */
-function plainNumber(label, description, values, name, first, {of = "NONE", slider = true, ...limits} = {}) {
+/** A control of a number that is no variable of the block; `firsts`: the values as they were. */
+function plainNumber(label, description, [values, firsts], name, {of = "NONE", slider = true, ...limits} = {}) {
   const about = {kind: "Real", label, description, unit: block.units[scenario.units][of] ?? of, ...limits};
-  return control(about, values, name, {first: first ?? values[name], usual: slider ? usual(of) : 0, changed: update});
+  return control(about, values, name, {first: firsts[name] ?? values[name], usual: slider ? usual(of) : 0, changed: update});
 }
 
 function controls() {
-  const driven = $("scenario").value === PROGRAM; // then the program says where the marks are
-  const marks = driven
-    ? []
-    : Object.entries(scenario.cuts)
-        .filter(([name]) => ["length", "offset"].includes(name))
-        .map(([name]) =>
-          plainNumber(`cuts.${name}`, "of the marks on the material", scenario.cuts, name, untouched.cuts[name], {
-            of: "POSITION",
-          }),
-        );
+  const driven = $("scenario").value === PROGRAM; // then the program sets the marks
+  const cuts = [scenario.cuts, untouched.cuts];
+  const marks = Object.keys(driven ? {} : scenario.cuts)
+    .filter((name) => ["length", "offset"].includes(name))
+    .map((name) => plainNumber(`cuts.${name}`, "of the marks on the material", cuts, name, {of: "POSITION"}));
   const starts = Object.keys(scenario.start).map((name) => variable(name, scenario.start, untouched.start[name]));
   const runs = [
     ["stop_time", "the end of the run"],
     ["step_size", "the step size, and the cycle of the reactions"],
-  ].map(([name, text]) => plainNumber(name, text, scenario, name, untouched[name], {of: "s", slider: false}));
+  ].map(([name, text]) => plainNumber(name, text, [scenario, untouched], name, {of: "s", slider: false}));
   $("groups").replaceChildren(
     ...group("Marks", marks),
     ...group(scenario.remote ? "The remote axis" : "The master", axisRows()),
@@ -114,14 +89,11 @@ function controls() {
   );
 }
 
-const startable = () =>
-  block.variables.filter(
-    (v) =>
-      (v.start !== undefined &&
-        !(v.name in scenario.start) &&
-        !v.name.startsWith(`${scenario.remote?.part ?? "master"}.`)) ||
-      v.name === "master.period",
-  );
+function startable() {
+  const axis = `${scenario.remote?.part ?? "master"}.`;
+  const isFree = (v) => v.start !== undefined && !(v.name in scenario.start) && !v.name.startsWith(axis);
+  return block.variables.filter((v) => isFree(v) || v.name === "master.period");
+}
 
 function addStart(name) {
   scenario.start[name] = untouched.start[name] = variables.get(name).start; // it changes nothing
@@ -130,103 +102,60 @@ function addStart(name) {
 
 /** A choice of a further variable. */
 function another(label, choices, act) {
-  const options = [
-    made("option", {value: ""}, "…"),
-    ...choices.map((v) => made("option", {value: v.name, title: v.description}, v.name)),
-  ];
-  const select = made("select", {"aria-label": label}, ...options);
+  const options = choices.map((v) => newElement("option", {value: v.name, title: v.description}, v.name));
+  const select = newElement("select", {"aria-label": label}, newElement("option", {value: ""}, "…"), ...options);
   select.onchange = () => select.value && act(select.value);
-  return made("div", {className: "knob"}, made("span", {className: "soft"}, label), select);
+  return newElement("div", {className: "knob"}, newElement("span", {className: "soft"}, label), select);
 }
 
 function axisRows() {
-  const {axis, remote, drive} = scenario,
-    first = untouched.axis,
-    rows = [];
+  const {axis, remote, drive} = scenario, first = untouched.axis, rows = [];
   const of = {position: "POSITION", velocity: "VELOCITY", acceleration: "ACCELERATION", jerk: "JERK", duration: "s"};
   for (const name of ["position", "velocity"]) {
     axis[name] ??= 0;
     first[name] ??= 0;
-    rows.push(plainNumber(name, "at the beginning", axis, name, first[name], {of: of[name]}));
+    rows.push(plainNumber(name, "at the beginning", [axis, first], name, {of: of[name]}));
   }
-  const segments = (axis.segments ?? []).flatMap((segment, i) =>
-    Object.keys(segment).map((name) => {
-      const limits = name === "duration" ? {min: 0} : {};
-      return plainNumber(`${i + 1}: ${name}`, `of segment ${i + 1}`, segment, name, first.segments[i][name], {
-        of: of[name],
-        ...limits,
-      });
-    }),
-  );
+  const segments = (axis.segments ?? []).flatMap((segment, i) => {
+    const both = [segment, first.segments[i]], limits = (name) => (name === "duration" ? {min: 0} : {});
+    const row = (name) =>
+      plainNumber(`${i + 1}: ${name}`, `of segment ${i + 1}`, both, name, {of: of[name], ...limits(name)});
+    return Object.keys(segment).map(row);
+  });
   rows.push(...group("Segments", segments, segments.length < 4));
   if (drive)
-    rows.push(made("p", {className: "soft"}, `It follows ${drive.follows}, with a lag of ${drive.time_constant} s.`));
+    rows.push(newElement("p", {className: "soft"}, `It follows ${drive.follows}, with a lag of ${drive.time_constant} s.`));
   if (!remote) return rows;
-  remote.rates.forEach((rate, i) =>
-    rows.push(
-      plainNumber(
-        `sender's cycle${i ? ` from ${rate.at} s on` : ""}`,
-        "",
-        rate,
-        "cycle",
-        untouched.remote.rates[i].cycle,
-        {of: "s", ...near(untouched.remote.rates[i].cycle)},
-      ),
-    ),
-  );
-  rows.push(
-    plainNumber(
-      "phase",
-      "how long before 0 the first telegram is sent, as a share of the sender's cycle",
-      remote,
-      "phase",
-      untouched.remote.phase,
-      {min: 0, max: 0.99},
-    ),
-  );
-  if (block.normals[remote.seed])
-    rows.push(
-      plainNumber(
-        "jitter",
-        "of sending and receiving, one sigma as a share of the receiver's cycle",
-        remote,
-        "jitter",
-        untouched.remote.jitter,
-        {min: 0, max: 0.15},
-      ),
-    );
+  const both = [remote, untouched.remote];
+  remote.rates.forEach((rate, i) => {
+    const was = untouched.remote.rates[i], label = `sender's cycle${i ? ` from ${rate.at} s on` : ""}`;
+    const limits = {min: 0.99 * was.cycle, max: 1.01 * was.cycle}; // two clocks that are meant to be alike
+    rows.push(plainNumber(label, "", [rate, was], "cycle", {of: "s", ...limits}));
+  });
+  const phase = "how long before 0 the first telegram is sent, as a share of the sender's cycle";
+  rows.push(plainNumber("phase", phase, both, "phase", {min: 0, max: 0.99}));
+  const jitter = "of sending and receiving, one sigma as a share of the receiver's cycle";
+  if (block.normals[remote.seed]) rows.push(plainNumber("jitter", jitter, both, "jitter", {min: 0, max: 0.15}));
   return rows;
 }
 
-/** Two clocks that are meant to be alike differ by little. */
-const near = (cycle) => ({min: 0.99 * cycle, max: 1.01 * cycle});
-
 function reactionRow(r, i) {
-  const first = untouched.reactions[i] ?? r,
-    when = made("div", {className: "when"}, `when ${r.name} ${r.comparison}`);
-  const v = variables.get(r.name),
-    discrete = v.kind === "Boolean" || v.choices.length > 0,
-    rows = [];
+  const first = untouched.reactions[i] ?? r, when = newElement("div", {className: "when"}, `when ${r.name} ${r.comparison}`);
+  const v = variables.get(r.name), discrete = v.kind === "Boolean" || v.choices.length > 0, rows = [];
   if (discrete) when.textContent = `when ${r.when}`;
-  else rows.push(plainNumber("value", "", r, "value", first.value, {of: v.unit, slider: false}));
-  when.append(
-    made("span", {className: "soft"}, r.times === null ? "each time" : r.times === 1 ? "once" : `${r.times} times`),
-  );
-  rows.push(
-    plainNumber("after", "how long after the scan that sees it", r, "after", first.after, {of: "s", slider: false}),
-  );
+  else rows.push(plainNumber("value", "", [r, first], "value", {of: v.unit, slider: false}));
+  const times = r.times === null ? "each time" : r.times === 1 ? "once" : `${r.times} times`;
+  when.append(newElement("span", {className: "soft"}, times));
+  rows.push(plainNumber("after", "how long after the scan that sees it", [r, first], "after", {of: "s", slider: false}));
   for (const name of Object.keys(r.set)) rows.push(variable(name, r.set, first.set[name], false));
   for (const [name, more] of Object.entries(r.add)) {
-    if (more === "cuts.length") rows.push(made("p", {className: "soft"}, `${name}: cuts.length more`));
-    else
-      rows.push(
-        plainNumber(`${name}: more by`, "", r.add, name, first.add[name], {
-          of: variables.get(name).unit,
-          slider: false,
-        }),
-      );
+    if (more === "cuts.length") rows.push(newElement("p", {className: "soft"}, `${name}: cuts.length more`));
+    else {
+      const limits = {of: variables.get(name).unit, slider: false};
+      rows.push(plainNumber(`${name}: more by`, "", [r.add, first.add], name, limits));
+    }
   }
-  return made("div", {className: "event"}, when, ...rows);
+  return newElement("div", {className: "event"}, when, ...rows);
 }
 
 // --- commands ---
@@ -235,7 +164,7 @@ function commandGroup() {
   const commands = block.variables
     .filter((v) => v.command)
     .map((v) => {
-      const button = made("button", {type: "button", title: v.description, "aria-pressed": "false"}, v.name);
+      const button = newElement("button", {type: "button", title: v.description, "aria-pressed": "false"}, v.name);
       button.onclick = () => give(v.name, at(v.name) ? 0 : 1);
       button.dataset.command = v.name;
       return button;
@@ -245,7 +174,7 @@ function commandGroup() {
   );
   const rows = [...scenario.settings].sort((a, b) => a.at - b.at).map(settingRow);
   const head = commands.length
-    ? [made("p", {className: "soft"}, "At the time that is shown:"), made("div", {className: "commands"}, ...commands)]
+    ? [newElement("p", {className: "soft"}, "At the time that is shown:"), newElement("div", {className: "commands"}, ...commands)]
     : [];
   return group("Commands", [...head, another("Set at this time", others, (name) => give(name, at(name))), ...rows]);
 }
@@ -257,7 +186,7 @@ function scripted(name) {
   return ["master.position", "master.velocity", "master.acceleration"].includes(name);
 }
 
-/** A value as the step has it that begins at the time shown. */
+/** A value in the step that starts at the time shown. */
 function at(name) {
   return course?.count ? course.value(name, Math.min(place(now) + 1, course.count - 1)) : variables.get(name).start;
 }
@@ -274,26 +203,22 @@ function give(name, value) {
 
 function settingRow(s) {
   const first = untouched.settings.find((other) => other.at === s.at)?.values ?? {};
-  const moment = made("input", {type: "number", step: "any", value: s.at, "aria-label": "time of the setting, in s"});
+  const moment = newElement("input", {type: "number", step: "any", value: s.at, "aria-label": "time of the setting, in s"});
   moment.onchange = () => {
     const t = Number(moment.value);
     if (t > 0 && t < scenario.stop_time) s.at = t;
     controls();
     update();
   };
-  const remove = made("button", {type: "button"}, "Remove");
+  const remove = newElement("button", {type: "button"}, "Remove");
   remove.onclick = () => {
     scenario.settings.splice(scenario.settings.indexOf(s), 1);
     controls();
     update();
   };
   const rows = Object.keys(s.values).map((name) => variable(name, s.values, first[name], false));
-  return made(
-    "div",
-    {className: "event"},
-    made("div", {className: "when"}, made("label", {}, "at ", moment, " s"), remove),
-    ...rows,
-  );
+  const head = newElement("div", {className: "when"}, newElement("label", {}, "at ", moment, " s"), remove);
+  return newElement("div", {className: "event"}, head, ...rows);
 }
 
 // --- a run ---
@@ -310,11 +235,11 @@ function update() {
 
 /** A scenario with the numbers behind the names. */
 function resolved(named) {
-  const wanted = copy(named);
-  for (const r of wanted.reactions) {
-    for (const name of Object.keys(r.add)) if (r.add[name] === "cuts.length") r.add[name] = wanted.cuts.length;
+  const requested = copy(named);
+  for (const r of requested.reactions) {
+    for (const name of Object.keys(r.add)) if (r.add[name] === "cuts.length") r.add[name] = requested.cuts.length;
   }
-  return wanted;
+  return requested;
 }
 
 /** The sliders that a program makes. */
@@ -323,19 +248,18 @@ function knob(name, value, low, high, unitName = "") {
   return sliders[name].value;
 }
 
-function compiled(wanted) {
+function compiled(requested) {
   if (program === NO_PROGRAM) return null;
-  const act = new Function("knob", "scenario", program)(knob, wanted);
+  const act = new Function("knob", "scenario", program)(knob, requested);
   if (typeof act !== "function") throw new Error("the program has to return the function that runs before each step");
   return (t, u, [position, velocity, acceleration]) => act(t, u, {position, velocity, acceleration});
 }
 
 function compute() {
   $("problem").textContent = "";
-  const wanted = resolved(scenario),
-    room = course && course !== before ? course.rows : null;
+  const requested = resolved(scenario), storage = course && course !== before ? course.storage : null;
   try {
-    course = run(unit, wanted, {cycle: compiled(wanted), normals: block.normals, room});
+    course = run(unit, requested, {cycle: compiled(requested), normals: block.normals, storage});
   } catch (error) {
     $("problem").textContent = error.message;
     return;
@@ -346,43 +270,38 @@ function compute() {
   if (course.refused)
     $("problem").textContent = `Refused at ${time(course.time.at(-1) ?? 0)}: ${course.lines.at(-1)?.text ?? ""}`;
   if (course.count > 1) show();
-  tell();
+  showBadge();
 }
 
 function showSliders() {
   const names = Object.keys(sliders);
-  if ($("made").dataset.names === names.join()) return;
-  $("made").dataset.names = names.join();
-  $("made").replaceChildren(
-    ...names.map((name) => {
-      const {first, low, high, unit: unitName} = sliders[name];
-      return control({label: name, kind: "Real", unit: unitName, min: low, max: high}, sliders[name], "value", {
-        first,
-        usual: high,
-        changed: update,
-      });
-    }),
-  );
+  if ($("sliders").dataset.names === names.join()) return;
+  $("sliders").dataset.names = names.join();
+  const row = (label) => {
+    const {first, low, high, unit: unitName} = sliders[label];
+    const about = {label, kind: "Real", unit: unitName, min: low, max: high};
+    return control(about, sliders[label], "value", {first, usual: high, changed: update});
+  };
+  $("sliders").replaceChildren(...names.map(row));
 }
 
 const changed = () => program !== NO_PROGRAM || JSON.stringify(scenario) !== JSON.stringify(untouched);
 const outputs = () => block.variables.filter((v) => v.start === undefined).map((v) => v.name);
 
 /** What the run has cost, and whether its bits are those of the native FMU. */
-async function tell() {
-  const mine = ++told,
-    shown = course;
+async function showBadge() {
+  const mine = ++latestBadge, shown = course;
   $("cost").textContent = `${shown.count - 1} steps in ${shown.spent.toFixed(1)} ms`;
   const badge = (text, kind, title = "") => Object.assign($("badge"), {textContent: text, className: kind, title});
   if (changed()) return badge(program === NO_PROGRAM ? "changed" : "driven by a program", "changed");
   if (!untouched.sha256) return badge("refused, as by the native FMU", "changed");
   if (!globalThis.crypto?.subtle)
     return badge("bits are compared where the page is a file, or comes by https", "changed");
-  const found = await fingerprint(shown, outputs());
-  if (mine !== told) return undefined;
-  const title = `SHA-256 of ${outputs().length} outputs and locals at ${shown.count} points:\n${found}`;
-  return found === untouched.sha256
-    ? badge(`same bits as the native FMU: ${found.slice(0, 12)}…`, "good", title)
+  const sum = await fingerprint(shown, outputs());
+  if (mine !== latestBadge) return undefined;
+  const title = `SHA-256 of ${outputs().length} outputs and locals at ${shown.count} points:\n${sum}`;
+  return sum === untouched.sha256
+    ? badge(`same bits as the native FMU: ${sum.slice(0, 12)}…`, "good", title)
     : badge("NOT the bits of the native FMU", "bad", title);
 }
 
@@ -391,34 +310,27 @@ async function tell() {
 const time = (t) => `${t.toFixed(3)} s`;
 
 /** The last communication point that is not after t. */
-const place = (t) => Math.max(bisect(course.time, t + CLOSE, true) - 1, 0);
+const place = (t) => Math.max(bisect(course.time, t + block.runner.close, true) - 1, 0);
 
 function show() {
   window.motionsyncMachine.load(sceneOf(course, block));
   plots.show(course, before);
-  $("log").replaceChildren(
-    ...(course.lines.length
-      ? course.lines.slice(0, LINES).map(logLine)
-      : [made("p", {className: "soft"}, "The block has nothing to say.")]),
-  );
+  const lines = course.lines.slice(0, LINES).map(logLine);
+  $("log").replaceChildren(...(lines.length ? lines : [newElement("p", {className: "soft"}, "The block has logged nothing.")]));
   present(Math.min(now, course.time.at(-1)));
 }
 
 function logLine({t, status, text}) {
-  const line = made(
-    "button",
-    {type: "button", className: status > 1 ? "bad" : ""},
-    `${time(t)}  ${WORDS[status]}: ${text}`,
-  );
+  const className = status > 1 ? "bad" : "";
+  const line = newElement("button", {type: "button", className}, `${time(t)}  ${WORDS[status]}: ${text}`);
   line.onclick = () => point(t);
   return line;
 }
 
-/** Show another time, and tell the machine. */
+/** Show another time, which the machine takes over. */
 function point(t) {
-  document.dispatchEvent(
-    new CustomEvent("motionsync:time", {detail: {time: Math.min(Math.max(t, 0), course.time.at(-1)), source: "plots"}}),
-  );
+  const detail = {time: Math.min(Math.max(t, 0), course.time.at(-1)), source: "plots"};
+  document.dispatchEvent(new CustomEvent("motionsync:time", {detail}));
 }
 
 function present(t) {
@@ -426,54 +338,37 @@ function present(t) {
   plots.mark(t);
   const k = place(t),
     flags = block.variables.filter((v) => v.start === undefined && v.kind === "Boolean" && !v.name.includes("."));
-  $("present").replaceChildren(
-    ...flags.map((v) =>
-      made(
-        "span",
-        course.value(v.name, k) ? {title: v.description} : {title: v.description, className: "off"},
-        course.value(v.name, k) ? made("b", {}, v.name) : v.name,
-      ),
-    ),
-  );
+  const flag = ({name, description: title}) =>
+    course.value(name, k) ? newElement("span", {title}, newElement("b", {}, name)) : newElement("span", {title, className: "off"}, name);
+  $("present").replaceChildren(...flags.map(flag));
   for (const button of document.querySelectorAll("[data-command]"))
     button.setAttribute("aria-pressed", at(button.dataset.command) !== 0);
   if ($("values").open && performance.now() - listed > REFRESH) list();
 }
 
-const textOf = (v, x) =>
-  v.kind === "Boolean"
-    ? x
-      ? "true"
-      : "false"
-    : (v.choices.find(([n]) => n === x)?.[1] ?? String(Number(x.toPrecision(9))));
+function textOf(v, x) {
+  if (v.kind === "Boolean") return x ? "true" : "false";
+  return v.choices.find(([n]) => n === x)?.[1] ?? String(Number(x.toPrecision(9)));
+}
 
 function list() {
   listed = performance.now();
-  const k = place(now),
-    part = $("filter").value.toLowerCase(),
-    names = block.units[scenario.units];
-  const row = (v) =>
-    made(
-      "tr",
-      {},
-      made("td", {className: "name"}, v.name),
-      made("td", {}, `${textOf(v, course.value(v.name, k))} ${names[v.unit]}`),
-      made("td", {}, v.description),
-    );
+  const k = place(now), part = $("filter").value.toLowerCase(), names = block.units[scenario.units];
+  const cell = (text, className = "") => newElement("td", {className}, text);
+  const value = (v) => `${textOf(v, course.value(v.name, k))} ${names[v.unit]}`;
+  const row = (v) => newElement("tr", {}, cell(v.name, "name"), cell(value(v)), cell(v.description));
   $("all").replaceChildren(...block.variables.filter((v) => v.name.toLowerCase().includes(part)).map(row));
 }
 
 function zoom(factor) {
-  const stop = scenario.stop_time,
-    [low, high] = plots.zoom ?? [0, stop],
-    length = (high - low) * factor;
+  const stop = scenario.stop_time, [low, high] = plots.zoom ?? [0, stop], length = (high - low) * factor;
   const begin = Math.min(Math.max(now - length / 2, 0), Math.max(stop - length, 0));
   plots.stretch(length >= stop ? null : [begin, begin + length]);
 }
 
 // --- the run as a file ---
 
-/** The scenario's file; what a program has set stands in it at its times. */
+/** The scenario's file, with what a program has set at its times. */
 async function exported() {
   const file = copy(scenario);
   file.settings.push(...copy(course.given));
@@ -529,20 +424,16 @@ function wire() {
 async function begin() {
   block = JSON.parse(new TextDecoder().decode(await unpacked("data")));
   variables = new Map(block.variables.map((v) => [v.name, v]));
-  unit = await Unit.of(await unpacked("code"), block.variables);
+  unit = await Unit.of(await unpacked("code"), block.variables, block.runner);
   plots = new Plots($("plots"), block, point);
-  const names = block.scenarios.map((s) =>
-    made("option", {value: s.name, title: s.title}, s.name.replaceAll("_", " ")),
-  );
-  $("scenario").append(...names, ...(own() ? [made("option", {value: PROGRAM}, own().title)] : []));
-  $("another").append(
-    ...block.variables.filter((v) => v.start === undefined).map((v) => made("option", {value: v.name}, v.name)),
-  );
+  const names = block.scenarios.map((s) => newElement("option", {value: s.name, title: s.title}, s.name.replaceAll("_", " ")));
+  $("scenario").append(...names, ...(own() ? [newElement("option", {value: PROGRAM}, own().title)] : []));
+  $("another").append(...outputs().map((name) => newElement("option", {value: name}, name)));
   $("shaded").hidden = !block.shaded;
   $("shaded").append(block.shaded);
   wire();
-  const wanted = new URLSearchParams(location.hash.slice(1)).get("run");
-  if ([...$("scenario").options].some((option) => option.value === wanted)) $("scenario").value = wanted;
+  const requested = new URLSearchParams(location.hash.slice(1)).get("run");
+  if ([...$("scenario").options].some((option) => option.value === requested)) $("scenario").value = requested;
   choose($("scenario").value);
   window.motionsyncExplore = {
     run: untouchedRun,
@@ -552,7 +443,7 @@ async function begin() {
   document.documentElement.dataset.ready = "true";
 }
 
-/** The run of a scenario as it was, by its name: for whoever wants to compute with it in the browser's console. */
+/** The run of a scenario as it was, by its name: to compute with it in the browser's console. */
 function untouchedRun(name) {
   return run(unit, resolved(block.scenarios.find((s) => s.name === name)), {normals: block.normals});
 }

@@ -8,24 +8,38 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from ..archive import packed
+from ..batch.library import BATCH_FOLDER
+from ..build.guid import compute_guid
+from ..build.zip import deflated
 from ..interface.recipe import Recipe
+from ..native.unit_sources import c_names, c_sources
+from ..native.wasm.component import core_module
 from ..pages.machine.fragment import live_machine
-from ..pages.style import TEMPLATES
-from ..scenario.reader import load
+from ..pages.style import load_template
+from ..scenario.files.reader import load_scenario
+from ..scenario.files.shipped import find_files
 from ..scenario.scenario import Scenario
-from ..scenario.shipped import find
 from .data import page_data
-from .module import webassembly
 
-HERE = Path(__file__).parent
-VENDOR = HERE.parent / "pages" / "vendor"
-SCRIPTS = ("run.js", "scenes.js", "written.js", "programs.js", "controls.js", "plots.js", "explore.js")
+FOLDER = Path(__file__).parent
+VENDOR = FOLDER.parent / "pages" / "vendor"
+RUNNER = ("block_memory.h", "limits.h", "scenario_run.h")  # the runner of scenarios, in the folder of batches
+UNUSED = ("fmi", "memory")  # how the names of C files start that a page does not need
+SCRIPTS = (
+    "tables.js",
+    "run.js",
+    "machine_data.js",
+    "scenario_file.js",
+    "programs.js",
+    "controls.js",
+    "plots.js",
+    "explore.js",
+)
 
 
 def scenarios_of(name: str) -> list[Scenario]:
     """The scenarios of a block that come with motionsync."""
-    return [load(file) for file in find(Path(name))]
+    return [load_scenario(file) for file in find_files(Path(name))]
 
 
 def write_page(
@@ -46,22 +60,30 @@ def write_page(
     progress(f"running {len(scenarios)} scenarios natively")
     data = page_data(name, scenarios, fmu)
     progress("compiling to WebAssembly")
-    code = webassembly(recipe.block(), recipe.guid())
+    code = _compile(recipe)
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
-    page = TEMPLATES.from_string((HERE / "explore.html.j2").read_text("utf-8")).render(
+    page = load_template(FOLDER, "explore.html.j2").render(
         data=data,
         packed={"data": _packed(text.encode()), "code": _packed(code)},
         machine=live_machine(),
-        style=Markup(_text(HERE / "explore.css") + _text(VENDOR / "uPlot.min.css")),
+        style=Markup(_text(FOLDER / "explore.css") + _text(VENDOR / "uPlot.min.css")),
         bundle=Markup(_text(VENDOR / "uPlot.iife.min.js")),
-        scripts=Markup("\n".join(_text(HERE / script) for script in SCRIPTS)),
+        scripts=Markup("\n".join(_text(FOLDER / script) for script in SCRIPTS)),
     )
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_bytes(page.encode())
 
 
+def _compile(recipe: Recipe) -> bytes:
+    """The block and the runner of scenarios as one WebAssembly module; web.c shows what it exports."""
+    sources = c_sources(recipe.block(), compute_guid(recipe))
+    unit = {name: text for name, text in sources.items() if not name.startswith(UNUSED)}
+    runner = {file.name: file.read_bytes() for file in (FOLDER / "web.c", *(BATCH_FOLDER / name for name in RUNNER))}
+    return core_module(unit | runner, c_names(unit | runner))
+
+
 def _packed(data: bytes) -> str:
-    return base64.b64encode(packed(data)).decode()
+    return base64.b64encode(deflated(data)).decode()
 
 
 @cache

@@ -1,5 +1,5 @@
 "use strict";
-// The plots of a run: the slave, what it goes by, and, dashed, the slave before anything was changed.
+// The plots of a run: the slave, what it follows, and, dashed, the slave before anything was changed.
 
 const HEIGHTS = [190, 130, 130, 110]; // px
 const AXIS = 26; // px, of the times below the last plot
@@ -16,7 +16,7 @@ function plotsOf(block, another) {
     stepped: false,
     columns: (course) => ({slave: course.column(name), other: other?.(course)}),
   });
-  const found = block.roles.CYCLE_INDEX
+  const plots = block.roles.CYCLE_INDEX
     ? remotePlots(of)
     : [
         of("slave.position", (course) => positions(course, block)),
@@ -25,11 +25,11 @@ function plotsOf(block, another) {
         ...(declared.has("slave.jerk") ? [of("slave.jerk")] : []),
       ];
   if (declared.has(another))
-    found.push({...of(another), label: another, stepped: declared.get(another).kind !== "Real"});
-  return found;
+    plots.push({...of(another), label: another, stepped: declared.get(another).kind !== "Real"});
+  return plots;
 }
 
-/** Of a remote axis: how far it is off, since its position and the slave's cannot be told apart. */
+/** Of a remote axis: how far it is off, since its position and the slave's look alike. */
 function remotePlots(of) {
   const errors = (course) => (course.errors ??= errorsOf(course));
   const late = (values) => [null, ...values];
@@ -51,31 +51,21 @@ function remotePlots(of) {
 
 /** What the slave's position is compared with: the next mark or cut on the material where there is one, else the master. */
 function positions(course, block) {
-  const master = course.axis(0),
-    {cuts, start} = course.scenario,
-    slave = course.column("slave.position");
-  const room = 0.25 * span(slave),
-    low = least(slave) - room,
-    high = greatest(slave) + room;
+  const master = course.axis(0), {cuts, start} = course.scenario, slave = course.column("slave.position");
+  const margin = 0.25 * span(slave), low = least(slave) - margin, high = greatest(slave) + margin;
   const near = (x) => (low <= x && x <= high ? x : null);
   if (cuts.while) {
-    const {length, offset = 0, ratio = 1} = cuts,
-      first = Math.ceil(low / ratio / length);
+    const {length, offset = 0, ratio = 1} = cuts, first = Math.ceil(low / ratio / length);
     return Array.from(master, (m) => near(ratio * (modulo(m - offset - first * length, length) + first * length)));
   }
-  if (block.roles.PIECES) {
-    const known = course.column("next_cut.known"),
-      place = course.column("next_cut.position");
-    const factor = course.column(block.books.coupling_factor);
-    return Array.from(master, (m, k) => (known[k] ? near((factor[k] || 1) * (m - place[k])) : null));
+  const {next_cut, next_cut_shown} = block.pictures[0] ?? {};
+  if (next_cut) {
+    const determined = course.column(next_cut_shown), place = course.column(next_cut);
+    const factor = course.column(block.piece_variables.coupling_factor);
+    return Array.from(master, (m, k) => (determined[k] ? near((factor[k] || 1) * (m - place[k])) : null));
   }
   const period = start["master.period"] ?? 0;
-  return period
-    ? broken(
-        master.map((m) => modulo(m, period)),
-        period,
-      )
-    : master;
+  return period ? broken(master.map((m) => modulo(m, period)), period) : master;
 }
 
 /** A line that does not cross the picture where a period ends. */
@@ -126,24 +116,21 @@ class Plots {
   }
 
   #rows(of) {
-    const {slave, other} = of.columns(this.course),
-      empty = () => new Array(this.course.count).fill(null);
+    const {slave, other} = of.columns(this.course), empty = () => new Array(this.course.count).fill(null);
     return [this.course.time, slave, other ?? empty(), this.before === this.course ? empty() : this.#beforehand(of)];
   }
 
   /** The same of the run before, at the points of this one. */
   #beforehand(of) {
-    const {slave} = of.columns(this.before),
-      {time} = this.before;
-    return this.course.time.map((t) =>
-      t <= time.at(-1) + CLOSE ? slave[Math.max(bisect(time, t + CLOSE, true) - 1, 0)] : null,
+    const {slave} = of.columns(this.before), {time} = this.before, {close} = this.block.runner;
+    return Array.from(this.course.time, (t) =>
+      t <= time.at(-1) + close ? slave[Math.max(bisect(time, t + close, true) - 1, 0)] : null,
     );
   }
 
   #make(units) {
     plotsOf(this.block, this.another).forEach((of, i, all) => {
-      const frame = made("div", {className: "plot"}),
-        line = made("div", {className: "now"});
+      const frame = newElement("div", {className: "plot"}), line = newElement("div", {className: "now"});
       this.box.append(frame);
       const plot = new uPlot(
         this.#options(of, units[of.unit] ?? "", HEIGHTS[Math.min(i, 3)], i === all.length - 1),
@@ -201,8 +188,7 @@ class Plots {
     ctx.save();
     ctx.fillStyle = colour("--cut")();
     for (const [first, after] of intervals(this.course.column(this.block.shaded))) {
-      const begin = x(this.course.time[first]),
-        end = x(this.course.time[after - 1]);
+      const begin = x(this.course.time[first]), end = x(this.course.time[after - 1]);
       if (end > begin) ctx.fillRect(begin, bbox.top, end - begin, bbox.height);
     }
     ctx.restore();

@@ -1,15 +1,16 @@
-/* One unit for a web page, compiled to WebAssembly, over the unit's core: the page is its importer, and makes memory
- * grow for its own lists of value references and values. */
+/* One unit for a web page, compiled to WebAssembly, and the runner that carries it along a scenario. The page is its
+ * importer: it makes memory grow for the tables of a run, which are those of batch/script_tables.py. */
+#include "scenario_run.h"
 #include "unit.h"
 
 #define EXPORT(name) __attribute__((export_name(#name)))
 
-__attribute__((import_module("page"), import_name("told"))) void page_told(Status status, const char *text, size_t length);
+__attribute__((import_module("page"), import_name("log"))) void page_log(Status status, const char *text, size_t length);
 
-static void tell(const void *importer, Status status, const char *text) {
+static void write_log(const void *importer, Status status, const char *text) {
     size_t length = 0;
     while (text[length]) length++;
-    page_told(status, text, length);
+    page_log(status, text, length);
 }
 
 enum { PAGE = 65536 }; /* bytes that memory grows by */
@@ -20,40 +21,57 @@ static void *allocate(size_t n, size_t size) {
     return pages == SIZE_MAX ? NULL : (void *)(pages * PAGE);
 }
 
-static void release(void *room) { (void)room; } /* the one unit stays as long as the page */
+static void release(void *memory) { (void)memory; } /* the one unit stays as long as the page */
 
 static Unit *unit;
 
-/* Begin anew: a unit in initialization mode. False: memory is lacking. */
-EXPORT(begin) bool web_begin(void) {
-    if (!unit && !(unit = unit_new(0, (Memory){allocate, release}, tell, UNIT_ERROR))) return false;
+/* Start anew: a unit in initialization mode. The address of the block's memory; NULL: memory is lacking. */
+EXPORT(reset) void *web_reset(void) {
+    if (!unit && !(unit = unit_new(0, (Memory){allocate, release}, write_log, UNIT_ERROR))) return NULL;
     unit_reset(unit);
     unit_enter_initialization(unit);
+    return unit_memory(unit);
+}
+
+/* Set a variable, by its value reference. */
+
+EXPORT(set_real) Status web_set_real(uint32_t r, double value) {
+    return unit_set_reals(unit, INITIALIZING | STEPPING, &r, 1, &value, "set");
+}
+
+EXPORT(set_integer) Status web_set_integer(uint32_t r, int32_t value) {
+    return unit_set_integers(unit, INITIALIZING | STEPPING, INTEGER | ENUMERATION, &r, 1, &value, "set");
+}
+
+EXPORT(set_boolean) Status web_set_boolean(uint32_t r, int32_t value) {
+    return unit_set_booleans(unit, INITIALIZING | STEPPING, &r, 1, &value, "set");
+}
+
+/* Initialize the unit, with the axis as it is at time 0, and begin the run. */
+EXPORT(initialize) Status web_initialize(const Scenarios *s, Run *r) {
+    run_show_axis(s, r, 0.0, 0.0);
+    Status status = unit_exit_initialization(unit);
+    if (!status) run_begin(s, r);
+    return status;
+}
+
+/* Set what the scenario sets for the next step. False: the run is at its end. */
+EXPORT(prepare) bool web_prepare(const Scenarios *s, Run *r) {
+    if (!run_prepare(s, r)) return false;
+    if (run_first_refused(s, r) >= 0) unit_count_out_of_range(unit);
     return true;
 }
 
-EXPORT(initialize) Status web_initialize(void) { return unit_exit_initialization(unit); }
-EXPORT(step) Status web_step(double h) { return unit_step(unit, unit_time(unit), h, "step"); }
-
-EXPORT(set_reals) Status web_set_reals(const uint32_t r[], size_t n, const double values[]) {
-    return unit_set_reals(unit, INITIALIZING | STEPPING, r, n, values, "set");
+/* Step the unit, and record what comes of it; a refused step is not recorded. */
+EXPORT(step) Status web_step(const Scenarios *s, Run *r) {
+    Status status = unit_step(unit, unit_time(unit), r->step, "step");
+    if (!status) run_finish(s, r);
+    return status;
 }
 
-EXPORT(set_integers) Status web_set_integers(const uint32_t r[], size_t n, const int32_t values[]) {
-    return unit_set_integers(unit, INITIALIZING | STEPPING, INTEGER | ENUMERATION, r, n, values, "set");
-}
-
-EXPORT(set_booleans) Status web_set_booleans(const uint32_t r[], size_t n, const int32_t values[]) {
-    return unit_set_booleans(unit, INITIALIZING | STEPPING, r, n, values, "set");
-}
-
-/* Values as numbers: those of so many Reals, then of so many Integers and enumerations, then of so many Booleans. */
-EXPORT(get) void web_get(const uint32_t r[], size_t reals, size_t integers, size_t booleans, double values[]) {
-    unit_get_reals(unit, ANY, r, reals, values, "get");
-    for (size_t i = reals; i < reals + integers + booleans; i++) {
-        int32_t x = 0;
-        if (i < reals + integers) unit_get_integers(unit, ANY, INTEGER | ENUMERATION, r + i, 1, &x, "get");
-        else unit_get_booleans(unit, ANY, r + i, 1, &x, "get");
-        values[i] = x;
-    }
+/* All steps that are left, up to one that is refused. */
+EXPORT(carry) Status web_carry(const Scenarios *s, Run *r) {
+    Status status = UNIT_OK;
+    while (!status && web_prepare(s, r)) status = web_step(s, r);
+    return status;
 }

@@ -9,8 +9,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from motionsync.var import Role, Unit
 
 from .. import AUTHORS, COPYRIGHT, HOME, __version__
-from ..archive import build_time
-from .roles import with_role
+from .build_time import build_time
+from .roles import find_by_role
 from .units import base_unit, unit_name
 from .variables import Variable, members, summary, variables
 
@@ -31,13 +31,13 @@ CATEGORIES = {
 }
 
 
-def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, str] | None = None) -> Element:
+def describe(block: Any, unit: str, slave_unit: str = "", overrides: Mapping[str, str] | None = None) -> Element:
     """The part of the description that all builds of this source share; `complete` adds what belongs to one build.
 
     `unit`: the unit of positions, a key of `units.BASES`; `slave_unit`: the unit of the slave's positions (empty: the
-    same as `unit`); `turned`: as for `variables`.
+    same as `unit`); `overrides`: as for `variables`.
     """
-    vs = variables(block, turned)
+    vs = variables(block, overrides)
     name = type(block).__name__
     root = Element(
         "fmiModelDescription",
@@ -58,7 +58,7 @@ def describe(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, s
     categories = SubElement(root, "LogCategories")
     for category, text in CATEGORIES.items():
         SubElement(categories, "Category", name=category, description=text)
-    cycle = with_role(vs, Role.TASK_CYCLE)
+    cycle = find_by_role(vs, Role.TASK_CYCLE)
     step = cycle.start if cycle else STEP_SIZE
     SubElement(root, "DefaultExperiment", startTime="0", stopTime="10", stepSize=repr(step))
     model = SubElement(root, "ModelVariables")
@@ -145,6 +145,6 @@ def _structure(parent: Element, vs: list[Variable]) -> None:
     outputs, initial = SubElement(parent, "Outputs"), SubElement(parent, "InitialUnknowns")
     for v in vs:
         if v.causality == "output":
-            known = " ".join(sorted((index[name] for name in v.depends), key=int))
+            dependencies = " ".join(sorted((index[name] for name in v.depends), key=int))
             SubElement(outputs, "Unknown", index=index[v.name], dependencies="")
-            SubElement(initial, "Unknown", index=index[v.name], dependencies=known)
+            SubElement(initial, "Unknown", index=index[v.name], dependencies=dependencies)

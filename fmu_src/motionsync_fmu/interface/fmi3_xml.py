@@ -1,7 +1,7 @@
 """modelDescription.xml of FMI 3.0: that of FMI 2.0 in the words of the newer standard.
 
 Everything that is declared is described by `fmi2_xml.describe`. A unit of FMI 3.0 has no event mode and no intermediate
-update: a command is an edge at the beginning of a step, and a step is computed to its end at once.
+update: a command is an edge at the start of a step, and a step is computed to its end at once.
 """
 
 from collections.abc import Iterable, Iterator
@@ -22,17 +22,17 @@ def translated(former: Element) -> Element:
     """The description of FMI 3.0 for one of FMI 2.0, with the same value references; both have the same GUID."""
     attributes = {"instantiationToken" if name == "guid" else name: text for name, text in former.attrib.items()}
     root = Element("fmiModelDescription", attributes | {"fmiVersion": "3.0"})
-    unit = _only(former, "CoSimulation")
+    unit = _single_child(former, "CoSimulation")
     able = {ABILITIES.get(name, name): text for name, text in unit.attrib.items()}
     SubElement(root, "CoSimulation", {name: text for name, text in able.items() if name} | NOT_OFFERED)
-    root.append(_units(_only(former, "UnitDefinitions")))
-    SubElement(root, "TypeDefinitions").extend(_types(_only(former, "TypeDefinitions")))
-    root.extend(_only(former, name) for name in ("LogCategories", "DefaultExperiment"))
-    variables = _only(former, "ModelVariables")
+    root.append(_units(_single_child(former, "UnitDefinitions")))
+    SubElement(root, "TypeDefinitions").extend(_types(_single_child(former, "TypeDefinitions")))
+    root.extend(_single_child(former, name) for name in ("LogCategories", "DefaultExperiment"))
+    variables = _single_child(former, "ModelVariables")
     model = SubElement(root, "ModelVariables")
     model.extend(_variable(scalar) for scalar in variables)
     model.append(_time(str(len(variables))))
-    SubElement(root, "ModelStructure").extend(_structure(_only(former, "ModelStructure")))
+    SubElement(root, "ModelStructure").extend(_structure(_single_child(former, "ModelStructure")))
     return root
 
 
@@ -45,10 +45,10 @@ def build_description(name: str, files: Iterable[str]) -> Element:
     return root
 
 
-def _only(parent: Element, name: str) -> Element:
+def _single_child(parent: Element, name: str) -> Element:
     """The child of that name, which the description has once."""
-    (found,) = parent.findall(name)
-    return found
+    (child,) = parent.findall(name)
+    return child
 
 
 def _units(former: Element) -> Element:
@@ -63,9 +63,9 @@ def _units(former: Element) -> Element:
 def _types(former: Element) -> Iterator[Element]:
     for simple in former:
         (kind,) = simple
-        found = Element(f"{TYPES[kind.tag]}Type", simple.attrib | kind.attrib)
-        found.extend(kind)
-        yield found
+        new = Element(f"{TYPES[kind.tag]}Type", simple.attrib | kind.attrib)
+        new.extend(kind)
+        yield new
 
 
 def _variable(scalar: Element) -> Element:
@@ -92,7 +92,7 @@ def _structure(former: Element) -> Iterator[Element]:
         return " ".join(str(int(index) - 1) for index in indices.split())
 
     for group, name in (("Outputs", "Output"), ("InitialUnknowns", "InitialUnknown")):
-        for unknown in _only(former, group):
+        for unknown in _single_child(former, group):
             yield Element(
                 name,
                 valueReference=references(unknown.get("index", "")),

@@ -1,4 +1,4 @@
-"""What an FMU is built from, and what follows from that alone: its block, its variables and its GUID."""
+"""What an FMU is built from, and what follows from that alone: its block and its variables."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -7,16 +7,11 @@ from enum import StrEnum
 from functools import cache, cached_property
 from types import MappingProxyType
 from typing import Any
-from xml.etree.ElementTree import tostring
 
 from motionsync.blocks import BLOCKS
 
-from ..archive import compilers, digest, runtime, sources
 from ..errors import UserError, choose
-from .fmi2_xml import describe
-from .fmi3_xml import translated
-from .terminals import terminals
-from .turns import Interface
+from .causality import Interface
 from .units import BASES
 from .variables import Variable, variables
 
@@ -54,7 +49,7 @@ class Recipe:
 
         Raises:
             UserError: an unknown block, unit or variable, a value that the variable does not allow, a slave unit for a
-                block whose slave is in the master's unit, or a variable that cannot be turned so.
+                block whose slave is in the master's unit, or a causality override that is refused.
         """
         block = choose(BLOCKS, self.name, "block")()
         self.interface.causalities(block)
@@ -74,43 +69,29 @@ class Recipe:
         Use them for declarations and start values only. Their cells belong to a separate block that is never stepped;
         to run a block, take the cells from `variables(block)`.
         """
-        block = self.block()
-        return _by_name(block, self.turned) if self.starts or self.turned else declared(block.__class__)
+        block, overrides = self.block(), self.causality_overrides
+        return variables_by_name(block, overrides) if self.starts or overrides else declared_variables(block.__class__)
 
     @cached_property
-    def turned(self) -> Mapping[str, str]:
+    def causality_overrides(self) -> Mapping[str, str]:
         """The causality of each variable that has another one than the block declares, by name.
 
         Raises:
-            UserError: an unknown block, or a variable that cannot be turned so.
+            UserError: an unknown block, or a causality override that is refused.
         """
         return MappingProxyType(self.interface.causalities(choose(BLOCKS, self.name, "block")()))
 
-    def guid(self) -> str:
-        """A hash of the variables and of the source: the same for both flavours and versions, and for every build of
-        them."""
-        block = self.block()
-        files = sources(type(block).__module__)
-        files |= {f"fmu/{name}": text for name, text in (runtime() | compilers()).items()}
-        described = describe(block, self.unit, self.slave_unit, self.turned)
-        files |= {
-            "fmi2/modelDescription.xml": tostring(described),
-            "fmi3/modelDescription.xml": tostring(translated(described)),
-            "terminalsAndIcons.xml": terminals(block, self.turned),
-        }
-        h = digest(files)
-        return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
-
 
 @cache
-def declared(block_type: type) -> Mapping[str, Variable]:
+def declared_variables(block_type: type) -> Mapping[str, Variable]:
     """The variables of a block without baked start values: the same for all its recipes, so that a hundred scenarios
     share them."""
-    return _by_name(block_type(), {})
+    return variables_by_name(block_type(), {})
 
 
-def _by_name(block: Any, turned: Mapping[str, str]) -> Mapping[str, Variable]:
-    return MappingProxyType({v.name: v for v in variables(block, turned)})
+def variables_by_name(block: Any, overrides: Mapping[str, str]) -> Mapping[str, Variable]:
+    """The variables of a block; `overrides`: as for `variables`."""
+    return MappingProxyType({v.name: v for v in variables(block, overrides)})
 
 
 def check_slave_unit(block: Any, unit: str) -> None:

@@ -1,5 +1,5 @@
-"""The variables that mean something to a tool, found by the roles that a block declares: those of a block that works in
-cycles on telegrams, and of one that keeps books of the pieces that it cuts off."""
+"""The variables that mean something to a tool, by the roles that a block declares: those of a block that works in
+cycles on telegrams, and of one that records the pieces that it cuts off."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ MOTION = ("position", "velocity", "acceleration")  # an axis has its motion unde
 
 
 @dataclass(frozen=True)
-class RemoteAxis:
-    """An axis that a block knows by telegrams alone, and the names of the variables that belong to it.
+class RemoteAxisVariables:
+    """An axis of which a block gets telegrams alone, and the names of the variables that belong to it.
 
     Attributes:
         part: the part of the block that is the axis; its inputs are the cycle index and, by the names in MOTION, the
             motion.
         cycle_index: the sender's cycle counter in the telegram.
-        wraps_at: the counter begins again at 0 where it would reach this number.
+        wraps_at: the counter starts again at 0 when it would reach this number.
         task_cycle: the length of the block's own cycles, in s.
         data_cycle: the nominal length of the sender's cycles, in s; 0: the same as the block's own.
         delay: the time by which the outputs are later than the cycle's instant, in s.
@@ -36,15 +36,15 @@ class RemoteAxis:
 
 
 @dataclass(frozen=True)
-class Books:
-    """The names of the variables by which a block tells the pieces that it cuts off the master's material.
+class PieceVariables:
+    """The names of the variables by which a block reports the pieces that it cuts off the master's material.
 
     Attributes:
-        pieces: how many have been cut off; where it rises, the next five tell the last one.
-        skipped, late: how many cuts were left out, or made late.
+        pieces: how many have been cut off; when it rises, the next variables describe the last piece.
+        skipped, late: how many cuts were left out or made late.
         length, error: of the last piece, in u; the error is the length less what was ordered.
         kind: an enumeration with the member PRODUCT.
-        good: whether the piece is a good product.
+        in_tolerance: whether the piece is a good product.
         time: when the tool came in sync for its cut, in s of the block's clock.
         reserve: the share of its cycle that was left.
         running: whether pieces are cut.
@@ -52,7 +52,7 @@ class Books:
         coupling_factor: the slave's travel over the master's in sync.
         factors: their product is the material's true travel over the master's.
         kerf: the length of material that a cut removes, in u.
-        correction: by how much pieces are cut longer than their told length, in u.
+        correction: by how much pieces are cut longer than the reported length, in u.
         tolerance: how far the length of a good piece may be off, in u.
         max_velocity: the greatest velocity of the master at which each cut is reached, in u/s.
         spare: the share of a cycle that is left at the present velocity.
@@ -65,7 +65,7 @@ class Books:
     length: str
     error: str
     kind: str
-    good: str
+    in_tolerance: str
     time: str
     reserve: str
     running: str
@@ -80,18 +80,18 @@ class Books:
     request: str
 
     @property
-    def told(self) -> tuple[str, ...]:
-        """The outputs by which the pieces of a run are told."""
-        made = (self.pieces, self.skipped, self.late, self.length, self.error, self.kind, self.good, self.time)
-        return (*made, self.reserve, self.running, self.cutting, self.coupling_factor, self.max_velocity)
+    def outputs(self) -> tuple[str, ...]:
+        """The outputs that describe the pieces of a run."""
+        names = (self.pieces, self.skipped, self.late, self.length, self.error, self.kind, self.in_tolerance, self.time)
+        return (*names, self.reserve, self.running, self.cutting, self.coupling_factor, self.max_velocity)
 
 
-def with_role(variables: Iterable[Variable], role: Role) -> Variable | None:
+def find_by_role(variables: Iterable[Variable], role: Role) -> Variable | None:
     """The variable that has this role, if there is one."""
     return next((v for v in variables if v.declaration.role is role), None)
 
 
-def remote_axis(variables: Iterable[Variable]) -> RemoteAxis | None:
+def remote_axis(variables: Iterable[Variable]) -> RemoteAxisVariables | None:
     """The remote axis of the block with these variables; None for a block that has a master.
 
     Raises:
@@ -101,7 +101,7 @@ def remote_axis(variables: Iterable[Variable]) -> RemoteAxis | None:
     if Role.CYCLE_INDEX not in by_role:
         return None
     index = by_role[Role.CYCLE_INDEX]
-    return RemoteAxis(
+    return RemoteAxisVariables(
         index.name.rpartition(".")[0],
         index.name,
         index.declaration.wraps_at,
@@ -112,8 +112,8 @@ def remote_axis(variables: Iterable[Variable]) -> RemoteAxis | None:
     )
 
 
-def books(variables: Iterable[Variable]) -> Books | None:
-    """The variables by which a block tells its pieces; None for a block that does not.
+def piece_variables(variables: Iterable[Variable]) -> PieceVariables | None:
+    """The variables by which a block reports its pieces; None for a block that does not.
 
     Raises:
         KeyError: the block counts PIECES, but has not all the other roles.
@@ -123,14 +123,14 @@ def books(variables: Iterable[Variable]) -> Books | None:
         return None
     count, length, limit = (by_role[role] for role in (Role.PIECES, Role.LAST_LENGTH, Role.MAX_MASTER_VELOCITY))
     counted, last, limits = (name.rpartition(".")[0] for name in (count, length, limit))
-    return Books(
+    return PieceVariables(
         pieces=count,
         skipped=f"{counted}.skipped",
         late=f"{counted}.late",
         length=length,
         error=f"{last}.error",
         kind=f"{last}.kind",
-        good=f"{last}.good",
+        in_tolerance=f"{last}.good",
         time=f"{last}.time",
         reserve=f"{last}.reserve",
         running=by_role[Role.RUNNING],

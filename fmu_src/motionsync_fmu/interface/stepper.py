@@ -1,12 +1,10 @@
 """A block in this process, driven by the names of its variables as a host drives an FMU."""
 
 from collections.abc import Iterable, Mapping
-from copy import copy, deepcopy
-from dataclasses import replace
 from typing import Any, Self
 
 from ..errors import choose
-from .variables import cells, explained, shown, spoken_of
+from .variables import cells, message_text, shown, variables_in_message
 
 
 class RefusedError(Exception):
@@ -24,7 +22,7 @@ class RefusedError(Exception):
 class Stepper:
     """One instance of a block.
 
-    Unlike an FMU, a stepper does not check whether a value lies in the range of its variable.
+    Unlike an FMU, a stepper does not check whether a value is in the range of its variable.
 
     Attributes:
         block: the instance, for everything that a stepper does not offer.
@@ -59,7 +57,7 @@ class Stepper:
             RefusedError: the block refuses.
         """
         self.set(values or {})
-        self._judge("initialize()", self.block.initialize())
+        self._raise_if_refused("initialize()", self.block.initialize())
         return self
 
     def step(self, h: float, values: Mapping[str, Any] | None = None) -> Self:
@@ -69,25 +67,10 @@ class Stepper:
             RefusedError: the block refuses; its state has not changed, except for the inputs.
         """
         self.set(values or {})
-        self._judge(f"step({shown(h)})", self.block.step(h))
+        self._raise_if_refused(f"step({shown(h)})", self.block.step(h))
         return self
 
-    def twin(self) -> Self:
-        """Another stepper, with a copy of the block in the same state."""
-        other = copy(self)
-        other.block = deepcopy(self.block)
-        other.cells = {name: replace(cell, owner=_owner(other.block, name)) for name, cell in self.cells.items()}
-        return other
-
-    def _judge(self, call: str, refusal: Any) -> None:
+    def _raise_if_refused(self, call: str, refusal: Any) -> None:
         if refusal:
-            text = explained(refusal, spoken_of(refusal, self.cells), self.__getitem__)
+            text = message_text(refusal, variables_in_message(refusal, self.cells), self.__getitem__)
             raise RefusedError(refusal, f"{type(self.block).__name__} refuses {call}: {text}")
-
-
-def _owner(block: Any, name: str) -> Any:
-    """The part of the block in which the cell of that name lies."""
-    part: Any = block
-    for step in name.split(".")[:-1]:
-        part = getattr(part, step)
-    return part

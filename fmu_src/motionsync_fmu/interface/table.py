@@ -29,7 +29,7 @@ class Row:
 
 @dataclass
 class Group:
-    """Variables whose names begin with the same part, in the order of declaration.
+    """Variables whose names start with the same part, in the order of declaration.
 
     `name` is empty for the variables whose names have one part only."""
 
@@ -38,19 +38,19 @@ class Group:
     rows: list[Row]
 
 
-def groups(block: Any, unit: str, slave_unit: str = "", turned: Mapping[str, str] | None = None) -> list[Group]:
+def groups(block: Any, unit: str, slave_unit: str = "", overrides: Mapping[str, str] | None = None) -> list[Group]:
     """All variables of a block in groups; a group has the summary of the part of the block to which it belongs.
 
     `unit`: the unit of positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`);
-    `turned`: as for `variables`.
+    `overrides`: as for `variables`.
     """
-    found: dict[str, Group] = {}
-    for v in variables(block, turned):
+    by_name: dict[str, Group] = {}
+    for v in variables(block, overrides):
         name = v.name.partition(".")[0] if "." in v.name else ""
-        if name not in found:
-            found[name] = Group(name, summary(type(getattr(block, name))) if name else "The block's own", [])
-        found[name].rows.append(_row(v, unit, slave_unit))
-    return list(found.values())
+        if name not in by_name:
+            by_name[name] = Group(name, summary(type(getattr(block, name))) if name else "The block's own", [])
+        by_name[name].rows.append(_row(v, unit, slave_unit))
+    return list(by_name.values())
 
 
 def _row(v: Variable, unit: str, slave_unit: str) -> Row:

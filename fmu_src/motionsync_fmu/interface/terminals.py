@@ -3,32 +3,32 @@ icon is drawn."""
 
 from collections.abc import Mapping
 from typing import Any
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
+from .fmi2_xml import content
 from .roles import MOTION
 from .table import Group, groups
 
 FOLDER = "terminalsAndIcons"
-AXIS = "_motionsync_Axis"  # a terminal kind that the standard does not know begins with an underscore and its maker
+AXIS = "_motionsync_Axis"  # a terminal kind that the standard does not know starts with an underscore and its maker
 EXTENT = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
 MILLIMETRES = "0.1"  # of a unit of the extent: the icon is 20 mm wide
 
 
-def terminals(block: Any, turned: Mapping[str, str] | None = None) -> bytes:
+def terminals(block: Any, overrides: Mapping[str, str] | None = None) -> bytes:
     """The content of the file: a terminal for each group of variables that has inputs or outputs.
 
     Two terminals of the kind AXIS are wired by the members that both have: the slave of one block to the master or
-    remote axis of another. `turned`: as for `variables`."""
+    remote axis of another. `overrides`: as for `variables`."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     graphics = SubElement(root, "GraphicalRepresentation")
     SubElement(graphics, "CoordinateSystem", EXTENT | {"suggestedScalingFactorTo_mm": MILLIMETRES})
     SubElement(graphics, "Icon", EXTENT)
     listed = SubElement(root, "Terminals")
-    for group in groups(block, "1", turned=turned):
+    for group in groups(block, "1", overrides=overrides):
         if group.name:
             _terminal(listed, group)
-    indent(root)
-    return bytes(tostring(root, "UTF-8", xml_declaration=True)) + b"\n"
+    return content(root)
 
 
 def _terminal(parent: Element, group: Group) -> None:

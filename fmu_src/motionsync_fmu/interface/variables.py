@@ -17,21 +17,21 @@ KINDS = {float: "Real", int: "Integer", bool: "Boolean"}
 
 @dataclass(frozen=True)
 class Cell:
-    """One field that holds a value: `name` is its path in the block, `owner` the object it lies in."""
+    """One field that holds a value: `name` is its path in the block, `owner` the object that has it."""
 
     name: str
     owner: Any = field(repr=False)
     attribute: str
     type: type
     declaration: "Declaration | None"
-    known: frozenset[int] | None = field(repr=False)  # an enumeration's values
+    choices: frozenset[int] | None = field(repr=False)  # an enumeration's values
 
     def get(self) -> Any:
         return getattr(self.owner, self.attribute)
 
     def set(self, value: Any) -> None:
         """Set the value. A number that is no member of the enumeration is stored, and refused at initialization."""
-        fits = self.known is None or value in self.known
+        fits = self.choices is None or value in self.choices
         setattr(self.owner, self.attribute, self.type(value) if fits else int(value))
 
 
@@ -69,10 +69,10 @@ class Variable:
         return self.causality in ("input", "parameter")
 
     @property
-    def judged(self) -> bool:
-        """Whether each step checks the value's range; initialization alone checks the other variables.
+    def checked(self) -> bool:
+        """Whether each step checks the value's range; only the initialization checks the other variables.
 
-        These are the Real inputs: those that the FMU shows, and those that the block declares and so relies on."""
+        Each step checks the Real inputs: those that the FMU shows, and those that the block declares and relies on."""
         return self.kind == "Real" and "input" in (self.causality, self.declaration.causality)
 
     @property
@@ -157,11 +157,8 @@ def shown(value: Any) -> str:
 
 def step_size_refusal(h: float) -> str:
     """Why a step size, in s, is not allowed, naming value and range; empty if it is."""
-    return (
-        ""
-        if 0.0 < h <= LONGEST_STEP
-        else f"step size = {shown(h)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
-    )
+    allowed = 0.0 < h <= LONGEST_STEP
+    return "" if allowed else f"step size = {shown(h)} is not allowed: it must be > 0 and <= {LONGEST_STEP:g}"
 
 
 def refusals(block_type: type[Any]) -> list[Any]:
@@ -170,18 +167,18 @@ def refusals(block_type: type[Any]) -> list[Any]:
     return [answer for kind in dict.fromkeys(answers) for answer in members(kind) if answer != 0]
 
 
-def spoken_of(choice: Any, known: Container[str], coded: str = "") -> list[str]:
+def variables_in_message(choice: Any, available: Container[str], coded: str = "") -> list[str]:
     """The names of the variables whose values belong to the message of a refusal or fault.
 
-    `coded`: the variable that holds the fault's code. A name such as `.velocity` lies in the group of `coded`, and is
+    `coded`: the variable that holds the fault's code. A name such as `.velocity` is in the group of `coded`, and is
     left out if this group has no such variable."""
     group = coded.rpartition(".")[0]
     names = [group + name if name.startswith(".") else name for name in choice.names]
     optional = [name.startswith(".") for name in choice.names]
-    return [full for full, may_lack in zip(names, optional, strict=True) if not may_lack or full in known]
+    return [full for full, may_lack in zip(names, optional, strict=True) if not may_lack or full in available]
 
 
-def explained(choice: Any, names: Iterable[str], value_of: Callable[[str], Any]) -> str:
+def message_text(choice: Any, names: Iterable[str], value_of: Callable[[str], Any]) -> str:
     """A refusal or fault in words, with the values of these variables."""
     values = ", ".join(f"{name} = {shown(value_of(name))}" for name in names)
     return f"{choice.description} ({values})" if values else str(choice.description)
@@ -193,46 +190,44 @@ def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool =
     for f in fields(block):
         value, name = getattr(block, f.name), prefix + f.name
         if is_dataclass(value):
-            part = f.metadata
-            yield from cells(
-                value, name + ".", hidden or part.get("hidden", False), slave_unit or part.get("slave_unit", False)
-            )
+            marks = (hidden or f.metadata.get("hidden", False), slave_unit or f.metadata.get("slave_unit", False))
+            yield from cells(value, f"{name}.", *marks)
             continue
         hint = list if isinstance(value, list) else hints[f.name]
         if type(value) is not hint:  # an int in a float field would be an integer in compiled code
             raise TypeError(f"{name} is declared {hint.__name__}, but starts as {value!r}")
-        known = frozenset(member.value for member in members(hint)) or None
+        choices = frozenset(member.value for member in members(hint)) or None
         declaration = None if hidden else f.metadata.get("declaration")
         if declaration and slave_unit:
             declaration = replace(declaration, unit=declaration.unit.of_slave())
-        yield Cell(name, block, f.name, hint, declaration, known)
+        yield Cell(name, block, f.name, hint, declaration, choices)
 
 
 def dependencies(block: Any, prefix: str = "") -> dict[str, tuple[str, ...]]:
     """For each output or local whose part declares its dependencies: the inputs and parameters on which it depends
     after the initialization."""
-    found: dict[str, tuple[str, ...]] = {}
+    by_name: dict[str, tuple[str, ...]] = {}
     for f in fields(block):
         value = getattr(block, f.name)
         if is_dataclass(value):
             declared: Mapping[str, tuple[str, ...]] = f.metadata.get("depends", {})
-            found |= {f"{prefix}{f.name}.{name}": names for name, names in declared.items()}
-            found |= dependencies(value, f"{prefix}{f.name}.")
-    return found
+            by_name |= {f"{prefix}{f.name}.{name}": names for name, names in declared.items()}
+            by_name |= dependencies(value, f"{prefix}{f.name}.")
+    return by_name
 
 
-def variables(block: Any, turned: Mapping[str, str] | None = None) -> list[Variable]:
+def variables(block: Any, overrides: Mapping[str, str] | None = None) -> list[Variable]:
     """The declared variables with the block's present values as start values.
 
-    `turned`: by name, the causality of each variable that has another one than the block declares."""
-    depends, turned = dependencies(block), turned or {}
+    `overrides`: the causality of each variable that has another one than the block declares, by name."""
+    depends, overrides = dependencies(block), overrides or {}
     return [
         Variable(
             c,
-            c.declaration.of_real_input() if c.type is float and turned.get(c.name) == "input" else c.declaration,
+            c.declaration.of_real_input() if c.type is float and overrides.get(c.name) == "input" else c.declaration,
             depends.get(c.name, c.declaration.depends),
             c.get(),
-            turned.get(c.name, c.declaration.causality),
+            overrides.get(c.name, c.declaration.causality),
         )
         for c in cells(block)
         if c.declaration

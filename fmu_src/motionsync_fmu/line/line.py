@@ -1,6 +1,6 @@
 """A line: a scripted remote axis, RemoteSync's parameters, and the follower with its commands."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..interface.recipe import Recipe
-from ..interface.roles import MOTION, Books, books
+from ..interface.roles import MOTION, PieceVariables, piece_variables
 from ..interface.variables import Variable
 from ..scenario.recording import Reals
-from ..scenario.scenario import AtTime, Expectation, Scenario, When, Within
-from ..scenario.telegrams import Remote
+from ..scenario.remote_view import RemoteView
+from ..scenario.scenario import Scenario
 
 REMOTE = "RemoteSync"
 ENABLE = "enable"  # set by the line itself
@@ -35,21 +35,21 @@ SHOWN = {  # outputs that every report shows: those of RemoteSync, and those of 
 
 
 @dataclass(frozen=True)
-class Line:
+class ProductionLine:
     """A checked line.
 
     Attributes:
         follower: the follower as a scenario, whose master is the true axis and whose settings are the commands.
         remote: the telegrams that describe the axis.
         start: RemoteSync's start values.
-        places: the greatest allowed distance of a transition of the follower from its place on the true axis, in u;
-            None: this is not checked.
+        switch_tolerance: how far a transition of the follower may be from its position on the true axis, in u; None:
+            this is not checked.
     """
 
     follower: Scenario
-    remote: Remote
+    remote: RemoteView
     start: Mapping[str, Any]
-    places: float | None
+    switch_tolerance: float | None
 
     @property
     def name(self) -> str:
@@ -57,9 +57,9 @@ class Line:
         return self.follower.file.stem
 
     @cached_property
-    def books(self) -> Books | None:
-        """The variables by which the follower tells its pieces; None: it does not."""
-        return books(self.follower.recipe.variables.values())
+    def piece_variables(self) -> PieceVariables | None:
+        """The variables by which the follower reports its pieces; None: it does not report them."""
+        return piece_variables(self.follower.recipe.variables.values())
 
     @property
     def step_size(self) -> float:
@@ -90,21 +90,21 @@ class Line:
     def outputs(self) -> dict[str, list[Variable]]:
         """The recorded outputs of each component: those that every report shows, and those that the file names."""
         s = self.follower
-        named = [n for e in s.expectations for n in expected_names(e)]
+        named = [n for e in s.expectations for n in e.names]
         named += [s.cuts.name] if s.cuts else []
-        named += RAMP if self.places is not None else ()
-        named += self._told
-        wanted = {REMOTE: SHOWN[REMOTE], s.recipe.name: (*SHOWN[""], *(_readable(n) for n in named))}
+        named += RAMP if self.switch_tolerance is not None else ()
+        named += self._piece_outputs
+        requested = {REMOTE: SHOWN[REMOTE], s.recipe.name: (*SHOWN[""], *(_readable(n) for n in named))}
         declared = {name: recipe.variables for name, recipe in self.recipes.items()}
         return {
-            name: [declared[name][n] for n in dict.fromkeys(chosen) if n in declared[name]]
-            for name, chosen in wanted.items()
+            name: [declared[name][n] for n in dict.fromkeys(names) if n in declared[name]]
+            for name, names in requested.items()
         }
 
     @property
-    def _told(self) -> list[str]:
-        """What the follower tells of its pieces and does not have from outside."""
-        names = astuple(self.books) if self.books else ()
+    def _piece_outputs(self) -> list[str]:
+        """The outputs by which the follower reports its pieces."""
+        names = astuple(self.piece_variables) if self.piece_variables else ()
         flat = [n for name in names for n in (name if isinstance(name, tuple) else (name,))]
         return [n for n in flat if not self.follower.recipe.variables[n].settable]
 
@@ -113,18 +113,18 @@ class Line:
         """The value in each step of each input of the follower that is set during the line."""
         s = self.follower
         names = sorted({n for setting in s.settings for n in setting.values})
-        begins = {n: s.start.get(n, s.recipe.variables[n].start) for n in names}
-        found: dict[str, NDArray[Any]] = {n: np.full(self.steps, begins[n]) for n in names}
+        starts = {n: s.start.get(n, s.recipe.variables[n].start) for n in names}
+        values_of: dict[str, NDArray[Any]] = {n: np.full(self.steps, starts[n]) for n in names}
         for setting in sorted(s.settings, key=lambda setting: setting.at):
-            first = self.remote.clocks.acted(setting.at)
+            first = self.remote.clocks.count_cycles(setting.at)
             for name, value in setting.values.items():
-                found[name][first:] = value
-        return found
+                values_of[name][first:] = value
+        return values_of
 
     @cached_property
     def telegrams(self) -> dict[str, NDArray[Any]]:
-        """RemoteSync's inputs in each step. It is enabled from the second step on: FMPy's SSP simulation shows zeros
-        in the first one."""
+        """RemoteSync's inputs in each step. It is enabled from the second step on, since FMPy's SSP simulation has
+        zeros in the first one."""
         names, telegrams = self.remote.names, self.remote.telegrams
         motion = {f"{names.part}.{name}": telegrams.motion[:, i] for i, name in enumerate(MOTION)}
         return {ENABLE: np.arange(self.steps) > 0, names.cycle_index: telegrams.cycle_index, **motion}
@@ -136,20 +136,9 @@ class Line:
 
 
 def _baked(name: str, start: Mapping[str, Any]) -> dict[str, str]:
-    """The start values of enumerations, as a recipe has them."""
+    """The start values of enumerations, in the form that a recipe needs."""
     declared = Recipe(name).variables
     return {n: str(int(value)) for n, value in start.items() if declared[n].choices}
-
-
-def expected_names(expectation: Expectation) -> Iterable[str]:
-    """The variables that an expectation names."""
-    match expectation:
-        case AtTime():
-            return expectation.values
-        case When():
-            return (expectation.name,)
-        case Within():
-            return expectation.limits
 
 
 def _readable(name: str) -> str:

@@ -5,11 +5,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ..scenario.crosscheck import csv_text
-from ..scenario.judge import Check
-from .judge import Agreement, Figures, Result
-from .line import REMOTE, Line
-from .package import Package
+from ..scenario.evaluate.expectations import Check
+from ..scenario.evaluate.reference_files import csv_text
+from .evaluation import Agreement, LineResult, VariantErrors
+from .line import REMOTE, ProductionLine
+from .package import LinePackage
 from .report import write_line_report
 
 
@@ -33,8 +33,8 @@ class LineOutcome:
     title: str
     passed: bool
     synced: float | None
-    before: list[Figures]
-    in_sync: list[Figures]
+    before: list[VariantErrors]
+    in_sync: list[VariantErrors]
     expectations: list[Check]
     agreement: list[Agreement]
     libcosim_missing: str
@@ -48,7 +48,9 @@ class LineOutcome:
         return asdict(self)
 
 
-def write_outcome(line: Line, package: Package, result: Result, folder: Path, *, report: bool) -> LineOutcome:
+def write_outcome(
+    line: ProductionLine, package: LinePackage, result: LineResult, folder: Path, *, report: bool
+) -> LineOutcome:
     """Write the outputs and, if `report` is true, the report into the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     outputs = {REMOTE: result.remote, line.follower.recipe.name: result.wired.recording.values}

@@ -13,27 +13,28 @@ from shutil import copyfile
 from typing import Any
 
 from .. import __version__
-from ..archive import write
-from ..build import Flavour, build, fmu_path, outdated
+from ..build.fmu import BuildOptions, Flavour, build, fmu_path, why_outdated
+from ..build.zip import write_zip
 from ..interface.fmi2_xml import describe
 from ..interface.recipe import Recipe
 from ..interface.roles import MOTION
 from ..interface.units import unit_name
 from ..interface.variables import Variable
-from ..pages.style import TEMPLATES
-from .line import REMOTE, Line
+from ..pages.style import load_template
+from .line import REMOTE, ProductionLine
 
+TEMPLATES = Path(__file__).parent / "templates"
 PARAMETERS = "resources/parameters.ssv"
 STRUCTURE = "OspSystemStructure.xml"
 
 
 @dataclass(frozen=True)
-class Package:
-    """Where the line was written.
+class LinePackage:
+    """The files of a line.
 
     Attributes:
         ssp: the SSP package.
-        osp: the OSP system structure, with the FMUs beside it.
+        osp: the OSP system structure, with the FMUs next to it.
         fmus: the built FMUs by component.
     """
 
@@ -65,7 +66,7 @@ class Connection:
     input: str
 
 
-def write_package(line: Line, flavour: Flavour, output: Path, progress: Callable[[str], None]) -> Package:
+def write_package(line: ProductionLine, flavour: Flavour, output: Path, progress: Callable[[str], None]) -> LinePackage:
     """Build missing and stale FMUs, write OUTPUT/<line>.ssp and OUTPUT/<line>/.
 
     `progress` is called with a line of text before each build."""
@@ -75,23 +76,23 @@ def write_package(line: Line, flavour: Flavour, output: Path, progress: Callable
     for name, recipe in line.recipes.items():
         shared = recipe == Recipe(name)  # `motionsync run` uses the same FMU
         built = fmu_path(recipe, output, flavour) if shared else folder / f"{name}.fmu"
-        if outdated(built, recipe):
+        if why_outdated(built, recipe):
             progress(f"building {built}")
-            build(flavour, recipe, built, progress)
+            build(recipe, built, BuildOptions(flavour), progress)
         fmus[name] = folder / f"{name}.fmu"
         if shared:
             copyfile(built, fmus[name])
-    texts = _texts(line)
+    texts = _render_texts(line)
     osp = folder / STRUCTURE
     osp.write_bytes(texts.pop(STRUCTURE))
     ssp = output / f"{line.name}.ssp"
-    write(ssp, texts | {f"resources/{name}.fmu": fmu.read_bytes() for name, fmu in fmus.items()})
-    return Package(ssp, osp, fmus)
+    write_zip(ssp, texts | {f"resources/{name}.fmu": fmu.read_bytes() for name, fmu in fmus.items()})
+    return LinePackage(ssp, osp, fmus)
 
 
-def connections(line: Line) -> list[Connection]:
-    """The wires: telegram and commands come from outside, the axis goes from RemoteSync to the follower, and the
-    follower's outputs go out."""
+def connections(line: ProductionLine) -> list[Connection]:
+    """The wires: telegram and commands enter the system, the axis leads from RemoteSync to the follower, and the
+    follower's outputs leave the system."""
     follower = line.follower.recipe.name
     return [
         *(Connection("", name, REMOTE, name) for name in line.telegrams),
@@ -101,14 +102,14 @@ def connections(line: Line) -> list[Connection]:
     ]
 
 
-def _texts(line: Line) -> dict[str, bytes]:
+def _render_texts(line: ProductionLine) -> dict[str, bytes]:
     blocks = {name: recipe.variables for name, recipe in line.recipes.items()}
     wires = connections(line)
 
     def connector(component: str, name: str, kind: str) -> Connector:
         v = blocks[component][name]
         unit = unit_name(v.declaration.unit, line.unit, line.follower.slave_unit)
-        return Connector(name, kind, v.kind, unit, _enumeration(component, v) if v.choices else "")
+        return Connector(name, kind, v.kind, unit, _enumeration_name(component, v) if v.choices else "")
 
     values: dict[str, Any] = {
         "name": line.name,
@@ -129,7 +130,7 @@ def _texts(line: Line) -> dict[str, bytes]:
         ],
         "connections": wires,
         "enumerations": {
-            _enumeration(name, v): v.choices for name, of in line.outputs.items() for v in of if v.choices
+            _enumeration_name(name, v): v.choices for name, of in line.outputs.items() for v in of if v.choices
         },
         "units": _units(line),
         "values": [
@@ -140,23 +141,23 @@ def _texts(line: Line) -> dict[str, bytes]:
                 "kind": blocks[name][n].kind,
                 "value": blocks[name][n].literal(value),
             }
-            for name, given in line.parameters.items()
-            for n, value in given.items()
+            for name, start in line.parameters.items()
+            for n, value in start.items()
         ],
     }
     names = {"SystemStructure.ssd": "SystemStructure.ssd", PARAMETERS: "parameters.ssv", STRUCTURE: STRUCTURE}
-    return {name: TEMPLATES.get_template(f"{t}.j2").render(values).encode() for name, t in names.items()}
+    return {name: load_template(TEMPLATES, f"{t}.j2").render(values).encode() for name, t in names.items()}
 
 
-def _enumeration(component: str, v: Variable) -> str:
-    """The name of an enumeration in the system, in which each name stands for one type."""
+def _enumeration_name(component: str, v: Variable) -> str:
+    """The name of an enumeration in the system, where a name must denote one type only."""
     return f"{component}.{v.cell.type.__name__}"
 
 
-def _units(line: Line) -> list[dict[str, Any]]:
+def _units(line: ProductionLine) -> list[dict[str, Any]]:
     """The units of all components, as their modelDescriptions define them."""
-    found = {}
+    units = {}
     for recipe in line.recipes.values():
         for unit in describe(recipe.block(), recipe.unit, recipe.slave_unit).iterfind("UnitDefinitions/Unit"):
-            found[unit.get("name")] = dict(unit[0].attrib)
-    return [{"name": name, "base": base} for name, base in sorted(found.items())]
+            units[unit.get("name")] = dict(unit[0].attrib)
+    return [{"name": name, "base": base} for name, base in sorted(units.items())]

@@ -5,18 +5,17 @@ from pathlib import Path
 from typing import Any
 
 from ..interface.recipe import Recipe
-from ..scenario.cuts import PieceSpec
-from ..scenario.reader import SCALARS, Reader, read_block, read_file, read_times
+from ..scenario.cutting import PieceSpec
+from ..scenario.files.reader import SCALARS, BlockReader, read_block, read_file, read_times
+from ..scenario.files.toml_tables import TomlTable
+from ..scenario.remote_view import RemoteView
 from ..scenario.scenario import Expectation, Scenario
-from ..scenario.telegrams import Remote
-from ..scenario.toml_tables import Table
-from .line import ENABLE, RAMP, REMOTE, Line, expected_names
+from .line import ENABLE, RAMP, REMOTE, ProductionLine
 
 TABLES = ("remote", "remote_sync", "start", "set", "expect", "cuts", "switches")
-TOLERANCE = 1e-9  # of the reference that each scenario may have; a line has none, so this number has no effect
 
 
-def load_line(file: Path) -> Line:
+def load_line(file: Path) -> ProductionLine:
     """Read and check a line file.
 
     Raises:
@@ -28,56 +27,54 @@ def load_line(file: Path) -> Line:
     top.allow_only(*(key for key in SCALARS if key not in ("tolerance", "step_bound")), *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
-    reader = Reader(top, name, stop_time, REMOTE)
+    reader = BlockReader(top, name, stop_time, REMOTE)
     if reader.axis:
         top.fail("fmu", f"{name} sees telegrams itself: name the block that follows it")
-    start, settings, expectations = reader.start(), reader.settings(), _expectations(reader)
-    cuts = reader.cuts(unit) if "cuts" in top and not reader.books else None
-    pieces = _pieces(reader, unit) if "cuts" in top and reader.books else None
-    places = _places(top, reader.recipe)
-    remote, remote_start = _remote(Reader(top, REMOTE, stop_time), step_size)
+    start, settings, expectations = reader.start(), reader.settings(), _read_expectations(reader)
+    cuts = reader.cuts(unit) if "cuts" in top and not reader.piece_variables else None
+    pieces = _read_pieces(reader, unit) if "cuts" in top and reader.piece_variables else None
+    switch_tolerance = _read_switch_tolerance(top, reader.recipe)
+    remote, remote_start = _read_remote(BlockReader(top, REMOTE, stop_time), step_size)
     follower = Scenario(
-        file,
-        top.string("title"),
-        top.string("source", ""),
-        reader.recipe,
-        unit,
-        slave_unit,
-        stop_time,
-        step_size,
-        step_size,
-        TOLERANCE,
-        start,
-        remote.axis,
-        None,
-        settings,
-        expectations,
-        cuts,
+        file=file,
+        title=top.string("title"),
+        source=top.string("source", ""),
+        recipe=reader.recipe,
+        unit=unit,
+        slave_unit=slave_unit,
+        stop_time=stop_time,
+        step_size=step_size,
+        scan=step_size,
+        start=start,
+        master=remote.axis,
+        settings=settings,
+        expectations=expectations,
+        cuts=cuts,
         pieces=pieces,
     )
-    return Line(follower, remote, remote_start, places)
+    return ProductionLine(follower, remote, remote_start, switch_tolerance)
 
 
-def _expectations(reader: Reader) -> tuple[Expectation, ...]:
+def _read_expectations(reader: BlockReader) -> tuple[Expectation, ...]:
     """The expectations of the follower. Enumerations other than `state` are refused: libcosim cannot read them."""
-    found = reader.expectations()
-    for table, e in zip(reader.top.tables("expect"), found, strict=True):
-        for name in expected_names(e):
+    expectations = reader.expectations()
+    for table, e in zip(reader.top.tables("expect"), expectations, strict=True):
+        for name in e.names:
             if reader.recipe.variables[name].choices and name != "state":
                 table.fail(name, "is an enumeration: in a line, expect its code or something else")
-    return found
+    return expectations
 
 
-def _pieces(reader: Reader, unit: str) -> PieceSpec:
+def _read_pieces(reader: BlockReader, unit: str) -> PieceSpec:
     """How the pieces of the follower are checked."""
     spec, table = reader.pieces(unit), reader.top.table("cuts")
-    if given := [key for key in ("lengths", "kinds") if key in table]:
-        table.fail(given[0], "in a line each product is compared with its ordered length: give tolerance and count")
+    if refused := [key for key in ("lengths", "kinds") if key in table]:
+        table.fail(refused[0], "in a line each product is compared with its ordered length: give tolerance and count")
     return spec
 
 
-def _places(top: Table, recipe: Recipe) -> float | None:
-    """How far a transition of the follower may be from its place; None: this is not checked."""
+def _read_switch_tolerance(top: TomlTable, recipe: Recipe) -> float | None:
+    """How far a transition of the follower may be from its position; None: this is not checked."""
     if "switches" not in top:
         return None
     table = top.table("switches")
@@ -87,17 +84,17 @@ def _places(top: Table, recipe: Recipe) -> float | None:
     return table.number("tolerance", above=0.0)
 
 
-def _remote(reader: Reader, step_size: float) -> tuple[Remote, Mapping[str, Any]]:
+def _read_remote(reader: BlockReader, step_size: float) -> tuple[RemoteView, Mapping[str, Any]]:
     """The remote axis, and RemoteSync's start values.
 
     RemoteSync's cycle is the step of the line, and the follower sees RemoteSync's outputs one step later."""
     assert reader.axis
     if "accuracy" in reader.axis_table:
-        reader.axis_table.fail("accuracy", "a line is judged by [cuts], [switches] and [[expect]]")
-    given = reader.start("remote_sync")
+        reader.axis_table.fail("accuracy", "a line is checked by [cuts], [switches] and [[expect]]")
+    start = reader.start("remote_sync")
     cycle, delay = reader.axis.task_cycle, reader.axis.delay
     for name, reason in ((cycle, "is the line's step_size"), (ENABLE, "is set by the line itself")):
-        if name in given:
+        if name in start:
             reader.top.table("remote_sync").fail(name, reason)
-    start = {cycle: step_size, delay: step_size} | given
+    start = {cycle: step_size, delay: step_size} | start
     return reader.remote(reader.script(), start, ()), start

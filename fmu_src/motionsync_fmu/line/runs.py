@@ -1,13 +1,12 @@
 """Runs of a line: by FMPy from the SSP package, by libcosim from the OSP structure, and a follower alone.
 
 Both co-simulations are parallel (Jacobi): in the step from t to t+h each FMU has the inputs that were there at t, and
-what it puts out for t+h reaches another FMU in the next step, from t+h on. RemoteSync's output, shifted by
-delay_time_offset = h, is the axis at t+h. The follower reads this output in the step that begins at t+h, as the master
+its outputs at t+h reach another FMU in the next step, from t+h on. RemoteSync's output, shifted by
+delay_time_offset = h, is the axis at t+h. The follower reads this output in the step that starts at t+h, as the master
 at the start of the step (START_OF_STEP). So the follower's master does not lag.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,11 +18,11 @@ from fmpy.ssp.ssd import ParameterSet, read_ssd
 from numpy.typing import NDArray
 
 from ..errors import UserError
-from ..extras import how_to_install
-from ..scenario.fmu_instance import FmuError, FmuInstance
+from ..optional_dependencies import how_to_install
 from ..scenario.recording import Reals
-from .line import REMOTE, Line
-from .package import Package
+from ..scenario.run.fmu_instance import FmuError, FmuInstance
+from .line import REMOTE, ProductionLine
+from .package import LinePackage
 
 Inputs = Mapping[str, NDArray[Any]]  # each of shape (steps,)
 Values = dict[str, Reals]  # outputs at the ends of the steps, each of shape (steps,)
@@ -32,13 +31,13 @@ BOOLEANS = {"true": True, "false": False}
 
 
 class MissingLibraryError(Exception):
-    """A library is not installed; the text says how to install it."""
+    """A library is not installed; the text states how to install it."""
 
 
 # --- (a) FMPy ---
 
 
-def run_ssp(line: Line, package: Package) -> dict[str, Values]:
+def run_ssp(line: ProductionLine, package: LinePackage) -> dict[str, Values]:
     """FMPy's SSP simulation of the package: the outputs of each component at the ends of the steps.
 
     FMPy deviates from the standard. It applies only the parameter set that is passed to it, none of the package. A
@@ -53,17 +52,17 @@ def run_ssp(line: Line, package: Package) -> dict[str, Values]:
             _initialize(line, fmu, name)
     h, last = line.step_size, line.steps - 1
 
-    def feed(values: NDArray[Any]) -> Any:
-        later = values.tolist()
-        return lambda time: later[min(round(time / h) + 1, last)]
+    def make_input(values: NDArray[Any]) -> Any:
+        steps = values.tolist()
+        return lambda time: steps[min(round(time / h) + 1, last)]
 
     try:
         table = simulate_ssp(
             str(package.ssp),
             stop_time=(line.steps - 0.5) * h,  # FMPy's time is a sum of steps, and so inexact
             step_size=h,
-            parameter_set=_parameters(package),
-            input={name: feed(values) for name, values in (line.telegrams | line.commands).items()},
+            parameter_set=_read_parameters(package),
+            input={name: make_input(values) for name, values in (line.telegrams | line.commands).items()},
         )
     except FMICallException as e:
         raise UserError(f"{line.follower.file}: FMPy's SSP simulation of {package.ssp} failed: {e}") from None
@@ -73,7 +72,7 @@ def run_ssp(line: Line, package: Package) -> dict[str, Values]:
     }
 
 
-def _parameters(package: Package) -> ParameterSet:
+def _read_parameters(package: LinePackage) -> ParameterSet:
     """The package's own parameter set; FMPy reads a Boolean as text, and takes any text for true."""
     (binding,) = read_ssd(str(package.ssp)).system.parameterBindings
     (parameters,) = binding.parameterValues
@@ -85,7 +84,7 @@ def _parameters(package: Package) -> ParameterSet:
 # --- (b) libcosim ---
 
 
-def run_cosim(line: Line, package: Package) -> dict[str, Values]:
+def run_cosim(line: ProductionLine, package: LinePackage) -> dict[str, Values]:
     """libcosim's fixed-step co-simulation of the OSP structure; telegrams and commands override the inputs. It cannot
     read enumerations: these are missing.
 
@@ -98,13 +97,19 @@ def run_cosim(line: Line, package: Package) -> dict[str, Values]:
         cosim.wire(name)
     for i in range(line.steps):
         cosim.step(i)
-    return cosim.values()
+    return cosim.outputs
 
 
 class _Cosim:
-    """libcosim's execution of an OSP structure."""
+    """libcosim's execution of an OSP structure.
 
-    def __init__(self, line: Line, structure: Path) -> None:
+    Attributes:
+        outputs: those of each component at the ends of the steps.
+        overrides: the functions that override inputs, each of those of one type, with the values in each step.
+        reads: the functions that return outputs, each of those of one type, with their array of shape (steps, names).
+    """
+
+    def __init__(self, line: ProductionLine, structure: Path) -> None:
         """Open the structure.
 
         Raises:
@@ -131,8 +136,9 @@ class _Cosim:
         self.manipulator, self.observer = CosimManipulator.create_override(), CosimObserver.create_last_value()
         self.execution.add_manipulator(self.manipulator)
         self.execution.add_observer(self.observer)
-        self.feeds: list[_Feed] = []
-        self.reads: list[_Read] = []
+        self.outputs: dict[str, Values] = {name: {} for name in line.recipes}
+        self.overrides: list[tuple[Callable[[list[Any]], Any], list[tuple[Any, ...]]]] = []
+        self.reads: list[tuple[Callable[[], list[Any]], Reals]] = []
 
     def wire(self, component: str) -> None:
         """Prepare, type by type, overriding the inputs of a component and reading its outputs."""
@@ -141,108 +147,59 @@ class _Cosim:
         inputs = self.inputs[component]
         outputs = [v.name for v in self.line.outputs[component]]
         for kind in KINDS:
-            chosen = [v.name for v in self.line.recipes[component].variables.values() if v.kind == kind]
-            put = getattr(self.manipulator, f"slave_{kind.lower()}_values")
+            names_of_kind = [v.name for v in self.line.recipes[component].variables.values() if v.kind == kind]
+            override = getattr(self.manipulator, f"slave_{kind.lower()}_values")
             get = getattr(self.observer, f"last_{kind.lower()}_values")
-            if names := [n for n in chosen if n in inputs]:
+            if names := [n for n in names_of_kind if n in inputs]:
                 rows = list(zip(*(inputs[n].tolist() for n in names), strict=True))
-                self.feeds.append(_Feed(partial(put, slave, [references[n] for n in names]), rows))
-            if names := [n for n in outputs if n in chosen]:  # enumerations are in none of the KINDS
+                self.overrides.append((partial(override, slave, [references[n] for n in names]), rows))
+            if names := [n for n in outputs if n in names_of_kind]:  # enumerations are in none of the KINDS
                 values = np.empty((self.line.steps, len(names)))
-                self.reads.append(_Read(partial(get, slave, [references[n] for n in names]), component, names, values))
+                self.reads.append((partial(get, slave, [references[n] for n in names]), values))
+                self.outputs[component] |= dict(zip(names, values.T, strict=True))
 
     def step(self, i: int) -> None:
-        """The step with this number.
+        """Do the step with this number.
 
         Raises:
             UserError: the step failed.
         """
-        for feed in self.feeds:
-            feed.give(i)
+        for override, rows in self.overrides:
+            if i == 0 or rows[i] != rows[i - 1]:  # an override stays until the next one
+                override(list(rows[i]))
         if not self.execution.step() or self.execution.status().state == self.failed:
             raise UserError(f"{self.structure}: libcosim failed at {i * self.line.step_size:g} s")
-        for read in self.reads:
-            read.values[i] = read.get()
-
-    def values(self) -> dict[str, Values]:
-        """The outputs of each component at the ends of the steps."""
-        found: dict[str, Values] = {name: {} for name in self.line.outputs}
-        for read in self.reads:
-            found[read.component] |= dict(zip(read.names, read.values.T, strict=True))
-        return found
-
-
-@dataclass(frozen=True)
-class _Feed:
-    """Inputs of one type of an FMU in libcosim.
-
-    Attributes:
-        put: the function that overrides the inputs.
-        rows: the values of the inputs in each step.
-    """
-
-    put: Callable[[list[Any]], Any]
-    rows: list[tuple[Any, ...]]
-
-    def give(self, i: int) -> None:
-        """Override the inputs for the step with this number; an override stays until the next one."""
-        if i == 0 or self.rows[i] != self.rows[i - 1]:
-            self.put(list(self.rows[i]))
-
-
-@dataclass(frozen=True)
-class _Read:
-    """Outputs of one type of an FMU in libcosim.
-
-    Attributes:
-        get: the function that returns the present values of the outputs.
-        values: the values at the ends of the steps, shape (steps, names).
-    """
-
-    get: Callable[[], list[Any]]
-    component: str
-    names: list[str]
-    values: Reals
+        for get, values in self.reads:
+            values[i] = get()
 
 
 # --- one FMU alone ---
 
 
 def run_alone(
-    line: Line, package: Package, name: str, inputs: Inputs, start: Mapping[str, Any] | None = None
+    line: ProductionLine, package: LinePackage, name: str, inputs: Inputs, start: Mapping[str, Any] | None = None
 ) -> Values:
     """The outputs of a component that runs alone with these inputs; `start` replaces some of its start values.
 
     Raises:
         UserError: the component refused a value or a step; the message has the time and what the component logged.
     """
+    names = [v.name for v in line.outputs[name]]
+    outputs = np.empty((line.steps, len(names)))
+    i = 0
     with FmuInstance(package.fmus[name]) as fmu:
-        outputs = {kind: [v.name for v in line.outputs[name] if fmu.kinds[v.name][1] == kind] for kind in KINDS}
-        found = {kind: np.empty((line.steps, len(names))) for kind, names in outputs.items()}
-        given = {kind: [n for n in inputs if fmu.kinds[n][1] == kind] for kind in KINDS}
-        puts = [
-            (getattr(fmu.unit, f"set{kind}"), fmu.references(names), np.array([inputs[n] for n in names]).T.tolist())
-            for kind, names in given.items()
-            if names
-        ]
-        gets = [
-            (getattr(fmu.unit, f"get{kind}"), fmu.references(names), found[kind]) for kind, names in outputs.items()
-        ]
-        i = 0
         try:
             _initialize(line, fmu, name, start)
-            for i in range(line.steps):
-                for put, references, rows in puts:
-                    put(references, rows[i])
-                fmu.call(fmu.unit.doStep, i * line.step_size, line.step_size)
-                for get, references, values in gets:
-                    values[i] = get(references)
+            for i, row in enumerate(zip(*(values.tolist() for values in inputs.values()), strict=True)):
+                fmu.time = i * line.step_size  # exactly, not a sum of steps
+                fmu.step(line.step_size, dict(zip(inputs, row, strict=True)))
+                outputs[i] = [*map(fmu.get(names).__getitem__, names)]
         except FmuError as e:
             raise UserError(f"{line.follower.file}: at {i * line.step_size:g} s {name} refused: {e}") from None
-    return {n: column for kind, names in outputs.items() for n, column in zip(names, found[kind].T, strict=True)}
+    return dict(zip(names, outputs.T, strict=True))
 
 
-def _initialize(line: Line, fmu: FmuInstance, name: str, start: Mapping[str, Any] | None = None) -> None:
+def _initialize(line: ProductionLine, fmu: FmuInstance, name: str, start: Mapping[str, Any] | None = None) -> None:
     """Initialize a component with the line's start values, some of them replaced by `start`."""
     try:
         fmu.initialize({**line.parameters[name], **(start or {})})

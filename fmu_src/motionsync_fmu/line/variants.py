@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 
 from ..interface.roles import MOTION
-from ..scenario.cuts import Cut, find_cuts
-from ..scenario.pieces import Piece, find_pieces, rises
+from ..scenario.evaluate.cuts import Cut, find_cuts
+from ..scenario.evaluate.find_pieces import Piece, find_pieces, rises
+from ..scenario.evaluate.remote_errors import remote_errors
 from ..scenario.recording import Reals, Recording
-from ..scenario.telegrams import errors
-from .line import RAMP, REMOTE, Line
-from .package import Package
+from .line import RAMP, REMOTE, ProductionLine
+from .package import LinePackage
 from .runs import Inputs, Values, run_alone
 
 RAW = "raw telegrams"
@@ -29,22 +29,22 @@ UNIFORM = 0.5  # for both slopes: the estimator BEAT then corrects uniformly fro
 
 
 @dataclass(frozen=True)
-class Switch:
-    """The beginning of a transition of the follower.
+class SwitchPoint:
+    """The start of a transition of the follower.
 
     Attributes:
         time: the end of the first step that shows it, in s.
-        place: the place on the master where the transition should begin, in u.
-        error: how far the true axis was beyond `place` when the transition began, in u.
+        position: the position on the master where the transition should begin, in u.
+        error: how far the true axis was beyond `position` when the transition began, in u.
     """
 
     time: float
-    place: float
+    position: float
     error: float
 
 
 @dataclass(frozen=True)
-class Length:
+class PieceLength:
     """The length of a product between two cuts of the follower.
 
     Attributes:
@@ -53,7 +53,7 @@ class Length:
         end: the end of the cut that ended it, in s.
         ordered: how long it should be, in u.
         error: how much longer it is on the true axis's material, in u.
-        told: how much longer it is by the follower's own books, in u.
+        recorded: how much longer it is as recorded by the follower, in u.
     """
 
     number: int
@@ -61,7 +61,7 @@ class Length:
     end: float
     ordered: float
     error: float
-    told: float
+    recorded: float
 
 
 @dataclass(frozen=True)
@@ -70,126 +70,127 @@ class Variant:
 
     Attributes:
         recording: the follower's outputs.
-        away: slave.position minus the slave.position of the follower that sees the true axis, in u; shape (steps,).
+        deviation: slave.position minus that of the follower that sees the true axis, in u; shape (steps,).
         index: how far the cycle index is ahead of the sender's, in cycles; shape (steps,).
         cuts, switches: those of the follower; their errors are measured on the true axis.
-        pieces: those that the follower tells, measured on the true axis.
+        pieces: those that the follower reports, measured on the true axis.
         missed: how many cuts the follower left out or made late in each step; shape (steps,).
     """
 
     name: str
     recording: Recording
-    away: Reals
+    deviation: Reals
     index: Reals
     cuts: list[Cut]
-    switches: list[Switch]
+    switches: list[SwitchPoint]
     pieces: list[Piece]
     missed: Reals
 
     @cached_property
-    def lengths(self) -> list[Length]:
-        """Those of the products between two cuts."""
+    def lengths(self) -> list[PieceLength]:
+        """The lengths of the products between two cuts."""
         return [
-            Length(p.number, before.cut[0], p.cut[1], p.ordered, p.measured - p.ordered, p.error)
+            PieceLength(p.number, before.cut[0], p.cut[1], p.ordered, p.measured - p.ordered, p.error)
             for before, p in pairwise(self.pieces)
             if p.product and p.measured is not None and before.cut and p.cut
         ]
 
 
-def through(line: Line, package: Package, start: Mapping[str, Any] | None = None) -> tuple[Values, Values]:
+def run_through_remote_sync(
+    line: ProductionLine, package: LinePackage, start: Mapping[str, Any] | None = None
+) -> tuple[Values, Values]:
     """RemoteSync alone, then the follower alone with RemoteSync's outputs: the outputs of both.
 
     `start`: start values of RemoteSync; without them RemoteSync has those of the wired line."""
     remote = run_alone(line, package, REMOTE, line.telegrams, start)
-    return remote, run_follower(line, package, {f"master.{n}": _handed_over(remote[f"slave.{n}"]) for n in MOTION})
+    return remote, run_follower(line, package, {f"master.{n}": _delayed(remote[f"slave.{n}"]) for n in MOTION})
 
 
-def run_follower(line: Line, package: Package, axis: Inputs) -> Values:
+def run_follower(line: ProductionLine, package: LinePackage, axis: Inputs) -> Values:
     """The outputs of the follower that runs alone, with this axis as its master."""
     return run_alone(line, package, line.follower.recipe.name, {**axis, **line.commands})
 
 
-def true_axis(line: Line) -> Inputs:
+def true_axis(line: ProductionLine) -> Inputs:
     """The axis itself as the follower's master."""
     motions = [line.follower.master.at(i * line.step_size) for i in range(line.steps)]
     return {f"master.{n}": np.array([getattr(m, n) for m in motions]) for n in MOTION}
 
 
-def raw_axis(line: Line) -> Inputs:
+def raw_axis(line: ProductionLine) -> Inputs:
     """The uncorrected telegrams as the follower's master."""
     return {f"master.{n}": line.telegrams[f"{line.remote.names.part}.{n}"] for n in MOTION}
 
 
-def _handed_over(values: Reals) -> Reals:
-    """An output as a parallel co-simulation passes it on: in each step its value at the end of the step before."""
+def _delayed(values: Reals) -> Reals:
+    """An output as a parallel co-simulation passes it on: one step later."""
     return np.concatenate([[0.0], values[:-1]])
 
 
-def wired_name(line: Line) -> str:
+def wired_name(line: ProductionLine) -> str:
     """The name of the variant that is wired."""
-    given = {name: line.start.get(name) for name in SLOPE}
-    uniform = all(value == UNIFORM for value in given.values())
-    estimator = "PHASE" if line.start.get(ESTIMATOR) == _estimator(line, "PHASE") else "BEAT"
-    return _named(f"{estimator}, uniform" if estimator == "BEAT" and uniform else estimator)
+    uniform = all(line.start.get(name) == UNIFORM for name in SLOPE)
+    estimator = "PHASE" if line.start.get(ESTIMATOR) == _estimator_number(line, "PHASE") else "BEAT"
+    return _variant_name(f"{estimator}, uniform" if estimator == "BEAT" and uniform else estimator)
 
 
-def other_estimators(line: Line) -> dict[str, Mapping[str, Any]]:
+def other_estimators(line: ProductionLine) -> dict[str, Mapping[str, Any]]:
     """RemoteSync's start values for the variants that are not wired, by name; PHASE needs equal cycles."""
-    beat = {ESTIMATOR: _estimator(line, "BEAT")}
+    beat = {ESTIMATOR: _estimator_number(line, "BEAT")}
     starts: dict[str, Mapping[str, Any]] = {"BEAT": beat, "BEAT, uniform": beat | dict.fromkeys(SLOPE, UNIFORM)}
     if line.remote.data_cycle == line.step_size:
-        starts["PHASE"] = {ESTIMATOR: _estimator(line, "PHASE")}
-    return {_named(name): start for name, start in starts.items() if _named(name) != wired_name(line)}
+        starts["PHASE"] = {ESTIMATOR: _estimator_number(line, "PHASE")}
+    return {_variant_name(name): start for name, start in starts.items() if _variant_name(name) != wired_name(line)}
 
 
-def _named(estimator: str) -> str:
+def _variant_name(estimator: str) -> str:
     return f"{REMOTE}, {estimator}"
 
 
-def _estimator(line: Line, name: str) -> int:
+def _estimator_number(line: ProductionLine, name: str) -> int:
     """The number of the estimator with this name."""
     members = line.recipes[REMOTE].variables[ESTIMATOR].choices
     return next(int(member) for member in members if member.name == name)
 
 
-def variant_of(line: Line, name: str, values: Values, truth: Values, remote: Values | None) -> Variant:
+def variant_of(line: ProductionLine, name: str, values: Values, truth: Values, remote: Values | None) -> Variant:
     """A variant from the outputs of the follower, of the follower that sees the true axis, and of RemoteSync (None: the
     follower sees the telegrams)."""
     s = line.follower
     motions = [s.master.until(t) for t in line.times.tolist()]
     master = np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in motions])
-    recording = Recording(line.times, _shown(values), master, [], s.settings)
-    away = _nearest(values["slave.position"] - truth["slave.position"], s.period)
+    recording = Recording(line.times, _with_state(values), master, [], s.settings)
+    deviation = _shortest(values["slave.position"] - truth["slave.position"], s.period)
     return Variant(
         name,
         recording,
-        away,
-        _index(line, remote, master),
+        deviation,
+        _index_errors(line, remote, master),
         find_cuts(s.cuts, recording) if s.cuts else [],
-        list(_switches(line, recording)) if line.places is not None else [],
+        list(_find_switch_points(line, recording)) if line.switch_tolerance is not None else [],
         find_pieces(s, recording),
-        _missed(line, values),
+        _count_missed_cuts(line, values),
     )
 
 
-def _missed(line: Line, values: Values) -> Reals:
+def _count_missed_cuts(line: ProductionLine, values: Values) -> Reals:
     """How many cuts were left out or made late in each step; shape (steps,)."""
-    if not line.books:
+    if not line.piece_variables:
         return np.zeros(line.steps)
-    return rises(values[line.books.skipped]) + rises(values[line.books.late])
+    return rises(values[line.piece_variables.skipped]) + rises(values[line.piece_variables.late])
 
 
-def _shown(values: Values) -> Values:
+def _with_state(values: Values) -> Values:
     """The outputs, with `state` added: its number is `state_code`."""
     return values | ({"state": values["state_code"]} if "state_code" in values else {})
 
 
-def _nearest(difference: Any, period: float) -> Any:
+def _shortest(difference: Any, period: float) -> Any:
     """A difference of positions without whole periods."""
     return difference - period * np.round(difference / period) if period else difference
 
 
-def _index(line: Line, remote: Values | None, master: Reals) -> Reals:
+def _index_errors(line: ProductionLine, remote: Values | None, master: Reals) -> Reals:
     """How far the index is ahead of the sender's, in cycles; shape (steps,).
 
     The index is RemoteSync's corrected one, or without `remote` that of the telegrams. The errors are known from the
@@ -197,17 +198,17 @@ def _index(line: Line, remote: Values | None, master: Reals) -> Reals:
     name = line.remote.names.corrected_index
     corrected = np.zeros(line.steps) if remote is None else remote[name]
     values = {name: corrected, "slave.position": np.zeros(line.steps)}
-    found = errors(line.remote, Recording(line.times, values, master, []))
-    index = found.index if remote is None else found.corrected_index
+    errors = remote_errors(line.remote, Recording(line.times, values, master, []))
+    index = errors.index if remote is None else errors.corrected_index
     return np.concatenate([index[:1], index])
 
 
-def _switches(line: Line, recording: Recording) -> Iterator[Switch]:
-    """Where transitions began on the true axis.
+def _find_switch_points(line: ProductionLine, recording: Recording) -> Iterator[SwitchPoint]:
+    """The starts of transitions, on the true axis.
 
-    The travel since then follows from the progress of the transition at the end of the first step that shows it."""
+    The travel since the start follows from the transition's progress at the end of the first step that shows it."""
     ramp, begin, progress, distance = (recording.values[name] for name in RAMP)
     for i in np.flatnonzero(np.diff(ramp, prepend=0.0) > 0.0).tolist():
         travel = math.copysign(distance[i] * progress[i], recording.master[i, 1])
-        beyond = _nearest(recording.master[i, 0] - travel - begin[i], line.follower.period)
-        yield Switch(float(recording.time[i]), float(begin[i]), float(beyond))
+        error = _shortest(recording.master[i, 0] - travel - begin[i], line.follower.period)
+        yield SwitchPoint(float(recording.time[i]), float(begin[i]), float(error))

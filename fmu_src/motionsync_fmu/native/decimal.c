@@ -6,19 +6,19 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { BASE = 10, MOST_DIGITS = 17, ROOM = 800, MOST_FIVES = 25 }; /* ten times 5^25 is below 2^64 */
+enum { BASE = 10, MOST_DIGITS = 17, MOST_STORED_DIGITS = 800, MOST_FIVES = 25 }; /* ten times 5^25 is below 2^64 */
 
 /* A whole number >= 0 in decimal digits, the least significant first. None here has more than 770 digits. */
 typedef struct {
     int n;
-    uint8_t digits[ROOM];
+    uint8_t digits[MOST_STORED_DIGITS];
 } Whole;
 
-COLD static void multiply(Whole *a, uint64_t by) {
+COLD static void multiply(Whole *a, uint64_t factor) {
     uint64_t carry = 0;
     for (int i = 0; i < a->n || carry; i++) {
         if (i == a->n) a->digits[a->n++] = 0;
-        carry += a->digits[i] * by;
+        carry += a->digits[i] * factor;
         a->digits[i] = (uint8_t)(carry % BASE);
         carry /= BASE;
     }
@@ -26,9 +26,9 @@ COLD static void multiply(Whole *a, uint64_t by) {
 
 COLD static void times_power(Whole *a, uint64_t of, int power) {
     while (power) {
-        uint64_t by = 1;
-        for (int i = 0; i < MOST_FIVES && power; i++, power--) by *= of;
-        multiply(a, by);
+        uint64_t factor = 1;
+        for (int i = 0; i < MOST_FIVES && power; i++, power--) factor *= of;
+        multiply(a, factor);
     }
 }
 
@@ -74,22 +74,22 @@ COLD static bool rounds_up(const Whole *x, int tail) {
     return x->digits[tail] & 1;
 }
 
-/* Whether x without its last digits, rounded up or not, reads back as x: the error is not larger than half the distance to
- * the next number. */
+/* Whether x without its last digits, rounded up or not, reads back as x: the error is not larger than half the distance
+ * to the next number. */
 COLD static bool reads_back(const Expansion *e, int tail, bool up) {
     Whole error;
     int nothing = up ? BASE - 1 : 0; /* a digit by which the error does not grow */
-    for (int i = tail - 1; i >= e->margin.n; i--) /* it is seldom small enough */
+    for (int i = tail - 1; i >= e->margin.n; i--) /* the error is seldom small enough */
         if (e->digits.digits[i] != nothing) return false;
     error.n = tail;
-    for (int i = 0, less = 0; i < tail; i++) { /* 10^tail minus these digits, if it is rounded up */
-        int digit = up ? -e->digits.digits[i] - less : e->digits.digits[i];
-        less = digit < 0;
-        error.digits[i] = (uint8_t)(less ? digit + BASE : digit);
+    for (int i = 0, borrow = 0; i < tail; i++) { /* 10^tail minus these digits, if it is rounded up */
+        int digit = up ? -e->digits.digits[i] - borrow : e->digits.digits[i];
+        borrow = digit < 0;
+        error.digits[i] = (uint8_t)(borrow ? digit + BASE : digit);
     }
     multiply(&error, !up && e->closer_below ? 4 : 2);
-    int over = compare(&error, &e->margin);
-    return over < 0 || (over == 0 && e->even);
+    int comparison = compare(&error, &e->margin);
+    return comparison < 0 || (comparison == 0 && e->even);
 }
 
 /* Leaves out the last digits. */
@@ -110,8 +110,8 @@ COLD static char *copy(char *to, const char *text) {
     return to;
 }
 
-/* The digits of x but for the last ones, with the point and the zeros that belong to it; `before`: how many digits of x
- * stand before the point. */
+/* The digits of x but for the last ones, with the point and the zeros that belong to it; `before`: the number of
+ * digits before the point. */
 COLD static char *write_digits(char *to, const Whole *x, int tail, int before) {
     while (!x->digits[tail]) tail++;
     int n = x->n - tail;
@@ -146,7 +146,7 @@ COLD static char *write_positive(char *to, uint64_t bits) {
     }
 }
 
-COLD size_t decimal(double x, char text[DECIMAL_ROOM]) {
+COLD size_t format_decimal(double x, char text[DECIMAL_TEXT_SIZE]) {
     char *at = text;
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);

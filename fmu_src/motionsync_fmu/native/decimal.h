@@ -5,11 +5,11 @@
 #include <stddef.h>
 #include "portable.h"
 
-enum { DECIMAL_ROOM = 32 }; /* bytes that a text of a number needs at most, its end included */
+enum { DECIMAL_TEXT_SIZE = 32 }; /* bytes that the text of a number needs at most, with its end */
 
 /* The number in the fewest of 6, 15, 16 or 17 significant digits that read back as the same number; "nan", "inf" or
- * "-inf" for what is none. The form is that of C's %g with so many digits, with a point whatever the locale is. Answers
+ * "-inf" for what is no number. The form is that of C's %g with as many digits, with a point whatever the locale is. Returns
  * the length of the text. */
-size_t decimal(double x, char text[DECIMAL_ROOM]);
+size_t format_decimal(double x, char text[DECIMAL_TEXT_SIZE]);
 
 #endif

@@ -1,36 +1,38 @@
-/* FMI 3.0 for co-simulation, over the unit's core: the standard's names and types, and what may be called when.
+/* FMI 3.0 for co-simulation, over the unit's core: the standard's names and types, and when each function may be called.
  *
- * There is no event mode, no intermediate update and no early return: a command is an edge at the beginning of a step, and
+ * There is no event mode, no intermediate update and no early return: a command is an edge at the start of a step, and
  * a step is computed to its end at once. A step that is refused has changed nothing, which this standard calls discarded. */
 #include <math.h>
 #include "fmi3Functions.h"
 
-typedef fmi3Status Answer;
+typedef fmi3Status FmiStatus;
 typedef fmi3LogMessageCallback Logger;
 typedef fmi3InstanceEnvironment Environment;
-#define DISCARDED "logStatusDiscard"
+#define DISCARD_CATEGORY "logStatusDiscard"
 #define CATEGORIES "logStatusWarning, logStatusDiscard, logStatusError, logAll"
 #include "fmi.h"
 
 MUST_HOLD(the_statuses_of_the_core_are_those_of_fmi,
           (int)UNIT_WARNING == fmi3Warning && (int)UNIT_DISCARD == fmi3Discard && (int)UNIT_ERROR == fmi3Error);
 
-static void log_to(const void *importer, Status status, const char *text) {
+static void pass_to_importer(const void *importer, Status status, const char *text) {
     const Importer *to = importer;
-    if (to->logger) to->logger(to->environment, (fmi3Status)status, category(status - UNIT_WARNING), text);
+    if (to->logger) to->logger(to->environment, (fmi3Status)status, category_name(status - UNIT_WARNING), text);
 }
 
 /* --- life --- */
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
 
-/* Which messages are logged: errors always, warnings and discarded steps if the importer wants them. */
-static void log_these(Unit *c, bool on, int categories) { unit_log(c, on ? categories | LOG_ERROR : LOG_ERROR); }
+/* Which messages are logged: errors always, warnings and discarded steps if the importer switches them on. */
+static void set_logging(Unit *c, bool on, int categories) {
+    unit_set_categories(c, on ? categories | LOG_ERROR : LOG_ERROR);
+}
 
-static Unit *made(fmi3String name, fmi3String token, bool logging, fmi3InstanceEnvironment environment,
-                  fmi3LogMessageCallback logger, const char *wrong, const char *call) {
-    Unit *c = instantiate(name, token, system_memory(), logger, environment, UNIT_DISCARD, wrong, call);
-    if (c) log_these(c, logging, LOG_ALL);
+static Unit *create_unit(fmi3String name, fmi3String token, bool logging, fmi3InstanceEnvironment environment,
+                         fmi3LogMessageCallback logger, const char *error, const char *call) {
+    Unit *c = instantiate(name, token, system_memory(), logger, environment, UNIT_DISCARD, error, call);
+    if (c) set_logging(c, logging, LOG_ALL);
     return c;
 }
 
@@ -39,14 +41,14 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          const fmi3ValueReference intermediate[], size_t nIntermediate,
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
                                          fmi3IntermediateUpdateCallback update) {
-    const char *wrong = eventModeUsed ? "the unit has no event mode" : NULL;
-    return made(name, token, logging, environment, logger, wrong, __func__);
+    const char *error = eventModeUsed ? "the unit has no event mode" : NULL;
+    return create_unit(name, token, logging, environment, logger, error, __func__);
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
                                           fmi3Boolean logging, fmi3InstanceEnvironment environment,
                                           fmi3LogMessageCallback logger) {
-    return made(name, token, logging, environment, logger, "the unit is for co-simulation only", __func__);
+    return create_unit(name, token, logging, environment, logger, "the unit is for co-simulation only", __func__);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
@@ -54,36 +56,36 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
                                                fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger,
                                                fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
                                                fmi3UnlockPreemptionCallback unlock) {
-    return made(name, token, logging, environment, logger, "the unit is for co-simulation only", __func__);
+    return create_unit(name, token, logging, environment, logger, "the unit is for co-simulation only", __func__);
 }
 
 void fmi3FreeInstance(fmi3Instance c) { unit_free(c); }
 
 fmi3Status fmi3Reset(fmi3Instance c) {
-    ONLY_WHEN(ANY);
+    REQUIRE_MODE(ANY);
     unit_reset(c);
     return fmi3OK;
 }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t n, const fmi3String categories[]) {
-    int found;
-    ONLY_WHEN(ANY);
-    if (find_categories(c, n, categories, &found, __func__)) return fmi3Error;
-    log_these(c, on, found);
+    int logged;
+    REQUIRE_MODE(ANY);
+    if (find_categories(c, n, categories, &logged, __func__)) return fmi3Error;
+    set_logging(c, on, logged);
     return fmi3OK;
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 start, fmi3Boolean stopDefined, fmi3Float64 stop) {
-    ONLY_WHEN(INSTANTIATED);
+    REQUIRE_MODE(INSTANTIATED);
     if (unit_set_times(c, start, stopDefined ? stop : INFINITY, __func__)) return fmi3Error;
     unit_enter_initialization(c);
     return fmi3OK;
 }
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
-    ONLY_WHEN(INITIALIZING);
-    ANSWER(unit_exit_initialization(c));
+    REQUIRE_MODE(INITIALIZING);
+    RETURN_STATUS(unit_exit_initialization(c));
 }
 
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 h, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
@@ -93,19 +95,19 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 h, fmi3Boole
     if (ended) *ended = false;
     if (early) *early = false;
     if (reached && c) *reached = unit_time(c);
-    ANSWER(status);
+    RETURN_STATUS(status);
 }
 
 fmi3Status fmi3Terminate(fmi3Instance c) {
-    ONLY_WHEN(STEPPING);
+    REQUIRE_MODE(STEPPING);
     unit_terminate(c);
     return fmi3OK;
 }
 
 /* --- values: no variable is an array, so that there are as many values as references --- */
 
-static bool as_many(const Unit *c, size_t references, size_t values, const char *call) {
-    if (c && references != values) unit_say(c, UNIT_ERROR, "%s: there must be as many values as value references", call);
+static bool counts_agree(const Unit *c, size_t references, size_t values, const char *call) {
+    if (c && references != values) unit_report(c, UNIT_ERROR, "%s: there must be as many values as value references", call);
     return references == values;
 }
 
@@ -115,12 +117,12 @@ static bool as_many(const Unit *c, size_t references, size_t values, const char 
 
 #define ACCESS(Type, name, ...)                                                                  \
     GET(Type) {                                                                                  \
-        if (!as_many(c, n, m, __func__)) return fmi3Error;                                       \
-        ANSWER(unit_get_##name(c, READABLE, __VA_ARGS__ r, n, values, __func__));                \
+        if (!counts_agree(c, n, m, __func__)) return fmi3Error;                                       \
+        RETURN_STATUS(unit_get_##name(c, READABLE, __VA_ARGS__ r, n, values, __func__));                \
     }                                                                                            \
     SET(Type) {                                                                                  \
-        if (!as_many(c, n, m, __func__)) return fmi3Error;                                       \
-        ANSWER(unit_set_##name(c, SETTABLE, __VA_ARGS__ r, n, values, __func__));                \
+        if (!counts_agree(c, n, m, __func__)) return fmi3Error;                                       \
+        RETURN_STATUS(unit_set_##name(c, SETTABLE, __VA_ARGS__ r, n, values, __func__));                \
     }
 ACCESS(Float64, reals, )
 ACCESS(Int32, integers, INTEGER, )
@@ -128,8 +130,8 @@ ACCESS(Int64, enumerations, )
 ACCESS(Boolean, flags, )
 
 #define NONE(Type)                                                       \
-    GET(Type) { ANSWER(none_of(c, #Type, READABLE, r, n, __func__)); }   \
-    SET(Type) { ANSWER(none_of(c, #Type, SETTABLE, r, n, __func__)); }
+    GET(Type) { RETURN_STATUS(refuse_type(c, #Type, READABLE, r, n, __func__)); }   \
+    SET(Type) { RETURN_STATUS(refuse_type(c, #Type, SETTABLE, r, n, __func__)); }
 NONE(Float32)
 NONE(Int8)
 NONE(UInt8)
@@ -141,58 +143,58 @@ NONE(String)
 
 fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference r[], size_t n, size_t sizes[], fmi3Binary values[],
                          size_t m) {
-    ANSWER(none_of(c, "Binary", READABLE, r, n, __func__));
+    RETURN_STATUS(refuse_type(c, "Binary", READABLE, r, n, __func__));
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference r[], size_t n, const size_t sizes[],
                          const fmi3Binary values[], size_t m) {
-    ANSWER(none_of(c, "Binary", SETTABLE, r, n, __func__));
+    RETURN_STATUS(refuse_type(c, "Binary", SETTABLE, r, n, __func__));
 }
 
 fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n, fmi3Clock values[]) {
-    ANSWER(none_of(c, "Clock", READABLE, r, n, __func__));
+    RETURN_STATUS(refuse_type(c, "Clock", READABLE, r, n, __func__));
 }
 
 fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference r[], size_t n, const fmi3Clock values[]) {
-    ANSWER(none_of(c, "Clock", SETTABLE, r, n, __func__));
+    RETURN_STATUS(refuse_type(c, "Clock", SETTABLE, r, n, __func__));
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference r[], size_t n, const fmi3Int32 orders[],
                                     fmi3Float64 values[], size_t m) {
-    if (!as_many(c, n, m, __func__)) return fmi3Error;
-    ANSWER(unit_get_output_derivatives(c, STEPPED, r, n, orders, values, __func__));
+    if (!counts_agree(c, n, m, __func__)) return fmi3Error;
+    RETURN_STATUS(unit_get_output_derivatives(c, STEPPED, r, n, orders, values, __func__));
 }
 
 /* --- FMU states --- */
 
 fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *s) {
-    ANSWER(unit_save(c, s, __func__));
+    RETURN_STATUS(unit_save(c, s, __func__));
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState s) {
-    ANSWER(unit_restore(c, s, __func__));
+    RETURN_STATUS(unit_restore(c, s, __func__));
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *s) {
-    ANSWER(unit_free_state(c, s, __func__));
+    RETURN_STATUS(unit_free_state(c, s, __func__));
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState s, size_t *n) {
-    ANSWER(unit_serialized_size(c, s, n, __func__));
+    RETURN_STATUS(unit_serialized_size(c, s, n, __func__));
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState s, fmi3Byte bytes[], size_t n) {
-    ANSWER(unit_serialize(c, s, bytes, n, __func__));
+    RETURN_STATUS(unit_serialize(c, s, bytes, n, __func__));
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t n, fmi3FMUState *s) {
-    ANSWER(unit_deserialize(c, bytes, n, s, __func__));
+    RETURN_STATUS(unit_deserialize(c, bytes, n, s, __func__));
 }
 
 /* --- not offered; all functions of the standard have to be there --- */
 
 #define NOT_OFFERED(function, ...) \
-    fmi3Status function(__VA_ARGS__) { ANSWER(not_offered(c, __func__)); }
+    fmi3Status function(__VA_ARGS__) { RETURN_STATUS(refuse_call(c, __func__)); }
 NOT_OFFERED(fmi3GetNumberOfVariableDependencies, fmi3Instance c, fmi3ValueReference r, size_t *n)
 NOT_OFFERED(fmi3GetVariableDependencies, fmi3Instance c, fmi3ValueReference r, size_t elements[],
             fmi3ValueReference independents[], size_t elementsOfIndependents[], fmi3DependencyKind kinds[], size_t n)

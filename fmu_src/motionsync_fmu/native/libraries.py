@@ -11,14 +11,14 @@ from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, as_completed
 from importlib.util import find_spec
 from pathlib import Path
 
-from ..archive import Files
 from ..errors import UserError
+from ..interface.fingerprint import Files
 from ..interface.recipe import Fmi
 from .platforms import ROWS, Platform
 
-HERE = Path(__file__).parent
-FREESTANDING = HERE / "freestanding"  # what stands in for a C library
-OF_A_UNIT = {"unit.c"}  # it includes model.h, which belongs to one unit alone
+FOLDER = Path(__file__).parent
+FREESTANDING = FOLDER / "freestanding"  # what replaces a C library
+OF_A_UNIT = {"unit.c"}  # its part unit_memory.h includes model.h, which belongs to one unit alone
 FLAGS = (
     "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
     "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -DOWN_MEMORY"
@@ -54,22 +54,16 @@ class Compilation:
     """The libraries of a unit, which zig's processes compile while the program does something else."""
 
     def __init__(self, name: str, unit: Files, platforms: Sequence[Platform] = ROWS) -> None:
-        """Begin it. `name`: the block's; `unit`: the C of its unit (`c_sources`), of the platforms' version of FMI."""
+        """Start it. `name`: the block's; `unit`: the C of its unit (`c_sources`), of the platforms' version of FMI."""
         shared = [shared_file(file) for file in unit if is_shared(file) and file.endswith(".c")]
         self.name, self.platforms = name, platforms
-        self.folder = workplace(unit)
+        self.folder = make_work_folder(unit)
         self.pool = ThreadPoolExecutor(os.cpu_count())
+        work, submit = Path(self.folder.name), self.pool.submit
         self.jobs = {
-            target: self.pool.submit(
-                compiled,
-                target,
-                f"{COMPACT} {flags}",
-                f"{target}/{name}.{platform.suffix}",
-                Path(self.folder.name),
-                shared,
-            )
-            for platform in platforms
-            for target, flags in platform.targets.items()
+            target: submit(compile_library, target, f"{COMPACT} {flags}", f"{target}/{name}.{p.suffix}", work, shared)
+            for p in platforms
+            for target, flags in p.targets.items()
         }
 
     def libraries(self, progress: Callable[[str], None] = lambda text: None) -> Files:
@@ -85,14 +79,12 @@ class Compilation:
                 targets = {job: target for target, job in self.jobs.items()}
                 for job in as_completed(targets):
                     progress(f"compiled for {targets[job]}")
-            return {
-                p.library(self.name): p.join(*(self.jobs[target].result() for target in p.targets))
-                for p in self.platforms
-            }
+            results = {target: job.result() for target, job in self.jobs.items()}
+        return {p.library(self.name): p.join(*(results[target] for target in p.targets)) for p in self.platforms}
 
 
-def workplace(files: Files) -> tempfile.TemporaryDirectory[str]:
-    """A folder for a while that holds those of these C files and headers that are not shared."""
+def make_work_folder(files: Files) -> tempfile.TemporaryDirectory[str]:
+    """A folder for a while that holds the C files and headers that are not shared."""
     folder = tempfile.TemporaryDirectory()
     for name, text in files.items():
         if not is_shared(name):
@@ -101,16 +93,16 @@ def workplace(files: Files) -> tempfile.TemporaryDirectory[str]:
 
 
 def is_shared(name: str) -> bool:
-    """Whether a C file or header is the same in all units. It is compiled where it lies: zig keeps what it has compiled
-    by the path of the source, so it is compiled for the first unit only."""
-    return name not in OF_A_UNIT and (HERE / name).is_file()
+    """Whether a C file or header is the same in all units. It is compiled in its own folder, and so for the first unit
+    only: zig caches what it has compiled by the path of the source."""
+    return name not in OF_A_UNIT and (FOLDER / name).is_file()
 
 
 def shared_file(name: str) -> str:
-    return str(HERE / name)
+    return str(FOLDER / name)
 
 
-def compiled(target: str, flags: str, path: str, work: Path, shared: Sequence[str] = ()) -> bytes:
+def compile_library(target: str, flags: str, path: str, work: Path, shared: Sequence[str] = ()) -> bytes:
     """The library of the C files in a folder and of these shared ones, compiled in that folder into `path`, for one of
     zig's targets with its own flags.
 
@@ -123,16 +115,16 @@ def compiled(target: str, flags: str, path: str, work: Path, shared: Sequence[st
 
 
 def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> bytes:
-    """What zig makes of C files and of what stands in for a C library, in the folder `work`, for one of its targets.
+    """What zig makes of C files and of what replaces a C library, in the folder `work`, for one of its targets.
 
-    `path`: where it puts that, relative to the folder, in which headers are looked for first.
+    `path`: of the result, relative to the folder, in which headers are looked for first.
 
     Raises:
         UserError: zig failed.
     """
     command = [str(ZIG / "zig"), "cc", "-target", target]
-    command += [f"-I{folder}" for folder in (".", HERE, FREESTANDING, HEADERS)]
-    done = subprocess.run(
+    command += [f"-I{folder}" for folder in (".", FOLDER, FREESTANDING, HEADERS)]
+    result = subprocess.run(
         [*command, *arguments, str(FREESTANDING / "freestanding.c"), "-o", path],
         cwd=work,
         capture_output=True,
@@ -140,16 +132,16 @@ def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> byte
         errors="replace",
         check=False,
     )
-    if done.returncode:
+    if result.returncode:
         raise UserError(
             f"zig could not compile for {target}: it needs a folder that can be written (ZIG_GLOBAL_CACHE_DIR; else "
             f"one in the user's cache) with 1 GB to spare; an FMU of --flavour python is built without zig. zig said:\n"
-            f"{done.stderr.strip()[-2000:]}"
+            f"{result.stderr.strip()[-2000:]}"
         )
     return (work / path).read_bytes()
 
 
 def linked_licences(fmi: Fmi) -> Files:
-    """The licences of what the libraries hold beside the block, by its name: FMI's headers."""
+    """The licences of what the libraries hold besides the block, by its name: FMI's headers."""
     header = (HEADERS / f"fmi{fmi}Functions.h").read_text("utf-8")
     return {"FMI's headers": header[header.index("Copyright") : header.index("*/")].encode()}

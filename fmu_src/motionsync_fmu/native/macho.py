@@ -1,6 +1,6 @@
 """Universal Mach-O files: one library of macOS for several processors."""
 
-BOUNDARY = 14  # each library in the file begins at a multiple of 2^14 bytes, the size of a page on 64-bit ARM
+BOUNDARY = 14  # each library in the file starts at a multiple of 2^14 bytes, the size of a page on 64-bit ARM
 
 
 def universal(*thin: bytes) -> bytes:

@@ -1,7 +1,7 @@
 """The platforms that a native FMU runs on: one row each. All else that depends on the platform follows from this table:
 what zig compiles and how, the folders in the FMU, the documentation, and what the tests compare."""
 
-import platform as machine
+import platform
 import re
 import sys
 from collections.abc import Callable, Mapping
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ..interface.recipe import Fmi
 from .macho import universal
 
-# Flags for zig's compiler beside those that all platforms have. What can be left out of a library is left out: an FMU
+# Flags for zig's compiler besides those that all platforms have. What can be left out of a library is left out: an FMU
 # holds one library for each platform. No library of zig's is linked, nor a C library: freestanding.c has what is then
 # missing. zig would have to compile these libraries first, which takes minutes.
 UNWINDING = "-fno-asynchronous-unwind-tables -fno-unwind-tables"  # no tables for exceptions: none passes through
@@ -24,18 +24,13 @@ ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, bu
 # all places in a library are within 1 MB, so that one instruction finds them instead of two.
 ARM_LINUX = f"{ARM} -mllvm -enable-misched=false -mllvm -enable-post-misched=false -mcmodel=tiny"
 QUICK = "-mllvm -inline-threshold=10"  # no more becomes part of its callers than makes a step quicker
-# A step takes an eighth longer; Linux on x86-64, where most sweeps run, has the room. Blocks of code stay in the order
-# of the source, too.
+# A step takes an eighth longer, but not on Linux on x86-64, where most sweeps run. Blocks of code stay in the order of
+# the source, too.
 SMALL = "-Xclang -Oz -mllvm -disable-block-placement"
 
 PROCESSORS = {"x86_64": "x86-64", "aarch64": "64-bit ARM"}  # by zig's names
 SYSTEMS = {"linux": "Linux", "windows": "Windows", "macos": "macOS"}
 DARWIN = {"macos": "darwin"}  # FMI 3.0 has other names of systems
-
-
-def alone(library: bytes) -> bytes:
-    """The only library, for a platform with one processor."""
-    return library
 
 
 @dataclass(frozen=True)
@@ -52,7 +47,7 @@ class Platform:
     folder: str
     suffix: str
     targets: Mapping[str, str]
-    join: Callable[..., bytes] = alone
+    join: Callable[..., bytes] = bytes  # of one target: its library itself
 
     @property
     def title(self) -> str:
@@ -98,9 +93,9 @@ TITLES = {platform.folder: platform.title for rows in OF_VERSION.values() for pl
 TITLES[WASM] = "WebAssembly (a component by the draft of fmi-ls-wasm: experimental)"
 
 
-def here(fmi: Fmi = Fmi.TWO) -> Platform | None:
+def host_platform(fmi: Fmi = Fmi.TWO) -> Platform | None:
     """The platform of this machine; None if it is none of these."""
-    processor = {"AMD64": "x86_64", "arm64": "aarch64"}.get(machine.machine(), machine.machine())
+    processor = {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
     system = {"win32": "windows", "darwin": "macos"}.get(sys.platform, sys.platform)
     rows = (row for row in OF_VERSION[fmi] for target in row.targets if parts(target) == (processor, system))
     return next(rows, None)

@@ -1,4 +1,4 @@
-"""What the C files know of a block: model.h, with the size of its memory and the tables of its variables."""
+"""model.h: what the C files need to know of a block, the size of its memory and the tables of its variables."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
@@ -11,10 +11,11 @@ import jinja2
 
 from motionsync.master import MasterInput
 
+from ..compiler.memory_layout import dtype, offset
+from ..compiler.translator.text import literal
 from ..interface.fmi3_xml import TIME
 from ..interface.recipe import Fmi
 from ..interface.variables import LONGEST_STEP, Variable, cells, refusals, variables
-from .memory_layout import dtype, offset
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
 # derivatives.
@@ -30,29 +31,29 @@ LAST_CODED: Row = (-1, 0, 0)
 LAST_COUNT: Row = (-1, 0)
 
 
-def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> str:
+def model_header(block: Any, guid: str, overrides: Mapping[str, str] | None = None, fmi: Fmi = Fmi.TWO) -> str:
     """The text of model.h: the block's memory, its variables, what it refuses, and what its codes mean.
 
-    `turned`: as for `variables`; `fmi`: the version, of which the third has the time as one more variable."""
-    layout, vs, pool = dtype(block), variables(block, turned), Pool()
+    `overrides`: as for `variables`; `fmi`: the version, of which the third has the time as one more variable."""
+    layout, vs, pool = dtype(block), variables(block, overrides), Pool()
     names = [*(v.name for v in vs), *([TIME] if fmi == Fmi.THREE else [])]
     index = {name: i for i, name in enumerate(names)}
     ranges: dict[Row, int] = {}
     for name in names:
-        pool.text(name)  # they come first: nothing else has to tell where they are
+        pool.text(name)  # they come first, so that no table has to give their indices
     rows = []
-    for v in vs:  # the range of a variable that is never set is not looked at
+    for v in vs:  # the range of a variable that is never set is not used
         allowed = ranges.setdefault(_range(v, pool), len(ranges)) if v.settable else 0
         rows.append(_variable(v, layout, pool, allowed))
     if fmi == Fmi.THREE:
         rows.append(_time(pool))
-    messages, places, coded = _messages(refusals(type(block)), index, pool), {}, []
+    messages, indices, coded = _messages(refusals(type(block)), index, pool), {}, []
     for v in vs:
         if codes := v.declaration.codes:
-            if codes not in places:
-                places[codes] = len(messages)
+            if codes not in indices:
+                indices[codes] = len(messages)
                 messages += _messages(codes, index, pool)
-            coded.append((offset(layout, v.name), pool.text(v.name.rpartition(".")[0]), places[codes]))
+            coded.append((offset(layout, v.name), pool.text(v.name.rpartition(".")[0]), indices[codes]))
     return TEMPLATE.render(
         guid=guid,
         longest_step=repr(LONGEST_STEP),
@@ -76,8 +77,8 @@ def model_header(block: Any, guid: str, turned: Mapping[str, str] | None = None,
 def abilities(block: Any) -> dict[str, str]:
     """What only this flavour can do, as attributes of the description's CoSimulation element."""
     index = {v.name: i for i, v in enumerate(variables(block))}
-    found = {"maxOutputDerivativeOrder": "2"} if _has(index, *SLAVE) else {}
-    return found | ({"canInterpolateInputs": "true"} if _has(index, *MASTER, INPUT_MODE) else {})
+    output = {"maxOutputDerivativeOrder": "2"} if _has(index, *SLAVE) else {}
+    return output | ({"canInterpolateInputs": "true"} if _has(index, *MASTER, INPUT_MODE) else {})
 
 
 def _has(index: dict[str, int], *names: str) -> bool:
@@ -91,7 +92,7 @@ def _indices(index: dict[str, int], names: Iterable[str], *others: str) -> list[
 
 
 class Pool:
-    """Texts and lists of numbers: each is stored once, and is identified by the place in the array where it begins."""
+    """Texts and lists of numbers: each is stored once, and is identified by the index in the array where it starts."""
 
     def __init__(self) -> None:
         self.texts: dict[str, int] = {}
@@ -108,7 +109,15 @@ class Pool:
 def _variable(v: Variable, layout: Any, pool: Pool, allowed: int) -> Row:
     role = pool.text(f"{v.variability} {v.causality}")
     modes = "0" if not v.settable else BEFORE_STEPS if v.variability == "fixed" else f"{BEFORE_STEPS} | STEPPING"
-    return offset(layout, v.name), allowed, modes, flag(v.causality == "input"), role, flag(v.judged), v.kind.upper()
+    return (
+        offset(layout, v.name),
+        allowed,
+        modes,
+        literal(v.causality == "input"),
+        role,
+        literal(v.checked),
+        v.kind.upper(),
+    )
 
 
 def _range(v: Variable, pool: Pool) -> Row:
@@ -117,31 +126,30 @@ def _range(v: Variable, pool: Pool) -> Row:
     low, high = max(d.min, nextafter(d.above, inf)), min(d.max, nextafter(d.below, -inf))
     smallest = d.smallest if d.zero else max(d.smallest, nextafter(0.0, inf))
     choices = pool.numbers(len(v.choices), *(int(m) for m in v.choices))
-    return number(low), number(high), number(smallest), flag(d.zero), choices, pool.text(v.allowed_range)
+    return number(low), number(high), number(smallest), literal(d.zero), choices, pool.text(v.allowed_range)
 
 
 def _time(pool: Pool) -> Row:
-    """The row of the time, which lies in the unit and not in the block; since it is never set, no range is its own."""
+    """The row of the time, which is in the unit and not in the block; since it is never set, no range is its own."""
     return "TIME_OFFSET", 0, "0", "false", pool.text("continuous independent"), "false", "REAL"
 
 
 def _distances(offsets: Iterable[int]) -> list[int]:
-    """Places in memory, each by its distance from the one before, the first by that from -1; 0 comes last."""
-    places = sorted(offsets)
-    return [place - before for before, place in pairwise([-1, *places])] + [0]
+    """Offsets in memory, each by its distance from the one before, the first by that from -1; 0 comes last."""
+    return [offset - before for before, offset in pairwise([-1, *sorted(offsets)])] + [0]
 
 
 def _counts(block: Any, layout: Any) -> list[Row]:
-    """The place and the largest value of each field that is declared as a count."""
-    found = ((c, {f.name: f for f in fields(c.owner)}[c.attribute].metadata) for c in cells(block))
-    return [(offset(layout, c.name), metadata["most"]) for c, metadata in found if "most" in metadata]
+    """The offset and the largest value of each field that is declared as a count."""
+    cells_with_metadata = ((c, {f.name: f for f in fields(c.owner)}[c.attribute].metadata) for c in cells(block))
+    return [(offset(layout, c.name), metadata["most"]) for c, metadata in cells_with_metadata if "most" in metadata]
 
 
 def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool) -> list[Row]:
     """The message of each code except 0: its meaning in words, and the variables whose values the message shows.
 
     A variable is given by its number. One in the group of the variable that holds the code, such as `.velocity`, is
-    given by the place of its text behind all numbers."""
+    given by the index of its text behind all numbers."""
     rows: list[Row] = []
     for m in codes:
         if m != 0:
@@ -153,11 +161,6 @@ def _messages(codes: Iterable[Any], index: dict[str, int], pool: Pool) -> list[R
 def number(x: float) -> str:
     """A number in C, with all its bits."""
     return ("-" if x < 0 else "") + "INFINITY" if isinf(x) else float(x).hex()
-
-
-def flag(value: bool) -> str:
-    """A Boolean in C."""
-    return "true" if value else "false"
 
 
 def quoted(text: str) -> str:

@@ -1,4 +1,4 @@
-"""Makes drawings and pages small, so that an FMU stays small: they lose what nobody sees."""
+"""Makes drawings and pages small, so that an FMU stays small: what is invisible is removed."""
 
 import re
 
@@ -6,23 +6,23 @@ PATH = re.compile(rb' d="((?:[ML] \S+ \S+ \n|z\n)+)"')  # of straight lines only
 POINT = re.compile(rb"([MLz])(?: (\S+) (\S+))?")
 PLOT = re.compile(r"(<pre>.*?</pre>)", re.S)  # of characters: its lines and blanks are seen
 LINE_END = re.compile(r"(?<=[^>])\n")  # in a running text
-OPTIONAL = re.compile(r"</(?:td|th|tr|tbody|li)>\n?")  # end tags that HTML can do without
+OPTIONAL = re.compile(r"</(?:td|th|tr|tbody|li)>\n?")  # end tags that are optional in HTML
 
 
 def compact_page(page: str) -> str:
     """An HTML page without line ends in running texts, and without the end tags of cells, rows and items of lists.
 
-    Apostrophes stand as such: attributes are in quotation marks."""
+    Apostrophes are written as such, since attributes are in quotation marks."""
     texts = PLOT.split(page.replace("&#39;", "'"))
     texts[::2] = [OPTIONAL.sub("", LINE_END.sub(" ", text)) for text in texts[::2]]
     return "".join(texts)
 
 
-def compact(drawn: bytes) -> bytes:
-    """Matplotlib's drawing with places to a tenth of a point, each relative to the one before it.
+def compact(drawing: bytes) -> bytes:
+    """Matplotlib's drawing with coordinates to a tenth of a point, each relative to the one before it.
 
-    Metadata, indentation, groups without a purpose, names that nothing refers to and turns by nothing are left out."""
-    text = re.sub(rb"-?\d+\.\d{2,}", lambda number: b"%g" % round(float(number[0]), 1), drawn)
+    Metadata, indentation, groups without a purpose, names that nothing refers to and rotations by 0 are left out."""
+    text = re.sub(rb"-?\d+\.\d{2,}", lambda number: b"%g" % round(float(number[0]), 1), drawing)
     text = re.sub(rb"\s*<metadata>.*?</metadata>|<\?xml.*?>\s*|<!DOCTYPE.*?>\s*", b"", text, flags=re.S)
     text = re.sub(rb' transform="rotate\(-?0 [^)]*\)"', b"", text)
     used = set(re.findall(rb"#(\w+)", text))
@@ -34,15 +34,15 @@ def compact(drawn: bytes) -> bytes:
 
 
 def _relative(path: bytes) -> bytes:
-    """A path of straight lines: where it begins, then from each point to the next."""
+    """A path of straight lines: its start, then the steps from each point to the next."""
     at = start = (0.0, 0.0)
     steps = []
-    for command, *place in POINT.findall(path):
+    for command, *point in POINT.findall(path):
         if command == b"z":
             steps.append(b"z")
             at = start
             continue
-        x, y = map(float, place)
+        x, y = map(float, point)
         steps.append(b"%s%g %g" % (b"m" if command == b"M" else b" ", round(x - at[0], 1), round(y - at[1], 1)))
         at = x, y
         start = at if command == b"M" else start

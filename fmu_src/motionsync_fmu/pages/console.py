@@ -1,4 +1,4 @@
-"""What the commands print alike: the consoles, and judged expectations."""
+"""The consoles on which commands print, and how a headline and expectations are printed."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.markup import escape
 
-if TYPE_CHECKING:  # they load NumPy, which `motionsync list` does not need
-    from ..scenario.judge import Check
+if TYPE_CHECKING:  # the second one loads NumPy, which `motionsync list` does not need
+    from rich.table import Table
+
+    from ..scenario.evaluate.expectations import Check
+    from ..scenario.evaluate.reference_comparison import Deviation
 
 out = Console(highlight=False, soft_wrap=True, emoji=False)
 wide = Console(highlight=False, markup=False, emoji=False, width=1000)  # for tables: the terminal wraps long lines
@@ -22,12 +25,16 @@ def print_headline(title: str, source: str, passed: bool, remarks: int = 0) -> N
     out.print(f"[bold]{escape(title)}[/] ({escape(source)}): {mark}")
 
 
-def print_checks(checks: "Iterable[Check]") -> None:
-    """Print a line for each expectation."""
+def print_checks(checks: "Iterable[Check | Deviation]", indent: str = "  ") -> None:
+    """Print a line for each expectation and each comparison with a reference."""
     for c in checks:
-        out.print(f"  {verdict(c.passed)}  {escape(c.text)}")
+        verdict = "met    " if c.passed else "[red]not met[/]"
+        out.print(f"{indent}{verdict}  {escape(c.text)}")
 
 
-def verdict(passed: bool) -> str:
-    """What became of an expectation, as markup."""
-    return "kept  " if passed else "[red]broken[/]"
+def print_table(table: "Table") -> None:
+    """Print a table: as wide as the terminal, or with all of its columns in full where there is no terminal."""
+    if out.is_terminal:
+        out.print(table, soft_wrap=False)
+    else:
+        wide.print(table)

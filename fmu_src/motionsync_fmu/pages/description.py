@@ -1,7 +1,7 @@
-"""What `motionsync describe`, `motionsync error` tell of a block: its variables, enumerations and fault codes."""
+"""Prints a block's variables, enumerations and fault codes for `motionsync describe` and `motionsync error`."""
 
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -18,12 +18,12 @@ ENDLESS = 10_000  # the width where there is no terminal
 
 
 @dataclass(frozen=True)
-class Code:
+class CodeMeaning:
     """A fault code of a block.
 
     Attributes:
         member: the member of the block's enumeration, with its value, name and description.
-        carriers: the variables that carry it.
+        carriers: the variables that have it as a value.
     """
 
     block: str
@@ -38,33 +38,33 @@ class Code:
 
     @property
     def shows(self) -> list[str]:
-        """The names of the variables whose values a message shows; `.velocity` lies in the group of the error_id."""
+        """The names of the variables whose values a message shows; `.velocity` is in the group of the error_id."""
         return [f"<command>{name}" if name.startswith(".") else name for name in self.member.names]
 
 
-def codes_of(name: str, block: Any) -> list[Code]:
+def codes_of(name: str, block: Any) -> list[CodeMeaning]:
     """The fault codes of a block, in the order of its enumerations; 0, which is no fault, is none of them."""
     carriers: dict[Any, list[str]] = {}
     for v in variables(block):
         if v.declaration.codes:
             carriers.setdefault(v.declaration.codes, []).append(v.name)
-    return [Code(name, m, tuple(of)) for kind, of in carriers.items() for m in members(kind) if m.value != 0]
+    return [CodeMeaning(name, m, tuple(of)) for kind, of in carriers.items() for m in members(kind) if m.value != 0]
 
 
-def all_codes() -> list[Code]:
+def all_codes() -> list[CodeMeaning]:
     """The fault codes of all blocks."""
     return [code for name, kind in BLOCKS.items() for code in codes_of(name, kind())]
 
 
 def print_variables(
-    block: Any, unit: str, slave_unit: str, starts: Mapping[str, str], turned: Mapping[str, str]
+    block: Any, unit: str, slave_unit: str, starts: Mapping[str, str], overrides: Mapping[str, str]
 ) -> None:
     """Print a block's variables by groups, each with its meaning below it, as wide as the terminal.
 
     `unit`: the unit of positions; `slave_unit`: the unit of the slave's positions (empty: the same as `unit`);
-    `starts`: start values in place of the block's, as texts by name; `turned`: as for `interface.variables.variables`.
+    `starts`: start values in place of the block's, as texts by name; `overrides`: as for `interface.variables`.
     """
-    for group in groups(block, unit, slave_unit, turned):
+    for group in groups(block, unit, slave_unit, overrides):
         out.print(f"\n[bold]{escape(group.name or 'without a group')}[/]: {escape(group.summary)}")
         for row in group.rows:
             _print_wrapped(f"  {row.name}  {_facts(row, starts.get(row.name, row.start))}", 6)
@@ -79,7 +79,7 @@ def print_enumerations(block: Any) -> None:
             _print_wrapped(f"  {member.value:3d} {member.name}: {member.description}", 8)
 
 
-def print_codes(codes: list[Code]) -> None:
+def print_codes(codes: list[CodeMeaning]) -> None:
     """Print the fault codes of a block, a sentence each, below the variables that carry them."""
     for carriers, group in groupby(codes, lambda code: code.carriers):
         out.print()
@@ -88,7 +88,7 @@ def print_codes(codes: list[Code]) -> None:
             _print_wrapped(f"  {code.number} {code.member.name}: {code.member.description}", 8)
 
 
-def print_code(code: Code) -> None:
+def print_code(code: CodeMeaning) -> None:
     """Explain one fault code."""
     out.print(f"[bold]{escape(code.block)}, {code.number}[/] ({code.member.name})")
     _print_wrapped(f"  {code.member.description}", 2)
@@ -106,13 +106,9 @@ def _facts(row: Row, start: str) -> str:
 
 
 def _print_wrapped(text: str, indent: int) -> None:
-    for line in _lines(text, indent):
-        out.print(escape(line))
-
-
-def _lines(text: str, indent: int) -> Iterator[str]:
-    """The text in lines that fit the terminal; one line where there is none."""
+    """Print a text in lines that fit the terminal; in one line where there is none."""
     width = out.width if out.is_terminal else ENDLESS
-    yield from textwrap.wrap(
+    for line in textwrap.wrap(
         text, width, subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False
-    )
+    ):
+        out.print(escape(line))

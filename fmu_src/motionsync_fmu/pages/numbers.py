@@ -1,4 +1,4 @@
-"""Which points of a curve are drawn, and with how many digits: as much as a screen shows."""
+"""Selects the points of a curve that are drawn, and rounds them: no more than a screen shows."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -17,17 +17,28 @@ FAR = 5.0  # a step of a position that is so many times what its velocity allows
 NONE: Indices = np.array([], np.int64)
 
 
-def thinned(values: Reals, kept: Indices = NONE) -> Indices:
+def thinned(values: Reals, required: Indices = NONE) -> Indices:
     """The indices of the points to draw: all, or of many points the least and the greatest of each stretch.
 
-    `kept`: indices that are drawn in any case."""
+    `required`: indices that are drawn in any case."""
     if len(values) <= 2 * BUCKETS:
         return np.arange(len(values))
     size = -(-len(values) // BUCKETS)
     whole = len(values) // size * size
     stretches, begins = values[:whole].reshape(-1, size), np.arange(0, whole, size)
     extremes = (begins + stretches.argmin(axis=1), begins + stretches.argmax(axis=1))
-    return np.unique(np.concatenate([[0], kept, *extremes, np.arange(whole, len(values))]))
+    return np.unique(np.concatenate([[0], required, *extremes, np.arange(whole, len(values))]))
+
+
+def evenly_spaced(count: int, most: int) -> Indices:
+    """At most so many of the indices below `count`, evenly spaced from the first to the last."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def true_stretches(values: NDArray[Any]) -> list[tuple[int, int]]:
+    """The stretches in which the values are true: of each its first index, and the one after its last."""
+    borders = np.flatnonzero(np.diff(values.astype(bool), prepend=False, append=False)).tolist()
+    return list(zip(borders[::2], borders[1::2], strict=True))
 
 
 def rounded(values: Iterable[float], digits: int = DIGITS) -> list[Any]:
@@ -49,10 +60,10 @@ def jumps(time: Reals, position: Reals, velocity: Reals) -> Indices:
     return np.flatnonzero((steps > 0.5 * float(np.ptp(position))) & (steps > FAR * fastest)) + 1
 
 
-def points(time: Reals, values: Reals, kept: Indices = NONE, gaps: Indices = NONE) -> tuple[list[Any], list[Any]]:
-    """The places of a curve's points on the screen. `kept`: indices of points that are drawn in any case; `gaps`: of
-    points before which the line has a gap."""
-    chosen = thinned(values, np.union1d(kept, np.union1d(gaps, gaps - 1)).astype(np.int64))
-    x, y = time[chosen], values[chosen]
-    at = np.searchsorted(chosen, gaps)
+def points(time: Reals, values: Reals, required: Indices = NONE, gaps: Indices = NONE) -> tuple[list[Any], list[Any]]:
+    """The coordinates of a curve's points. `required`: indices of points that are drawn in any case; `gaps`: of points
+    before which the line has a gap."""
+    selected = thinned(values, np.union1d(required, np.union1d(gaps, gaps - 1)).astype(np.int64))
+    x, y = time[selected], values[selected]
+    at = np.searchsorted(selected, gaps)
     return rounded(np.insert(x, at, x[at]), TIME_DIGITS), rounded(np.insert(y, at, np.nan))

@@ -1,7 +1,7 @@
 """Pictures of a block's example: the page's, the README's and the FMU's icon.
 
-An example is the scenario in the block's folder, `example.toml`; a picture draws what a run of it in this process puts
-out. `python -m motionsync_fmu.pages.pictures FOLDER` writes FOLDER/<block>.svg for every block.
+An example is the scenario in the block's folder, `example.toml`; a picture shows the outputs of a run of it in this
+process. `python -m motionsync_fmu.pages.pictures FOLDER` writes FOLDER/<block>.svg for every block.
 """
 
 import io
@@ -21,14 +21,17 @@ from motionsync.blocks import BLOCKS
 from motionsync.var import Unit
 
 from ..interface.units import axis_label, unit_name
-from ..scenario.cuts import CutSpec, passages, reach
-from ..scenario.example import example_of
-from ..scenario.pieces import Piece, coupling_factor, find_pieces
+from ..scenario.cutting import CutSpec
+from ..scenario.evaluate.cuts import passages, reach
+from ..scenario.evaluate.find_pieces import Piece, coupling_factor, find_pieces
+from ..scenario.evaluate.remote_errors import remote_errors
+from ..scenario.files.example import load_example
 from ..scenario.recording import Reals, Recording
-from ..scenario.run import run_in_process
+from ..scenario.remote_view import RemoteView
+from ..scenario.run.simulation import run_in_process
 from ..scenario.scenario import Scenario
-from ..scenario.telegrams import Remote, errors
 from .compact import compact
+from .numbers import true_stretches
 from .style import MASTER, SLAVE
 
 STYLE: Any = {  # the same picture at every build
@@ -45,12 +48,12 @@ STYLE: Any = {  # the same picture at every build
 VARIANTS = (SLAVE, "#1f6fb2")  # the slave's colour in each of an example's runs
 ICON_COLOURS = 8  # an icon needs few shades
 SHADE: Any = {"color": "#d5ead8", "linewidth": 0.0, "zorder": 0}
-BESIDE = 0.35  # of the saw's range, beside it, in which ends of pieces are drawn
+OUTSIDE = 0.35  # of the saw's range: how far outside of it ends of pieces are drawn
 MOST_POINTS = 270  # of a line; of a longer recording only every n-th point is drawn
 
 
 @dataclass(frozen=True)
-class Line:
+class PictureCurve:
     """Values over a panel's time."""
 
     label: str
@@ -61,7 +64,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """One of the plots that stand above one another in a picture.
+    """One of the plots of a picture, which are above one another.
 
     Attributes:
         label: what is shown, in which unit.
@@ -71,21 +74,21 @@ class Panel:
 
     label: str
     time: Reals
-    lines: list[Line]
+    curves: list[PictureCurve]
     shaded: Reals | None = None
 
 
 @dataclass(frozen=True)
-class Run:
-    """A run of the example, and how its lines are drawn."""
+class PictureVariant:
+    """A run of the example, and the name and colour of its curves."""
 
     name: str
     colour: str
     recording: Recording
 
 
-def panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Panel]:
-    """An example's plots, the main one first.
+def make_panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Panel]:
+    """Make the plots of an example, the main one first.
 
     `unit`: the name of the unit of positions in the plots; `slave_unit`: that of the slave's positions (empty: the same
     as `unit`).
@@ -94,7 +97,7 @@ def panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Panel]:
         UserError: the block refuses its example.
     """
     runs = [
-        Run(name, colour, run_in_process(variant, example.step_size))
+        PictureVariant(name, colour, run_in_process(variant, example.step_size))
         for (name, variant), colour in zip(_variants(example).items(), VARIANTS, strict=False)
     ]
     motion = _errors(example.remote, runs, unit) if example.remote else _motion(example, runs, unit, slave_unit)
@@ -102,33 +105,35 @@ def panels(example: Scenario, unit: str, slave_unit: str = "") -> list[Panel]:
 
 
 def _variants(example: Scenario) -> dict[str, Scenario]:
-    """The runs that the picture shows together, by the names of their lines."""
+    """The scenarios whose runs the picture shows together, by the names of their curves."""
     variants = {
         name: replace(example, start={**example.start, **start}) for name, start in example.picture.variants.items()
     }
     return variants or {"slave": example}
 
 
-def _motion(example: Scenario, runs: list[Run], unit: str, slave_unit: str) -> list[Panel]:
-    """Position and velocity of master and slave, and the slave's acceleration.
+def _motion(example: Scenario, runs: list[PictureVariant], unit: str, slave_unit: str) -> list[Panel]:
+    """Plots of position and velocity of master and slave, and of the slave's acceleration.
 
     In place of the material's position, a saw is shown with the marks that pass it, or with the cuts that it makes."""
     first = runs[0].recording
-    drawn, shaded = _thinned(first.time), example.picture.shaded
+    selected, shaded = _thinned(first.time), example.picture.shaded
     position, velocity = first.master[:, 0], first.master[:, 1]
     pieces = find_pieces(example, first)
     master = {Unit.POSITION: position % example.period if example.period else position, Unit.VELOCITY: velocity}
 
     def panel(kind: Unit, name: str) -> Panel:
-        followed = [Line("master", MASTER, 1.5, _broken(master[kind][drawn]))] if kind in master else []
+        followed = [PictureCurve("master", MASTER, 1.5, _broken(master[kind][selected]))] if kind in master else []
         if kind == Unit.POSITION and example.cuts:
-            followed = [Line("marks on the master", MASTER, 1.5, _marks(example.cuts, first)[drawn])]
+            followed = [PictureCurve("marks on the master", MASTER, 1.5, _marks(example.cuts, first)[selected])]
         if kind == Unit.POSITION and pieces:
-            followed = [Line("ends of the pieces", MASTER, 1.5, piece_ends(pieces, example, first)[drawn])]
+            followed = [PictureCurve("ends of the pieces", MASTER, 1.5, piece_ends(pieces, example, first)[selected])]
         label = axis_label(kind, unit, slave_unit) if followed else unit_name(kind, slave_unit or unit)
-        lines = [Line(r.name, r.colour, 2.2, _broken(r.recording.values[f"slave.{name}"][drawn])) for r in runs]
-        shade = first.values[shaded][drawn] if shaded else None
-        return Panel(_labelled(name, label), first.time[drawn], followed + lines, shade)
+        curves = [
+            PictureCurve(r.name, r.colour, 2.2, _broken(r.recording.values[f"slave.{name}"][selected])) for r in runs
+        ]
+        shade = first.values[shaded][selected] if shaded else None
+        return Panel(_labelled(name, label), first.time[selected], followed + curves, shade)
 
     return [
         panel(Unit.POSITION, "position"),
@@ -138,60 +143,64 @@ def _motion(example: Scenario, runs: list[Run], unit: str, slave_unit: str) -> l
 
 
 def _marks(spec: CutSpec, recording: Recording) -> Reals:
-    """Where the mark is that passes the saw at each point; a gap where none does, or where another one takes over."""
-    places = np.full(len(recording.time), np.nan)
+    """The position of the mark that passes the saw at each point; a gap where none does, or before the next one."""
+    positions = np.full(len(recording.time), np.nan)
     for passage in passages(spec, recording, *reach(spec, recording)):
         at = np.searchsorted(recording.time, passage.time)
-        places[at], places[at[0]] = passage.position, np.nan
-    return places
+        positions[at], positions[at[0]] = passage.position, np.nan
+    return positions
 
 
 def piece_ends(pieces: Sequence[Piece], example: Scenario, recording: Recording) -> Reals:
-    """Where the end of a piece is at each point that passes the saw's range, or a place beside it; a gap where none
-    does, or where another one takes over."""
+    """The position of the end of a piece at each point, while it passes the saw's range or is a little outside of it; a
+    gap where none does, or before the next one."""
     factor = coupling_factor(example, recording)
-    saw, places = recording.values["slave.position"], np.full(len(recording.time), np.nan)
-    room = BESIDE * float(np.ptp(saw))
+    saw, positions = recording.values["slave.position"], np.full(len(recording.time), np.nan)
+    margin = OUTSIDE * float(np.ptp(saw))
     for piece in pieces:
         passing = factor * (recording.master[:, 0] - piece.end)
-        inside = np.flatnonzero((passing >= saw.min() - room) & (passing <= saw.max() + room))
-        places[inside] = passing[inside]
-        places[inside[:1]] = np.nan
-    return places
+        inside = np.flatnonzero((passing >= saw.min() - margin) & (passing <= saw.max() + margin))
+        positions[inside] = passing[inside]
+        positions[inside[:1]] = np.nan
+    return positions
 
 
-def _errors(remote: Remote, runs: list[Run], unit: str) -> list[Panel]:
-    """How far the position is from the true one, and how far the index is ahead of the receiver's own."""
-    found = [errors(remote, run.recording) for run in runs]
-    cycles = _cycles(remote, found[0].time)
+def _errors(remote: RemoteView, runs: list[PictureVariant], unit: str) -> list[Panel]:
+    """Plots of the error of the position, and of how far the index is ahead of the receiver's own."""
+    errors_of_runs = [remote_errors(remote, run.recording) for run in runs]
+    cycles = _cycles(remote, errors_of_runs[0].time)
     ahead = remote.telegrams.true_index[cycles] - cycles
-    drawn = _thinned(cycles)
+    selected = _thinned(cycles)
 
     def panel(label: str, received: Reals, corrected: list[Reals]) -> Panel:
-        lines = [Line("as received", MASTER, 1.2, received[drawn])]
-        lines += [Line(r.name, r.colour, 2.0, values[drawn]) for r, values in zip(runs, corrected, strict=True)]
-        return Panel(label, cycles[drawn] * remote.clocks.task_cycle, lines)
+        curves = [PictureCurve("as received", MASTER, 1.2, received[selected])]
+        curves += [
+            PictureCurve(r.name, r.colour, 2.0, values[selected]) for r, values in zip(runs, corrected, strict=True)
+        ]
+        return Panel(label, cycles[selected] * remote.clocks.task_cycle, curves)
 
     position = _labelled("position - true one", unit_name(Unit.POSITION, unit))
     return [
-        panel(position, found[0].position, [error.corrected_position for error in found]),
-        panel("index - receiver's", found[0].index + ahead, [error.corrected_index + ahead for error in found]),
+        panel(position, errors_of_runs[0].position, [e.corrected_position for e in errors_of_runs]),
+        panel(
+            "index - receiver's", errors_of_runs[0].index + ahead, [e.corrected_index + ahead for e in errors_of_runs]
+        ),
     ]
 
 
-def _curve(example: Scenario, runs: list[Run], name: str, label: str) -> Panel:
-    """One output, in all runs."""
+def _curve(example: Scenario, runs: list[PictureVariant], name: str, label: str) -> Panel:
+    """A plot of one output in all runs."""
     time = runs[0].recording.time[1:]
-    drawn = _thinned(time)
-    lines = [Line(run.name, run.colour, 2.0, run.recording.values[name][1:][drawn]) for run in runs]
+    selected = _thinned(time)
+    curves = [PictureCurve(run.name, run.colour, 2.0, run.recording.values[name][1:][selected]) for run in runs]
     if example.remote:
         time = _cycles(example.remote, time) * example.remote.clocks.task_cycle
-    return Panel(label, time[drawn], lines)
+    return Panel(label, time[selected], curves)
 
 
-def _cycles(remote: Remote, time: Reals) -> Reals:
+def _cycles(remote: RemoteView, time: Reals) -> Reals:
     """The receiver's cycles whose outputs are present at these times, and describe the axis at the cycles' instants."""
-    return np.array([remote.clocks.acted(t) - 1 for t in time.tolist()])
+    return np.array([remote.clocks.count_cycles(t) - 1 for t in time.tolist()])
 
 
 def _labelled(name: str, unit: str) -> str:
@@ -199,7 +208,7 @@ def _labelled(name: str, unit: str) -> str:
 
 
 def _thinned(time: Reals) -> slice:
-    """The points that are drawn."""
+    """The selection of points that are drawn."""
     return slice(None, None, 1 + len(time) // MOST_POINTS)
 
 
@@ -209,32 +218,37 @@ def _broken(values: Reals) -> Reals:
     return np.where(jumps, np.nan, values)
 
 
-def svg(example: Scenario, unit: str, slave_unit: str = "") -> bytes:
-    """The example with axes, as on the block's page."""
-    shown = panels(example, unit, slave_unit)
+def draw_example(example: Scenario, unit: str, slave_unit: str = "") -> bytes:
+    """Draw the example with axes, as SVG for the block's page."""
+    shown = make_panels(example, unit, slave_unit)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(7.6, 5.8), layout="constrained")
         parts = figure.subplots(len(shown), 1, sharex=True, height_ratios=(2, *(1 for _ in shown[1:])))
         for axes, panel in zip(parts, shown, strict=True):
             _plot(axes, panel)
-            axes.patch.set_visible(False)  # the whole picture has a ground
+            axes.patch.set_visible(False)  # the whole picture has a background
             for begin, end in _stretches(panel):
                 axes.axvspan(begin, end, **SHADE)
             axes.set_ylabel(panel.label)
         parts[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, frameon=False)
         figure.align_ylabels()
         parts[-1].set_xlabel("time in s")
-        out = io.BytesIO()
-        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+        return write_svg(figure)
+
+
+def write_svg(figure: Figure) -> bytes:
+    """Write a figure as SVG, small and the same at every build."""
+    out = io.BytesIO()
+    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
     return compact(out.getvalue())
 
 
-def icon(example: Scenario) -> bytes:
-    """The example's main plot without axes, as a PNG; the archive of the FMU packs it better than PNG does."""
+def draw_icon(example: Scenario) -> bytes:
+    """Draw the example's main plot without axes, as a PNG that is not compressed: the FMU's zip file does it better."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(1.28, 1.28), dpi=100, layout="constrained")
         axes = figure.subplots()
-        _plot(axes, panels(example, example.unit)[0])
+        _plot(axes, make_panels(example, example.unit)[0])
         axes.grid(visible=False)
         axes.set(xticks=[], yticks=[])
         axes.set_title(example.recipe.name, fontsize=8)
@@ -247,13 +261,13 @@ def icon(example: Scenario) -> bytes:
 def _stretches(panel: Panel) -> Iterator[tuple[float, float]]:
     """The first and the last point of time of each stretch in which a panel is shaded."""
     if panel.shaded is not None:
-        edges = np.flatnonzero(np.diff(panel.shaded.astype(bool), prepend=False, append=False))
-        yield from zip(panel.time[edges[::2]].tolist(), panel.time[edges[1::2] - 1].tolist(), strict=True)
+        for first, after in true_stretches(panel.shaded):
+            yield float(panel.time[first]), float(panel.time[after - 1])
 
 
 def _plot(axes: Axes, panel: Panel) -> None:
-    for line in panel.lines:
-        axes.plot(panel.time, line.values, color=line.colour, linewidth=line.width, label=line.label)
+    for curve in panel.curves:
+        axes.plot(panel.time, curve.values, color=curve.colour, linewidth=curve.width, label=curve.label)
 
 
 def main() -> None:
@@ -261,8 +275,8 @@ def main() -> None:
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     for name in BLOCKS:
-        example = example_of(name)
-        (folder / f"{name}.svg").write_bytes(svg(example, example.unit))
+        example = load_example(name)
+        (folder / f"{name}.svg").write_bytes(draw_example(example, example.unit))
 
 
 if __name__ == "__main__":

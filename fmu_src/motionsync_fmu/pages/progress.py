@@ -1,4 +1,4 @@
-"""Tells on the error stream what is being done: before it is done, and again and again while it lasts."""
+"""Reports on the error stream what a command does: before it is done, and repeatedly while it lasts."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,63 +10,63 @@ from rich.progress import BarColumn, Progress, TextColumn
 
 from .console import err
 
-BEAT = 1.5  # s between two signs of life
-PATIENCE = 1.0  # s; what takes less need not be told
-LINE = 10.0  # s between two lines of a count
+DOT_INTERVAL = 1.5  # s between two signs of life
+PATIENCE = 1.0  # s; what takes less need not be reported
+LINE_INTERVAL = 10.0  # s between two lines of a count
 
 
 @contextmanager
-def doing(what: str, *, at_once: bool = True) -> Iterator[Callable[[str], None]]:
-    """Tell what is done inside; the function that is given tells a part of it.
+def report_progress(task: str, *, at_once: bool = True) -> Iterator[Callable[[str], None]]:
+    """Report the task that is done inside; the function that is yielded reports a part of it.
 
-    On a terminal this is a line that moves, and vanishes at the end. Elsewhere (a pipe, a log) it is a line that gains
-    a dot with each BEAT; unless it is to come `at_once`, it is left out if all is done within PATIENCE."""
+    On a terminal this is an animated line, which vanishes at the end. Elsewhere (a pipe, a log) it is a line that gains
+    a dot each DOT_INTERVAL; unless it is to appear `at_once`, it is left out if the task is done within PATIENCE."""
     if err.is_terminal:
-        with err.status(what) as status:
-            yield lambda text: status.update(f"{what}: {text}")
+        with err.status(task) as status:
+            yield lambda text: status.update(f"{task}: {text}")
         return
-    line = _Line(what)
+    line = _DottedLine(task)
     if at_once:
-        line.begin()
+        line.start()
     stop = Event()
-    beats = Thread(target=_beat, args=(line, stop), daemon=True)
-    beats.start()
+    dots = Thread(target=_add_dots, args=(line, stop), daemon=True)
+    dots.start()
     try:
-        yield line.tell
+        yield line.add_part
     finally:
         stop.set()
-        beats.join()
+        dots.join()
         line.end()
 
 
 @dataclass
-class Count:
-    """How many of something are done, how fast that goes, and how long the rest takes.
+class CountReport:
+    """Reports how many of something are done, how fast that goes, and how long the rest takes.
 
     Attributes:
         unit: what is counted.
-        tell: tells a line between.
+        notify: reports a line of text in between.
         show: shows how many are done, of how many, and the same as a text with rate and time left.
     """
 
     unit: str
-    tell: Callable[[str], None]
+    notify: Callable[[str], None]
     show: Callable[[int, int, str], None]
-    begun: tuple[float, int] | None = field(default=None, init=False)  # s, and how many were done then
+    first_call: tuple[float, int] | None = field(default=None, init=False)  # s, and how many were done then
 
-    def __call__(self, done: int, whole: int) -> None:
-        """Tell that so many are done; those of the first call were done before."""
+    def __call__(self, done: int, total: int) -> None:
+        """Report how many are done; those of the first call were done before."""
         now = monotonic()
-        begin, before = self.begun = self.begun or (now, done)
-        text = f"{done:,} of {whole:,} {self.unit}"
-        if done > before and now > begin:
-            rate = (done - before) / (now - begin)
-            text += f", {rate:,.3g} {self.unit}/s, {duration((whole - done) / rate)} left"
-        self.show(done, whole, text)
+        start, done_before = self.first_call = self.first_call or (now, done)
+        text = f"{done:,} of {total:,} {self.unit}"
+        if done > done_before and now > start:
+            rate = (done - done_before) / (now - start)
+            text += f", {rate:,.3g} {self.unit}/s, {duration((total - done) / rate)} left"
+        self.show(done, total, text)
 
 
 def duration(time: float) -> str:
-    """A time (s) as people say it: 12 s, 3 min 20 s, 5 h 7 min."""
+    """A time (s) in everyday units: 12 s, 3 min 20 s, 5 h 7 min."""
     minutes, seconds = divmod(round(time), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:
@@ -75,59 +75,59 @@ def duration(time: float) -> str:
 
 
 @contextmanager
-def counting(what: str, unit: str) -> Iterator[Count]:
-    """Tell how many of something are done inside: call what is given with the number, and with that of all.
+def report_count(task: str, unit: str) -> Iterator[CountReport]:
+    """Report how many of something are done inside: call what is yielded with the number done and the total.
 
-    On a terminal this is a bar, which vanishes at the end. Elsewhere it is a line every LINE seconds, with dots."""
+    On a terminal this is a bar, which vanishes at the end. Elsewhere it is a line each LINE_INTERVAL, with dots."""
     if err.is_terminal:
         with Progress(TextColumn("{task.description}"), BarColumn(), console=err, transient=True) as bars:
-            bar = bars.add_task(what, total=None)
+            bar = bars.add_task(task, total=None)
 
-            def move(done: int, whole: int, text: str) -> None:
-                bars.update(bar, total=whole, completed=done, description=text)
+            def update_bar(done: int, total: int, text: str) -> None:
+                bars.update(bar, total=total, completed=done, description=text)
 
-            yield Count(unit, err.print, move)
+            yield CountReport(unit, err.print, update_bar)
         return
-    with doing(what, at_once=False) as tell:
-        told = monotonic()
+    with report_progress(task, at_once=False) as notify:
+        last_line = monotonic()
 
-        def show(done: int, whole: int, text: str) -> None:
-            nonlocal told
-            if monotonic() - told >= LINE:
-                told = monotonic()
-                tell(text)
+        def show(_done: int, _total: int, text: str) -> None:
+            nonlocal last_line
+            if monotonic() - last_line >= LINE_INTERVAL:
+                last_line = monotonic()
+                notify(text)
 
-        yield Count(unit, tell, show)
+        yield CountReport(unit, notify, show)
 
 
-class _Line:
-    """A line that is begun once and gains dots."""
+class _DottedLine:
+    """A line of text that starts once and then gains dots."""
 
-    def __init__(self, what: str) -> None:
-        self.what = what
-        self.begun = False
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.has_started = False
 
-    def begin(self) -> None:
-        if not self.begun:
-            self.begun = True
-            err.print(f"{self.what} ..", end="")
+    def start(self) -> None:
+        if not self.has_started:
+            self.has_started = True
+            err.print(f"{self.text} ..", end="")
 
-    def dot(self) -> None:
-        self.begin()
+    def add_dot(self) -> None:
+        self.start()
         err.print(".", end="")
 
-    def tell(self, text: str) -> None:
-        """Tell a part on a line of its own."""
-        self.begin()
+    def add_part(self, text: str) -> None:
+        """Report a part of the task on a line of its own."""
+        self.start()
         err.print(f"\n  {text} ..", end="")
 
     def end(self) -> None:
-        if self.begun:
+        if self.has_started:
             err.print()
 
 
-def _beat(line: _Line, stop: Event) -> None:
-    if not line.begun and not stop.wait(PATIENCE):
-        line.begin()
-    while not stop.wait(BEAT):
-        line.dot()
+def _add_dots(line: _DottedLine, stop: Event) -> None:
+    if not line.has_started and not stop.wait(PATIENCE):
+        line.start()
+    while not stop.wait(DOT_INTERVAL):
+        line.add_dot()

@@ -7,41 +7,41 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from markupsafe import Markup
 
-from ..archive import beside
 from ..errors import UserError
-from .state_diagram import drawn
+from ..interface.block_folder import block_file
+from .state_diagram import draw_diagram
 
 FILE = "README.md"
 FIGURE = Markup('<figure>\n<img src="{file}" alt="{title}">\n<figcaption>{caption}</figcaption>\n</figure>\n')
-ELSEWHERE = ("http://", "https://")  # what a link that works inside an FMU begins with
+ELSEWHERE = ("http://", "https://")  # how a link starts that works inside an FMU
 
 
-def readme(block_type: type[Any]) -> str:
-    """The README.md in the folder of a block.
+def read_readme(block_type: type[Any]) -> str:
+    """Read the README.md in the folder of a block.
 
     Raises:
-        UserError: there is none.
+        UserError: it is missing.
     """
-    file = beside(block_type, FILE)
+    file = block_file(block_type, FILE)
     try:
         return file.read_text("utf-8")
     except OSError as e:
         raise UserError(f"{file}: cannot be read: {e}: a block's README.md is part of its page") from None
 
 
-def rendered(text: str, picture: str, title: str) -> Markup:
-    """A README as HTML below a page's own title.
+def render_readme(text: str, picture: str, title: str) -> Markup:
+    """Render a README as HTML below a page's own title.
 
-    The title of the README is left out; the page's own `picture`, a file beside the page that shows what `title` says,
-    stands with the README's caption in place of the README's picture; the state diagram is drawn; links to files
-    outside the FMU become plain text.
+    The title of the README is left out; the page's own `picture`, a file next to the page with the alternative text
+    `title`, replaces the README's picture and has its caption; the state diagram is drawn; links to files outside the
+    FMU become plain text.
     """
     markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
-    tokens = list(_fitted(markdown.parse(text), picture, title))
+    tokens = list(_adapt(markdown.parse(text), picture, title))
     return Markup(markdown.renderer.render(tokens, markdown.options, {}))
 
 
-def _fitted(tokens: list[Token], picture: str, title: str) -> Iterator[Token]:
+def _adapt(tokens: list[Token], picture: str, title: str) -> Iterator[Token]:
     """The README's tokens as the page needs them."""
     for before, token, after in zip([None, *tokens], tokens, [*tokens[1:], None], strict=False):
         if token.tag == "h1" or (before and before.tag == "h1" and before.nesting == 1):
@@ -52,7 +52,7 @@ def _fitted(tokens: list[Token], picture: str, title: str) -> Iterator[Token]:
             caption = token.children[0].content if token.children else ""
             yield _html(FIGURE.format(file=picture, title=title, caption=caption))
         elif token.type == "fence" and token.info.strip() == "mermaid":
-            yield _html(drawn(token.content))
+            yield _html(draw_diagram(token.content))
         else:
             if token.children:
                 token.children = list(_without_links(token.children))
@@ -64,12 +64,12 @@ def _is_picture(token: Token | None) -> bool:
 
 
 def _without_links(tokens: list[Token]) -> Iterator[Token]:
-    """The tokens, in which only links to the network are still links."""
-    kept = True
+    """The tokens, with all links but those to the network as plain text."""
+    is_link_valid = True
     for token in tokens:
         if token.type == "link_open":
-            kept = str(token.attrGet("href")).startswith(ELSEWHERE)
-        if kept or token.type not in ("link_open", "link_close"):
+            is_link_valid = str(token.attrGet("href")).startswith(ELSEWHERE)
+        if is_link_valid or token.type not in ("link_open", "link_close"):
             yield token
 
 

@@ -1,4 +1,4 @@
-"""What an FMU brings along for whoever imports it: its block's example as a run to repeat, by FMI-LS-REF 1.0.0-alpha.1.
+"""Files in an FMU for the users of importers: its block's example as a run to repeat, by FMI-LS-REF 1.0.0-alpha.1.
 
 The layered standard fixes the folder and the manifest; its appendix describes the experiment. The parameters are an SSV
 file of SSP 1.0, inputs and reference are CSV files as the FMI cross-check has them.
@@ -8,21 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from ..archive import Files
+from ..interface.fingerprint import Files
 from ..interface.roles import MOTION
-from ..scenario.crosscheck import csv_text, inputs_csv
-from ..scenario.judge import read_reference
+from ..scenario.evaluate.reference_comparison import read_reference
+from ..scenario.evaluate.reference_files import csv_text, inputs_csv
 from ..scenario.scenario import Scenario
 from .numbers import rounded
-from .style import TEMPLATES
+from .style import TEMPLATES, load_template
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 POINTS = 100  # of the reference, about: every FMU carries it
 DIGITS = 12  # of its values: the error is below a hundredth of the tolerance
-COLUMNS = (
-    *(f"slave.{name}" for name in MOTION),
-    "state_code",
-)  # of it: the setpoint, and what the block does
+COLUMNS = (*(f"slave.{name}" for name in MOTION), "state_code")  # of it: the setpoint, and the state
 TEXTS = {
     f"{FOLDER}/fmi-ls-manifest.xml": "fmi-ls-manifest.xml",
     f"{FOLDER}/example.exp": "example.exp",
@@ -31,7 +28,7 @@ TEXTS = {
 
 
 def related_files(example: Scenario) -> Files:
-    """The files by their paths in the FMU; none if the example has no reference.
+    """Make the files, by their paths in the FMU; none if the example has no reference.
 
     Raises:
         UserError: the reference cannot be read.
@@ -40,10 +37,10 @@ def related_files(example: Scenario) -> Files:
     if reference is None:
         return {}
     names, table, _ = reference
-    kept = [name for name in COLUMNS if name in names]
-    columns = [0, *(1 + names.index(name) for name in kept)]
+    available = [name for name in COLUMNS if name in names]
+    columns = [0, *(1 + names.index(name) for name in available)]
     times = np.unique(table[:, 0])
-    shown = np.isin(table[:, 0], [*times[:: max(len(times) // POINTS, 1)], times[-1]])
+    selected = np.isin(table[:, 0], [*times[:: max(len(times) // POINTS, 1)], times[-1]])
     values: dict[str, Any] = {
         "example": example,
         "name": "example",
@@ -53,9 +50,9 @@ def related_files(example: Scenario) -> Files:
             if (v := example.recipe.variables[name])
         ],
     }
-    rows = [[time, *rounded(outputs, DIGITS)] for time, *outputs in table[shown][:, columns].tolist()]
-    files = {path: TEMPLATES.get_template(f"{name}.j2").render(values).encode() for path, name in TEXTS.items()}
+    rows = [[time, *rounded(outputs, DIGITS)] for time, *outputs in table[selected][:, columns].tolist()]
+    files = {path: load_template(TEMPLATES, f"{name}.j2").render(values).encode() for path, name in TEXTS.items()}
     return files | {
         f"{FOLDER}/example_in.csv": inputs_csv(example).encode(),
-        f"{FOLDER}/example_ref.csv": csv_text(["time", *kept], rows).encode(),
+        f"{FOLDER}/example_ref.csv": csv_text(["time", *available], rows).encode(),
     }

@@ -5,14 +5,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ..scenario.crosscheck import command_line, csv_text, inputs_csv, inputs_file
-from ..scenario.figures import figures
-from ..scenario.judge import check, compare
-from ..scenario.outcome import Outcome
+from ..scenario.evaluate.expectations import check_expectations
+from ..scenario.evaluate.key_figures import compute_key_figures
+from ..scenario.evaluate.outcome import ScenarioOutcome
+from ..scenario.evaluate.reference_comparison import compare_with_reference
+from ..scenario.evaluate.reference_files import command_line, csv_text, inputs_csv, inputs_file
+from ..scenario.files.shipped import scenario_name
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
-from ..scenario.shipped import called
-from .report.page import AS_FILED, happened, write_report
+from .report.page import NO_CHANGES, with_recorded_settings, write_report
 
 FIRST = ("state", "in_sync")  # columns of the CSV file, after time, master and slave
 MASTER = ("position", "velocity", "acceleration", "jerk")
@@ -23,52 +24,55 @@ def write_outcome(
     fmu: Path,
     recording: Recording,
     folder: Path,
-    given: Mapping[str, str] = AS_FILED,
+    changes_to_file: Mapping[str, str] = NO_CHANGES,
     *,
     own_step: bool,
     report: bool,
-) -> Outcome:
-    """Judge a recording, and write it into the folder.
+) -> ScenarioOutcome:
+    """Evaluate a recording, and write the results into the folder.
 
-    `given`: what the scenario has in place of its file's values: then neither the reference nor the inputs beside the
-    file belong to the run;
+    `changes_to_file`: values in place of those in the scenario's file: then neither the reference nor the inputs next
+    to the file belong to the run;
     `own_step`: whether the step size of the run is the one in the file, so that those inputs belong to it.
 
     Raises:
         UserError: the scenario's reference cannot be used.
     """
     name = scenario.recipe.name
-    checks, deviations = check(scenario, recording), [] if given else compare(scenario, recording)
+    checks = check_expectations(scenario, recording)
+    deviations = [] if changes_to_file else compare_with_reference(scenario, recording)
     inputs, results, page = inputs_file(scenario), folder / f"{name}_out.csv", folder / "report.html"
-    with _filled(folder) as part:
+    with _replace_files(folder) as part:
         (part / results.name).write_text(_outputs_csv(scenario, recording))
-        if given or not own_step or not inputs.exists():  # a user's own scenario may have no such file
+        if changes_to_file or not own_step or not inputs.exists():  # a user's own scenario may have no such file
             inputs = folder / inputs.name
-            (part / inputs.name).write_text(inputs_csv(happened(scenario, recording)))
+            (part / inputs.name).write_text(inputs_csv(with_recorded_settings(scenario, recording)))
         if report:
             step_size = scenario.step_size
-            write_report(part / page.name, scenario, recording, checks, deviations, step_size, fmu, results, given)
-    return Outcome(
-        scenario=called(scenario.file),
+            write_report(
+                part / page.name, scenario, recording, checks, deviations, step_size, fmu, results, changes_to_file
+            )
+    return ScenarioOutcome(
+        scenario=scenario_name(scenario.file),
         name=scenario.label,
         title=scenario.title,
         fmu=name,
         step_size=scenario.step_size,
-        figures=figures(scenario, recording),
+        figures=compute_key_figures(scenario, recording),
         expectations=checks,
         reference=deviations,
         messages=recording.messages,
-        unmet=[f"{u.expected}: found {u.found}" for u in recording.unmet if not u.reaction.required],
+        unmet=[f"{u.expected}: found {u.actual}" for u in recording.unmet if not u.reaction.required],
         result=str(results),
         report=str(page) if report else None,
         fmpy=command_line(scenario, fmu, inputs),
-        given=given,
+        overrides=changes_to_file,
     )
 
 
 @contextmanager
-def _filled(folder: Path) -> Iterator[Path]:
-    """A folder to write into, whose files come into `folder` at the end, all together: an interruption leaves none."""
+def _replace_files(folder: Path) -> Iterator[Path]:
+    """A folder to write into; its files are moved into `folder` at the end, so that an interruption leaves none."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(dir=folder.parent, prefix=".part-") as part:
         yield Path(part)

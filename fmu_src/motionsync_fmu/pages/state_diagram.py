@@ -1,8 +1,8 @@
 """A state diagram in mermaid's notation, drawn as SVG: for a page that has neither JavaScript nor a network.
 
-The states stand below one another in the order of their first mention, those of a group in a frame with its name. A
-transition downwards is an arc on the right, one upwards is an arc on the left. Each transition has a number; a table
-says from where it leads to where, and when.
+The states are drawn below one another in the sequence of their first mention, those of a group in a frame with its
+name. A transition downwards is an arc on the right, one upwards is an arc on the left. Each transition has a number; a
+table lists its source, its target and its condition.
 """
 
 import re
@@ -20,7 +20,7 @@ HEAD = (
     '<defs><marker id="arrow" viewBox="0 0 8 8" refX="7.5" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
     '<path d="M0 0.5 8 4 0 7.5z" fill="#53616e"/></marker></defs>\n'
 )
-LAYER = "<g {look}>\n{shapes}</g>\n"
+LAYER = "<g {style}>\n{shapes}</g>\n"
 STATES = 'fill="#e8edf2" stroke="#7a8793"'
 GROUPS = 'fill="#fff" stroke="#7a8793" stroke-dasharray="5 4"'
 ARCS = 'fill="none" stroke="#53616e" marker-end="url(#arrow)"'
@@ -33,17 +33,17 @@ LABELLED = '<g transform="translate({x:g} {y:g})">{rect}<text y="4.5">{text}</te
 
 
 @dataclass(frozen=True)
-class Transition:
-    """A transition: its first state, its next state, and its condition in Markdown (empty: no condition)."""
+class StateTransition:
+    """A transition from one state to another, with its condition in Markdown (empty: no condition)."""
 
     source: str
     target: str
-    when: str
+    condition: str
 
 
 @dataclass(frozen=True)
-class Diagram:
-    """What a diagram shows.
+class StateDiagram:
+    """The states and transitions of a diagram.
 
     Attributes:
         rows: the names of the groups and of the states; the states of a group follow its name.
@@ -52,64 +52,70 @@ class Diagram:
 
     rows: list[str]
     groups: dict[str, list[str]]
-    transitions: list[Transition]
+    transitions: list[StateTransition]
 
     @property
     def states(self) -> list[str]:
         """The names of the states without those of the groups."""
         return [name for name in self.rows if name not in self.groups]
 
+    def add_state(self, name: str, group: str) -> None:
+        """Add a state that has not been mentioned before; `group`: the group in which it is mentioned, empty: none."""
+        if name not in (*self.rows, START):
+            self.rows.append(name)
+            self.groups.get(group, []).append(name)
 
-def read(text: str) -> Diagram:
-    """The lines `A --> B : when` of a mermaid diagram, and its groups of states; all other lines are ignored."""
-    diagram = Diagram([], {}, [])
+
+def read_diagram(text: str) -> StateDiagram:
+    """Read the lines `A --> B : when` of a mermaid diagram, and its groups of states; other lines are ignored."""
+    diagram = StateDiagram([], {}, [])
     group = ""
     for line in text.splitlines():
-        if begins := GROUP.match(line):
-            group = begins[1]
+        if opening := GROUP.match(line):
+            group = opening[1]
             diagram.groups[group] = []
             diagram.rows.append(group)
         elif line.strip() == "}":
             group = ""
-        elif found := TRANSITION.match(line):
-            diagram.transitions.append(Transition(found[1], found[2], found[3] or ""))
-            for name in found[1], found[2]:
-                if name not in (*diagram.rows, START):
-                    diagram.rows.append(name)
-                    diagram.groups.get(group, []).append(name)
+        elif arrow := TRANSITION.match(line):
+            source, target, condition = arrow.groups("")
+            diagram.transitions.append(StateTransition(source, target, condition))
+            diagram.add_state(source, group)
+            diagram.add_state(target, group)
     return diagram
 
 
-def drawn(text: str) -> Markup:
-    """The picture of a mermaid diagram and the table of its transitions."""
-    diagram = read(text)
+def draw_diagram(text: str) -> Markup:
+    """Draw a mermaid diagram, with the table of its transitions."""
+    diagram = read_diagram(text)
     inner = [t for t in diagram.transitions if START not in (t.source, t.target)]
     starts = [t for t in diagram.transitions if t.source == START]
-    return _picture(diagram, inner, {t.target for t in starts}) + _table(inner, [t for t in starts if t.when])
+    table = _table(inner, [t for t in starts if t.condition])
+    return _draw_states(diagram, inner, {t.target for t in starts}) + table
 
 
-def _picture(diagram: Diagram, found: list[Transition], begins: set[str]) -> Markup:
-    """The states as boxes, the transitions as numbered arcs."""
+def _draw_states(diagram: StateDiagram, transitions: list[StateTransition], initial: set[str]) -> Markup:
+    """Draw the states as boxes, the initial ones with a dot, and the transitions as numbered arcs."""
     row = {name: i for i, name in enumerate(diagram.rows)}
     numbers: dict[tuple[str, str], list[int]] = {}
-    for number, t in enumerate(found, 1):
+    for number, t in enumerate(transitions, 1):
         numbers.setdefault((t.source, t.target), []).append(number)
     spans = [row[target] - row[source] for source, target in numbers]
     left = MARGIN + ARC * max([1, *(-span for span in spans)])
     width = 2.0 * round(LETTER / 2.0 * max(map(len, row), default=0)) + 3.0 * DISC
     middle = {name: GAP + i * (BOX + GAP) + BOX / 2.0 for name, i in row.items()}
-    arcs = [(_place(middle[a], middle[b], row[b] - row[a], left, width), ns) for (a, b), ns in numbers.items()]
+    arcs = [(_arc_geometry(middle[a], middle[b], row[b] - row[a], left, width), ns) for (a, b), ns in numbers.items()]
     layers = (
         (GROUPS, [_frame(len(names), middle[group], left, width) for group, names in diagram.groups.items()]),
-        (ARCS, [_arc(*place) for place, _ in arcs]),
+        (ARCS, [_arc(*geometry) for geometry, _ in arcs]),
         (STATES, [_labelled(left + width / 2.0, middle[name], width, BOX, name) for name in diagram.states]),
         (GROUPS, [_labelled(left + width / 2.0, middle[name], width, BOX, name) for name in diagram.groups]),
-        (DOTS, [DOT.format(x=left + DISC, y=middle[name]) for name in row if name in begins]),
-        (NUMBERS, [_numbers(*place, ns) for place, ns in arcs]),
+        (DOTS, [DOT.format(x=left + DISC, y=middle[name]) for name in row if name in initial]),
+        (NUMBERS, [_numbers(*geometry, ns) for geometry, ns in arcs]),
     )
     total = left + width + ARC * max([1, *spans]) + 2.0 * MARGIN
     head = HEAD.format(width=total, height=len(row) * (BOX + GAP) + GAP)
-    shown = (LAYER.format(look=look, shapes="".join(shapes)) for look, shapes in layers if shapes)
+    shown = (LAYER.format(style=style, shapes="".join(shapes)) for style, shapes in layers if shapes)
     return Markup(head + "".join(shown) + "</svg>\n")
 
 
@@ -120,13 +126,13 @@ def _frame(members: int, y: float, left: float, width: float) -> str:
 
 
 def _labelled(x: float, y: float, width: float, height: float, text: str) -> str:
-    """A text in a box; both have their middle at a place."""
+    """A text in a box, both centred at a point."""
     rect = RECT.format(x=-width / 2.0, y=-height / 2.0, w=width, h=height)
     return LABELLED.format(x=x, y=y, rect=rect, text=escape(text))
 
 
-def _place(begin: float, end: float, span: int, left: float, width: float) -> tuple[float, float, float, float]:
-    """The geometry of an arc between the middles of two boxes: the edge of the boxes, where the arc is farthest from
+def _arc_geometry(begin: float, end: float, span: int, left: float, width: float) -> tuple[float, float, float, float]:
+    """The geometry of an arc between the centres of two boxes: the edge of the boxes, where the arc is farthest from
     them, and the heights of both its ends. The more rows the arc spans, the farther it reaches."""
     side = -1.0 if span < 0 else 1.0
     edge = left if span < 0 else left + width
@@ -141,17 +147,17 @@ def _arc(edge: float, far: float, a: float, b: float) -> str:
 
 
 def _numbers(_: float, far: float, a: float, b: float, numbers: list[int]) -> str:
-    """The numbers of the transitions that an arc stands for, where it is farthest from the boxes."""
+    """The numbers of the transitions that an arc represents, where it is farthest from the boxes."""
     text = ", ".join(map(str, numbers))
     return _labelled(far, (a + b) / 2.0, 12.0 + 6.0 * len(text), 18.0, text)
 
 
-def _table(found: list[Transition], starts: list[Transition]) -> Markup:
-    """The table of the transitions by number; a condition for the state in which the block begins comes first."""
+def _table(transitions: list[StateTransition], starts: list[StateTransition]) -> Markup:
+    """The table of the transitions by number, below the conditions for the initial states."""
     head = Markup("<table>\n<thead><tr><th></th><th>from</th><th>to</th><th>when</th></tr></thead>\n")
     row = Markup("<tr><td>{}</td><th>{}</th><th>{}</th><td>{}</td></tr>\n")
     markdown = MarkdownIt("commonmark", {"html": False})
-    rows = [("", "the start", t.target, t.when) for t in starts]
-    rows += [(str(number), t.source, t.target, t.when) for number, t in enumerate(found, 1)]
-    texts = [row.format(n, a, b, Markup(markdown.renderInline(when))) for n, a, b, when in rows]
+    rows = [("", "the start", t.target, t.condition) for t in starts]
+    rows += [(str(number), t.source, t.target, t.condition) for number, t in enumerate(transitions, 1)]
+    texts = [row.format(n, a, b, Markup(markdown.renderInline(condition))) for n, a, b, condition in rows]
     return head + Markup("").join(texts) + Markup("</table>\n")

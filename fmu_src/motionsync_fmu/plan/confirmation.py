@@ -1,100 +1,102 @@
-"""Confirms predictions: the block is run just below and just above them."""
+"""Confirms predictions by runs of the block just below and just above them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from motionsync.cut_to_length.limits import shortest_pitch
+from motionsync.cut_to_length.machine_limits import shortest_pitch
 from motionsync.var import Unit
 
 from ..interface.units import unit_name
-from ..scenario.judge import Check
+from ..scenario.evaluate.expectations import Check
 from .machine_data import MachineData
-from .prediction import LENGTH, NEAR, Point, cycle_at
-from .simulation import PIECES, Run, arrival, simulate
+from .prediction import LENGTH, TOLERANCE, Prediction, compute_cycle
+from .simulation import PIECES, CuttingRun, simulate, simulate_return_time
 
-ASIDE = 1e-6  # relative: how far beside a prediction the block is run
+OFFSET = 1e-6  # relative: how far below and above a prediction the block is run
 SLOW = 1e-3  # of the greatest line velocity
-MANY = 200  # pieces, within which a start that is late by ASIDE of a pitch comes to be too late
+MANY_PIECES = 200  # within which a start that is late by OFFSET of a pitch becomes too late
 SAME_TIME = 1e-9  # relative
-LEAST_LENGTH = 1e-6  # u; what is shorter is no length to the block
+LEAST_LENGTH = 1e-6  # u; the block takes nothing shorter as a length
 GAP_SKIPPED = "the gap exceeds the axis's limits at this velocity: the block leaves it out, and its cycle is shorter"
 
 
-def confirmed(data: MachineData, point: Point) -> Point:
-    """The point with what runs of the block were expected to do, and did."""
-    if point.length is None:
-        return replace(point, checks=[_nothing_is_cut(data, point.velocity)])
-    if point.velocity <= 0.0:
-        return replace(point, checks=[_is_always_too_fast(data, point.length)])
-    if point.length <= LEAST_LENGTH:
-        return point
-    result = point.velocity if point.asked == LENGTH else point.length
-    sides = _Sides(data, point)
-    below = sides.run(result, -ASIDE)
-    made = Check(f"{sides.told(result, -ASIDE)}: every cut is made", below.text, below.made and not below.warned)
-    if below.gap_skipped:
-        return replace(point, checks=[made], remark=GAP_SKIPPED)
-    return replace(point, checks=[made, _cycle(data, point), *_above(sides, result, point.lost or 0.0)])
+def confirm(data: MachineData, prediction: Prediction) -> Prediction:
+    """Run the block near a prediction; it is returned with what the runs were expected to do, and did."""
+    if prediction.length is None:
+        return replace(prediction, checks=[_check_no_cut(data, prediction.velocity)])
+    if prediction.velocity <= 0.0:
+        return replace(prediction, checks=[_check_always_too_fast(data, prediction.length)])
+    if prediction.length <= LEAST_LENGTH:
+        return prediction
+    result = prediction.velocity if prediction.given == LENGTH else prediction.length
+    runs = _NearbyRuns(data, prediction)
+    below, title = runs.run(result, -OFFSET), runs.describe(result, -OFFSET)
+    check = Check(f"{title}: every cut is made", below.text, below.has_made_all and not below.has_warned)
+    if below.has_skipped_gap:
+        return replace(prediction, checks=[check], note=GAP_SKIPPED)
+    above = _check_above(runs, result, prediction.lost or 0.0)
+    return replace(prediction, checks=[check, _check_return(data, prediction), *above])
 
 
 @dataclass(frozen=True)
-class _Sides:
-    """The block, run beside a point. What is `more` asks more of it: a faster line, or a shorter pitch."""
+class _NearbyRuns:
+    """Runs of the block near a prediction; a positive `offset` demands more: a faster line, or a shorter pitch."""
 
     data: MachineData
-    point: Point
+    prediction: Prediction
 
-    def place(self, result: float, more: float) -> tuple[float, float]:
+    def operating_point(self, result: float, offset: float) -> tuple[float, float]:
         """Length and line velocity of a run."""
-        assert self.point.length is not None
-        if self.point.asked == LENGTH:
-            return self.point.length, result * (1.0 + more)
-        return self.data.length(self.data.pitch(result) / (1.0 + more)), self.point.velocity * (1.0 - NEAR)
+        length, velocity = self.prediction.length, self.prediction.velocity
+        assert length is not None
+        if self.prediction.given == LENGTH:
+            return length, result * (1.0 + offset)
+        return self.data.length(self.data.pitch(result) / (1.0 + offset)), velocity * (1.0 - TOLERANCE)
 
-    def run(self, result: float, more: float, pieces: int = PIECES) -> Run:
-        return simulate(self.data, *self.place(result, more), pieces)
+    def run(self, result: float, offset: float, pieces: int = PIECES) -> CuttingRun:
+        return simulate(self.data, *self.operating_point(result, offset), pieces)
 
-    def told(self, result: float, more: float) -> str:
+    def describe(self, result: float, offset: float) -> str:
         """Length and line velocity of a run, in words."""
-        length, velocity = self.place(result, more)
+        length, velocity = self.operating_point(result, offset)
         names = (unit_name(kind, self.data.unit) for kind in (Unit.POSITION, Unit.VELOCITY))
         u, v = (f" {name}" if name else "" for name in names)
         return f"pieces of {length:.9g}{u} at {velocity:.9g}{v}"
 
 
-def _above(sides: _Sides, result: float, lost: float) -> Iterator[Check]:
-    """What has to happen above the point: a warning at once; cuts are missed as soon as the reserve is used up."""
-    has_reserve = abs(lost - result) > 3.0 * ASIDE * result
-    warned = "line_too_fast stands before a cut is missed"
+def _check_above(runs: _NearbyRuns, result: float, lost: float) -> Iterator[Check]:
+    """Check the runs above a prediction: a warning at once; missed cuts as soon as the reserve is used up."""
+    has_reserve = abs(lost - result) > 3.0 * OFFSET * result
+    warning = "line_too_fast is active before a cut is missed"
     if has_reserve:
-        for value, more in ((result, ASIDE), (lost, -ASIDE)):
-            run = sides.run(value, more)
-            yield Check(f"{sides.told(value, more)}: {warned}, and none is", run.text, run.made and run.warned)
+        for value, offset in ((result, OFFSET), (lost, -OFFSET)):
+            run, title = runs.run(value, offset), runs.describe(value, offset)
+            yield Check(f"{title}: {warning}, and none is", run.text, run.has_made_all and run.has_warned)
     if lost > LEAST_LENGTH:
-        run = sides.run(lost, ASIDE, MANY)
-        yield Check(f"{sides.told(lost, ASIDE)}: {warned}, and some are", run.text, run.warned and run.skipped > 0)
+        run, title = runs.run(lost, OFFSET, MANY_PIECES), runs.describe(lost, OFFSET)
+        yield Check(f"{title}: {warning}, and some are", run.text, run.has_warned and run.skipped > 0)
 
 
-def _cycle(data: MachineData, point: Point) -> Check:
-    """The carriage comes home as long after the start of its approach as is predicted."""
-    velocity = point.velocity * (1.0 - NEAR)  # an admissible one, rounded or not
-    cycle = cycle_at(data.machine, velocity)
-    expected, found = cycle.time - cycle.rest, arrival(data, velocity)
+def _check_return(data: MachineData, prediction: Prediction) -> Check:
+    """Check that the carriage reaches home as long after the start of its approach as predicted."""
+    velocity = prediction.velocity * (1.0 - TOLERANCE)  # an admissible one, rounded or not
+    cycle = compute_cycle(data.machine, velocity)
+    expected, simulated = cycle.time - cycle.rest, simulate_return_time(data, velocity)
     return Check(
         f"the carriage is at home {expected:.9g} s after the start of its approach",
-        f"{found:.9g} s",
-        abs(found - expected) <= SAME_TIME * expected,
+        f"{simulated:.9g} s",
+        abs(simulated - expected) <= SAME_TIME * expected,
     )
 
 
-def _is_always_too_fast(data: MachineData, length: float) -> Check:
-    """Pieces shorter than the ways of a cycle are too short for a line of any velocity."""
+def _check_always_too_fast(data: MachineData, length: float) -> Check:
+    """Check that pieces shorter than the distances of a cycle are too short for a line of any velocity."""
     run = simulate(data, length, SLOW * data.greatest_velocity)
-    return Check(f"pieces of {length:.9g} on a slow line: line_too_fast stands", run.text, run.warned)
+    return Check(f"pieces of {length:.9g} on a slow line: line_too_fast is active", run.text, run.has_warned)
 
 
-def _nothing_is_cut(data: MachineData, velocity: float) -> Check:
-    """A line too fast for the carriage, or for its stroke, has every cut skipped, however long the pieces are."""
+def _check_no_cut(data: MachineData, velocity: float) -> Check:
+    """Check that a line too fast for the carriage or its stroke has every cut skipped, however long the pieces are."""
     length = data.length(2.0 * shortest_pitch(data.machine, velocity))
     run = simulate(data, length, velocity)
     return Check(f"at {velocity:.9g}: no cut is made, however long the pieces", run.text, run.skipped > 0 == run.cuts)

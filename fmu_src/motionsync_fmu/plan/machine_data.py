@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from motionsync.cut_to_length.limits import Machine, max_line_velocity
+from motionsync.cut_to_length.machine_limits import Machine, max_line_velocity
 
 from ..errors import UserError
 from ..interface.recipe import Recipe
 from ..interface.stepper import RefusedError, Stepper
 
 BLOCK = "CutToLength"
-NO_PITCH = 1e300  # of a line whose cuts are as far apart as one likes
+ENDLESS_PITCH = 1e300  # with it the cycle time limits nothing
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class MachineData:
 
     @cached_property
     def machine(self) -> Machine:
-        """What the block's predictions are computed from.
+        """The machine data from which the block computes its predictions.
 
         Raises:
             UserError: the block refuses these data.
@@ -51,7 +51,7 @@ class MachineData:
             stepper.initialize(self.start)
         except RefusedError as e:
             raise UserError(f"{self.origin}: {e}" if self.origin else str(e)) from None
-        machine: Machine = stepper.block.predictions.machine
+        machine: Machine = stepper.block.carriage.machine
         return machine
 
     def pitch(self, length: float) -> float:
@@ -64,10 +64,10 @@ class MachineData:
 
     @property
     def _lost_length(self) -> float:
-        """What each piece takes of the material beside its own length."""
+        """What each piece takes of the material in addition to its own length."""
         return float(self.value("kerf")) + float(self.value("length_correction"))
 
     @cached_property
     def greatest_velocity(self) -> float:
         """The greatest admissible line velocity, however long the pieces are; 0: there is none."""
-        return max_line_velocity(self.machine, NO_PITCH)
+        return max_line_velocity(self.machine, ENDLESS_PITCH)

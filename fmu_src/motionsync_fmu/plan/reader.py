@@ -6,25 +6,25 @@ from typing import Any
 
 from motionsync.var import LARGEST_INPUT
 
-from ..errors import UserError, choose, spelled
+from ..errors import UserError, choose, resolve_name
 from ..interface.recipe import Recipe, parse
 from ..interface.units import BASES
-from ..scenario.reader import load
-from ..scenario.shipped import called, find
-from ..scenario.toml_tables import Table, read_toml
-from ..scenario.variable_tables import StartTable, Subject
+from ..scenario.files.reader import load_scenario
+from ..scenario.files.shipped import find_scenario, scenario_name
+from ..scenario.files.toml_tables import TomlTable, read_toml
+from ..scenario.files.variable_tables import StartTable, Subject
+from .line_plan import round_values
 from .machine_data import BLOCK, MachineData
-from .plan import round_values
 
 KEYS = ("title", "unit", "start", "lengths", "velocities")
-LINE = "the line velocities of the plan"  # where the master's inputs come from
-BETWEEN = ".."
+MASTER_SOURCE = "the line velocities of the plan"  # where the master's inputs come from
+RANGE = ".."
 
 
 def read_machine(
     path: Path | None, settings: dict[str, str], unit: str
 ) -> tuple[MachineData, list[float], list[float]]:
-    """A machine, and the lengths and line velocities that its file asks for (none: none are given).
+    """Read a machine, and the lengths and line velocities in its file (empty: it has none).
 
     `path`: a file with a machine's data, a scenario of the block or the name of one; None: the block's own start
     values. `settings`: further values, as texts by name. `unit`: of positions; empty: the file's, else mm.
@@ -32,62 +32,52 @@ def read_machine(
     Raises:
         UserError: the first mistake, with file, line and key, or with the option.
     """
-    data, lengths, velocities = _from_file(path) if path else (_plain(), [], [])
+    default = MachineData(f"A machine with {BLOCK}", "machine", "", Recipe(BLOCK), "mm", {})
+    data, lengths, velocities = _from_file(path) if path else (default, [], [])
     given = {name: _setting(data.recipe, name, text) for name, text in settings.items()}
-    unit = spelled(BASES, unit, "unit") if unit else data.unit
+    unit = resolve_name(BASES, unit, "unit") if unit else data.unit
     data = MachineData(data.title, data.name, data.origin, data.recipe, unit, {**data.start, **given})
     for length in lengths:
         check_length(data, length)
     return data, lengths, velocities
 
 
-def _plain() -> MachineData:
-    return MachineData(f"A machine with {BLOCK}", "machine", "", Recipe(BLOCK), "mm", {})
-
-
 def _from_file(path: Path) -> tuple[MachineData, list[float], list[float]]:
-    file = path if path.is_file() else _only(path)
+    file = path if path.is_file() else find_scenario(path)
     top = read_toml(file)
     if "fmu" in top:
-        return _of_scenario(file, top), [], []
+        return _read_scenario(file, top), [], []
     top.allow_only(*KEYS)
     unit = top.string("unit", "mm")
     if unit not in BASES:
         top.fail("unit", f"{unit!r} is not one of {', '.join(BASES)}")
     recipe = Recipe(BLOCK)
-    start = StartTable(top.table("start"), Subject(BLOCK, recipe.variables, "master", LINE)).values()
+    start = StartTable(top.table("start"), Subject(BLOCK, recipe.variables, "master", MASTER_SOURCE)).values()
     data = MachineData(top.string("title", file.stem), file.stem, str(file), recipe, unit, start)
     return data, _numbers(top, "lengths"), _numbers(top, "velocities")
 
 
-def _only(path: Path) -> Path:
-    files = find(path)
-    if len(files) > 1:
-        raise UserError(f"{path}: there are {len(files)} scenarios; name one of them")
-    return files[0]
-
-
-def _of_scenario(file: Path, top: Table) -> MachineData:
+def _read_scenario(file: Path, top: TomlTable) -> MachineData:
     """The machine of a scenario: its start values, without its script."""
     if (name := top.string("fmu")) != BLOCK:
         top.fail("fmu", f"{name} is no machine that can be planned: it must be {BLOCK}")
-    scenario = load(file)
+    scenario = load_scenario(file)
     own = {name: value for name, value in scenario.start.items() if not name.startswith("master.")}
-    return MachineData(scenario.title, scenario.name, called(file), scenario.recipe, scenario.unit, own)
+    return MachineData(scenario.title, scenario.name, scenario_name(file), scenario.recipe, scenario.unit, own)
 
 
 def _setting(recipe: Recipe, name: str, text: str) -> Any:
     """The value of an option `--set`."""
     if name.startswith("master."):
-        raise UserError(f"--set {name}: it comes from {LINE}")
+        raise UserError(f"--set {name}: it comes from {MASTER_SOURCE}")
     if name == "length":
         raise UserError(f"--set {name}: lengths are what is planned for: --length {text}")
     settable = {v.name: v for v in recipe.variables.values() if v.settable and not v.name.startswith("master.")}
     return parse(choose(settable, name, f"parameter or input of {BLOCK}"), text)
 
 
-def _numbers(top: Table, key: str) -> list[float]:
-    """A list of numbers, or a text such as an option's, in a file; none if it is missing."""
+def _numbers(top: TomlTable, key: str) -> list[float]:
+    """A list of numbers, or a text such as an option's, in a file; empty if it is missing."""
     value = top.values.get(key, [])
     if isinstance(value, list) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in value):
         text = ",".join(map(repr, value))
@@ -97,24 +87,24 @@ def _numbers(top: Table, key: str) -> list[float]:
         top.fail(key, f'{value!r} is neither a list of numbers nor a text such as "500..1500"')
     try:
         return read_numbers(text)
-    except UserError as e:
-        top.fail(key, str(e))
+    except UserError as error:
+        top.fail(key, str(error))
 
 
 def read_numbers(text: str) -> list[float]:
-    """The numbers of a text, in rising order: `500,1000,1500`, or `100..1200` for round numbers in between.
+    """Read the numbers of a text, in rising sequence: `500,1000,1500`, or `100..1200` for round numbers in between.
 
     Raises:
         UserError: it is no such text, or a number in it is not allowed.
     """
-    found: set[float] = set()
+    values: set[float] = set()
     for part in filter(None, (p.strip() for p in text.split(","))):
-        begin, between, end = part.partition(BETWEEN)
-        numbers = [_number(begin), _number(end)] if between else [_number(begin)]
-        if between and numbers[0] >= numbers[1]:
+        first, separator, last = part.partition(RANGE)
+        numbers = [_number(first), _number(last)] if separator else [_number(first)]
+        if separator and numbers[0] >= numbers[1]:
             raise UserError(f"{part}: the second number must be greater than the first")
-        found.update([*numbers, *(round_values(*numbers) if between else ())])
-    return sorted(found)
+        values.update([*numbers, *(round_values(*numbers) if separator else ())])
+    return sorted(values)
 
 
 def _number(text: str) -> float:
@@ -127,12 +117,12 @@ def _number(text: str) -> float:
     return value
 
 
-def option(name: str, text: str) -> list[float]:
-    """The numbers of an option; none if it is empty."""
+def read_option(name: str, text: str) -> list[float]:
+    """Read the numbers of an option; empty if it is not given."""
     try:
         return read_numbers(text)
-    except UserError as e:
-        raise UserError(f"--{name} {text}: {e}") from None
+    except UserError as error:
+        raise UserError(f"--{name} {text}: {error}") from None
 
 
 def check_length(data: MachineData, length: float) -> None:

@@ -2,46 +2,45 @@
 
 from pathlib import Path
 
-from .. import __version__
 from ..interface.units import unit_name
-from ..pages.report.origin import here, now
-from ..pages.report.page import bundle
-from ..pages.style import TEMPLATES
-from .charts import BANDS, PHASES, cycle_chart, over_length, over_velocity
+from ..pages.report.origin import origin_rows
+from ..pages.report.page import plotly_script
+from ..pages.style import load_template
+from .charts import BOUND_COLOURS, STATE_COLOURS, chart_cycle, chart_over_length, chart_over_velocity
 from .console import DIGITS, table_columns, top_text
+from .line_plan import LinePlan
 from .machine_data import BLOCK
-from .plan import Plan
-from .prediction import SHARE, Point
+from .prediction import SHARE, Prediction
+
+TEMPLATES = Path(__file__).parent / "templates"
 
 
-def write_plan(plan: Plan, folder: Path) -> Path:
+def write_plan(plan: LinePlan, folder: Path) -> Path:
     """Write the page into the folder, as report.html; it loads nothing from elsewhere."""
     data = plan.data
-    shown = example(plan)
+    example = select_example(plan)
     variables = data.recipe.variables
-    text = TEMPLATES.get_template("plan.html.j2").render(
+    text = load_template(TEMPLATES, "plan.html.j2").render(
         plan=plan,
         data=data,
         block=BLOCK,
         top=top_text(plan),
         share=100.0 * SHARE,
-        charts=[over_length(plan).html(), over_velocity(plan).html()],
-        tables=[table_columns(plan, points) for points in (plan.over_length, plan.over_velocity)],
-        bands=BANDS,
-        phases=list(PHASES.values()),
-        shown=shown,
-        cycle=cycle_chart(data, shown.velocity * (1.0 - 1e-6)).html() if shown else "",
+        charts=[chart_over_length(plan).html(), chart_over_velocity(plan).html()],
+        tables=[table_columns(plan, predictions) for predictions in (plan.over_length, plan.over_velocity)],
+        bound_colours=BOUND_COLOURS,
+        states=list(STATE_COLOURS.values()),
+        example=example,
+        cycle=chart_cycle(data, example.velocity * (1.0 - 1e-6)).html() if example else "",
         start=[
             (name, variables[name].text(value), unit_name(variables[name].declaration.unit, data.unit))
             for name, value in data.start.items()
         ],
-        checks=[check for point in plan.points for check in point.checks],
-        remarks=[point for point in plan.points if point.remark],
-        version=__version__,
-        date=now(),
-        platform=here(),
+        checks=[check for prediction in plan.predictions for check in prediction.checks],
+        notes=[prediction for prediction in plan.predictions if prediction.note],
+        origin=origin_rows({}, {"machine": data.origin} if data.origin else {}),
         digits=DIGITS,
-        bundle=bundle(),
+        bundle=plotly_script(),
     )
     folder.mkdir(parents=True, exist_ok=True)
     page = folder / "report.html"
@@ -49,7 +48,7 @@ def write_plan(plan: Plan, folder: Path) -> Path:
     return page
 
 
-def example(plan: Plan) -> Point | None:
-    """The point whose cycle is drawn: the middle one of those over the length; None: none has a cycle."""
-    points = [point for point in plan.over_length if point.cycle] or [p for p in plan.over_velocity if p.cycle]
-    return points[len(points) // 2] if points else None
+def select_example(plan: LinePlan) -> Prediction | None:
+    """Select the prediction whose cycle is drawn: the middle one over the length; None: none has a cycle."""
+    predictions = [p for p in plan.over_length if p.cycle] or [p for p in plan.over_velocity if p.cycle]
+    return predictions[len(predictions) // 2] if predictions else None

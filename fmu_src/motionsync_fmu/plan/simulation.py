@@ -7,61 +7,62 @@ from typing import Any
 
 import numpy as np
 
-from motionsync.cut_to_length.interface import LateMode, Source, StartMode, State, ToolMode
-from motionsync.cut_to_length.limits import cycle_time
+from motionsync.cut_to_length.interface import State, ToolMode
+from motionsync.cut_to_length.machine_limits import cycle_time
+from motionsync.cutting.interface import LateMode, Source, StartMode
 from motionsync.master import MasterInput
 
 from ..interface.stepper import RefusedError, Stepper
 from ..scenario.recording import Reals
 from .machine_data import MachineData
 
-PIECES = 6  # of a run, if nothing else is said
-STEPS = 9.7  # of a run in each piece; no event comes at a fixed part of a step
-SHORT = 1e-3  # u: a length of pieces that the kerf keeps apart
+PIECES = 6  # of a run, by default
+STEPS_PER_PIECE = 9.7  # so that no event is at the same fraction of each step
+SHORT_LENGTH = 1e-3  # u, of pieces between which there is a kerf
 CYCLE_STEPS = 40  # of a run of one cycle
 
 
 @dataclass(frozen=True)
-class Run:
+class CuttingRun:
     """What the block did while some pieces passed.
 
     Attributes:
-        pieces: how many were to pass; the run ends with the first that is skipped.
-        cuts, skipped: cuts made and left out.
-        warned: whether the warning line_too_fast stood before a cut was left out.
-        gap_skipped: whether a gap was not opened, for the axis's limits.
-        exceeded: whether the carriage exceeded a limit of its axis.
-        refused: why the block refused a step; empty: it did not.
+        pieces: how many had to pass; the run ends with the first that is skipped.
+        cuts, skipped: how many cuts were made, and how many left out.
+        has_warned: whether the warning line_too_fast was active before a cut was left out.
+        has_skipped_gap: whether a gap was not opened, because of the axis's limits.
+        has_exceeded_limit: whether the carriage exceeded a limit of its axis.
+        refusal: why the block refused a step; empty: it did not.
     """
 
     pieces: int
     cuts: int
     skipped: int
-    warned: bool
-    gap_skipped: bool
-    exceeded: bool
-    refused: str = ""
+    has_warned: bool
+    has_skipped_gap: bool
+    has_exceeded_limit: bool
+    refusal: str = ""
 
     @property
-    def made(self) -> bool:
+    def has_made_all(self) -> bool:
         """Whether every cut was made, within the limits of the axis."""
-        return self.cuts >= self.pieces and not self.skipped and not self.exceeded and not self.refused
+        return self.cuts >= self.pieces and not self.skipped and not self.has_exceeded_limit and not self.refusal
 
     @property
     def text(self) -> str:
-        """What happened, in words."""
-        if self.refused:
-            return self.refused
-        told = [f"{self.cuts} cuts, {self.skipped} skipped"]
-        told += ["the warning line_too_fast"] if self.warned else []
-        told += ["a limit of the axis exceeded"] if self.exceeded else []
-        return ", ".join(told)
+        """The result in words."""
+        if self.refusal:
+            return self.refusal
+        parts = [f"{self.cuts} cuts, {self.skipped} skipped"]
+        parts += ["the warning line_too_fast"] if self.has_warned else []
+        parts += ["a limit of the axis exceeded"] if self.has_exceeded_limit else []
+        return ", ".join(parts)
 
 
 def start_values(data: MachineData, length: float) -> dict[str, Any]:
-    """The machine as it is run: it starts by itself from home, with the material's front end at home.
+    """The start values of a run: the machine starts by itself from home, with the material's front end at home.
 
-    Its way home is not eased: what is predicted is the direct one. An eased one stops first, which is quicker where the
+    Its way home is not eased, since the direct one is predicted. An eased one stops first, which is quicker where the
     deceleration is the greater limit."""
     home = data.value("home_position")
     timed = data.value("tool.mode") == ToolMode.FEEDBACK  # its cut lasts as long as is expected
@@ -82,56 +83,58 @@ def start_values(data: MachineData, length: float) -> dict[str, Any]:
     }
 
 
-def simulate(data: MachineData, length: float, velocity: float, pieces: int = PIECES) -> Run:
+def simulate(data: MachineData, length: float, velocity: float, pieces: int = PIECES) -> CuttingRun:
     """Run the block while so many pieces of this length pass at this line velocity, or until cuts are skipped."""
-    h = data.pitch(length) / velocity / STEPS
+    h = data.pitch(length) / velocity / STEPS_PER_PIECE
     stepper = Stepper(data.recipe.block())
-    warned = gap_skipped = exceeded = False
-    skipped, refused = 0, ""
+    has_warned = has_skipped_gap = has_exceeded_limit = False
+    skipped, refusal = 0, ""
     try:
         stepper.initialize(start_values(data, length))
-        for i in range(round((pieces + 0.9) * STEPS)):
+        for i in range(round((pieces + 0.9) * STEPS_PER_PIECE)):
             stepper.step(h, {"master.position": i * h * velocity, "master.velocity": velocity})
             skipped = stepper["statistics.skipped"]
             if skipped:
                 break
-            warned |= stepper["warning.line_too_fast"]
-            gap_skipped |= stepper["warning.gap_skipped"]
-            exceeded |= stepper["warning.limit_exceeded"]
-    except RefusedError as e:
-        refused = str(e)
-    return Run(pieces, stepper["statistics.cuts"], skipped, warned, gap_skipped, exceeded, refused)
+            has_warned |= stepper["warning.line_too_fast"]
+            has_skipped_gap |= stepper["warning.gap_skipped"]
+            has_exceeded_limit |= stepper["warning.limit_exceeded"]
+    except RefusedError as error:
+        refusal = str(error)
+    return CuttingRun(
+        pieces, stepper["statistics.cuts"], skipped, has_warned, has_skipped_gap, has_exceeded_limit, refusal
+    )
 
 
-def lone_cycle(data: MachineData, velocity: float, steps: int) -> Iterator[Stepper]:
-    """The block at each of so many steps, which begin shortly before a cycle and end before the next one begins.
+def step_through_cycle(data: MachineData, velocity: float, steps: int) -> Iterator[Stepper]:
+    """Step the block through one cycle of the carriage, from shortly before its start to before the next one starts.
 
-    The first cut lies a pitch and half a kerf behind home, where the carriage begins less than a cycle before it."""
+    The first cut is a pitch and half a kerf behind home, where the carriage starts less than a cycle before it."""
     time = cycle_time(data.machine, velocity)
-    pitch = max(2.0 * velocity * time, data.pitch(SHORT))
+    pitch = max(2.0 * velocity * time, data.pitch(SHORT_LENGTH))
     stepper = Stepper(data.recipe.block())
     stepper.initialize(start_values(data, data.length(pitch)))
     kerf = data.pitch(data.value("kerf")) - data.pitch(0.0)
-    begin = max((pitch - 0.5 * kerf) / velocity - time, 0.0)
-    if begin > 0.0:
-        stepper.step(begin, {"master.position": 0.0, "master.velocity": velocity})
+    start = max((pitch - 0.5 * kerf) / velocity - time, 0.0)
+    if start > 0.0:
+        stepper.step(start, {"master.position": 0.0, "master.velocity": velocity})
     h = 2.0 * time / steps
     for i in range(steps):
-        yield stepper.step(h, {"master.position": (begin + i * h) * velocity, "master.velocity": velocity})
+        yield stepper.step(h, {"master.position": (start + i * h) * velocity, "master.velocity": velocity})
 
 
-def arrival(data: MachineData, velocity: float) -> float:
-    """The time from the start of an approach to the arrival at home, in s, of a run; 0: the carriage was not there."""
-    last = deque(lone_cycle(data, velocity, CYCLE_STEPS), 1).pop()
+def simulate_return_time(data: MachineData, velocity: float) -> float:
+    """Simulate the time from the start of an approach to the arrival at home, in s; 0: the carriage did not arrive."""
+    last = deque(step_through_cycle(data, velocity, CYCLE_STEPS), 1).pop()
     return max(float(last["local.home_time"] - last["local.start_time"]), 0.0)
 
 
-def cycle_motion(data: MachineData, velocity: float, steps: int) -> Reals:
-    """One cycle of the carriage in a run of so many steps: time since its start, position, velocity, acceleration and
-    state, a column each, in s and u."""
+def simulate_cycle(data: MachineData, velocity: float, steps: int) -> Reals:
+    """Simulate one cycle of the carriage: time since its start, position, velocity, acceleration and state, a column
+    each, in s and u."""
     rows = []
-    for at in lone_cycle(data, velocity, steps):
-        if State.APPROACHING <= at["state"] <= State.RETURNING:
-            motion = (float(at[f"slave.{name}"]) for name in ("position", "velocity", "acceleration"))
-            rows.append([at["clock"] - at["local.start_time"], *motion, float(at["state"])])
+    for block in step_through_cycle(data, velocity, steps):
+        if State.APPROACHING <= block["state"] <= State.RETURNING:
+            motion = (float(block[f"slave.{name}"]) for name in ("position", "velocity", "acceleration"))
+            rows.append([block["clock"] - block["local.start_time"], *motion, float(block["state"])])
     return np.array(rows)

@@ -17,15 +17,24 @@ from typing import Any, ClassVar, NoReturn
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from ..interface.variables import Cell, Variable, cells, explained, members, spoken_of, step_size_refusal, variables
+from ..interface.variables import (
+    Cell,
+    Variable,
+    cells,
+    members,
+    message_text,
+    step_size_refusal,
+    variables,
+    variables_in_message,
+)
 
 State = dict[str, Any]
-SEAL = 2 * hashlib.sha256().digest_size  # characters before the text of a serialized state
-FINISHED: set[int] = set()  # the base addresses of the libraries that finish in time
+CHECKSUM_LENGTH = 2 * hashlib.sha256().digest_size  # characters before the text of a serialized state
+FINALIZED: set[int] = set()  # the base addresses of the libraries that finish in time
 
 
-class Mode(StrEnum):
-    """Where a unit is in its life (FMI 2.0, section 4.2.4), as a message says it."""
+class SlaveMode(StrEnum):
+    """The state of a unit (FMI 2.0, section 4.2.4), as messages name it."""
 
     INSTANTIATED = "is instantiated"
     INITIALIZING = "is in initialization mode"
@@ -33,7 +42,7 @@ class Mode(StrEnum):
     TERMINATED = "has been terminated"
 
 
-def keep(*things: Any) -> None:
+def add_references(*things: Any) -> None:
     """Add a reference to each of these objects, since PythonFMU 0.7 releases references that it does not own.
 
     At each instantiation PythonFMU runs the script anew and releases the dictionary of the script's names. At each
@@ -42,8 +51,8 @@ def keep(*things: Any) -> None:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(thing))
 
 
-class Place(ctypes.Structure):
-    """What the C library tells of an address: `Dl_info` of dlfcn.h."""
+class AddressInfo(ctypes.Structure):
+    """What the C library reports about an address: `Dl_info` of dlfcn.h."""
 
     _fields_ = (
         ("file", ctypes.c_char_p),
@@ -53,7 +62,7 @@ class Place(ctypes.Structure):
     )
 
 
-def finish_in_time(logger: int) -> None:
+def finalize_python_at_exit(logger: int) -> None:
     """Let PythonFMU's library be done with Python before anything else happens at the exit of the process.
 
     For Linux, PythonFMU 0.7 is done with it in a destructor of its library, and there reads what the library's static
@@ -62,13 +71,13 @@ def finish_in_time(logger: int) -> None:
     `logger` is the address of an object of the library, in which the table of its functions comes first."""
     if sys.platform != "linux":
         return
-    process, place = ctypes.CDLL(None), Place()
+    process, info = ctypes.CDLL(None), AddressInfo()
     table = ctypes.c_void_p.from_address(logger)
     with suppress(OSError, AttributeError):  # an unknown C library: it is as it would be without this function
-        if process.dladdr(table, ctypes.byref(place)) and place.base not in FINISHED:
-            library = ctypes.CDLL(os.fsdecode(place.file), os.RTLD_NOLOAD)  # stays loaded from now on
+        if process.dladdr(table, ctypes.byref(info)) and info.base not in FINALIZED:
+            library = ctypes.CDLL(os.fsdecode(info.file), os.RTLD_NOLOAD)  # stays loaded from now on
             process.__cxa_atexit(library.finalizePythonInterpreter, None, None)
-            FINISHED.add(place.base)
+            FINALIZED.add(info.base)
 
 
 class BlockSlave(Fmi2Slave):  # type: ignore[misc]
@@ -78,51 +87,51 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         block_type: the block.
         build: the content hash of this FMU; the state of another FMU is refused.
         starts: start values that were baked into this FMU.
-        turned: the causality of each variable that has another one than the block declares.
+        causality_overrides: the causality of each variable that has another one than the block declares.
     """
 
     block_type: ClassVar[type]
     build: ClassVar[str]
     starts: ClassVar[dict[str, Any]]
-    turned: ClassVar[Mapping[str, str]] = {}
+    causality_overrides: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.logger: int | None = kwargs.get("logger")
         if self.logger is not None:
-            finish_in_time(self.logger)
+            finalize_python_at_exit(self.logger)
         self.switch_logging_on()
         while sys.path.count(self.resources) > 1:  # PythonFMU has added it for each instance
             sys.path.remove(self.resources)
         self.block = self.block_type()
-        self.variables = variables(self.block, self.turned)
+        self.variables = variables(self.block, self.causality_overrides)
         self.by_name = {v.name: v for v in self.variables}
         for name, value in self.starts.items():
             self.by_name[name].cell.set(value)
         self.settable = [v for v in self.variables if v.settable]
-        self.inputs = [v for v in self.variables if v.judged]
+        self.inputs = [v for v in self.variables if v.checked]
         self.restricted = [v for v in self.inputs if v.restricted]
         self.limits = [(v.declaration.min, v.declaration.max) for v in self.inputs]
-        self.read_inputs = reader(v.name for v in self.inputs)
+        self.read_inputs = attribute_reader(v.name for v in self.inputs)
         self.codes = [v for v in self.variables if v.declaration.codes]
-        self.read_codes = reader(v.name for v in self.codes)
+        self.read_codes = attribute_reader(v.name for v in self.codes)
         self.cells = list(cells(self.block))
-        self.read_cells = reader(c.name for c in self.cells)
+        self.read_cells = attribute_reader(c.name for c in self.cells)
         self.lists = [i for i, c in enumerate(self.cells) if c.type is list]
         self.readers: dict[tuple[object, ...], Callable[[Any], tuple[Any, ...]]] = {}  # by value references
         self.writers: dict[tuple[object, ...], list[Cell]] = {}
-        self.mode = Mode.INSTANTIATED
+        self.mode = SlaveMode.INSTANTIATED
 
     def enter_initialization_mode(self) -> None:
-        self.mode = Mode.INITIALIZING
+        self.mode = SlaveMode.INITIALIZING
 
     def exit_initialization_mode(self) -> None:
         if refusal := self.try_initialize():
             self.refuse(refusal)
-        self.mode = Mode.STEPPING
+        self.mode = SlaveMode.STEPPING
 
     def terminate(self) -> None:
-        self.mode = Mode.TERMINATED
+        self.mode = SlaveMode.TERMINATED
 
     def try_initialize(self) -> str:
         """Check every parameter and input, then let the block derive its initial state from them.
@@ -133,7 +142,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         before = self.values()
         try:
             refusal = self.block.initialize()
-            text = self.explained(refusal) if refusal else ""
+            text = self.message(refusal) if refusal else ""
         except Exception as e:  # whatever it is: PythonFMU must not see it
             text = f"an arithmetic error ({e}): these values lead to no result"
         if text:
@@ -145,14 +154,14 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
         The answer is False (fmi2Discard) if the step is refused, which changes nothing: the block guarantees that, so
         no copy is made. After an arithmetic error, which no block should have, the unit is over."""
-        if self.mode is not Mode.STEPPING:
+        if self.mode is not SlaveMode.STEPPING:
             self.refuse(f"fmi2DoStep is not allowed now: the unit {self.mode}")
         before = self.read_codes(self.block)
         if refusal := self.step_refusal(step_size) or self.try_step(step_size):
-            self.say(refusal, Fmi2Status.error)
+            self.log_message(refusal, Fmi2Status.error)
             return False
-        if (now := self.read_codes(self.block)) != before:
-            self.tell_codes(before, now)
+        if (codes := self.read_codes(self.block)) != before:
+            self.log_new_codes(before, codes)
         return True
 
     def try_step(self, step_size: float) -> str:
@@ -160,9 +169,9 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             refusal = self.block.step(step_size)
         except Exception as e:  # whatever it is: PythonFMU must not see it
-            self.mode = Mode.TERMINATED
+            self.mode = SlaveMode.TERMINATED
             self.refuse(f"an arithmetic error ({e}): these values lead to no result, and the unit must be reset")
-        return self.explained(refusal) if refusal else ""
+        return self.message(refusal) if refusal else ""
 
     def step_refusal(self, step_size: float) -> str:
         """Why a step of this size cannot be made with the present inputs; empty if it can."""
@@ -173,30 +182,30 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
                 return self.refusal(self.inputs)
         return self.refusal(self.restricted)
 
-    def refusal(self, judged: list[Variable]) -> str:
+    def refusal(self, checked: list[Variable]) -> str:
         """Why the first of these variables whose value is not allowed has a bad one; empty if there is none."""
-        return next((refusal for v in judged if (refusal := v.refusal(v.cell.get()))), "")
+        return next((refusal for v in checked if (refusal := v.refusal(v.cell.get()))), "")
 
-    def tell_codes(self, before: tuple[Any, ...], now: tuple[Any, ...]) -> None:
+    def log_new_codes(self, before: tuple[Any, ...], codes: tuple[Any, ...]) -> None:
         """Log each fault code that has changed, but not to 0."""
-        for v, former, code in zip(self.codes, before, now, strict=True):
+        for v, former, code in zip(self.codes, before, codes, strict=True):
             for fault in members(v.declaration.codes):
                 if fault == code != former and code != 0:
-                    self.say(self.explained(fault, v.name), Fmi2Status.warning)
+                    self.log_message(self.message(fault, v.name), Fmi2Status.warning)
 
-    def explained(self, choice: Any, coded: str = "") -> str:
+    def message(self, choice: Any, coded: str = "") -> str:
         """A refusal in words, or a fault whose code is in the variable `coded`."""
-        names, group = spoken_of(choice, self.by_name, coded), coded.rpartition(".")[0]
-        text = explained(choice, names, lambda name: self.by_name[name].cell.get())
+        names, group = variables_in_message(choice, self.by_name, coded), coded.rpartition(".")[0]
+        text = message_text(choice, names, lambda name: self.by_name[name].cell.get())
         return f"{group}: {text}" if group else text
 
     def refuse(self, text: str) -> NoReturn:
         """Fail the call: PythonFMU turns the exception into fmi2Fatal."""
-        keep(type(self), self, self.log_queue)
-        self.say(text, Fmi2Status.error)
+        add_references(type(self), self, self.log_queue)
+        self.log_message(text, Fmi2Status.error)
         raise ValueError(text.replace("%", "percent"))
 
-    def say(self, text: str, status: Fmi2Status) -> None:
+    def log_message(self, text: str, status: Fmi2Status) -> None:
         """Log a text without percent signs: PythonFMU passes the text on as a C format."""
         self.switch_logging_on()
         self.log(text.replace("%", "percent"), status)
@@ -211,23 +220,23 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             ctypes.c_bool.from_address(self.logger + ctypes.sizeof(ctypes.c_void_p)).value = True
 
     def _get(self, kinds: tuple[str, ...], references: list[int]) -> list[Any]:
-        if self.mode is Mode.INITIALIZING:  # outputs follow parameters and inputs
+        if self.mode is SlaveMode.INITIALIZING:  # outputs follow parameters and inputs
             self.try_initialize()  # the end of this mode reports mistakes
         key = (kinds, *references)
         if key not in self.readers:
-            self.readers[key] = reader(self.variable(r, kinds).name for r in references)
+            self.readers[key] = attribute_reader(self.variable(r, kinds).name for r in references)
         return list(self.readers[key](self.block))
 
     def _set(self, kinds: tuple[str, ...], references: list[int], values: list[Any]) -> None:
-        if self.mode is Mode.TERMINATED:
+        if self.mode is SlaveMode.TERMINATED:
             self.refuse(f"fmi2Set{kinds[0]} is not allowed now: the unit {self.mode}")
         key = (kinds, self.mode, *references)
         if key not in self.writers:
-            chosen = [self.variable(r, kinds) for r in references]
-            for v in chosen:
-                if not v.settable or (self.mode is Mode.STEPPING and v.variability == "fixed"):
+            selected = [self.variable(r, kinds) for r in references]
+            for v in selected:
+                if not v.settable or (self.mode is SlaveMode.STEPPING and v.variability == "fixed"):
                     self.refuse(f"{v.name} ({v.variability} {v.causality}) cannot be set now")
-            self.writers[key] = [v.cell for v in chosen]
+            self.writers[key] = [v.cell for v in selected]
         for cell, value in zip(self.writers[key], values, strict=True):
             cell.set(value)
 
@@ -267,43 +276,43 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
     def _fmu_state_to_bytes(state: State) -> bytes:
         """The state as JSON, behind its SHA-256."""
         text = json.dumps(state).encode()
-        return seal(text) + text
+        return checksum(text) + text
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> State:
         """The state in these bytes. If they hold none, it is empty, and `_set_fmu_state` refuses it with a log line."""
-        if seal(state[SEAL:]) != state[:SEAL]:
+        if checksum(state[CHECKSUM_LENGTH:]) != state[:CHECKSUM_LENGTH]:
             return {}
         try:
-            read = json.loads(state[SEAL:])
+            content = json.loads(state[CHECKSUM_LENGTH:])
         except (ValueError, RecursionError):
-            read = None
-        return read if isinstance(read, dict) else {}
+            content = None
+        return content if isinstance(content, dict) else {}
 
     def _set_fmu_state(self, state: State) -> None:
         if "build" not in state:
             self.refuse("these bytes are no FMU state, or a damaged one")
         if state["build"] != self.build:
             self.refuse("this FMU state belongs to another FMU")
-        if not self.fits(state):
+        if not self.is_possible_state(state):
             self.refuse("this FMU state does not fit this FMU")
-        self.mode = Mode(state["mode"])
+        self.mode = SlaveMode(state["mode"])
         self.restore(state["cells"])
 
-    def fits(self, state: State) -> bool:
+    def is_possible_state(self, state: State) -> bool:
         """Whether a state has a mode, and for each cell a value that the cell may have held."""
         values = state.get("cells")
-        if state.get("mode") not in list(Mode) or not isinstance(values, list) or len(values) != len(self.cells):
+        if state.get("mode") not in list(SlaveMode) or not isinstance(values, list) or len(values) != len(self.cells):
             return False
-        return all(map(held, self.cells, values))
+        return all(map(is_possible_value, self.cells, values))
 
 
-def seal(text: bytes) -> bytes:
+def checksum(text: bytes) -> bytes:
     """A hash by which damage to the text of a state is found."""
     return hashlib.sha256(text).hexdigest().encode()
 
 
-def held(cell: Cell, value: Any) -> bool:
+def is_possible_value(cell: Cell, value: Any) -> bool:
     """Whether a value is one that this cell may have held."""
     if cell.type is list:
         return isinstance(value, list) and len(value) == len(cell.get()) and all(type(x) is float for x in value)
@@ -313,7 +322,7 @@ def held(cell: Cell, value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and -(2 ** (bits - 1)) <= value < 2 ** (bits - 1)
 
 
-def reader(names: Iterable[str]) -> Callable[[Any], tuple[Any, ...]]:
+def attribute_reader(names: Iterable[str]) -> Callable[[Any], tuple[Any, ...]]:
     """A function that reads the attributes at these paths of an object; it returns a tuple even for one path."""
     paths = list(names)
     if len(paths) > 1:

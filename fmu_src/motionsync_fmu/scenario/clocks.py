@@ -18,8 +18,8 @@ from .script import Script
 
 Integers = np.ndarray[Any, np.dtype[np.int64]]
 CLOSE = 1e-6  # of a cycle: a time that follows an instant by less is taken for that instant
-FARTHEST = 0.45  # of the shorter cycle: jitter moves no instant farther, so that cycles and telegrams keep their order
-BEFORE = 2  # telegrams sent before time 0: one of them is seen until the first one arrives
+LARGEST_JITTER = 0.45  # of the shorter cycle: jitter moves no instant farther, so that telegrams stay in sequence
+SENT_BEFORE_START = 2  # telegrams sent before time 0: one of them is seen until the first one arrives
 
 
 @dataclass(frozen=True)
@@ -53,16 +53,16 @@ class Clocks:
 
     Attributes:
         task_cycle: the receiver's cycle, in s.
-        rates: the sender's cycles, the first from 0 on. Where they change, the phase goes on continuously.
+        rates: the sender's cycles, the first from 0 on. Where they change, the phase continues.
         phase: how long before time 0 the first telegram is sent, as a share of the sender's cycle: from 0 to below 1.
         jitter: the jitter of the instants at which telegrams are sent, and of those at which they are read. Both are
             independent and Gaussian; this is their standard deviation as a share of the receiver's cycle. A telegram
             describes the axis at the instant without jitter.
         seed: the seed of the jitter; the same seed gives the same jitter, however long the run is.
         lost: first and last index of telegrams that never arrive, counted as `Telegrams.index` is; none of these
-            ranges begins before the first telegram.
+            ranges starts before the first telegram.
         first_index: the index of the first telegram, as the telegram contains it.
-        wraps_at: the index in a telegram begins again at 0 where it would reach this number.
+        wraps_at: the index in a telegram starts again at 0 where it would reach this number.
     """
 
     task_cycle: float
@@ -74,64 +74,64 @@ class Clocks:
     first_index: int = 0
     wraps_at: int = 65536
 
-    def acted(self, t: float) -> int:
-        """How many of the receiver's cycles have acted before t. The next cycle to act has this number."""
+    def count_cycles(self, t: float) -> int:
+        """How many of the receiver's cycles have acted before t, which is the number of the next one."""
         return max(math.ceil(t / self.task_cycle - CLOSE), 0)
 
-    def acted_at(self, times: Reals) -> Integers:
-        """As `acted`, for many times at once; shape (times,)."""
+    def count_cycles_at(self, times: Reals) -> Integers:
+        """The same for many times at once, shape (times,)."""
         return np.maximum(np.ceil(times / self.task_cycle - CLOSE), 0.0).astype(np.int64)
 
-    def shown(self, begin: float, end: float) -> int:
-        """The cycle whose telegram a step shows: the first one in [begin, end).
+    def find_visible_cycle(self, begin: float, end: float) -> int:
+        """The cycle whose telegram the block sees in a step: the first one in [begin, end).
 
         In a step without a cycle it is the latest cycle before the step, or cycle 0."""
-        return max(min(self.acted(begin), self.acted(end) - 1), 0)
+        return max(min(self.count_cycles(begin), self.count_cycles(end) - 1), 0)
 
     def true_index(self, times: Reals) -> Reals:
         """The sender's index at these times, shape (times,): real numbers that never wrap."""
-        at, cycle, begun = self._pieces
-        place = np.maximum(np.searchsorted(at, times, "right") - 1, 0)
-        return np.asarray(self.first_index + begun[place] + (times - at[place]) / cycle[place])
+        at, cycle, count = self._rate_table
+        i = np.maximum(np.searchsorted(at, times, "right") - 1, 0)
+        return np.asarray(self.first_index + count[i] + (times - at[i]) / cycle[i])
 
-    def sent(self, index: Integers) -> Reals:
-        """When the telegrams with these indices are sent, in s, without jitter; shape (index,)."""
-        at, cycle, begun = self._pieces
-        counted = index - self.first_index
-        place = np.maximum(np.searchsorted(begun, counted, "right") - 1, 0)
-        return np.asarray(at[place] + (counted - begun[place]) * cycle[place])
+    def send_times(self, index: Integers) -> Reals:
+        """The times at which the telegrams with these indices are sent, in s, without jitter; shape (index,)."""
+        at, cycle, count = self._rate_table
+        sent = index - self.first_index
+        i = np.maximum(np.searchsorted(count, sent, "right") - 1, 0)
+        return np.asarray(at[i] + (sent - count[i]) * cycle[i])
 
-    def received(self, cycles: int) -> Integers:
+    def received_indices(self, cycles: int) -> Integers:
         """The latest telegram that has arrived at each of the receiver's first cycles, shape (cycles,): its index,
         counted on without wrapping."""
-        reads = np.arange(float(cycles)) * self.task_cycle + self._noise(0, cycles)
+        read_times = np.arange(float(cycles)) * self.task_cycle + self._draw_jitter(0, cycles)
         last = int(self.true_index(np.array([cycles * self.task_cycle]))[0])
-        index = np.arange(self.first_index - BEFORE, last + BEFORE)
+        index = np.arange(self.first_index - SENT_BEFORE_START, last + SENT_BEFORE_START)
         arrives = np.ones(len(index), bool)
         for lowest, highest in self.lost:
             arrives &= (index < lowest) | (highest < index)
-        sends = self.sent(index) + self._noise(1, len(index))
-        return np.asarray(index[arrives][np.searchsorted(sends[arrives], reads, "right") - 1])
+        sent_at = self.send_times(index) + self._draw_jitter(1, len(index))
+        return np.asarray(index[arrives][np.searchsorted(sent_at[arrives], read_times, "right") - 1])
 
     def telegrams(self, axis: Script, cycles: int) -> Telegrams:
         """What the receiver sees of an axis in its first cycles."""
-        index = self.received(cycles)
+        index = self.received_indices(cycles)
         return Telegrams(
             index,
             index % self.wraps_at,
-            axis.motions_at(self.sent(index))[:, :3],
+            axis.motions_at(self.send_times(index))[:, :3],
             self.true_index(np.arange(float(cycles)) * self.task_cycle),
         )
 
     @cached_property
-    def _pieces(self) -> tuple[Reals, Reals, Reals]:
+    def _rate_table(self) -> tuple[Reals, Reals, Reals]:
         """The times at which the length of the sender's cycles changes, the lengths from then on, both in s, and the
         sender's index at these times, counted from the first telegram."""
         at, cycle = np.array([(rate.at, rate.cycle) for rate in self.rates]).T
         return at, cycle, self.phase + np.concatenate([[0.0], np.cumsum(np.diff(at) / cycle[:-1])])
 
-    def _noise(self, side: int, count: int) -> Reals:
-        """The jitter of the instants of one side, 0: the receiver, 1: the sender; in s, shape (count,)."""
+    def _draw_jitter(self, side: int, count: int) -> Reals:
+        """The jitter of the first instants of one side, 0: the receiver, 1: the sender; in s, shape (count,)."""
         normal = np.random.default_rng((self.seed, side)).standard_normal(count)
-        limit = FARTHEST * min(self.task_cycle, float(self._pieces[1].min()))
+        limit = LARGEST_JITTER * min(self.task_cycle, float(self._rate_table[1].min()))
         return np.clip(self.jitter * self.task_cycle * normal, -limit, limit)

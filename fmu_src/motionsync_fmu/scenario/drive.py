@@ -1,7 +1,7 @@
-"""The drive of a scenario's master that follows a velocity which the block puts out: a line that does as it is asked.
+"""The drive of a master that follows a velocity which the block requests.
 
-The drive is a part of the controller whose cycle is the scan. Within a scan its acceleration is constant; therefore the
-master is known exactly, whatever the step size of the run is.
+The drive belongs to the controller whose cycle is the scan. Its acceleration is constant within a scan; therefore the
+master's motion is exact at every step size of the run.
 """
 
 import math
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Drive:
-    """A lag of first order (PT1) behind a velocity that the block asks for.
+    """A lag of first order (PT1) behind a velocity that the block requests.
 
     Attributes:
         follows: the output or local variable that holds this velocity, in u/s.
@@ -23,14 +23,14 @@ class Drive:
     max_acceleration: float
 
     @property
-    def limited(self) -> bool:
+    def has_acceleration_limit(self) -> bool:
         """Whether the acceleration has a limit."""
         return math.isfinite(self.max_acceleration)
 
-    def acceleration(self, velocity: float, asked: float, scan: float) -> float:
-        """The master's acceleration during a scan of so many s that begins at `velocity`, in u/s2.
+    def acceleration(self, velocity: float, requested: float, scan: float) -> float:
+        """The master's acceleration in u/s2 during a scan, in s, that starts at `velocity`.
 
-        With it, the velocity at the end of the scan is that of the lag to which the velocity `asked` for was held,
-        unless the acceleration is at its limit."""
-        needed = (asked - velocity) * -math.expm1(-scan / self.time_constant) / scan
-        return min(max(needed, -self.max_acceleration), self.max_acceleration)
+        At the end of the scan the velocity is that of the lag whose input was `requested` during the scan, unless the
+        acceleration is at its limit."""
+        unlimited = (requested - velocity) * -math.expm1(-scan / self.time_constant) / scan
+        return min(max(unlimited, -self.max_acceleration), self.max_acceleration)

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from .script import Script
-from .settings import Setting, Unmet
+from .settings import Setting, UnmetReaction
 
 Reals = np.ndarray[Any, np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)
 class Recording:
-    """What the FMU put out: `values[name]`, shape (points,), at the communication points `time`, shape (points,), s.
+    """The outputs of the FMU: `values[name]`, shape (points,), at the communication points `time`, shape (points,), s.
 
     `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3. `settings`: all that
     was set, by the scenario's settings and by its reactions, in this order; `unmet`: the reactions that happened less
@@ -26,7 +26,7 @@ class Recording:
     master: Reals
     messages: list[str]
     settings: Sequence[Setting] = ()
-    unmet: Sequence[Unmet] = ()
+    unmet: Sequence[UnmetReaction] = ()
     script: Script | None = None
 
 

@@ -1,6 +1,6 @@
-"""A scenario: a scripted axis, commands over time, and what is expected of the outputs.
+"""A scenario: a scripted axis, commands over time, and expectations of the outputs.
 
-`reader` makes it from a file and checks it: all names exist in the block, and all values fit their variables.
+`files.reader` reads it and validates it: all names exist in the block, and all values fit their variables.
 """
 
 import math
@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..interface.recipe import Recipe
-from .cuts import CutSpec, PieceSpec
+from .cutting import CutSpec, PieceSpec
 from .drive import Drive
+from .remote_view import RemoteView
 from .script import Script
-from .settings import Condition, Reaction, Setting
-from .telegrams import Remote
+from .settings import OutputCondition, Reaction, Setting
 
 
 @dataclass(frozen=True)
@@ -25,9 +25,14 @@ class AtTime:
     values: Mapping[str, float]
     tolerance: float
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The variables whose values are expected."""
+        return tuple(self.values)
+
 
 @dataclass(frozen=True)
-class When(Condition):
+class When(OutputCondition):
     """The first time, in s, at which a condition is expected to hold.
 
     Attributes:
@@ -38,6 +43,11 @@ class When(Condition):
     time: float
     tolerance: float | None
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The variable of the condition."""
+        return (self.name,)
+
 
 @dataclass(frozen=True)
 class Within:
@@ -47,6 +57,11 @@ class Within:
     end: float
     limits: Mapping[str, tuple[float, float]]
     tolerance: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The variables whose values are expected."""
+        return tuple(self.limits)
 
 
 Expectation = AtTime | When | Within
@@ -68,7 +83,7 @@ class Picture:
     variants: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Scenario:
     """A checked scenario.
 
@@ -80,15 +95,15 @@ class Scenario:
         step_size: the step size of the run, in s; `motionsync run --step-size` takes another one than the file has.
         scan: the cycle of the reactions' program, in s: the step size in the file, whatever the run's is.
         tolerance: the tolerance of the reference, relative to the greatest magnitude of each variable in it.
-        master: the scripted axis; where it is a remote one, the true axis; where it has a drive, how it begins.
+        master: the scripted axis; where it is a remote one, the true axis; where it has a drive, how it starts.
         remote: how the block sees a remote axis; None: the block has a master.
         settings: what is set, each at its time.
-        reactions: what is set when the block puts out something.
+        reactions: what is set when an output fulfils a condition.
         cuts: how its cuts are checked; None: they are not.
-        pieces: how the pieces are checked of a block that tells them; None: they are not.
+        pieces: how the pieces are checked that the block reports; None: they are not.
         picture: how the scenario is drawn where it is a block's example.
-        drive: what moves the master if it follows a velocity that the block puts out; None: it is scripted.
-        step_bound: why the scenario means something at its own step size only; empty: it means the same at every one.
+        drive: what moves the master if it follows a velocity that the block requests; None: it is scripted.
+        step_bound: why the scenario is valid at its own step size only; empty: it is valid at every one.
     """
 
     file: Path
@@ -100,18 +115,18 @@ class Scenario:
     stop_time: float
     step_size: float
     scan: float
-    tolerance: float
+    tolerance: float = 1e-9
     start: Mapping[str, Any]
     master: Script
-    remote: Remote | None
+    remote: RemoteView | None = None
     settings: tuple[Setting, ...]
     expectations: tuple[Expectation, ...]
-    cuts: CutSpec | None
+    cuts: CutSpec | None = None
+    pieces: PieceSpec | None = None
     picture: Picture = field(default_factory=Picture)
     reactions: tuple[Reaction, ...] = ()
     drive: Drive | None = None
     step_bound: str = ""
-    pieces: PieceSpec | None = None
 
     @property
     def name(self) -> str:
@@ -124,7 +139,7 @@ class Scenario:
         return f"{self.recipe.name}/{self.name}"
 
     def step_refusal(self, step_size: float) -> str:
-        """Why the scenario cannot be judged at this step size, in s; empty if it can."""
+        """Why the expectations cannot be checked at this step size, in s; empty if they can."""
         cycle = self.remote.clocks.task_cycle if self.remote else math.inf
         if step_size > cycle * (1.0 + 1e-9):
             return f"{self.recipe.name} works in cycles of {cycle:g} s, and a step of {step_size:g} s is longer"
@@ -137,10 +152,9 @@ class Scenario:
 
     @property
     def reacts(self) -> bool:
-        """Whether what happens depends on what the block puts out, and so is known after a run only."""
+        """Whether inputs depend on outputs: then only a run determines them."""
         return bool(self.reactions or self.drive)
 
-    def settled(self, settings: Iterable[Setting], master: Script) -> Self:
-        """The same scenario with all that a run of it has set, each at its time, and with the motion of the master in
-        that run; so without reactions and without a drive."""
+    def with_recorded_inputs(self, settings: Iterable[Setting], master: Script) -> Self:
+        """The same scenario with the settings and the master's motion of a run in place of reactions and drive."""
         return replace(self, settings=tuple(settings), master=master, reactions=(), drive=None)

@@ -1,4 +1,4 @@
-"""The scripted axis of a scenario: its motion is given segment by segment, and so known exactly at every time."""
+"""The scripted axis of a scenario: its motion is given segment by segment, and is exact at every time."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch of time with at most one of: a velocity to jump to, a constant acceleration, a constant jerk.
+    """A span of time with at most one of: a velocity to jump to, a constant acceleration, a constant jerk.
 
     Without any of them the velocity stays as it is. A jerk starts from the acceleration at the end of the segment
     before.
@@ -24,7 +24,7 @@ class Segment:
 
 
 @dataclass(frozen=True)
-class Motion:
+class AxisMotion:
     """Position (u, unwrapped), velocity, acceleration and jerk at an instant."""
 
     position: float
@@ -32,10 +32,10 @@ class Motion:
     acceleration: float
     jerk: float
 
-    def after(self, t: float) -> "Motion":
+    def after(self, t: float) -> "AxisMotion":
         """The motion a time t later, with constant jerk."""
         a, j = self.acceleration, self.jerk
-        return Motion(
+        return AxisMotion(
             self.position + t * (self.velocity + t * (a / 2.0 + t * j / 6.0)),
             self.velocity + t * (a + t * j / 2.0),
             a + t * j,
@@ -48,10 +48,10 @@ class Script:
 
     def __init__(self, position: float, velocity: float, acceleration: float, segments: Iterable[Segment]) -> None:
         self.breaks: list[float] = [0.0]
-        self.motions: list[Motion] = []
-        ending = Motion(position, velocity, acceleration, 0.0)
+        self.motions: list[AxisMotion] = []
+        ending = AxisMotion(position, velocity, acceleration, 0.0)
         for segment in segments:
-            begin = Motion(
+            begin = AxisMotion(
                 ending.position,
                 ending.velocity if segment.velocity is None else segment.velocity,
                 ending.acceleration if segment.jerk is not None else segment.acceleration or 0.0,
@@ -60,15 +60,15 @@ class Script:
             self.motions.append(begin)
             self.breaks.append(self.breaks[-1] + segment.duration)
             ending = begin.after(segment.duration)
-        self.motions.append(Motion(ending.position, ending.velocity, 0.0, 0.0))
+        self.motions.append(AxisMotion(ending.position, ending.velocity, 0.0, 0.0))
 
-    def go_on(self, t: float, acceleration: float) -> None:
-        """From t on, a time after the last break, the acceleration is this constant one."""
+    def accelerate_from(self, t: float, acceleration: float) -> None:
+        """Continue from t on, a time after the last break, with this constant acceleration."""
         reached = self.until(t)
         self.breaks.append(t)
-        self.motions.append(Motion(reached.position, reached.velocity, acceleration, 0.0))
+        self.motions.append(AxisMotion(reached.position, reached.velocity, acceleration, 0.0))
 
-    def at(self, t: float) -> Motion:
+    def at(self, t: float) -> AxisMotion:
         """The motion at t; where it jumps at t, the motion after the jump."""
         i = max(bisect_right(self.breaks, t) - 1, 0)
         return self.motions[i].after(t - self.breaks[i])
@@ -78,14 +78,14 @@ class Script:
         return np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in self.motions])
 
     def motions_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The motion at each of these times, as `at` gives it, shape (times, 4): u, u/s, u/s2, u/s3."""
+        """The motions at these times, as `at` gives them, shape (times, 4): u, u/s, u/s2, u/s3."""
         breaks = np.array(self.breaks)
         i = np.maximum(np.searchsorted(breaks, times, "right") - 1, 0)
-        begun: Any = self.table()[i].T
-        later = Motion(*begun).after(times - breaks[i])
+        segment_starts: Any = self.table()[i].T
+        later = AxisMotion(*segment_starts).after(times - breaks[i])
         return np.column_stack([later.position, later.velocity, later.acceleration, later.jerk])
 
-    def until(self, t: float) -> Motion:
+    def until(self, t: float) -> AxisMotion:
         """The motion at t; where it jumps at t, the motion before the jump."""
         i = max(bisect_left(self.breaks, t) - 1, 0)
         return self.motions[i].after(t - self.breaks[i])

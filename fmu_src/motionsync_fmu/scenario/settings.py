@@ -1,4 +1,4 @@
-"""What a scenario sets during a run: at given times, and as reactions to what the block puts out."""
+"""What a scenario sets during a run: at given times, and as reactions to outputs of the block."""
 
 import operator
 from collections.abc import Callable, Mapping
@@ -17,7 +17,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Condition:
+class OutputCondition:
     """A comparison of an output or local variable with a value.
 
     Attributes:
@@ -33,17 +33,17 @@ class Condition:
 
 @dataclass(frozen=True)
 class Reaction:
-    """What is set each time a condition becomes true.
+    """What is set when a condition becomes true.
 
     Attributes:
         after: how long after the scan that saw it, in s.
         set: the values of variables.
         add: what is added to the present values of variables.
-        times: how often it reacts at most; None: each time.
+        times: how often it reacts at most; None: each time the condition becomes true.
         required: the run is not as expected if it reacts less often, or never where `times` is None.
     """
 
-    condition: Condition
+    condition: OutputCondition
     after: float = 0.0
     set: Mapping[str, Any] = field(default_factory=dict)
     add: Mapping[str, Any] = field(default_factory=dict)
@@ -57,7 +57,7 @@ class Reaction:
 
 
 @dataclass(frozen=True)
-class Unmet:
+class UnmetReaction:
     """A reaction that happened less often than it could have: `happened` times."""
 
     reaction: Reaction
@@ -71,6 +71,6 @@ class Unmet:
         return f"reaction to {self.reaction.condition.text} {often}"
 
     @property
-    def found(self) -> str:
+    def actual(self) -> str:
         """How often it happened, in words."""
         return {0: "never", 1: "once"}.get(self.happened, f"{self.happened} times")

@@ -11,14 +11,14 @@ Reals = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 Holds = Callable[[Indices, Reals], Flags]
-"""Whether the condition holds: for points, told by their numbers, at a value each."""
+"""Whether the condition holds: for points, given by their numbers, at a value each."""
 
 NEAR = 1e-6  # of the range: a boundary that is nearer to 0 counts as that far from it
 
 
 @dataclass(frozen=True)
 class Boundaries:
-    """Where a condition begins to hold, for each point; all arrays have the shape (points,).
+    """Where a condition starts to hold, for each point; all arrays have the shape (points,).
 
     Attributes:
         holding: the value at which it holds, of the two at the boundary; NaN: there is no boundary.
@@ -56,11 +56,11 @@ def bisect(holds: Holds, points: int, low: float, high: float, relative: float) 
     return Boundaries(holding, other, at_low, at_high, runs)
 
 
-def _apart(a: Reals, b: Reals, relative: float, least: float) -> Flags:
+def _apart(a: Reals, b: Reals, relative: float, smallest: float) -> Flags:
     """Whether two values are farther from one another than a share of their magnitude, of `least` at least, and not
     neighbours."""
     middle = 0.5 * (a + b)
-    scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), least)
+    scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), smallest)
     apart: Flags = (np.abs(a - b) > relative * scale) & (middle != a) & (middle != b)
     return apart
 
@@ -68,5 +68,5 @@ def _apart(a: Reals, b: Reals, relative: float, least: float) -> Flags:
 def rounds(low: float, high: float, relative: float) -> int:
     """How many rounds a search takes at most, those at the ends included."""
     nearest = 0.0 if low < 0.0 < high else min(abs(low), abs(high))
-    least = max(NEAR * (high - low), nearest)
-    return 2 + max(0, ceil(log2((high - low) / (relative * least))))
+    smallest = max(NEAR * (high - low), nearest)
+    return 2 + max(0, ceil(log2((high - low) / (relative * smallest))))

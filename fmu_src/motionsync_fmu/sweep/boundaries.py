@@ -5,26 +5,26 @@ range.
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Self, Unpack
 
 import numpy as np
 import pyarrow as pa
 
 from ..errors import UserError
-from ..scenario.toml_tables import read_toml
-from . import measures as of_runs
+from ..scenario.files.toml_tables import read_toml
 from .bisection import Boundaries, Flags, Indices, Reals, bisect
 from .conditions import RowCondition
 from .factors import BETWEEN
-from .plan import FILE, SEARCH, SweepPlan
-from .rows import rows_with, schema
-from .samples import Method
+from .measures import check_measures
+from .result_columns import measure_columns, schema
+from .rows import rows_with
+from .sweep_plan import FILE, SEARCH, SamplingOptions, SweepPlan
 
-POINT, BESIDE, HOLDS, REFUSAL, RUNS = "point", "beside", "holds", "refusal", "runs"
+POINT, OTHER_SIDE, HOLDS, REFUSAL, RUNS = "point", "beside", "holds", "refusal", "runs"
 ABOVE, BELOW, BOTH, NEITHER = "above", "below", "at both ends", "at neither end"
 FINEST = 1e-15  # relative: of finer values there are none
 ENDS = "NAME=low..high, as in: --vary length=300..3000"
@@ -55,14 +55,10 @@ class Search:
         settings: Iterable[str] = (),
         *,
         relative: float = 1e-6,
-        samples: int | None = None,
-        method: Method = Method.LHS,
-        seed: int = 0,
-        measures: Mapping[str, Sequence[str]] | None = None,
-        yes: bool = False,
+        **options: Unpack[SamplingOptions],
     ) -> Self:
         """The search in a scenario's file, along `vary`, a text `NAME=low..high`, until a condition holds, for settings
-        `NAME=VALUES` as those of a sweep. The condition may name measures that are not among `measures`.
+        `NAME=VALUES` as those of a sweep. The condition may name measures that are not among those of the options.
 
         Raises:
             UserError: the file, the range, the condition, a setting, or what they make together is refused.
@@ -70,8 +66,7 @@ class Search:
         if not FINEST <= relative < 1.0:
             raise UserError(f"--relative {relative:g} is not allowed: it must be from {FINEST:g} to below 1")
         name, low, high = _range(vary)
-        options: Any = {"samples": samples, "method": method, "seed": seed, "yes": yes}
-        plan = SweepPlan.of(file, [f"{name}={low},{high}", *settings], measures=measures, **options)
+        plan = SweepPlan.of(file, [f"{name}={low},{high}", *settings], **options)
         if (kind := plan.values(0, 1)[name].dtype) != np.float64:
             raise UserError(f"--vary {vary}: {name} is no real number, but {kind}: there is nothing to halve")
         condition = RowCondition.read(until)
@@ -105,11 +100,11 @@ class Search:
         """The columns of the rows: the point's number and values, the boundary and the value beside it, on which side
         the condition holds, why the run beside was refused, the number of runs, and the measures of the run at the
         boundary."""
-        known = schema(self.plan)
-        grid = {factor.name: known.field(factor.name).type for factor in self.plan.factors[1:]}
-        found = {self.name: pa.float64(), f"{self.name}.{BESIDE}": pa.float64(), HOLDS: pa.string()}
-        measured = dict.fromkeys(of_runs.columns(self.plan.measures), pa.float64())
-        return pa.schema({POINT: pa.int64()} | grid | found | {REFUSAL: pa.string(), RUNS: pa.int64()} | measured)
+        row_schema = schema(self.plan)
+        grid = {factor.name: row_schema.field(factor.name).type for factor in self.plan.factors[1:]}
+        boundary = {self.name: pa.float64(), f"{self.name}.{OTHER_SIDE}": pa.float64(), HOLDS: pa.string()}
+        measured = dict.fromkeys(measure_columns(self.plan.measures), pa.float64())
+        return pa.schema({POINT: pa.int64()} | grid | boundary | {REFUSAL: pa.string(), RUNS: pa.int64()} | measured)
 
     def write(self, folder: Path) -> None:
         """Write `plan.toml` and a copy of the scenario's file.
@@ -134,28 +129,31 @@ class Search:
 
     def differs(self, other: "Search") -> str:
         """What this search has otherwise than the other one, in one sentence; empty if both give the same rows."""
-        said = [self.plan.differs(other.plan)]
-        said += [
-            f"{name} is {mine}, not {its}"
+        differences = [self.plan.differs(other.plan)]
+        differences += [
+            f"{name} is {own}, not {others}"
             for name in ("until", "relative")
-            if (mine := getattr(self, name)) != (its := getattr(other, name))
+            if (own := getattr(self, name)) != (others := getattr(other, name))
         ]
-        return "; ".join(filter(None, said))
+        return "; ".join(filter(None, differences))
 
 
 def boundaries(search: Search, first: int, last: int) -> pa.Table:
     """The rows of the points from `first` up to, but not including, `last`; its columns are those of the schema."""
     points = _Points(search, first, last)
-    found = bisect(points.holds, last - first, *search.range, search.relative)
+    result = bisect(points.holds, last - first, *search.range, search.relative)
     columns = {
         POINT: np.arange(first, last),
         **points.grid,
-        search.name: found.holding,
-        f"{search.name}.{BESIDE}": found.other,
-        HOLDS: _sides(found),
+        search.name: result.holding,
+        f"{search.name}.{OTHER_SIDE}": result.other,
+        HOLDS: _sides(result),
         REFUSAL: points.refusals,
-        RUNS: found.runs,
-        **{name: np.where(np.isnan(found.holding), np.nan, kept) for name, kept in points.kept.items()},
+        RUNS: result.runs,
+        **{
+            name: np.where(np.isnan(result.holding), np.nan, column_values)
+            for name, column_values in points.boundary_values.items()
+        },
     }
     return pa.table([pa.array(columns[f.name], f.type, from_pandas=True) for f in search.schema], schema=search.schema)
 
@@ -165,7 +163,7 @@ class _Points:
 
     Attributes:
         grid: the values that do not depend on what is varied, by column.
-        kept: of each point's last run for which the condition held, the measures and what follows from the varied
+        columns: of each point's last run for which the condition held, the measures and what follows from the varied
             value, NaN before it held; by column.
         refusals: why each point's last run for which it did not hold was refused; empty: it was not.
     """
@@ -176,26 +174,26 @@ class _Points:
         self._values = low
         self.grid = {name: values for name, values in low.items() if np.array_equal(values, high[name])}
         following = [name for name in low if name not in (*self.grid, search.name)]
-        kept = [*following, *of_runs.columns(search.plan.measures)]
-        self.kept = {name: np.full(last - first, np.nan) for name in kept}
+        columns = [*following, *measure_columns(search.plan.measures)]
+        self.boundary_values = {name: np.full(last - first, np.nan) for name in columns}
         self.refusals = np.full(last - first, "", dtype=object)
 
     def holds(self, points: Indices, values: Reals) -> Flags:
         """Whether the condition holds for the rows of some points, at a value each."""
         plan, condition = self._search.plan, self._search.condition
         given = {name: column[points] for name, column in self._values.items()} | {self._search.name: values}
-        rows = rows_with(plan, plan.completed(given), [*condition.columns, *self.kept, REFUSAL])
+        rows = rows_with(plan, plan.complete(given), [*condition.columns, *self.boundary_values, REFUSAL])
         held = condition.holds(rows).to_numpy()
-        for name, kept in self.kept.items():
-            kept[points[held]] = rows[name].to_numpy()[held]
+        for name, column_values in self.boundary_values.items():
+            column_values[points[held]] = rows[name].to_numpy()[held]
         self.refusals[points[~held]] = rows[REFUSAL].to_numpy()[~held]
         return np.asarray(held)
 
 
-def _sides(found: Boundaries) -> list[str]:
+def _sides(result: Boundaries) -> list[str]:
     """On which side of its boundary the condition holds, or that there is none, for each point."""
     sides = {(False, True): ABOVE, (True, False): BELOW, (True, True): BOTH, (False, False): NEITHER}
-    return [sides[at] for at in zip(found.at_low.tolist(), found.at_high.tolist(), strict=True)]
+    return [sides[at] for at in zip(result.at_low.tolist(), result.at_high.tolist(), strict=True)]
 
 
 def _range(vary: str) -> tuple[str, str, str]:
@@ -218,9 +216,9 @@ def _range(vary: str) -> tuple[str, str, str]:
 
 def _with_measures(plan: SweepPlan, columns: Iterable[str]) -> dict[str, tuple[str, ...]]:
     """The plan's measures, and those that further columns are named after; what is none is left out."""
-    found = dict(plan.measures)
-    outputs = plan.varied.scenario.recipe.variables
+    measures_by_output = dict(plan.measures)
+    outputs = plan.variation.scenario.recipe.variables
     for column in columns:
         if name := max((n for n in outputs if column.startswith(f"{n}.")), key=len, default=""):
-            found[name] = (*found.get(name, ()), column.removeprefix(f"{name}."))
-    return of_runs.checked(found, plan.varied.scenario.recipe)
+            measures_by_output[name] = (*measures_by_output.get(name, ()), column.removeprefix(f"{name}."))
+    return check_measures(measures_by_output, plan.variation.scenario.recipe)

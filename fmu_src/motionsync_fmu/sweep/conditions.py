@@ -43,17 +43,17 @@ class Comparison:
 
 @dataclass(frozen=True)
 class RowCondition:
-    """What the rows of a sweep are asked: all comparisons hold."""
+    """A condition on the rows of a sweep: all comparisons hold."""
 
     text: str
     comparisons: tuple[Comparison, ...]
 
     @classmethod
     def read(cls, text: str) -> Self:
-        """The condition that a text tells.
+        """The condition in a text.
 
         Raises:
-            UserError: it tells none.
+            UserError: the text is no condition.
         """
         return cls(text, tuple(_comparison(part, text) for part in JOINT.split(text.strip())))
 
@@ -70,21 +70,21 @@ class RowCondition:
         """
         kinds = {field.name: field.type for field in schema}
         for c in self.comparisons:
-            wanted, example = _wanted(choose(kinds, c.column, "column of a row"))
-            if type(c.value) is not wanted:
+            expected_type, example = _expected_type(choose(kinds, c.column, "column of a row"))
+            if type(c.value) is not expected_type:
                 value = f'"{c.value}"' if isinstance(c.value, str) else f"{c.value:g}"
                 raise UserError(f"{c.column} {c.sign} {value}: compare {c.column} with {example}")
-            if wanted is not float and c.sign not in ("==", "!="):
+            if expected_type is not float and c.sign not in ("==", "!="):
                 raise UserError(f"{c.column} {c.sign} ...: {c.column} is {example}, which == and != compare")
 
     def holds(self, rows: pa.Table) -> pa.ChunkedArray:
         """For which rows it holds, shape (rows,). A comparison with a value that is missing (null, NaN) does not."""
-        found = pa.chunked_array([pa.repeat(pa.scalar(True), rows.num_rows)])
+        mask = pa.chunked_array([pa.repeat(pa.scalar(True), rows.num_rows)])
         for c in self.comparisons:
             column = rows[c.column]
-            told = pc.invert(pc.is_null(column, nan_is_null=True))
-            found = pc.and_(found, pc.and_(told, pc.fill_null(SIGNS[c.sign](column, c.value), False)))
-        return found
+            has_value = pc.invert(pc.is_null(column, nan_is_null=True))
+            mask = pc.and_(mask, pc.and_(has_value, pc.fill_null(SIGNS[c.sign](column, c.value), False)))
+        return mask
 
 
 def _comparison(part: str, text: str) -> Comparison:
@@ -95,7 +95,7 @@ def _comparison(part: str, text: str) -> Comparison:
     if value is None:
         return Comparison(column, "==", not negated)
     if negated:
-        raise UserError(f"{text!r} is no condition: not stands before the name of a column alone, as in: not passed")
+        raise UserError(f"{text!r} is no condition: not is for the name of a column alone, as in: not passed")
     return Comparison(column, sign, _value(value, text))
 
 
@@ -113,7 +113,7 @@ def _value(word: str, text: str) -> bool | float | str:
     return number
 
 
-def _wanted(kind: pa.DataType) -> tuple[type, str]:
+def _expected_type(kind: pa.DataType) -> tuple[type, str]:
     """What a column of this type is compared with, and that in words."""
     if pa.types.is_boolean(kind):
         return bool, "true or false"

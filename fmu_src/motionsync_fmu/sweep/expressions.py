@@ -117,7 +117,7 @@ class _Parser:
             case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
                 act, a, b = OPERATORS[type(op)], self._number(left, depth), self._number(right, depth)
                 return lambda given: act(a(given), b(given))
-            case ast.Call(func=ast.Name(id=word), args=arguments, keywords=[]):
+            case ast.Call(func=ast.Name(id=word), args=arguments, keywords=[]) if word in FUNCTIONS:
                 return self._call(word, arguments, depth)
         raise UserError(f"{self.text!r} is no expression: {FORM}")
 
@@ -128,10 +128,10 @@ class _Parser:
         return lambda given: np.asarray(number)
 
     def _call(self, name: str, arguments: list[ast.expr], depth: int) -> Rule:
-        least, act = FUNCTIONS[name]
-        if len(arguments) < least or (least == 1 and len(arguments) > 1):
-            wanted = "one value" if least == 1 else "two values or more"
-            raise UserError(f"{self.text}: {name} needs {wanted}, not {len(arguments)}")
+        fewest, act = FUNCTIONS[name]
+        if len(arguments) < fewest or (fewest == 1 and len(arguments) > 1):
+            expected = "one value" if fewest == 1 else "two values or more"
+            raise UserError(f"{self.text}: {name} needs {expected}, not {len(arguments)}")
         inner = [self._number(argument, depth) for argument in arguments]
         return lambda given: act([part(given) for part in inner])
 
@@ -148,7 +148,7 @@ class _Parser:
         return numbers
 
 
-def in_order(needed: Mapping[str, Iterable[str]]) -> list[str]:
+def sort_by_need(needed: Mapping[str, Iterable[str]]) -> list[str]:
     """The names in such an order that each comes after those that it needs.
 
     Raises:

@@ -81,7 +81,7 @@ Values = Linear | Listed | Range | Expression
 
 
 @dataclass(frozen=True)
-class Kind:
+class ValueKind:
     """What the values of a name in the scenario are.
 
     Attributes:
@@ -94,7 +94,7 @@ class Kind:
     members: Collection[tuple[int, str]] = ()
 
 
-def assigned(setting: str) -> tuple[str, str]:
+def split_setting(setting: str) -> tuple[str, str]:
     """The name and the text of the values in `NAME=VALUES`.
 
     Raises:
@@ -106,7 +106,7 @@ def assigned(setting: str) -> tuple[str, str]:
     return name, text
 
 
-def read_values(text: str, kind: Kind) -> Values:
+def read_values(text: str, kind: ValueKind) -> Values:
     """The values, or the expression, in a text.
 
     Raises:
@@ -122,12 +122,12 @@ def read_values(text: str, kind: Kind) -> Values:
     return Listed(_array(parts, kind))
 
 
-def _range(text: str, kind: Kind) -> Range:
+def _range(text: str, kind: ValueKind) -> Range:
     low, high = _bounds(text.split(BETWEEN), 2, kind)
     return Range(low, high, kind.name == "Integer")
 
 
-def _linear(text: str, kind: Kind) -> Linear:
+def _linear(text: str, kind: ValueKind) -> Linear:
     parts = text.split(":")
     start, stop = _bounds(parts, 3, kind)
     try:
@@ -144,9 +144,9 @@ def _linear(text: str, kind: Kind) -> Linear:
     return Linear(start, stop, count, whole)
 
 
-def _bounds(parts: list[str], wanted: int, kind: Kind) -> tuple[float, float]:
+def _bounds(parts: list[str], count: int, kind: ValueKind) -> tuple[float, float]:
     """The two numbers between which a grid or range extends."""
-    if len(parts) != wanted:
+    if len(parts) != count:
         raise UserError(HELP)
     if kind.name in ("Boolean", "Enumeration"):
         raise UserError(f"{_allowed(kind)}, one by one with commas")
@@ -158,7 +158,7 @@ def _bounds(parts: list[str], wanted: int, kind: Kind) -> tuple[float, float]:
     return low, high
 
 
-def _array(parts: list[str], kind: Kind) -> Array:
+def _array(parts: list[str], kind: ValueKind) -> Array:
     values = [_value(part, kind) for part in parts]
     types = {type(value) for value in values}
     if len(types) > 1:
@@ -166,7 +166,7 @@ def _array(parts: list[str], kind: Kind) -> Array:
     return np.array(values)
 
 
-def _value(part: str, kind: Kind) -> float | bool | str:
+def _value(part: str, kind: ValueKind) -> float | bool | str:
     text = part.strip()
     if kind.name == "Enumeration":
         for value, name in kind.members:
@@ -180,7 +180,7 @@ def _value(part: str, kind: Kind) -> float | bool | str:
     return _number(text, kind)
 
 
-def _number(part: str, kind: Kind) -> float:
+def _number(part: str, kind: ValueKind) -> float:
     """A finite number; a whole one, as an int, if the variable is an Integer."""
     text = part.strip()
     try:
@@ -196,13 +196,13 @@ def _number(part: str, kind: Kind) -> float:
     return int(value)
 
 
-def _allowed(kind: Kind) -> str:
+def _allowed(kind: ValueKind) -> str:
     if kind.name == "Boolean":
         return "it must be true or false"
     return f"it must be {', '.join(f'{value} {name}' for value, name in kind.members)}"
 
 
-def _is_value(text: str, kind: Kind) -> bool:
+def _is_value(text: str, kind: ValueKind) -> bool:
     """Whether a text without a comma is a value, and not an expression; a wrong value counts as one."""
     if text.lower() in FLAGS or (kind.name == "Enumeration" and text.isidentifier()):
         return True
@@ -214,7 +214,7 @@ def _is_value(text: str, kind: Kind) -> bool:
 
 
 def _split(text: str) -> list[str]:
-    """The parts between commas that stand in no parentheses."""
+    """The parts between commas that are in no parentheses."""
     parts, depth = [""], 0
     for sign in text:
         depth += (sign == "(") - (sign == ")")

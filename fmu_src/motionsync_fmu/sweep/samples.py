@@ -1,4 +1,7 @@
-"""Samples of ranges: points of the unit cube, by a Latin hypercube or a Sobol sequence (`scipy.stats.qmc`)."""
+"""Samples of ranges: points of the unit cube, by a Latin hypercube or a Sobol sequence (`scipy.stats.qmc`).
+
+Grids are in `factors.py`; `sweep_plan.py` puts both together.
+"""
 
 import warnings
 from dataclasses import dataclass
@@ -10,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..extras import need
+from ..optional_dependencies import require
 
 Points = np.ndarray[Any, np.dtype[np.float64]]
 """Shares of ranges, from 0 to below 1; shape (samples, ranges)."""
@@ -54,7 +57,7 @@ class Samples:
     def points(self, first: int, last: int) -> Points:
         """The samples with the numbers from `first` to below `last`. They do not depend on what is asked for before.
 
-        Sobol points are computed from `first` on. A Latin hypercube is one whole; it is kept for the next call."""
+        Sobol points are computed from `first` on. A Latin hypercube is a whole, and stays in memory."""
         if self.method is Method.LHS:
             return _hypercube(self)[first:last]
         return _sobol(self).points(first, last)
@@ -67,7 +70,7 @@ def sampler() -> str:
     Raises:
         UserError: it is not installed.
     """
-    need("sweep", "scipy")
+    require("sweep", "scipy")
     return version("scipy")
 
 
@@ -81,8 +84,8 @@ def _hypercube(samples: Samples) -> Points:
 
 
 class _Sobol:
-    """A Sobol sequence, scrambled, at any place of it. To go on from the place before is quick; to go back begins anew,
-    and passes over some 10^8 points a second."""
+    """A Sobol sequence, scrambled, at any index. To continue is quick; to go back starts again, and passes over some
+    10^8 points a second."""
 
     def __init__(self, samples: Samples) -> None:
         self._samples = samples

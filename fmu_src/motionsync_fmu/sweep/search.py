@@ -1,32 +1,32 @@
-"""Searches: at each point of a sweep's grid, the value of one name at which a condition on the row begins to hold.
+"""Searches: at each point of a sweep's grid, the value of one name at which a condition on the row starts to hold.
 
 from motionsync_fmu.sweep.search import search
 
 if __name__ == "__main__":  # the processes that work read this file, too
-    found = search("CutToLength/any_length", "length=50..6000", "passed", {"master.velocity": [500.0, 1000.0]})
-    print(found.select(["master.velocity", "length"]).to_pylist())
+    boundaries = search("CutToLength/any_length", "length=50..6000", "passed", {"master.velocity": [500.0, 1000.0]})
+    print(boundaries.select(["master.velocity", "length"]).to_pylist())
 
-That is the shortest length that works; with another name it may be the greatest line velocity. Which end of the range
-it is that works, the runs tell.
+That is the shortest length that works; with another name it may be the greatest line velocity. The runs show which
+end of the range works.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from numpy.typing import ArrayLike
 
-from ..errors import Interrupted, choose
-from ..extras import need
-from ..scenario.reader import load
-from ..scenario.shipped import find_one
+from ..errors import Interrupted
+from ..optional_dependencies import require
+from ..scenario.files.shipped import find_scenario
 from .sweep import settings
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
     from .boundaries import Search
+    from .sweep_plan import SamplingOptions
 
 TOGETHER = 100  # points, which this process looks at together
 
@@ -39,16 +39,12 @@ def search(
     *,
     derived: Mapping[str, str] | None = None,
     relative: float = 1e-6,
-    samples: int | None = None,
-    method: str = "lhs",
-    seed: int = 0,
-    measures: Mapping[str, str | Sequence[str]] | None = None,
     output: str | Path | None = None,
     workers: int | None = None,
     scheduler: str = "",
-    yes: bool = False,
     progress: Callable[[int, int], None] = lambda done, points: None,
-    tell: Callable[[str], None] = lambda line: None,
+    notify: Callable[[str], None] = lambda line: None,
+    **options: "Unpack[SamplingOptions]",
 ) -> "pa.Table":
     """The boundaries at all points of the grid that the factors make.
 
@@ -56,73 +52,60 @@ def search(
         scenario: its file or folder, or its short name.
         vary: what is varied, and between which values: `"length=300..3000"`.
         until: the condition on a row: columns compared with values, `"late == 0 and cut_error < 0.01"`.
-        factors, derived, samples, method, seed: the grid, as of a sweep; none: there is one point.
+        factors, derived: the grid, as of a sweep; none: there is one point.
         relative: how far apart the two values beside a boundary may be, as a share of their magnitude.
-        measures: figures of outputs in the run at the boundary. Those that the condition names are taken anyway.
         output: a folder that keeps the rows as parts, so that the same call goes on; None: nothing is kept.
         workers, scheduler: who searches, as of a sweep.
-        yes: begin even if there are more than 10^9 runs at each end of the range.
         progress: called with the number of points that are done, and of all.
-        tell: called with a line about what the user may want to know meanwhile.
+        notify: called with a message to the user.
+        options: as of a sweep. The measures are those of the run at the boundary; what the condition names is measured
+            anyway.
 
     Returns:
-        A row for each point, with the columns that docs/sweeps.md tells. A point without a boundary has a row, too.
+        A row for each point, with the columns that docs/sweeps.md lists. A point without a boundary has a row, too.
 
     Raises:
         UserError: what is asked for is refused, the folder has another search, or it cannot be written.
         Interrupted: the user broke it off; what is finished is kept if there is a folder.
     """
-    need("sweep", "distributed", "pyarrow", "scipy")
-    from .boundaries import Search  # noqa: PLC0415 (part of an extra, like the next ones)
-    from .measures import checked  # noqa: PLC0415
-    from .samples import Method  # noqa: PLC0415
+    require("sweep", "distributed", "pyarrow", "scipy")
+    from .boundaries import Search  # noqa: PLC0415 (part of an extra)
 
-    file = find_one(Path(scenario))
-    wanted = Search.of(
-        file,
-        vary,
-        until,
-        settings(factors or {}, derived or {}),
-        relative=relative,
-        samples=samples,
-        method=choose({str(m): m for m in Method}, method, "method"),
-        seed=seed,
-        measures=checked(measures, load(file).recipe) if measures else {},
-        yes=yes,
-    )
-    return found(wanted, output=output, workers=workers, scheduler=scheduler, progress=progress, tell=tell)
+    grid = settings(factors or {}, derived or {})
+    request = Search.of(find_scenario(Path(scenario)), vary, until, grid, relative=relative, **options)
+    return run_search(request, output=output, workers=workers, scheduler=scheduler, progress=progress, notify=notify)
 
 
-def found(
-    wanted: "Search",
+def run_search(
+    request: "Search",
     *,
     output: str | Path | None,
     workers: int | None,
     scheduler: str,
     progress: Callable[[int, int], None],
-    tell: Callable[[str], None],
+    notify: Callable[[str], None],
 ) -> "pa.Table":
     """What `search` gives, for a search that is made already."""
     import pyarrow as pa  # noqa: PLC0415
 
     from .boundaries import boundaries  # noqa: PLC0415
-    from .spread import go  # noqa: PLC0415
+    from .execution import execute  # noqa: PLC0415
 
-    options: Any = {"scheduler": scheduler, "workers": workers, "progress": progress, "tell": tell}
+    options: Any = {"scheduler": scheduler, "workers": workers, "progress": progress, "notify": notify}
     if output is not None:
-        go(wanted, Path(output), boundaries, **options)
-        return _read(Path(output))
+        execute(request, Path(output), boundaries, **options)
+        return _read_rows(Path(output))
     try:
-        if not scheduler and (workers == 1 or (workers is None and wanted.runs <= TOGETHER)):
-            return pa.concat_tables(_here(wanted, progress))
+        if not scheduler and (workers == 1 or (workers is None and request.runs <= TOGETHER)):
+            return pa.concat_tables(_searched_in_this_process(request, progress))
         with TemporaryDirectory() as aside:
-            go(wanted, Path(aside), boundaries, **options)
-            return _read(Path(aside))
+            execute(request, Path(aside), boundaries, **options)
+            return _read_rows(Path(aside))
     except (KeyboardInterrupt, Interrupted):
         raise Interrupted("interrupted: nothing is kept without a folder for the rows (--output)") from None
 
 
-def _read(folder: Path) -> "pa.Table":
+def _read_rows(folder: Path) -> "pa.Table":
     """The rows in the parts of a folder, in the order of the points."""
     import pyarrow.dataset as ds  # noqa: PLC0415
 
@@ -130,11 +113,11 @@ def _read(folder: Path) -> "pa.Table":
     return ds.dataset(files).to_table().sort_by("point").replace_schema_metadata()
 
 
-def _here(wanted: "Search", progress: Callable[[int, int], None]) -> "Iterator[pa.Table]":
+def _searched_in_this_process(request: "Search", progress: Callable[[int, int], None]) -> "Iterator[pa.Table]":
     """The rows of all points, some at a time."""
     from .boundaries import boundaries  # noqa: PLC0415
 
-    for first in range(0, wanted.runs, TOGETHER):
-        last = min(first + TOGETHER, wanted.runs)
-        yield boundaries(wanted, first, last)
-        progress(last, wanted.runs)
+    for first in range(0, request.runs, TOGETHER):
+        last = min(first + TOGETHER, request.runs)
+        yield boundaries(request, first, last)
+        progress(last, request.runs)

@@ -1,4 +1,4 @@
-"""What a sweep's rows come to, in a few numbers."""
+"""Counts the runs of a sweep by their results."""
 
 from dataclasses import asdict, dataclass
 
@@ -11,7 +11,7 @@ PASSED, REFUSED, LIMITS, FAULT = "passed", "refusal", "limits_broken", "fault"
 
 @dataclass
 class Summary:
-    """How many runs there are, and of how many something is to be told.
+    """How many runs there are, and how many of them failed in which way.
 
     Attributes:
         passed: all was as the scenario expects.
@@ -33,7 +33,7 @@ class Summary:
         return asdict(self)
 
     def counts(self) -> dict[str, int]:
-        """What is told of the runs, in words, and of how many; without what does not apply."""
+        """The numbers of runs by what happened to them, in words; without what does not apply."""
         words = {
             "as expected": self.passed,
             "NOT as expected": self.unexpected,
@@ -44,25 +44,25 @@ class Summary:
         return {what: number for what, number in words.items() if number is not None}
 
 
-def summary(rows: Rows) -> Summary:
-    """What the rows of a sweep come to; a piece of them is in memory at a time.
+def summarize(rows: Rows) -> Summary:
+    """Count the runs in the rows of a sweep by their results; some rows are in memory at a time.
 
     Raises:
         UserError: a part file is damaged.
     """
-    there = [name for name in (PASSED, REFUSED, LIMITS, FAULT) if name in rows.schema.names]
-    found = Summary(limits_broken=0 if LIMITS in there else None, faults=0 if FAULT in there else None)
-    for batch in rows.batches(there):
+    names = [name for name in (PASSED, REFUSED, LIMITS, FAULT) if name in rows.schema.names]
+    result = Summary(limits_broken=0 if LIMITS in names else None, faults=0 if FAULT in names else None)
+    for batch in rows.batches(names):
         refused = pc.not_equal(batch[REFUSED], "")
-        found.runs += batch.num_rows
-        found.refused += _count(refused)
-        found.passed += _count(batch[PASSED])
-        if found.limits_broken is not None:
-            found.limits_broken += _count(pc.not_equal(batch[LIMITS], ""))
-        if found.faults is not None:
-            found.faults += _count(pc.not_equal(batch[FAULT], 0))
-    found.unexpected = found.runs - found.passed - found.refused
-    return found
+        result.runs += batch.num_rows
+        result.refused += _count(refused)
+        result.passed += _count(batch[PASSED])
+        if result.limits_broken is not None:
+            result.limits_broken += _count(pc.not_equal(batch[LIMITS], ""))
+        if result.faults is not None:
+            result.faults += _count(pc.not_equal(batch[FAULT], 0))
+    result.unexpected = result.runs - result.passed - result.refused
+    return result
 
 
 def _count(true: object) -> int:

@@ -18,19 +18,19 @@ if __name__ == "__main__":  # the processes that work read this file, too
     rows.to_table(["length", "passed"]).to_pandas()
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import UserError, choose
-from ..extras import need
-from ..scenario.reader import load
-from ..scenario.shipped import find_one
+from ..errors import UserError
+from ..optional_dependencies import require
+from ..scenario.files.shipped import find_scenario
 
 if TYPE_CHECKING:
+    from .sweep_plan import SamplingOptions
     from .table import Rows
 
 
@@ -40,15 +40,11 @@ def sweep(
     *,
     output: str | Path,
     derived: Mapping[str, str] | None = None,
-    samples: int | None = None,
-    method: str = "lhs",
-    seed: int = 0,
-    measures: Mapping[str, str | Sequence[str]] | None = None,
     workers: int | None = None,
     scheduler: str = "",
     chunk: int = 0,
-    yes: bool = False,
     progress: Callable[[int, int], None] = lambda done, runs: None,
+    **options: "Unpack[SamplingOptions]",
 ) -> "Rows":
     """Run a scenario with many values, on all cores or many computers.
 
@@ -58,15 +54,11 @@ def sweep(
             it, `"start:stop:count"`, `"low..high"` or `"a,b,c"`; or values: one, or an array of shape (values,).
         output: the folder for the rows and the plan. If rows of the same sweep are in it, the others are added.
         derived: what follows from factors, by expressions such as `"2*axis.max_velocity"`.
-        samples: how many samples ranges have.
-        method: how ranges are sampled, `"lhs"` or `"sobol"`.
-        seed: the seed of the samples.
-        measures: figures of outputs over a whole run, their kinds by the names of the outputs.
         workers: how many processes of this computer work; by default one for each core.
         scheduler: the address of a Dask scheduler, whose workers do it instead.
         chunk: the runs of a part file; 0: those of some seconds.
-        yes: begin even if there are more than 10^9 runs.
         progress: called with the number of runs that are done, and of all.
+        options: `samples`, `method`, `seed`, `measures` and `yes`, as `sweep_plan.SamplingOptions` explains them.
 
     Returns:
         The rows, which are read when they are asked for. A run that fails has a row, too.
@@ -75,28 +67,16 @@ def sweep(
         UserError: what is asked for is refused, the folder has another sweep, or it cannot be written.
         Interrupted: the user broke it off; the rows that are finished are kept, and the same call goes on.
     """
-    need("sweep", "distributed", "pyarrow", "scipy")
-    from .measures import checked  # noqa: PLC0415 (parts of an extra, like the next ones)
-    from .plan import SweepPlan  # noqa: PLC0415
+    require("sweep", "distributed", "pyarrow", "scipy")
+    from .execution import execute  # noqa: PLC0415 (part of an extra, like the next ones)
     from .rows import rows  # noqa: PLC0415
-    from .samples import Method  # noqa: PLC0415
-    from .spread import go  # noqa: PLC0415
+    from .sweep_plan import SweepPlan  # noqa: PLC0415
     from .table import Rows  # noqa: PLC0415
 
-    file = find_one(Path(scenario))
     if both := [name for name in derived or {} if name in factors]:
         raise UserError(f"{both[0]} is a factor: it cannot be derived, too")
-    plan = SweepPlan.of(
-        file,
-        settings(factors, derived or {}),
-        samples=samples,
-        method=choose({str(m): m for m in Method}, method, "method"),
-        seed=seed,
-        measures=checked(measures, load(file).recipe) if measures else {},
-        chunk=chunk,
-        yes=yes,
-    )
-    go(plan, Path(output), rows, scheduler=scheduler, workers=workers, progress=progress)
+    plan = SweepPlan.of(find_scenario(Path(scenario)), settings(factors, derived or {}), chunk=chunk, **options)
+    execute(plan, Path(output), rows, scheduler=scheduler, workers=workers, progress=progress)
     return Rows(Path(output))
 
 
@@ -110,11 +90,7 @@ def settings(factors: Mapping[str, str | ArrayLike], derived: Mapping[str, str])
 
 
 def _text(name: str, values: str | ArrayLike) -> str:
-    """The values of a factor as `--set` takes them.
-
-    Raises:
-        UserError: they are no list of values.
-    """
+    """The values of a factor as `--set` takes them."""
     if isinstance(values, str):
         return values
     array = np.atleast_1d(np.asarray(values))

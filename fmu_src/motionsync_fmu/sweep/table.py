@@ -5,7 +5,7 @@
     rows.to_table(["length", "late"])  # of pyarrow
     rows.dataset  # what pandas, polars, DuckDB and Dask read from, with their own filters
 
-A part file that is damaged is told by its name."""
+An error about a damaged part file names the file."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -16,16 +16,16 @@ import pyarrow as pa
 import pyarrow.dataset as ds
 
 from ..errors import UserError, choose
-from .parts import NAME, damage
-from .plan import SweepPlan
-from .rows import schema
+from .part_files import NAME, damage
+from .result_columns import schema
+from .sweep_plan import SweepPlan
 
 
 class Rows:
     """The rows in the folder of a sweep, in the order of the runs: those that were there when this was made.
 
     Attributes:
-        folder: where the plan and the part files lie.
+        folder: where the plan and the part files are.
         plan: what the sweep does.
     """
 
@@ -58,16 +58,12 @@ class Rows:
         return ds.dataset(files, self.schema, ds.ParquetFileFormat(default_fragment_scan_options=checked))
 
     def __len__(self) -> int:
-        """The number of rows that are there.
-
-        Raises:
-            UserError: a part file is damaged.
-        """
-        return self._number
+        """The number of rows that are there."""
+        return self._row_count
 
     @cached_property
-    def _number(self) -> int:
-        with self._whole():
+    def _row_count(self) -> int:
+        with self._name_damaged_part():
             return int(self.dataset.count_rows())
 
     @property
@@ -75,9 +71,9 @@ class Rows:
         """The numbers of the runs that have no row yet."""
         runs = self.plan.runs
         chunk = self.plan.chunk or runs  # not settled yet: nothing has run
-        there = [*self._files, -(-runs // chunk)]
+        parts = [*self._files, -(-runs // chunk)]
         before = [-1, *self._files]
-        gaps = zip(before, there, strict=True)
+        gaps = zip(before, parts, strict=True)
         return [range((last + 1) * chunk, min(part * chunk, runs)) for last, part in gaps if part > last + 1]
 
     def __iter__(self) -> Iterator[pa.RecordBatch]:
@@ -89,8 +85,8 @@ class Rows:
         Raises:
             UserError: there is no such column, or a part file is damaged.
         """
-        names = self._chosen(columns)
-        with self._whole():
+        names = self._names_of(columns)
+        with self._name_damaged_part():
             yield from self.dataset.to_batches(columns=names)
 
     def to_table(self, columns: Sequence[str] | None = None) -> pa.Table:
@@ -99,8 +95,8 @@ class Rows:
         Raises:
             UserError: there is no such column, or a part file is damaged.
         """
-        names = self._chosen(columns)
-        with self._whole():
+        names = self._names_of(columns)
+        with self._name_damaged_part():
             return self.dataset.to_table(columns=names)
 
     def column(self, name: str) -> pa.ChunkedArray:
@@ -111,19 +107,18 @@ class Rows:
         """
         return self.to_table([name]).column(0)
 
-    def _chosen(self, columns: Sequence[str] | None) -> list[str]:
-        known = {name: name for name in self.schema.names}
-        return [choose(known, name, "column") for name in columns] if columns is not None else [*known]
+    def _names_of(self, columns: Sequence[str] | None) -> list[str]:
+        names = {name: name for name in self.schema.names}
+        return [choose(names, name, "column") for name in columns] if columns is not None else [*names]
 
     @contextmanager
-    def _whole(self) -> Iterator[None]:
-        """Tell which part file is damaged if one is found to be."""
+    def _name_damaged_part(self) -> Iterator[None]:
+        """Name the damaged part file in the error."""
         try:
             yield
         except (OSError, pa.ArrowException):
             for file in self.files:
                 if fault := damage(file):
-                    raise UserError(
-                        f"{file} is damaged ({fault}): delete it, and give the sweep's command again"
-                    ) from None
+                    text = f"{file} is damaged ({fault}): delete it, and give the sweep's command again"
+                    raise UserError(text) from None
             raise

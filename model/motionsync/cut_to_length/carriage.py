@@ -1,105 +1,160 @@
-"""The carriage's curves over the material: into sync, in sync, and ahead of the material through a gap.
-
-They count from the line of the cut: mu is how far the master is beyond the place at which that line passes carriage
-position 0. So a cut keeps its last bits however far the material has run.
-"""
+"""The carriage: its curve over the master in the cycle under way, and its motion home."""
 
 from dataclasses import dataclass
-from math import sqrt
 
-from ..axis_limits import AxisLimits
-from ..laws import half_ramp, polynomial_3_4_5
-from ..limits import clamp
+from .. import var
+from ..clock import Clock
+from ..grid import rounding_tolerance
+from ..laws import chain_rule
+from ..master import Master
+from ..motion import stopping_distance
+from ..var import Enumeration
+from .carriage_curve import CarriageCurve, gap_extremes
+from .homing_motion import HomingMotion
+from .machine_limits import Machine, approach_distance, turning_acceleration
 
-GAP_VELOCITY = 1.875  # g / T: greatest velocity of the gap's curve
-GAP_ACCELERATION = 10.0 / sqrt(3.0)  # g / T^2: its greatest acceleration
-GAP_JERK = 60.0  # g / T^3: its greatest jerk
+NEARLY = 1e-9  # of an approach: what is missing to sync is rounding
+PUNCTUAL = 1.0 - 1e-12  # of the time that is left: rounding must not make an eased motion home too slow
+
+
+class Stage(Enumeration):
+    """What drives the carriage"""
+
+    RESTING = 0, "nothing: it rests, and the machine does not run"
+    HOMING = 1, "its motion home after start"
+    WAITING = 2, "nothing: it rests at home until the start point"
+    APPROACHING = 3, "the curve into sync"
+    SYNCHRONOUS = 4, "the motion in sync with the cut, before the blade cuts"
+    CUTTING = 5, "the motion in sync with the cut"
+    PULLING = 6, "the curve that gets ahead of the material"
+    CLEARING = 7, "what drove it before, until the blade is clear"
+    RETURNING = 8, "its motion home"
 
 
 @dataclass(slots=True)
 class Carriage:
-    """The curve of one cycle.
+    """The carriage with its machine.
 
     Attributes:
-        coupling: k, carriage travel per master travel in sync.
-        home: where the carriage rests before the approach, u.
-        start, sync: mu at the beginning and at the end of the approach.
-        joined: the carriage is in sync, or has been in this cycle: a master that turns back takes it along.
-        pulls: the gap is being opened, or is open.
-        gap_begin, gap_end: mu between which it is opened.
-        gap: by how much the carriage gets ahead of the material, u.
+        machine: what it can do with the present settings.
+        cycle_machine: the same as it was when this cycle's approach started.
+        cut: the cut passes carriage position 0 at this position of the master, u.
+        cut_begin: how far the master was beyond `cut` when the blade began to cut, u.
+        stage_clock: the time since the stage began; at rest, since the arrival.
+        is_ready: it has settled at home.
+        cut_timeout: the longest cut of the cycle, s; 0: any.
+        clearing_time: how long the stage CLEARING lasts, s.
     """
 
-    coupling: float = 1.0
-    home: float = 0.0
-    start: float = 0.0
-    sync: float = 0.0
-    joined: bool = False
-    pulls: bool = False
-    gap_begin: float = 0.0
-    gap_end: float = 0.0
-    gap: float = 0.0
+    stage: Stage = Stage.RESTING
+    machine: Machine = var.part(Machine)
+    cycle_machine: Machine = var.part(Machine)
+    curve: CarriageCurve = var.part(CarriageCurve)
+    homing: HomingMotion = var.part(HomingMotion)
+    cut: float = 0.0
+    cut_begin: float = 0.0
+    stage_clock: Clock = var.part(Clock)
+    is_ready: bool = False
+    cut_timeout: float = 0.0
+    clearing_time: float = 0.0
 
-    def lay_approach(self, coupling: float, home: float, distance: float) -> None:
-        """From rest at `home` the carriage meets the line of the cut after its own travel `distance`, u."""
-        self.coupling = coupling
-        self.home = home
-        self.start = (home - distance) / coupling
-        self.sync = (home + distance) / coupling
-        self.joined = False
-        self.pulls = False
+    def enter_waiting(self) -> None:
+        """At home until the start point."""
+        self.stage = Stage.WAITING
+        self.is_ready = False
 
-    def lay_gap(self, mu: float, distance: float, travel: float) -> None:
-        """From here the carriage gets ahead by `distance` while the line's share of its travel is `travel`, u."""
-        self.pulls = True
-        self.gap_begin = mu
-        self.gap_end = mu + travel / self.coupling
-        self.gap = distance
+    def enter_homing(self, now: float) -> None:
+        """From rest to home."""
+        self.stage = Stage.HOMING
+        self.homing.plan(self.machine, now, self.homing.end, 0.0, 0.0)
 
-    def progress(self, mu: float) -> float:
-        """Share of the approach that is done, 0 to 1."""
-        travel = self.sync - self.start
-        return clamp((mu - self.start) / travel, 0.0, 1.0) if travel > 0.0 else 1.0
+    def enter_pulling(self, master: Master, now: float) -> None:
+        """Ahead of the material, to open the gap."""
+        self.stage = Stage.PULLING
+        beyond_cut = distance_beyond(master, self.cut, now)
+        self.curve.plan_gap(beyond_cut, self.cycle_machine.gap_distance, self.cycle_machine.gap_travel)
 
-    def at(self, mu: float) -> tuple[float, float, float, float]:
-        """The carriage's position and its derivatives by the master's position."""
-        if mu <= self.start and not self.joined:
-            return self.home, 0.0, 0.0, 0.0
-        if mu >= self.sync or self.joined:
-            return self.in_sync_at(mu)
-        travel = self.sync - self.start
-        q, q1, q2, q3 = half_ramp((mu - self.start) / travel)
-        k = self.coupling
-        return self.home + k * travel * q, k * q1, k / travel * q2, k / travel / travel * q3
+    def enter_clearing(self, now: float) -> None:
+        """On its curve, until the blade is clear."""
+        self.stage = Stage.CLEARING
+        self.stage_clock.start(now)
+        self.clearing_time = self.cycle_machine.retract_time
 
-    def in_sync_at(self, mu: float) -> tuple[float, float, float, float]:
-        """On the line, or ahead of it: k mu + g (10 w^3 - 15 w^4 + 6 w^5), w the share of the gap's travel."""
-        k = self.coupling
-        if not self.pulls or mu <= self.gap_begin:
-            return k * mu, k, 0.0, 0.0
-        if mu >= self.gap_end:
-            return k * mu + self.gap, k, 0.0, 0.0
-        rate = 1.0 / (self.gap_end - self.gap_begin)
-        law, law1, law2, law3 = polynomial_3_4_5((mu - self.gap_begin) * rate)
-        g1 = self.gap * rate
-        g2 = g1 * rate
-        return k * mu + self.gap * law, k + g1 * law1, g2 * law2, g2 * rate * law3
+    def setpoint_at(self, master: Master, time: float) -> tuple[float, float, float, float]:
+        """The setpoint on the curve over the master, at a time since the step's beginning."""
+        position, d1, d2, d3 = self.curve.at(distance_beyond(master, self.cut, time))
+        velocity, acceleration, jerk = chain_rule(d1, d2, d3, master.velocity_at(time), master.mean_acceleration())
+        return position, velocity, acceleration, jerk
+
+    def setpoint_at_end(self, master: Master) -> tuple[float, float, float, float]:
+        """The setpoint on the curve over the master, at the end of the step."""
+        position, d1, d2, d3 = self.curve.at(master.end - self.cut)
+        velocity, acceleration, jerk = chain_rule(d1, d2, d3, master.end_velocity, master.end_acceleration)
+        return position, velocity, acceleration, jerk
+
+    def plan_homing(self, master: Master, now: float, is_homing: bool) -> None:
+        """Plan the motion home, as fast as the limits allow, from a motion home or from the curve over the master."""
+        if is_homing:
+            position, velocity, acceleration, _ = self.homing.at(now)
+        else:
+            position, velocity, acceleration, _ = self.setpoint_at(master, now)
+        self.homing.plan(self.machine, now, position, velocity, acceleration)
+
+    def ease_homing(self, master: Master, now: float, slowest: float, spare_time: float, cut: float) -> None:
+        """Plan an eased motion home from the curve over the master, if there is time for it before the next cut."""
+        machine = self.machine
+        line_velocity = master.velocity_at(now)
+        start = (machine.home_position - approach_distance(machine, line_velocity)) / machine.coupling
+        until_start = (start - distance_beyond(master, cut, now)) / line_velocity
+        time = until_start * PUNCTUAL - machine.homing_settle_time - spare_time
+        position, velocity, acceleration, _ = self.setpoint_at(master, now)
+        self.homing.plan_eased(machine, slowest, now, position, velocity, acceleration, time)
+        self.homing.eased_velocity = line_velocity
+        self.homing.eased_cut = cut
+
+    def is_nearly_in_sync(self, master: Master, time: float) -> bool:
+        """Whether sync is ahead by rounding only, at a time since the step's beginning."""
+        missing = self.curve.sync - distance_beyond(master, self.cut, time)
+        travel = self.curve.sync - self.curve.start
+        return missing <= NEARLY * travel + rounding_tolerance(self.cut, master.end)
+
+    def has_to_stop(self, master: Master, time: float) -> bool:
+        """Whether the time-optimal stop from the setpoint at a time ends at an end of the stroke, or beyond it."""
+        position, velocity, acceleration, _ = self.setpoint_at(master, time)
+        machine = self.machine
+        end = position + stopping_distance(velocity, acceleration, turning_acceleration(machine), machine.homing_jerk)
+        if velocity > 0.0 or (velocity == 0.0 and acceleration > 0.0):
+            return end >= machine.max_position
+        return (velocity < 0.0 or acceleration < 0.0) and end <= machine.min_position
+
+    def is_far_from_ends(self, master: Master, now: float, until: float) -> bool:
+        """Whether the carriage, in sync, need not stop for an end of its stroke from now until a time since the step's
+        beginning. Then no search for the instant is needed. The bound of the stopping distance is a rough one."""
+        if not self.curve.has_joined:
+            return False
+        k = self.curve.coupling
+        down = turning_acceleration(self.machine)
+        jerk = self.machine.homing_jerk
+        speed = k * max(abs(master.begin_velocity), abs(master.end_velocity))
+        change = k * abs(master.end_velocity - master.begin_velocity)
+        ahead = 0.0
+        if self.curve.has_gap:
+            ahead = self.curve.gap_distance
+            step = master.step
+            speed, acceleration = gap_extremes(speed, change / step, ahead, self.cycle_machine.gap_travel)
+            change = acceleration * step
+        if change > down * master.step:
+            return False
+        first = k * distance_beyond(master, self.cut, now)
+        last = k * distance_beyond(master, self.cut, until)
+        below = min(first, last) - self.machine.min_position
+        stroke_left = min(below, self.machine.max_position - ahead - max(first, last))
+        # With F = jerk speed + down^2 / 2 the stopping distance is below F (F / 2 + 3 down^2) / (down jerk^2).
+        fast = jerk * speed + 0.5 * down * down
+        return stroke_left * down * jerk * jerk > fast * (0.5 * fast + 3.0 * down * down)
 
 
-def gap_extremes(speed: float, acceleration: float, distance: float, travel: float) -> tuple[float, float]:
-    """Bounds of the carriage's speed and acceleration while the gap is opened, u/s and u/s2; the line's, in its travel,
-    are at most these."""
-    rate = distance / travel * speed
-    slope = 1.0 + GAP_VELOCITY * distance / travel
-    return slope * speed, slope * acceleration + GAP_ACCELERATION * rate * (speed / travel)
-
-
-def gap_keeps_limits(velocity: float, distance: float, travel: float, axis: AxisLimits) -> bool:
-    """Whether the gap can be opened at a constant velocity of the carriage in sync, u/s, which is above 0."""
-    time = travel / velocity
-    speed, acceleration = gap_extremes(velocity, 0.0, distance, travel)
-    return (
-        speed <= axis.max_velocity
-        and acceleration <= min(axis.max_acceleration, axis.deceleration())
-        and GAP_JERK * distance / time / time / time <= axis.max_jerk
-    )
+def distance_beyond(master: Master, position: float, time: float) -> float:
+    """How far the master is beyond a position at a time since the step's beginning, u."""
+    path = master.path
+    return (path.origin - position) + time * (path.velocity + time * (path.c2 + time * path.c3))

@@ -1,58 +1,78 @@
-"""Why the machine does not do what it was told, and why it stops. The numbers are our own."""
+"""Why a command is refused, why the machine stops, and which tuned parameter is out of its range.
 
-from ..master import TURNS
+The numbers are our own. An invalid parameter changes nothing by itself: no piece is fixed and no approach starts with
+it, a cycle under way ends with the values it began with, a command that reads it is refused.
+"""
+
+from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 END_POSITIONS = ("axis.min_position", "axis.max_position")
-GAP = ("gap.distance", "gap.travel")
-MARKS = ("mark.spacing", "mark.window")
+START_POSITIONS = ("axis.initial_position", "axis.min_position", "axis.max_position")
+MASTER = ("master.position", "master.velocity", "master.acceleration")
+LINE_VELOCITIES = ("master.velocity", "limits.max_line_velocity")
+FACTORS = ("material_factor", "calibration.factor")
+HOME_BETWEEN_ENDS = (
+    "home_position must be between the software end positions",
+    "home_position",
+    "axis.min_position",
+    "axis.max_position",
+)
 
 
 class Fault(Enumeration):
     """Why a command was refused (1 to 6), or why the machine has stopped (16 to 20)"""
 
+    # The other numbers are those of `PieceFault`.
     NONE = 0, "no fault"
     START = 1, "refused: start needs state OFF, and with start_mode CONTINUE a cut to go on from", "start_mode"
-    ORDER = 2, "refused: an order needs a length above 0 and a quantity of at least 1", "order.length", "order.quantity"
-    ORDERS_FULL = 3, "refused: 64 orders wait already", "order.length", "order.quantity"
-    CALIBRATION = (
-        4,
-        "refused: calibration needs a piece that has been cut, and a measured length above 0 that leaves the factor "
-        "within 1e-6 to 1e6",
-        "calibration.measured_length",
-        "last.length",
-    )
-    TUNABLE = 5, "refused: a tuned parameter is out of its range: local.refused_parameter tells which"
+    TUNABLE = 5, "refused: a tuned parameter is out of its range: local.refused_parameter shows which"
     CUT_NOW = 6, "refused: cut_now needs a machine that is running"
-    CUT_MISSED = (
-        16,
-        "the line is too fast for the next cut, and late_mode is STOP_LINE",
-        "master.velocity",
-        "limits.max_line_velocity",
-    )
+    CUT_MISSED = 16, "the line is too fast for the next cut, and late_mode is STOP_LINE", *LINE_VELOCITIES
     STROKE = 17, "the carriage has to stop before the end of its stroke", "slave.position", *END_POSITIONS
-    MARKS_MISSING = 18, "more marks in a row are missing than mark.max_missing allows", "mark.max_missing"
     TOOL_TIMEOUT = 19, "tool.done has not come within tool.timeout", "tool.timeout"
-    MARKS_FULL = 20, "64 marks wait already"
 
 
 class Refusal(Enumeration):
     """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
 
     NONE = 0, "done"
-    MASTER_TURNS = 1, *TURNS
-    HOME = 2, "home_position must lie between the software end positions", "home_position", *END_POSITIONS
-    INITIAL_POSITION = (
-        3,
-        "axis.initial_position must lie between the software end positions",
-        "axis.initial_position",
-        *END_POSITIONS,
-    )
-    WINDOW = 4, "mark.window must be less than half of mark.spacing", *MARKS
-    TRAVEL = (
-        5,
-        "the master must not travel more than 1e4 of the shortest piece in one step",
-        "master.position",
-        "master.velocity",
-        "master.acceleration",
-    )
+    MASTER_TURNS = 1, *TOO_MANY_TURNS
+    HOME = 2, *HOME_BETWEEN_ENDS
+    INITIAL_POSITION = 3, "axis.initial_position must be between the software end positions", *START_POSITIONS
+    WINDOW = 4, "mark.window must be less than half of mark.spacing", "mark.spacing", "mark.window"
+    TRAVEL = 5, "the master must not travel more than 1e4 of the shortest piece in one step", *MASTER
+
+
+class SawParameter(Enumeration):
+    """Which tuned parameter is out of its range"""
+
+    # The other numbers are those of `PieceParameter`.
+    NONE = 0, "none"
+    HOME_POSITION = 1, *HOME_BETWEEN_ENDS
+    MATERIAL_FACTOR = 2, "material_factor times calibration.factor must be 1e-12 to 1e12", *FACTORS
+    MAX_VELOCITY = 3, "axis.max_velocity must be 1e-12 to 1e12", "axis.max_velocity"
+    MAX_ACCELERATION = 4, "axis.max_acceleration must be 1e-12 to 1e12", "axis.max_acceleration"
+    MAX_DECELERATION = 5, "axis.max_deceleration must be 0, or 1e-12 to 1e12", "axis.max_deceleration"
+    MAX_JERK = 6, "axis.max_jerk must be 1e-12 to 1e12", "axis.max_jerk"
+    APPROACH_DISTANCE = 7, "approach.distance must be 0 to 1e12", "approach.distance"
+    APPROACH_RESERVE = 8, "approach.reserve must be 0 to 1e6", "approach.reserve"
+    APPROACH_ACCELERATION = 9, "approach.acceleration must be 0, or 1e-12 to 1e12", "approach.acceleration"
+    APPROACH_JERK = 10, "approach.jerk must be 0, or 1e-12 to 1e12", "approach.jerk"
+    HOMING_VELOCITY = 11, "homing.velocity must be 0, or 1e-12 to 1e12", "homing.velocity"
+    HOMING_ACCELERATION = 12, "homing.acceleration must be 0, or 1e-12 to 1e12", "homing.acceleration"
+    HOMING_DECELERATION = 13, "homing.deceleration must be 0, or 1e-12 to 1e12", "homing.deceleration"
+    HOMING_JERK = 14, "homing.jerk must be 0, or 1e-12 to 1e12", "homing.jerk"
+    HOMING_SETTLE_TIME = 15, "homing.settle_time must be 0 to 1e6 s", "homing.settle_time"
+    HOMING_SPARE_TIME = 16, "homing.spare_time must be 0 to 1e6 s", "homing.spare_time"
+    HOMING_SLOWEST = 17, "homing.slowest must be above 0 and at most 1", "homing.slowest"
+    SETTLE_TIME = 18, "tool.settle_time must be 0 to 1e6 s", "tool.settle_time"
+    ON_DELAY = 19, "tool.on_delay must be 0 to 1e6 s", "tool.on_delay"
+    CUT_TIME = 20, "tool.cut_time must be 0 to 1e6 s", "tool.cut_time"
+    CUT_DISTANCE = 21, "tool.cut_distance must be 0 to 1e12", "tool.cut_distance"
+    RETRACT_TIME = 22, "tool.retract_time must be 0 to 1e6 s", "tool.retract_time"
+    TIMEOUT = 23, "tool.timeout must be 0 to 1e6 s", "tool.timeout"
+    GAP_DISTANCE = 24, "gap.distance must be 0 to 1e12", "gap.distance"
+    GAP_TRAVEL = 25, "gap.travel must be 1e-12 to 1e12", "gap.travel"
+    MARGIN = 40, "line.margin must be at least 0 and below 1", "line.margin"
+    LATE_MODE = 43, "late_mode must be 1, 2 or 3", "late_mode"

@@ -1,154 +1,116 @@
-"""The tunable parameters that the machine computes with: which of them is out of its range, and the last good ones.
-
-A parameter may be tuned at any time and to any value. The block computes with the `Settings`. There are four groups, by
-what reads them: the machine's cycle, the pieces, the command start, the marks. The settings take over the values of a
-group only if all of them are good.
-"""
+"""The tunable parameters of the machine: validated, and taken over if all of them are valid."""
 
 from dataclasses import dataclass
 
 from .. import var
 from ..axis_limits import limit_in_use
-from ..limits import LEAST_LIMIT, MOST, usable
-from .interface import (
-    Approach,
-    ChangeMode,
-    CutToLengthInterface,
-    Gap,
-    Homing,
-    LateMode,
-    Mark,
-    SawAxis,
-    StartMode,
-    Tool,
-    ToolMode,
-)
-from .limits import Machine
-from .tunables import Tunable
+from ..computable_range import LARGEST, is_usable
+from ..cutting.interface import LateMode
+from ..cutting.settings import LONGEST, PieceParameter, PieceSettings, has_narrow_window
+from .faults import Refusal, SawParameter
+from .interface import Approach, CutToLengthInterface, Gap, Homing, SawAxis, Tool, ToolMode
+from .machine_limits import Machine
 
-LONGEST = 1e6  # s
 GREATEST_RESERVE = 1e6
 
 
 @dataclass(slots=True)
-class Settings:
-    """The values of the tunable parameters when their group was good last.
+class MachineSettings:
+    """The values of the machine's tunable parameters when all were valid last.
 
     Attributes:
-        bad_machine, bad_pieces, bad_start, bad_marks: the first parameter of each group that is out of its range.
-        factor: true travel of the material per travel of the master, calibration included.
+        invalid: the first parameter that is out of its range.
+        are_valid: no parameter is out of its range, those of pieces included.
     """
 
-    bad_machine: Tunable = Tunable.NONE
-    bad_pieces: Tunable = Tunable.NONE
-    bad_start: Tunable = Tunable.NONE
-    bad_marks: Tunable = Tunable.NONE
-    factor: float = 1.0
-
+    invalid: SawParameter = SawParameter.NONE
+    are_valid: bool = True
     axis: SawAxis = var.part(SawAxis, hidden=True)
     approach: Approach = var.part(Approach, hidden=True)
     homing: Homing = var.part(Homing, hidden=True)
     tool: Tool = var.part(Tool, hidden=True)
     gap: Gap = var.part(Gap, hidden=True)
-    mark: Mark = var.part(Mark, hidden=True)
     home_position: float = 0.0
     material_factor: float = 1.0
-    kerf: float = 0.0
-    length_tolerance: float = 0.5
-    front_position: float = 0.0
-    trim_length: float = 0.0
-    sample_length: float = 100.0
-    waste_length: float = 100.0
-    batch_size: int = 0
     margin: float = 0.02
-    start_mode: StartMode = StartMode.FRONT
-    change_mode: ChangeMode = ChangeMode.NEXT_PIECE
     late_mode: LateMode = LateMode.SKIP
 
-    def are_those_of(self, block: CutToLengthInterface) -> bool:
-        """Whether no parameter has been tuned since they were taken."""
+    def are_current(self, block: CutToLengthInterface, pieces: PieceSettings) -> bool:
+        """Whether no parameter has been tuned since the settings were taken over."""
         return (
-            is_same_axis(self.axis, block.axis)
-            and is_same_approach(self.approach, block.approach)
-            and is_same_homing(self.homing, block.homing)
+            var.same(self.axis, block.axis)
+            and var.same(self.approach, block.approach)
+            and var.same(self.homing, block.homing)
             and is_same_tool(self.tool, block.tool)
-            and is_same_gap(self.gap, block.gap)
-            and is_same_mark(self.mark, block.mark)
+            and var.same(self.gap, block.gap)
             and self.home_position == block.home_position
             and self.material_factor == block.material_factor
-            and self.kerf == block.kerf
-            and self.length_tolerance == block.length_tolerance
-            and self.front_position == block.front_position
-            and self.trim_length == block.trim_length
-            and self.sample_length == block.sample_length
-            and self.waste_length == block.waste_length
-            and self.batch_size == block.batch_size
             and self.margin == block.line.margin
-            and self.start_mode == block.start_mode
-            and self.change_mode == block.change_mode
             and self.late_mode == block.late_mode
+            and pieces.kerf == block.kerf
+            and pieces.length_tolerance == block.length_tolerance
+            and pieces.sample_length == block.sample_length
+            and pieces.waste_length == block.waste_length
+            and pieces.batch_size == block.batch_size
+            and pieces.change_mode == block.change_mode
+            and pieces.start_mode == block.start_mode
+            and pieces.front_position == block.front_position
+            and pieces.trim_length == block.trim_length
+            and pieces.has_mark(block.mark)
         )
 
-    def judge(self, block: CutToLengthInterface) -> None:
-        """Judge the block's parameters, and take over each group that is good."""
-        self.bad_machine = first_bad_of_machine(block)
-        self.bad_pieces = first_bad_of_pieces(block)
-        self.bad_start = first_bad_of_start(block)
-        self.bad_marks = first_bad_of_marks(block.mark)
-        if self.bad_machine == Tunable.NONE:
-            self.take_machine(block)
-        if self.bad_pieces == Tunable.NONE:
-            self.take_pieces(block)
-        if self.bad_start == Tunable.NONE:
-            self.start_mode = block.start_mode
-            self.front_position = block.front_position
-            self.trim_length = block.trim_length
-        if self.bad_marks == Tunable.NONE:
-            var.copy(self.mark, block.mark)
+    def update(self, block: CutToLengthInterface, pieces: PieceSettings) -> None:
+        """Validate the block's parameters, and take over those of each group in which all are valid."""
+        self.invalid = first_invalid(block)
+        if self.invalid == SawParameter.NONE:
+            var.copy(self.axis, block.axis)
+            var.copy(self.approach, block.approach)
+            var.copy(self.homing, block.homing)
+            var.copy(self.tool, block.tool)
+            var.copy(self.gap, block.gap)
+            self.home_position = block.home_position
+            self.material_factor = block.material_factor
+            self.margin = block.line.margin
+            self.late_mode = block.late_mode
+        pieces.set_piece(
+            block.kerf,
+            block.length_tolerance,
+            block.sample_length,
+            block.waste_length,
+            block.batch_size,
+            block.change_mode,
+        )
+        pieces.set_start(block.start_mode, block.front_position, block.trim_length)
+        pieces.set_mark(block.mark)
+        self.are_valid = self.invalid == SawParameter.NONE and pieces.first_invalid() == PieceParameter.NONE
 
-    def take_machine(self, block: CutToLengthInterface) -> None:
-        """Take over what a cycle is computed from."""
-        var.copy(self.axis, block.axis)
-        var.copy(self.approach, block.approach)
-        var.copy(self.homing, block.homing)
-        var.copy(self.tool, block.tool)
-        var.copy(self.gap, block.gap)
-        self.home_position = block.home_position
-        self.material_factor = block.material_factor
-        self.margin = block.line.margin
-        self.late_mode = block.late_mode
+    def refused_parameter(self, pieces: PieceSettings) -> int:
+        """The number of the first parameter that is out of its range; 0: all are valid."""
+        if self.are_valid:
+            return 0
+        if self.invalid != SawParameter.NONE:
+            return self.invalid
+        return pieces.first_invalid()
 
-    def take_pieces(self, block: CutToLengthInterface) -> None:
-        """Take over what a piece is fixed and judged with."""
-        self.kerf = block.kerf
-        self.length_tolerance = block.length_tolerance
-        self.sample_length = block.sample_length
-        self.waste_length = block.waste_length
-        self.batch_size = block.batch_size
-        self.change_mode = block.change_mode
+    def can_fix(self, pieces: PieceSettings) -> bool:
+        """Whether all is valid that a piece is fixed with."""
+        return self.invalid != SawParameter.MATERIAL_FACTOR and pieces.invalid_piece == PieceParameter.NONE
 
-    def first_bad(self) -> Tunable:
-        """The first parameter of all that is out of its range; NONE if all are good."""
-        bad = judged(self.bad_machine, self.bad_pieces == Tunable.NONE, self.bad_pieces)
-        bad = judged(bad, self.bad_start == Tunable.NONE, self.bad_start)
-        return judged(bad, self.bad_marks == Tunable.NONE, self.bad_marks)
+    def can_start(self, pieces: PieceSettings) -> bool:
+        """Whether all is valid that the command start reads."""
+        is_start_valid = pieces.invalid_start == PieceParameter.NONE
+        return self.can_fix(pieces) and self.invalid == SawParameter.NONE and is_start_valid
 
-    def can_fix(self) -> bool:
-        """Whether all is good that a piece is fixed with."""
-        return self.bad_pieces == Tunable.NONE and self.bad_machine != Tunable.MATERIAL_FACTOR
+    def describe(self, machine: Machine, pieces: PieceSettings, calibration: float, cosine: float) -> None:
+        """Write the limits in use into what a cycle is computed from, and the factor of the material's travel.
 
-    def can_start(self) -> bool:
-        """Whether all is good that the command start reads."""
-        return self.can_fix() and self.bad_machine == Tunable.NONE and self.bad_start == Tunable.NONE
-
-    def describe(self, machine: Machine, factor: float, cosine: float) -> None:
-        """Put the limits in use into what a cycle is computed from; `factor` is found by calibration, `cosine` that of
-        the diagonal angle."""
-        self.factor = self.material_factor * factor
+        `calibration`: the factor found by calibration; `cosine`: of the diagonal angle."""
+        pieces.factor = self.material_factor * calibration
         axis = self.axis
         deceleration = axis.deceleration()
-        machine.coupling = self.factor / cosine
+        machine.coupling = pieces.factor / cosine
         machine.home_position = self.home_position
+        machine.min_position = axis.min_position
         machine.max_position = axis.max_position
         machine.max_velocity = axis.max_velocity
         machine.approach_distance = self.approach.distance
@@ -170,34 +132,19 @@ class Settings:
         machine.gap_travel = self.gap.travel
 
 
-def is_same_axis(a: SawAxis, b: SawAxis) -> bool:
-    return (
-        a.max_velocity == b.max_velocity
-        and a.max_acceleration == b.max_acceleration
-        and a.max_deceleration == b.max_deceleration
-        and a.max_jerk == b.max_jerk
-        and a.min_position == b.min_position
-        and a.max_position == b.max_position
-    )
-
-
-def is_same_approach(a: Approach, b: Approach) -> bool:
-    return a.distance == b.distance and a.reserve == b.reserve and a.acceleration == b.acceleration and a.jerk == b.jerk
-
-
-def is_same_homing(a: Homing, b: Homing) -> bool:
-    return (
-        a.velocity == b.velocity
-        and a.acceleration == b.acceleration
-        and a.deceleration == b.deceleration
-        and a.jerk == b.jerk
-        and a.settle_time == b.settle_time
-        and a.spare_time == b.spare_time
-        and a.slowest == b.slowest
-    )
+def start_refusal(block: CutToLengthInterface) -> Refusal:
+    """Why the start values contradict one another; NONE: they do not."""
+    low = block.axis.min_position
+    high = block.axis.max_position
+    if not (low <= block.home_position and block.home_position <= high):
+        return Refusal.HOME
+    if not (low <= block.axis.initial_position and block.axis.initial_position <= high):
+        return Refusal.INITIAL_POSITION
+    return Refusal.NONE if has_narrow_window(block.mark) else Refusal.WINDOW
 
 
 def is_same_tool(a: Tool, b: Tool) -> bool:
+    """Whether the parameters of two tools are the same; their inputs and outputs do not count."""
     return (
         a.settle_time == b.settle_time
         and a.on_delay == b.on_delay
@@ -208,113 +155,50 @@ def is_same_tool(a: Tool, b: Tool) -> bool:
     )
 
 
-def is_same_gap(a: Gap, b: Gap) -> bool:
-    return a.distance == b.distance and a.travel == b.travel
+def first_invalid(block: CutToLengthInterface) -> SawParameter:
+    """The first parameter that is out of its range. NaN is out of every range."""
+    axis = block.axis
+    approach = block.approach
+    homing = block.homing
+    tool = block.tool
+    gap = block.gap
+    factor = block.material_factor * block.calibration.factor
+    is_home = -LARGEST <= axis.min_position <= block.home_position <= axis.max_position <= LARGEST
+    is_mode = LateMode.SKIP <= block.late_mode <= LateMode.STOP_LINE
+    invalid = checked(SawParameter.NONE, is_usable(factor), SawParameter.MATERIAL_FACTOR)
+    invalid = checked(invalid, is_home, SawParameter.HOME_POSITION)
+    invalid = checked(invalid, is_usable(axis.max_velocity), SawParameter.MAX_VELOCITY)
+    invalid = checked(invalid, is_usable(axis.max_acceleration), SawParameter.MAX_ACCELERATION)
+    invalid = checked(invalid, is_usable_or_0(axis.max_deceleration), SawParameter.MAX_DECELERATION)
+    invalid = checked(invalid, is_usable(axis.max_jerk), SawParameter.MAX_JERK)
+    invalid = checked(invalid, 0.0 <= approach.distance <= LARGEST, SawParameter.APPROACH_DISTANCE)
+    invalid = checked(invalid, 0.0 <= approach.reserve <= GREATEST_RESERVE, SawParameter.APPROACH_RESERVE)
+    invalid = checked(invalid, is_usable_or_0(approach.acceleration), SawParameter.APPROACH_ACCELERATION)
+    invalid = checked(invalid, is_usable_or_0(approach.jerk), SawParameter.APPROACH_JERK)
+    invalid = checked(invalid, is_usable_or_0(homing.velocity), SawParameter.HOMING_VELOCITY)
+    invalid = checked(invalid, is_usable_or_0(homing.acceleration), SawParameter.HOMING_ACCELERATION)
+    invalid = checked(invalid, is_usable_or_0(homing.deceleration), SawParameter.HOMING_DECELERATION)
+    invalid = checked(invalid, is_usable_or_0(homing.jerk), SawParameter.HOMING_JERK)
+    invalid = checked(invalid, 0.0 <= homing.settle_time <= LONGEST, SawParameter.HOMING_SETTLE_TIME)
+    invalid = checked(invalid, 0.0 <= homing.spare_time <= LONGEST, SawParameter.HOMING_SPARE_TIME)
+    invalid = checked(invalid, 0.0 < homing.slowest <= 1.0, SawParameter.HOMING_SLOWEST)
+    invalid = checked(invalid, 0.0 <= tool.settle_time <= LONGEST, SawParameter.SETTLE_TIME)
+    invalid = checked(invalid, 0.0 <= tool.on_delay <= LONGEST, SawParameter.ON_DELAY)
+    invalid = checked(invalid, 0.0 <= tool.cut_time <= LONGEST, SawParameter.CUT_TIME)
+    invalid = checked(invalid, 0.0 <= tool.cut_distance <= LARGEST, SawParameter.CUT_DISTANCE)
+    invalid = checked(invalid, 0.0 <= tool.retract_time <= LONGEST, SawParameter.RETRACT_TIME)
+    invalid = checked(invalid, 0.0 <= tool.timeout <= LONGEST, SawParameter.TIMEOUT)
+    invalid = checked(invalid, 0.0 <= gap.distance <= LARGEST, SawParameter.GAP_DISTANCE)
+    invalid = checked(invalid, is_usable(gap.travel), SawParameter.GAP_TRAVEL)
+    invalid = checked(invalid, 0.0 <= block.line.margin < 1.0, SawParameter.MARGIN)
+    return checked(invalid, is_mode, SawParameter.LATE_MODE)
 
 
-def is_same_mark(a: Mark, b: Mark) -> bool:
-    return (
-        a.sensor_distance == b.sensor_distance
-        and a.cut_offset == b.cut_offset
-        and a.spacing == b.spacing
-        and a.window == b.window
-        and a.every == b.every
-        and a.max_missing == b.max_missing
-        and a.delay == b.delay
-    )
+def checked(invalid: SawParameter, is_valid: bool, parameter: SawParameter) -> SawParameter:
+    """The first invalid parameter of a check so far; without one this parameter, unless it is valid."""
+    return invalid if invalid != SawParameter.NONE or is_valid else parameter
 
 
-def first_bad_of_machine(block: CutToLengthInterface) -> Tunable:
-    """Of what a cycle is computed from. NaN is out of every range."""
-    bad = judged(Tunable.NONE, usable(block.material_factor * block.calibration.factor), Tunable.MATERIAL_FACTOR)
-    if bad == Tunable.NONE:
-        bad = first_bad_of_axis(block.axis, block.home_position)
-    if bad == Tunable.NONE:
-        bad = first_bad_of_approach(block.approach)
-    if bad == Tunable.NONE:
-        bad = first_bad_of_homing(block.homing)
-    if bad == Tunable.NONE:
-        bad = first_bad_of_tool(block.tool, block.gap)
-    bad = judged(bad, 0.0 <= block.line.margin < 1.0, Tunable.MARGIN)
-    return judged(bad, LateMode.SKIP <= block.late_mode <= LateMode.STOP_LINE, Tunable.LATE_MODE)
-
-
-def first_bad_of_axis(axis: SawAxis, home: float) -> Tunable:
-    low = axis.min_position
-    high = axis.max_position
-    bad = judged(Tunable.NONE, -MOST <= low <= home <= high <= MOST, Tunable.HOME_POSITION)
-    bad = judged(bad, usable(axis.max_velocity), Tunable.MAX_VELOCITY)
-    bad = judged(bad, usable(axis.max_acceleration), Tunable.MAX_ACCELERATION)
-    bad = judged(bad, usable_or_0(axis.max_deceleration), Tunable.MAX_DECELERATION)
-    return judged(bad, usable(axis.max_jerk), Tunable.MAX_JERK)
-
-
-def first_bad_of_approach(approach: Approach) -> Tunable:
-    bad = judged(Tunable.NONE, 0.0 <= approach.distance <= MOST, Tunable.APPROACH_DISTANCE)
-    bad = judged(bad, 0.0 <= approach.reserve <= GREATEST_RESERVE, Tunable.APPROACH_RESERVE)
-    bad = judged(bad, usable_or_0(approach.acceleration), Tunable.APPROACH_ACCELERATION)
-    return judged(bad, usable_or_0(approach.jerk), Tunable.APPROACH_JERK)
-
-
-def first_bad_of_homing(homing: Homing) -> Tunable:
-    bad = judged(Tunable.NONE, usable_or_0(homing.velocity), Tunable.HOMING_VELOCITY)
-    bad = judged(bad, usable_or_0(homing.acceleration), Tunable.HOMING_ACCELERATION)
-    bad = judged(bad, usable_or_0(homing.deceleration), Tunable.HOMING_DECELERATION)
-    bad = judged(bad, usable_or_0(homing.jerk), Tunable.HOMING_JERK)
-    bad = judged(bad, 0.0 <= homing.settle_time <= LONGEST, Tunable.HOMING_SETTLE_TIME)
-    bad = judged(bad, 0.0 <= homing.spare_time <= LONGEST, Tunable.HOMING_SPARE_TIME)
-    return judged(bad, 0.0 < homing.slowest <= 1.0, Tunable.HOMING_SLOWEST)
-
-
-def first_bad_of_tool(tool: Tool, gap: Gap) -> Tunable:
-    bad = judged(Tunable.NONE, 0.0 <= tool.settle_time <= LONGEST, Tunable.SETTLE_TIME)
-    bad = judged(bad, 0.0 <= tool.on_delay <= LONGEST, Tunable.ON_DELAY)
-    bad = judged(bad, 0.0 <= tool.cut_time <= LONGEST, Tunable.CUT_TIME)
-    bad = judged(bad, 0.0 <= tool.cut_distance <= MOST, Tunable.CUT_DISTANCE)
-    bad = judged(bad, 0.0 <= tool.retract_time <= LONGEST, Tunable.RETRACT_TIME)
-    bad = judged(bad, 0.0 <= tool.timeout <= LONGEST, Tunable.TIMEOUT)
-    bad = judged(bad, 0.0 <= gap.distance <= MOST, Tunable.GAP_DISTANCE)
-    return judged(bad, LEAST_LIMIT <= gap.travel <= MOST, Tunable.GAP_TRAVEL)
-
-
-def first_bad_of_pieces(block: CutToLengthInterface) -> Tunable:
-    """Of what a piece is fixed and judged with."""
-    bad = judged(Tunable.NONE, 0.0 <= block.kerf <= MOST, Tunable.KERF)
-    bad = judged(bad, 0.0 <= block.length_tolerance <= MOST, Tunable.LENGTH_TOLERANCE)
-    bad = judged(bad, LEAST_LIMIT <= block.sample_length <= MOST, Tunable.SAMPLE_LENGTH)
-    bad = judged(bad, LEAST_LIMIT <= block.waste_length <= MOST, Tunable.WASTE_LENGTH)
-    bad = judged(bad, block.batch_size >= 0, Tunable.BATCH_SIZE)
-    return judged(bad, ChangeMode.NEXT_PIECE <= block.change_mode <= ChangeMode.THIS_PIECE, Tunable.CHANGE_MODE)
-
-
-def first_bad_of_start(block: CutToLengthInterface) -> Tunable:
-    """Of what the command start reads."""
-    bad = judged(Tunable.NONE, StartMode.FRONT <= block.start_mode <= StartMode.CONTINUE, Tunable.START_MODE)
-    bad = judged(bad, abs(block.front_position) <= MOST, Tunable.FRONT_POSITION)
-    trims = block.start_mode == StartMode.TRIM
-    return judged(bad, not trims or 0.0 <= block.trim_length <= MOST, Tunable.TRIM_LENGTH)
-
-
-def first_bad_of_marks(mark: Mark) -> Tunable:
-    bad = judged(Tunable.NONE, abs(mark.sensor_distance) <= MOST, Tunable.SENSOR_DISTANCE)
-    bad = judged(bad, abs(mark.cut_offset) <= MOST, Tunable.CUT_OFFSET)
-    bad = judged(bad, 0.0 <= mark.spacing <= MOST, Tunable.SPACING)
-    bad = judged(bad, 0.0 <= mark.window <= MOST and is_narrow(mark), Tunable.WINDOW)
-    bad = judged(bad, mark.every >= 1, Tunable.EVERY)
-    bad = judged(bad, mark.max_missing >= 0, Tunable.MAX_MISSING)
-    return judged(bad, 0.0 <= mark.delay <= LONGEST, Tunable.MARK_DELAY)
-
-
-def judged(bad: Tunable, good: bool, parameter: Tunable) -> Tunable:
-    """The bad parameter found before; without one this parameter, unless it is good."""
-    return bad if bad != Tunable.NONE or good else parameter
-
-
-def is_narrow(mark: Mark) -> bool:
-    """Whether the windows of two marks that follow one another do not meet."""
-    return mark.spacing == 0.0 or mark.window < 0.5 * mark.spacing
-
-
-def usable_or_0(limit: float) -> bool:
-    """Whether a limit is good, of which 0 stands for another one."""
-    return limit == 0.0 or usable(limit)
+def is_usable_or_0(limit: float) -> bool:
+    """Whether a limit is usable, or 0, which means another limit."""
+    return limit == 0.0 or is_usable(limit)

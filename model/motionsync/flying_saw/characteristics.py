@@ -9,101 +9,70 @@ from .. import var
 from ..grid import wrap
 from ..var import Unit
 from .extremes import Extremes
-from .planning import Plan
 from .profile import ProfileKind
+from .profile_plan import ProfilePlan
 
 
 @dataclass(slots=True)
 class Characteristics:
-    """Those of the last synchronisation that has begun; 0 before the first. Names as in MC_FlyingSawCharacValues."""
+    """The values of the last synchronisation that has started; 0 before the first. Names as in
+    MC_FlyingSawCharacValues."""
 
     profile: ProfileKind = var.local(ProfileKind.NONE, "the polynomials of the profile")
-    master_velocity_nominal: float = var.local(
-        0.0, "master velocity at the start, taken as constant (fMasterVeloNom)", Unit.VELOCITY, discrete=True
+    master_velocity_nominal: float = var.snapshot(
+        0.0, "master velocity at the start, taken as constant (fMasterVeloNom)", Unit.VELOCITY
     )
-    master_position_start: float = var.local(
-        0.0, "master position at the start (fMasterPosStart)", Unit.POSITION, discrete=True
+    master_position_start: float = var.snapshot(0.0, "master position at the start (fMasterPosStart)", Unit.POSITION)
+    slave_position_start: float = var.snapshot(0.0, "slave position at the start (fSlavePosStart)", Unit.POSITION)
+    slave_velocity_start: float = var.snapshot(0.0, "slave velocity at the start (fSlaveVeloStart)", Unit.VELOCITY)
+    slave_acceleration_start: float = var.snapshot(
+        0.0, "the profile's acceleration at the start (fSlaveAccStart)", Unit.ACCELERATION
     )
-    slave_position_start: float = var.local(
-        0.0, "slave position at the start (fSlavePosStart)", Unit.POSITION, discrete=True
+    slave_jerk_start: float = var.snapshot(0.0, "the profile's jerk at the start (fSlaveJerkStart)", Unit.JERK)
+    master_position_end: float = var.snapshot(0.0, "master position at the end (fMasterPosEnd)", Unit.POSITION)
+    slave_position_end: float = var.snapshot(0.0, "slave position at the end (fSlavePosEnd)", Unit.POSITION)
+    slave_velocity_end: float = var.snapshot(0.0, "slave velocity at the end (fSlaveVeloEnd)", Unit.VELOCITY)
+    slave_acceleration_end: float = var.snapshot(0.0, "slave acceleration at the end (fSlaveAccEnd)", Unit.ACCELERATION)
+    slave_jerk_end: float = var.snapshot(0.0, "slave jerk at the end (fSlaveJerkEnd)", Unit.JERK)
+    slave_position_min: float = var.snapshot(0.0, "least slave position (fSlavePosMin)", Unit.POSITION)
+    slave_position_max: float = var.snapshot(0.0, "greatest slave position (fSlavePosMax)", Unit.POSITION)
+    master_position_at_slave_position_min: float = var.snapshot(0.0, "master then (fMPosAtSPosMin)", Unit.POSITION)
+    master_position_at_slave_position_max: float = var.snapshot(0.0, "master then (fMPosAtSPosMax)", Unit.POSITION)
+    slave_velocity_min: float = var.snapshot(0.0, "least slave velocity (fSlaveVeloMin)", Unit.VELOCITY)
+    slave_velocity_max: float = var.snapshot(0.0, "greatest slave velocity (fSlaveVeloMax)", Unit.VELOCITY)
+    master_position_at_slave_velocity_min: float = var.snapshot(0.0, "master then (fMPosAtSVeloMin)", Unit.POSITION)
+    master_position_at_slave_velocity_max: float = var.snapshot(0.0, "master then (fMPosAtSVeloMax)", Unit.POSITION)
+    slave_acceleration_min: float = var.snapshot(0.0, "least slave acceleration (fSlaveAccMin)", Unit.ACCELERATION)
+    slave_acceleration_max: float = var.snapshot(0.0, "greatest slave acceleration (fSlaveAccMax)", Unit.ACCELERATION)
+    master_position_at_slave_acceleration_min: float = var.snapshot(0.0, "master then (fMPosAtSAccMin)", Unit.POSITION)
+    master_position_at_slave_acceleration_max: float = var.snapshot(0.0, "master then (fMPosAtSAccMax)", Unit.POSITION)
+    slave_velocity_at_slave_acceleration_min: float = var.snapshot(
+        0.0, "velocity then (fSVeloAtSAccMin)", Unit.VELOCITY
     )
-    slave_velocity_start: float = var.local(
-        0.0, "slave velocity at the start (fSlaveVeloStart)", Unit.VELOCITY, discrete=True
+    slave_velocity_at_slave_acceleration_max: float = var.snapshot(
+        0.0, "velocity then (fSVeloAtSAccMax)", Unit.VELOCITY
     )
-    slave_acceleration_start: float = var.local(
-        0.0, "the profile's acceleration at the start (fSlaveAccStart)", Unit.ACCELERATION, discrete=True
+    slave_jerk_min: float = var.snapshot(0.0, "least slave jerk (fSlaveJerkMin)", Unit.JERK)
+    slave_jerk_max: float = var.snapshot(0.0, "greatest slave jerk (fSlaveJerkMax)", Unit.JERK)
+    slave_dynamic_momentum_min: float = var.snapshot(
+        0.0, "least velocity times acceleration (fSlaveDynMomMin)", Unit.MOMENTUM
     )
-    slave_jerk_start: float = var.local(
-        0.0, "the profile's jerk at the start (fSlaveJerkStart)", Unit.JERK, discrete=True
+    slave_dynamic_momentum_max: float = var.snapshot(
+        0.0, "greatest velocity times acceleration (fSlaveDynMomMax)", Unit.MOMENTUM
     )
-    master_position_end: float = var.local(
-        0.0, "master position at the end (fMasterPosEnd)", Unit.POSITION, discrete=True
-    )
-    slave_position_end: float = var.local(0.0, "slave position at the end (fSlavePosEnd)", Unit.POSITION, discrete=True)
-    slave_velocity_end: float = var.local(
-        0.0, "slave velocity at the end (fSlaveVeloEnd)", Unit.VELOCITY, discrete=True
-    )
-    slave_acceleration_end: float = var.local(
-        0.0, "slave acceleration at the end (fSlaveAccEnd)", Unit.ACCELERATION, discrete=True
-    )
-    slave_jerk_end: float = var.local(0.0, "slave jerk at the end (fSlaveJerkEnd)", Unit.JERK, discrete=True)
-    slave_position_min: float = var.local(0.0, "least slave position (fSlavePosMin)", Unit.POSITION, discrete=True)
-    slave_position_max: float = var.local(0.0, "greatest slave position (fSlavePosMax)", Unit.POSITION, discrete=True)
-    master_position_at_slave_position_min: float = var.local(
-        0.0, "master position there (fMPosAtSPosMin)", Unit.POSITION, discrete=True
-    )
-    master_position_at_slave_position_max: float = var.local(
-        0.0, "master position there (fMPosAtSPosMax)", Unit.POSITION, discrete=True
-    )
-    slave_velocity_min: float = var.local(0.0, "least slave velocity (fSlaveVeloMin)", Unit.VELOCITY, discrete=True)
-    slave_velocity_max: float = var.local(0.0, "greatest slave velocity (fSlaveVeloMax)", Unit.VELOCITY, discrete=True)
-    master_position_at_slave_velocity_min: float = var.local(
-        0.0, "master position there (fMPosAtSVeloMin)", Unit.POSITION, discrete=True
-    )
-    master_position_at_slave_velocity_max: float = var.local(
-        0.0, "master position there (fMPosAtSVeloMax)", Unit.POSITION, discrete=True
-    )
-    slave_acceleration_min: float = var.local(
-        0.0, "least slave acceleration (fSlaveAccMin)", Unit.ACCELERATION, discrete=True
-    )
-    slave_acceleration_max: float = var.local(
-        0.0, "greatest slave acceleration (fSlaveAccMax)", Unit.ACCELERATION, discrete=True
-    )
-    master_position_at_slave_acceleration_min: float = var.local(
-        0.0, "master position there (fMPosAtSAccMin)", Unit.POSITION, discrete=True
-    )
-    master_position_at_slave_acceleration_max: float = var.local(
-        0.0, "master position there (fMPosAtSAccMax)", Unit.POSITION, discrete=True
-    )
-    slave_velocity_at_slave_acceleration_min: float = var.local(
-        0.0, "slave velocity there (fSVeloAtSAccMin)", Unit.VELOCITY, discrete=True
-    )
-    slave_velocity_at_slave_acceleration_max: float = var.local(
-        0.0, "slave velocity there (fSVeloAtSAccMax)", Unit.VELOCITY, discrete=True
-    )
-    slave_jerk_min: float = var.local(0.0, "least slave jerk (fSlaveJerkMin)", Unit.JERK, discrete=True)
-    slave_jerk_max: float = var.local(0.0, "greatest slave jerk (fSlaveJerkMax)", Unit.JERK, discrete=True)
-    slave_dynamic_momentum_min: float = var.local(
-        0.0, "least velocity times acceleration (fSlaveDynMomMin)", Unit.MOMENTUM, discrete=True
-    )
-    slave_dynamic_momentum_max: float = var.local(
-        0.0, "greatest velocity times acceleration (fSlaveDynMomMax)", Unit.MOMENTUM, discrete=True
-    )
-    slave_velocity_mean: float = var.local(
-        0.0, "mean over time of the speed (fSlaveVeloMean)", Unit.VELOCITY, discrete=True
-    )
-    slave_acceleration_effective: float = var.local(
-        0.0, "root mean square over time (fSlaveAccEff)", Unit.ACCELERATION, discrete=True
+    slave_velocity_mean: float = var.snapshot(0.0, "mean over time of the speed (fSlaveVeloMean)", Unit.VELOCITY)
+    slave_acceleration_effective: float = var.snapshot(
+        0.0, "root mean square over time (fSlaveAccEff)", Unit.ACCELERATION
     )
 
-    def show(self, plan: Plan, period: float) -> None:
-        """Put out the values of a plan that begins now; one that is in sync at once ends where it starts.
+    def show(self, plan: ProfilePlan, period: float) -> None:
+        """Show the values of a plan that starts now; one that is in sync at once ends where it starts.
 
         `period`: the master's, u."""
         self.profile = plan.profile.kind
         self.master_velocity_nominal = plan.master.velocity
         self.slave_acceleration_end = 0.0
-        if plan.profile.pieces > 0:
+        if plan.profile.segments > 0:
             plan.extremes.integrate(plan.profile)
             self.show_ends(plan)
             self.show_extremes(plan.extremes)
@@ -111,20 +80,20 @@ class Characteristics:
             self.show_constant(plan.slave.position, plan.slave.velocity)
         self.show_master_positions(plan, period)
 
-    def show_ends(self, plan: Plan) -> None:
-        """Put out the slave's state at the profile's beginning and end."""
+    def show_ends(self, plan: ProfilePlan) -> None:
+        """Show the slave's state at the profile's beginning and end."""
         self.slave_position_start = plan.slave.position
         self.slave_velocity_start = plan.slave.velocity
         _, _, acceleration, jerk = plan.profile.at(0.0)
         self.slave_acceleration_start = acceleration
         self.slave_jerk_start = jerk
-        self.slave_position_end = plan.end
-        self.slave_velocity_end = plan.synchronous
+        self.slave_position_end = plan.slave_end
+        self.slave_velocity_end = plan.end_velocity
         _, _, _, last = plan.profile.at(plan.profile.duration())
         self.slave_jerk_end = last
 
     def show_extremes(self, extremes: Extremes) -> None:
-        """Put out the slave's extreme values in the profile."""
+        """Show the slave's extreme values in the profile."""
         self.slave_position_min = extremes.position_min
         self.slave_position_max = extremes.position_max
         self.slave_velocity_min = extremes.velocity_min
@@ -141,33 +110,23 @@ class Characteristics:
         self.slave_acceleration_effective = extremes.acceleration_effective
 
     def show_constant(self, position: float, velocity: float) -> None:
-        """Put out the values of a single instant at constant velocity."""
-        self.slave_position_start = position
-        self.slave_position_end = position
-        self.slave_position_min = position
-        self.slave_position_max = position
-        self.slave_velocity_start = velocity
-        self.slave_velocity_end = velocity
-        self.slave_velocity_min = velocity
-        self.slave_velocity_max = velocity
-        self.slave_velocity_at_slave_acceleration_min = velocity
-        self.slave_velocity_at_slave_acceleration_max = velocity
+        """Show the values of a single instant at constant velocity."""
+        self.slave_position_start = self.slave_position_end = position
+        self.slave_position_min = self.slave_position_max = position
+        self.slave_velocity_start = self.slave_velocity_end = velocity
+        self.slave_velocity_min = self.slave_velocity_max = velocity
+        self.slave_velocity_at_slave_acceleration_min = self.slave_velocity_at_slave_acceleration_max = velocity
         self.slave_velocity_mean = abs(velocity)
-        self.slave_acceleration_start = 0.0
-        self.slave_acceleration_min = 0.0
-        self.slave_acceleration_max = 0.0
-        self.slave_acceleration_effective = 0.0
-        self.slave_jerk_start = 0.0
-        self.slave_jerk_end = 0.0
-        self.slave_jerk_min = 0.0
-        self.slave_jerk_max = 0.0
-        self.slave_dynamic_momentum_min = 0.0
-        self.slave_dynamic_momentum_max = 0.0
+        self.slave_acceleration_start = self.slave_acceleration_effective = 0.0
+        self.slave_acceleration_min = self.slave_acceleration_max = 0.0
+        self.slave_jerk_start = self.slave_jerk_end = 0.0
+        self.slave_jerk_min = self.slave_jerk_max = 0.0
+        self.slave_dynamic_momentum_min = self.slave_dynamic_momentum_max = 0.0
 
-    def show_master_positions(self, plan: Plan, period: float) -> None:
-        """Put out the master's positions at all these instants, within its period."""
+    def show_master_positions(self, plan: ProfilePlan, period: float) -> None:
+        """Show the master's positions at all these instants, within its period."""
         start = plan.master.position
-        velocity = plan.master.velocity if plan.profile.pieces > 0 else 0.0
+        velocity = plan.master.velocity if plan.profile.segments > 0 else 0.0
         extremes = plan.extremes
         self.master_position_start = wrap(start, period)
         self.master_position_end = wrap(plan.master_end, period)

@@ -1,4 +1,4 @@
-"""The function blocks: the inputs of each command, and how its outputs show what has become of it.
+"""The function blocks: the inputs of each command, and the outputs that show its progress and its result.
 
 PLCopen's rules for the outputs: a rising edge of `execute` gives the command. While `execute` stays true exactly one of
 busy, the result, command_aborted and error is true. The falling edge resets the result; a result that arises after the
@@ -9,7 +9,7 @@ control, TS5055, section 12.
 from dataclasses import dataclass
 
 from .. import var
-from ..limits import LEAST_LIMIT, MOST
+from ..computable_range import LARGEST, SMALLEST_LIMIT
 from ..slave import Edge
 from ..var import Enumeration, Unit
 from .faults import Fault
@@ -33,10 +33,10 @@ class Command:
 
     Attributes:
         phase: what has become of the command of the last edge.
-        answers: the last edge was accepted, so the block shows what becomes of its command.
-        fresh: the phase or the fault has arisen since the outputs were shown last.
+        is_accepted: the last edge was accepted, so the block shows what becomes of its command.
+        has_news: the phase or the fault has arisen since the outputs were shown last.
         settled: the outputs stay as they are until something arises or `execute` changes.
-        shown: `execute` when the outputs were shown last.
+        shown_execute: `execute` when the outputs were shown last.
     """
 
     execute: bool = var.command(False, "rising edge: give the command")
@@ -47,46 +47,47 @@ class Command:
     active: bool = var.local(False, "the command controls the axis (as busy)")
     edge: Edge = var.part(Edge)
     phase: Phase = Phase.IDLE
-    answers: bool = True
-    fresh: bool = False
+    is_accepted: bool = True
+    has_news: bool = False
     settled: bool = False
-    shown: bool = False
+    shown_execute: bool = False
 
     def accept(self) -> None:
-        """The command begins."""
-        self.answers = True
+        """Take the command of the last edge as under way."""
+        self.is_accepted = True
         self.error_id = Fault.NONE
         self.report(Phase.BUSY)
 
     def refuse(self, fault: Fault) -> None:
-        """The command of this edge is not carried out."""
-        self.answers = False
+        """Refuse the command of this edge."""
+        self.is_accepted = False
         self.phase = Phase.IDLE
         self.error_id = fault
-        self.fresh = True
+        self.has_news = True
 
     def fail(self, fault: Fault) -> None:
-        """The last accepted command cannot go on."""
-        if self.answers:
+        """Refuse the last accepted command, which cannot go on."""
+        if self.is_accepted:
             self.refuse(fault)
 
     def report(self, phase: Phase) -> None:
-        """The last accepted command has come to this phase."""
-        if self.answers:
+        """Set the phase that the last accepted command has reached."""
+        if self.is_accepted:
             self.phase = phase
-            self.fresh = True
+            self.has_news = True
 
     def show(self) -> None:
-        """Put out what has become of the command; the derived classes' results follow from `is_reached` after this."""
-        if self.settled and not self.fresh and self.execute == self.shown:
+        """Derive the outputs from the command's phase; the derived classes' results follow from `is_reached` after
+        this."""
+        if self.settled and not self.has_news and self.execute == self.shown_execute:
             return
-        self.settled = not self.fresh
-        self.shown = self.execute
-        if not (self.execute or self.fresh):
+        self.settled = not self.has_news
+        self.shown_execute = self.execute
+        if not (self.execute or self.has_news):
             if self.phase != Phase.BUSY:
                 self.phase = Phase.IDLE
             self.error_id = Fault.NONE
-        self.fresh = False
+        self.has_news = False
         self.error = self.error_id != Fault.NONE
         self.busy = self.phase == Phase.BUSY
         self.active = self.busy
@@ -114,9 +115,9 @@ class GearInVelo(Limited):
         1.0,
         "slave per master: numerator, not 0, may be negative",
         tunable=True,
-        min=-MOST,
-        max=MOST,
-        smallest=LEAST_LIMIT,
+        min=-LARGEST,
+        max=LARGEST,
+        smallest=SMALLEST_LIMIT,
         zero=False,
     )
     ratio_denominator: int = var.parameter(1, "slave per master: denominator, at least 1", tunable=True, min=1)
@@ -146,12 +147,12 @@ class Halt(Command):
 
     deceleration: float = var.limit(0.0, "deceleration limit; 0: the axis's", Unit.ACCELERATION)
     jerk: float = var.limit(0.0, "jerk limit; 0: the axis's", Unit.JERK)
-    done: bool = var.output(False, "the axis stands")
+    done: bool = var.output(False, "the axis is at rest")
 
 
 @dataclass(slots=True)
 class MoveVelocity(Limited):
-    """MC_MoveVelocity: go on at a velocity for ever."""
+    """MC_MoveVelocity: move at a velocity for ever."""
 
     velocity: float = var.input(0.0, "the velocity with its sign; 0: standstill", Unit.VELOCITY, discrete=True)
     in_velocity: bool = var.output(False, "the velocity is reached")
@@ -159,11 +160,11 @@ class MoveVelocity(Limited):
 
 @dataclass(slots=True)
 class MoveAbsolute(Limited):
-    """MC_MoveAbsolute: go to a position and rest there."""
+    """MC_MoveAbsolute: move to a position and rest there."""
 
     position: float = var.input(0.0, "where to go", Unit.POSITION, discrete=True)
     velocity: float = var.limit(0.0, "velocity limit; 0: the axis's", Unit.VELOCITY)
-    done: bool = var.output(False, "the axis stands at the position")
+    done: bool = var.output(False, "the axis is at rest at the position")
 
 
 @dataclass(slots=True)
@@ -178,12 +179,12 @@ class GearOut:
     edge: Edge = var.part(Edge)
 
     def conclude(self, fault: Fault) -> None:
-        """The command is done, or refused for that fault."""
+        """Take the command as done, or as refused for that fault."""
         self.error_id = fault
         self.done = fault == Fault.NONE
 
     def show(self) -> None:
-        """Put out what has become of the command."""
+        """Derive the outputs from the command's result."""
         if not self.execute:
             self.done = False
             self.error_id = Fault.NONE
@@ -201,5 +202,5 @@ class Reset:
     edge: Edge = var.part(Edge)
 
     def show(self) -> None:
-        """Put out whether the command is done."""
+        """Derive the outputs from the command's result."""
         self.done = self.done and self.execute

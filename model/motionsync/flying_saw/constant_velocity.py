@@ -20,16 +20,14 @@ MEAN_ACCELERATION = 2.0 / 3.0  # of a ramp's peak acceleration
 class ConstantVelocity:
     """Finds the velocity c with which the slave travels `distance` in `duration`, from `velocity` v to `end` v_e.
 
-    The ramps to and from c take T_a(c) and T_b(c), so the distance is f(c) = c T - (c - v) T_a / 2 - (c - v_e) T_b / 2.
-    There is a profile only where T_a + T_b <= T, and there f rises. So the velocities are cut into intervals in which
-    T_a + T_b is monotone: what fits into T is one interval inside each of them, in which c is bisected.
+    The ramps to and from c take T_a(c) and T_b(c); f(c) is the distance.
 
     Attributes:
         duration, distance, velocity, end: T (s), the distance (u), v and v_e (u/s), which are set before.
         acceleration, deceleration, jerk: the limits, set before; a jerk of 0 is not limited.
-        cruise, rise, fall: c, T_a and T_b, once they are found.
-        before, after: the acceleration limits of the ramps to and from c in the present part.
-        cuts, count: the cuts of the present part in rising order, as distances from zero.
+        cruise, rise, fall: c, T_a and T_b, the results.
+        rise_limit, fall_limit: the acceleration limits of the ramps to and from c in the present range.
+        cuts, cut_count: the ends of the intervals in the present range, in rising order, as distances from zero.
     """
 
     duration: float = 0.0
@@ -42,41 +40,45 @@ class ConstantVelocity:
     cruise: float = 0.0
     rise: float = 0.0
     fall: float = 0.0
-    before: float = 0.0
-    after: float = 0.0
+    rise_limit: float = 0.0
+    fall_limit: float = 0.0
     cuts: list[float] = var.ring(16)
-    count: int = 0
+    cut_count: int = 0
 
     def try_solve(self) -> bool:
         """Find c; whether there is one."""
         side = 1.0 if self.end >= 0.0 else -1.0
-        return self.try_side(side) or self.try_side(-side)
+        return self.try_on_side(side) or self.try_on_side(-side)
 
-    def try_side(self, side: float) -> bool:
-        """Find c on one side of zero, from zero outwards, in the three parts that |v| and |v_e| divide it into."""
+    def try_on_side(self, side: float) -> bool:
+        """Find c on one side of zero, from zero outwards, in the three ranges that |v| and |v_e| divide it into."""
         first = max(min(side * self.velocity, side * self.end), 0.0)
         second = max(side * self.velocity, side * self.end, 0.0)
         steepest = max(self.acceleration, self.deceleration)
         far = second + MEAN_ACCELERATION * steepest * self.duration
-        return self.try_part(side, 0.0, first) or self.try_part(side, first, second) or self.try_part(side, second, far)
+        return (
+            self.try_in_range(side, 0.0, first)
+            or self.try_in_range(side, first, second)
+            or self.try_in_range(side, second, far)
+        )
 
-    def try_part(self, side: float, near: float, far: float) -> bool:
-        """Find c in a part in which the same limits hold; `near` and `far` are its ends' distances from zero."""
+    def try_in_range(self, side: float, near: float, far: float) -> bool:
+        """Find c in a range in which the same limits hold; `near` and `far` are its ends' distances from zero."""
         if not near < far < inf:
             return False
         middle = side * (near + 0.5 * (far - near))
-        self.before = acceleration_limit(self.velocity, middle, self.acceleration, self.deceleration)
-        self.after = acceleration_limit(middle, self.end, self.acceleration, self.deceleration)
-        self.count = 0
+        self.rise_limit = acceleration_limit(self.velocity, middle, self.acceleration, self.deceleration)
+        self.fall_limit = acceleration_limit(middle, self.end, self.acceleration, self.deceleration)
+        self.cut_count = 0
         self.add_cut(near, near, far)
-        self.add_cuts_of_ramp(self.velocity, self.before, self.after, side, near, far)
-        self.add_cuts_of_ramp(self.end, self.after, self.before, side, near, far)
+        self.add_cuts_of_ramp(self.velocity, self.rise_limit, self.fall_limit, side, near, far)
+        self.add_cuts_of_ramp(self.end, self.fall_limit, self.rise_limit, side, near, far)
         self.add_cut(side * (self.velocity + 0.5 * (self.end - self.velocity)), near, far)
         self.add_cut(far, near, far)
-        found = False
-        for i in range(self.count - 1):
-            found = found or self.try_interval(side, self.cuts[i], self.cuts[i + 1])
-        return found
+        is_solved = False
+        for i in range(self.cut_count - 1):
+            is_solved = is_solved or self.try_in_interval(side, self.cuts[i], self.cuts[i + 1])
+        return is_solved
 
     def add_cuts_of_ramp(self, start: float, limit: float, other: float, side: float, near: float, far: float) -> None:
         """Cut where the ramp between `start` and c passes from its jerk limit to its acceleration limit A,
@@ -89,40 +91,40 @@ class ConstantVelocity:
                 self.add_cut(side * (start + direction * 2.0 * other * other / (3.0 * self.jerk)), near, far)
 
     def add_cut(self, at: float, near: float, far: float) -> None:
-        """Insert a cut in order, if it lies in the part."""
+        """Insert a cut in rising order, if it is in the range."""
         if near <= at <= far:
-            i = self.count
+            i = self.cut_count
             while i > 0 and self.cuts[i - 1] > at:
                 self.cuts[i] = self.cuts[i - 1]
                 i -= 1
             self.cuts[i] = at
-            self.count += 1
+            self.cut_count += 1
 
-    def try_interval(self, side: float, near: float, far: float) -> bool:
+    def try_in_interval(self, side: float, near: float, far: float) -> bool:
         """Find c between two cuts, where T_a + T_b is monotone: first the part in which it fits into T, then c."""
         fits_near = self.fits(side * near)
         fits_far = self.fits(side * far)
         if not fits_near and not fits_far:
             return False
         if fits_near != fits_far:
-            good = near if fits_near else far
-            bad = far if fits_near else near
+            fitting = near if fits_near else far
+            unfitting = far if fits_near else near
             for _ in range(BISECTIONS):
-                middle = good + 0.5 * (bad - good)
-                if not min(good, bad) < middle < max(good, bad):
+                middle = fitting + 0.5 * (unfitting - fitting)
+                if not min(fitting, unfitting) < middle < max(fitting, unfitting):
                     break
                 if self.fits(side * middle):
-                    good = middle
+                    fitting = middle
                 else:
-                    bad = middle
+                    unfitting = middle
             if fits_near:
-                far = good
+                far = fitting
             else:
-                near = good
+                near = fitting
         return self.try_between(side * near, side * far)
 
     def try_between(self, near: float, far: float) -> bool:
-        """Find c between two velocities where everything fits, if their distances bracket the one wanted."""
+        """Find c between two velocities where everything fits, if their distances bracket the required one."""
         low = min(near, far)
         high = max(near, far)
         if not self.distance_at(low) <= self.distance <= self.distance_at(high):
@@ -150,11 +152,11 @@ class ConstantVelocity:
 
     def rise_time(self, cruise: float) -> float:
         """T_a, s."""
-        return level_ramp_duration(cruise - self.velocity, self.before, self.jerk)
+        return level_ramp_duration(cruise - self.velocity, self.rise_limit, self.jerk)
 
     def fall_time(self, cruise: float) -> float:
         """T_b, s."""
-        return level_ramp_duration(self.end - cruise, self.after, self.jerk)
+        return level_ramp_duration(self.end - cruise, self.fall_limit, self.jerk)
 
     def fits(self, cruise: float) -> bool:
         """Whether both ramps fit into the duration."""

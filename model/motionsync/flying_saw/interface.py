@@ -1,7 +1,7 @@
 """All variables of the FlyingSaw in the order in which the FMU shows them, and the enumerations that it shows.
 
 What is wired comes first: the master, the commands, the slave and the block's status. Then come what is set once for a
-machine and what is watched. The parts with variables of their own stand in `master`, `slave`, `axis_limits`,
+machine and what is watched. The parts with variables of their own are in `master`, `slave`, `axis_limits`,
 `sync_mode`, `commands` and `characteristics`.
 """
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from .. import var
 from ..axis_limits import AxisLimits
-from ..exceeded import Exceeded, Limit
-from ..limits import MOST
+from ..computable_range import LARGEST
+from ..exceeded_limit import ExceededLimit, Limit
 from ..master import Master
 from ..slave import Slave
 from ..var import Enumeration, Unit
@@ -23,7 +23,7 @@ from .sync_mode import SyncMode
 class State(Enumeration):
     """What moves the axis (nAxisState)"""
 
-    INACTIVE = 0, "it stands"
+    INACTIVE = 0, "it is at rest"
     CONSTANT_VELOCITY = 3, "uncoupled, at constant velocity"
     ACCELERATING = 4, "uncoupled, getting faster"
     DECELERATING = 5, "uncoupled, getting slower"
@@ -35,7 +35,7 @@ class State(Enumeration):
 class PlcopenState(Enumeration):
     """State of the axis in PLCopen's diagram"""
 
-    STANDSTILL = 1, "it stands, and no command moves it"
+    STANDSTILL = 1, "it is at rest, and no command moves it"
     DISCRETE_MOTION = 2, "under way to rest: halt or move_absolute"
     CONTINUOUS_MOTION = 3, "under way for ever"
     SYNCHRONIZED_MOTION = 4, "coupled"
@@ -47,58 +47,44 @@ class SawAxis(AxisLimits):
     """The slave axis, which may move at first."""
 
     initial_velocity: float = var.parameter(
-        0.0, "its velocity at first, with which it goes on for ever", Unit.VELOCITY, min=-MOST, max=MOST
+        0.0, "its velocity at first, with which it goes on for ever", Unit.VELOCITY, min=-LARGEST, max=LARGEST
     )
 
 
 @dataclass(slots=True)
 class Local:
-    """What a commissioning engineer would watch."""
+    """Variables for commissioning."""
 
-    coupling_position: float = var.local(
-        0.0, "master position where the present synchronisation began", Unit.POSITION, discrete=True
+    coupling_position: float = var.snapshot(
+        0.0, "master position where the present synchronisation began", Unit.POSITION
     )
     progress: float = var.local(0.0, "share of the synchronisation that is done", min=0.0, max=1.0)
     master_distance_to_sync: float = var.local(
         0.0, "master travel missing to the synchronous phase, at constant master velocity", Unit.POSITION
     )
-    plan_position_min: float = var.local(
-        0.0, "least position of the last plan, refused or not", Unit.POSITION, discrete=True
+    plan_position_min: float = var.snapshot(0.0, "least position of the last plan, refused or not", Unit.POSITION)
+    plan_position_max: float = var.snapshot(0.0, "greatest position of the last plan, refused or not", Unit.POSITION)
+    plan_velocity_min: float = var.snapshot(0.0, "least velocity of the last plan, refused or not", Unit.VELOCITY)
+    plan_velocity_max: float = var.snapshot(0.0, "greatest velocity of the last plan, refused or not", Unit.VELOCITY)
+    plan_acceleration: float = var.snapshot(
+        0.0, "greatest acceleration (away from standstill) of the last plan, refused or not", Unit.ACCELERATION
     )
-    plan_position_max: float = var.local(
-        0.0, "greatest position of the last plan, refused or not", Unit.POSITION, discrete=True
+    plan_deceleration: float = var.snapshot(
+        0.0, "greatest deceleration (towards standstill) of the last plan, refused or not", Unit.ACCELERATION
     )
-    plan_velocity_min: float = var.local(
-        0.0, "least velocity of the last plan, refused or not", Unit.VELOCITY, discrete=True
-    )
-    plan_velocity_max: float = var.local(
-        0.0, "greatest velocity of the last plan, refused or not", Unit.VELOCITY, discrete=True
-    )
-    plan_acceleration: float = var.local(
-        0.0,
-        "greatest acceleration (away from standstill) of the last plan, refused or not",
-        Unit.ACCELERATION,
-        discrete=True,
-    )
-    plan_deceleration: float = var.local(
-        0.0,
-        "greatest deceleration (towards standstill) of the last plan, refused or not",
-        Unit.ACCELERATION,
-        discrete=True,
-    )
-    plan_jerk_min: float = var.local(0.0, "least jerk of the last plan, refused or not", Unit.JERK, discrete=True)
-    plan_jerk_max: float = var.local(0.0, "greatest jerk of the last plan, refused or not", Unit.JERK, discrete=True)
+    plan_jerk_min: float = var.snapshot(0.0, "least jerk of the last plan, refused or not", Unit.JERK)
+    plan_jerk_max: float = var.snapshot(0.0, "greatest jerk of the last plan, refused or not", Unit.JERK)
 
     exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit)
-    exceeded_value: float = var.local(0.0, "the value that exceeds it, in the limit's unit", discrete=True)
+    exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")
 
-    def show_exceeded(self, exceeded: Exceeded) -> None:
-        """Put out which limit of the axis is exceeded, and by what."""
+    def show_exceeded(self, exceeded: ExceededLimit) -> None:
+        """Show the limit of the axis that is exceeded, and the value."""
         self.exceeded_limit = exceeded.limit
         self.exceeded_value = exceeded.value
 
     def show_plan(self, extremes: Extremes) -> None:
-        """Put out what the last plan asks of the slave."""
+        """Show what the last plan asks of the slave."""
         self.plan_position_min = extremes.position_min
         self.plan_position_max = extremes.position_max
         self.plan_velocity_min = extremes.velocity_min

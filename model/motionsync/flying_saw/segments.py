@@ -6,39 +6,39 @@ Source: TS5055, section 7.
 
 from math import sqrt
 
-from ..limits import SHORTEST
+from ..computable_range import SHORTEST_TIME
 from .profile import Profile, ProfileKind
 
-SAME_DISTANCE = 1e-12  # of the change of velocity: the mean velocity lies in the middle of both ends, but for rounding
+SAME_DISTANCE = 1e-12  # of the change of velocity: the mean velocity is in the middle of both ends, but for rounding
 JERK_TOLERANCE = 1e-9  # of the jerk limit: a ramp as short as the limit allows keeps it but for rounding
 
 
-def add_straight(profile: Profile, duration: float, velocity: float) -> None:
+def add_constant_velocity(profile: Profile, duration: float, velocity: float) -> None:
     """P1: append constant velocity; nothing for a duration that is too short to be computed with, or negative."""
-    if duration >= SHORTEST:
-        profile.add(duration, profile.joint, velocity * duration, 0.0, 0.0, 0.0, 0.0)
-        profile.joint = profile.joint + velocity * duration
+    if duration >= SHORTEST_TIME:
+        profile.add_segment(duration, profile.next_position, velocity * duration, 0.0, 0.0, 0.0, 0.0)
+        profile.next_position = profile.next_position + velocity * duration
 
 
 def add_ramp(profile: Profile, duration: float, velocity: float, end_velocity: float) -> None:
-    """Append v + (v_e - v) (3 u^2 - 2 u^3), unaccelerated at both ends; nothing for a duration as in `add_straight`."""
-    if duration >= SHORTEST:
+    """Append v + (v_e - v) (3 u^2 - 2 u^3), unaccelerated at both ends; nothing for a duration as above."""
+    if duration >= SHORTEST_TIME:
         change = (end_velocity - velocity) * duration
-        profile.add(duration, profile.joint, velocity * duration, 0.0, change, -0.5 * change, 0.0)
-        profile.joint = profile.joint + 0.5 * (velocity + end_velocity) * duration
+        profile.add_segment(duration, profile.next_position, velocity * duration, 0.0, change, -0.5 * change, 0.0)
+        profile.next_position = profile.next_position + 0.5 * (velocity + end_velocity) * duration
 
 
 def add_ramp_from_acceleration(
     profile: Profile, duration: float, velocity: float, acceleration: float, end_velocity: float
 ) -> None:
-    """Append the ramp of gear_in_velo as the first piece, a(u) = (1 - u) (a + (6 dv / T - 3 a) u).
+    """Append the ramp of gear_in_velo as the first segment, a(u) = (1 - u) (a + (6 dv / T - 3 a) u).
 
     It leads from the acceleration a at its beginning to an unaccelerated end."""
     rise = 6.0 * (end_velocity - velocity) / duration - 3.0 * acceleration
     c2 = 0.5 * acceleration * duration * duration
     c3 = (rise - acceleration) * duration * duration / 6.0
     c4 = -rise * duration * duration / 12.0
-    profile.add(duration, 0.0, velocity * duration, c2, c3, c4, 0.0)
+    profile.add_segment(duration, 0.0, velocity * duration, c2, c3, c4, 0.0)
 
 
 def ramp_duration(change: float, acceleration: float, limit: float, jerk: float) -> float:
@@ -61,14 +61,8 @@ def ramp_duration(change: float, acceleration: float, limit: float, jerk: float)
     for end in range(2):
         linear = 2.0 * acceleration if end == 1 else 4.0 * acceleration
         root = sqrt(linear * linear + 24.0 * change * jerk)
-        best = _shorter(
-            best,
-            12.0 * change / (linear + root) if linear >= 0.0 else 0.5 * (root - linear) / jerk,
-            change,
-            acceleration,
-            jerk,
-            shortest,
-        )
+        early = 12.0 * change / (linear + root) if linear >= 0.0 else 0.5 * (root - linear) / jerk
+        best = _shorter(best, early, change, acceleration, jerk, shortest)
         square = linear * linear - 24.0 * change * jerk
         if square >= 0.0 and linear > 0.0:
             late = 0.5 * (linear + sqrt(square)) / jerk
@@ -102,44 +96,27 @@ def level_ramp_duration(change: float, limit: float, jerk: float) -> float:
 def plan_one_ramp(
     profile: Profile, origin: float, duration: float, distance: float, velocity: float, end: float
 ) -> None:
-    """P1+P5 or P5+P1, in which no velocity lies outside those of both ends.
+    """P1+P5 or P5+P1, in which no velocity is outside those of both ends.
 
-    The mean velocity lies strictly between those of the ends. Whichever of the two is nearer to the mean is kept for a
-    time: v before a ramp that takes T5 = 2 (distance - v T) / (v_e - v), or v_e after a ramp that takes
+    The mean velocity is strictly between those of the ends. The end velocity nearer to it is constant for a time: v
+    before a ramp that takes T5 = 2 (distance - v T) / (v_e - v), or v_e after a ramp that takes
     T5 = 2 (v_e T - distance) / (v_e - v). Where both are equally near, but for rounding, the ramp takes all the time.
     """
     mean = distance / duration
     nearer = abs(mean - end) - abs(mean - velocity)
     if abs(nearer) <= SAME_DISTANCE * abs(end - velocity):
-        profile.begin(ProfileKind.P5_P1, origin)
+        profile.start(ProfileKind.P5_P1, origin)
         add_ramp(profile, duration, velocity, end)
     elif nearer > 0.0:
         ramp = 2.0 * (distance - velocity * duration) / (end - velocity)
-        profile.begin(ProfileKind.P1_P5, origin)
-        add_straight(profile, duration - ramp, velocity)
+        profile.start(ProfileKind.P1_P5, origin)
+        add_constant_velocity(profile, duration - ramp, velocity)
         add_ramp(profile, ramp, velocity, end)
     else:
         ramp = 2.0 * (end * duration - distance) / (end - velocity)
-        profile.begin(ProfileKind.P5_P1, origin)
+        profile.start(ProfileKind.P5_P1, origin)
         add_ramp(profile, ramp, velocity, end)
-        add_straight(profile, duration - ramp, end)
-
-
-def plan_two_ramps(
-    profile: Profile,
-    origin: float,
-    duration: float,
-    velocity: float,
-    cruise: float,
-    end: float,
-    rise: float,
-    fall: float,
-) -> None:
-    """P5+P1+P5: a ramp to the velocity `cruise` in the time `rise`, that velocity, and a ramp to `end` in `fall`."""
-    profile.begin(ProfileKind.P5_P1_P5, origin)
-    add_ramp(profile, rise, velocity, cruise)
-    add_straight(profile, duration - rise - fall, cruise)
-    add_ramp(profile, fall, cruise, end)
+        add_constant_velocity(profile, duration - ramp, end)
 
 
 def same_peak_durations(

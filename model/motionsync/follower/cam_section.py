@@ -1,14 +1,14 @@
-"""One section of the slave's cam: the slave's position over the master's, from one phase's beginning to its end.
+"""A section of the slave's cam: one law of its position over the master's. Source: Robox mv_follow2.
 
-Source: Robox mv_follow2, the phases of the cycle. Master positions and travels are in master units (M), slave positions
-in slave units (S); d1, d2, d3 are the derivatives of the slave's position by the master's (S/M, S/M2, S/M3).
+Master positions and travels are in master units (M), slave positions in slave units (S); d1, d2, d3 are the derivatives
+of the slave's position by the master's (S/M, S/M2, S/M3).
 """
 
 from dataclasses import dataclass
 
 from .. import var
+from ..computable_range import clamp
 from ..laws import Quintic, half_ramp, half_ramp_mirrored
-from ..limits import clamp
 from ..polynomial import Polynomial
 from ..var import Enumeration
 
@@ -27,7 +27,7 @@ class Shape(Enumeration):
 
 @dataclass(slots=True)
 class CamSection:
-    """The slave's law from the master's position `begin` (M) to `end`, where the next section begins.
+    """The slave's law from the master's position `begin` (M) to `end`, where the next section starts.
 
     `length` is the master travel of the law itself, which differs from end - begin by rounding only. `position` is the
     slave's position at `begin`. Of a ramp, `stroke` is the slave's travel (S). `ratio` is d1 on a line and at the fast
@@ -43,34 +43,30 @@ class CamSection:
     ratio: float = 1.0
     quintic: Quintic = var.part(Quintic)
 
-    def rest(self, begin: float, end: float, position: float) -> None:
-        """The slave stands."""
-        self.lay(Shape.REST, begin, end, 1.0, position)
+    def set_rest(self, begin: float, end: float, position: float) -> None:
+        """The slave is at rest; without end if `end` is FAR."""
+        self.set_law(Shape.REST, begin, end, 1.0, position)
 
-    def rest_for_ever(self, begin: float, position: float) -> None:
-        """The slave stands, and no position of the master ends it."""
-        self.rest(begin, FAR, position)
-
-    def line(self, begin: float, end: float, position: float, ratio: float) -> None:
+    def set_line(self, begin: float, end: float, position: float, ratio: float) -> None:
         """The slave runs with `ratio` times the master's velocity."""
-        self.lay(Shape.LINE, begin, end, 1.0, position)
+        self.set_law(Shape.LINE, begin, end, 1.0, position)
         self.ratio = ratio
 
-    def ramp_up(self, end: float, position: float, stroke: float, ratio: float) -> None:
+    def set_ramp_up(self, end: float, position: float, stroke: float, ratio: float) -> None:
         """position + 2 stroke q(u): d1 goes from 0 to `ratio` while the master travels 2 stroke / ratio."""
         length = 2.0 * stroke / ratio
-        self.lay(Shape.RAMP_UP, end - length, end, length, position)
+        self.set_law(Shape.RAMP_UP, end - length, end, length, position)
         self.stroke = stroke
         self.ratio = ratio
 
-    def ramp_down(self, begin: float, position: float, stroke: float, ratio: float) -> None:
+    def set_ramp_down(self, begin: float, position: float, stroke: float, ratio: float) -> None:
         """position + 2 stroke (u - q(u)): d1 goes from `ratio` to 0 while the master travels 2 stroke / ratio."""
         length = 2.0 * stroke / ratio
-        self.lay(Shape.RAMP_DOWN, begin, begin + length, length, position)
+        self.set_law(Shape.RAMP_DOWN, begin, begin + length, length, position)
         self.stroke = stroke
         self.ratio = ratio
 
-    def curve(
+    def set_quintic(
         self,
         begin: float,
         end: float,
@@ -82,10 +78,10 @@ class CamSection:
         target_d1: float,
     ) -> None:
         """The quintic from (position, d1, d2) to (target, target_d1, 0)."""
-        self.lay(Shape.QUINTIC, begin, end, length, position)
+        self.set_law(Shape.QUINTIC, begin, end, length, position)
         self.quintic.fit(length, position, d1, d2, target, target_d1, 0.0)
 
-    def lay(self, shape: Shape, begin: float, end: float, length: float, position: float) -> None:
+    def set_law(self, shape: Shape, begin: float, end: float, length: float, position: float) -> None:
         """Set what the laws have in common."""
         self.shape = shape
         self.begin = begin
@@ -101,16 +97,16 @@ class CamSection:
                 return self.position + self.ratio * travel, self.ratio, 0.0, 0.0
             case Shape.RAMP_UP:
                 q, d1, d2, d3 = half_ramp(clamp(travel / self.length, 0.0, 1.0))
-                return self.ramp(q, d1, d2, d3)
+                return self.ramp_at(q, d1, d2, d3)
             case Shape.RAMP_DOWN:
                 q, d1, d2, d3 = half_ramp_mirrored(clamp(travel / self.length, 0.0, 1.0))
-                return self.ramp(q, d1, d2, d3)
+                return self.ramp_at(q, d1, d2, d3)
             case Shape.QUINTIC:
                 return self.quintic.at(clamp(travel, 0.0, self.length))
             case _:
                 return self.position, 0.0, 0.0, 0.0
 
-    def ramp(self, q: float, d1: float, d2: float, d3: float) -> tuple[float, float, float, float]:
+    def ramp_at(self, q: float, d1: float, d2: float, d3: float) -> tuple[float, float, float, float]:
         """As `at`, from a ramp law over u = 0 to 1 and its derivatives by u: 1/2 long, with d1 = 1 at its fast end."""
         return (
             self.position + 2.0 * self.stroke * q,
@@ -124,14 +120,14 @@ class CamSection:
         travel = self.end - self.begin
         return clamp((master - self.begin) / travel, 0.0, 1.0) if 0.0 < travel < FAR else 0.0
 
-    def shift(self, turned: float) -> None:
-        """The master's positions are from now on smaller by `turned`."""
-        self.begin -= turned
-        self.end -= turned
+    def shift(self, dropped: float) -> None:
+        """The master's positions are from now on smaller by `dropped`."""
+        self.begin -= dropped
+        self.end -= dropped
 
 
 @dataclass(slots=True)
-class Peaks:
+class QuinticPeaks:
     """The greatest |d1| (S/M) and |d2| (S/M2) of a quintic over its whole length."""
 
     d1: float = 0.0
@@ -139,7 +135,7 @@ class Peaks:
     polynomial: Polynomial = var.part(Polynomial)
 
     def measure(self, curve: Quintic) -> None:
-        """Find both: they lie at the ends of the curve, or where the next derivative is 0."""
+        """Measure both: they are at the ends of the curve, or where the next derivative is 0."""
         self.d1 = 0.0
         self.d2 = 0.0
         for order in range(2, 4):
@@ -147,7 +143,7 @@ class Peaks:
             self.polynomial.solve()
             self.include(curve, 0.0)
             self.include(curve, curve.length)
-            for i in range(self.polynomial.count):
+            for i in range(self.polynomial.root_count):
                 self.include(curve, self.polynomial.roots[i] * curve.length)
 
     def differentiate(self, curve: Quintic, order: int) -> None:

@@ -1,7 +1,7 @@
-"""The cycle of the slave: its stage, the law of that stage over the master, and the meeting it leads to.
+"""The cycle of the slave. Source: Robox mv_follow2.
 
-Source: Robox mv_follow2. Q is the master position of a meeting, M_f the master's travel on the approach to it. Master
-positions and travels are in M, slave positions in S, ratios k in S/M.
+Q is the master position of a meeting, M_f the master's travel on the approach to it. Master positions and travels are
+in M, slave positions in S, ratios k in S/M.
 """
 
 from dataclasses import dataclass
@@ -11,39 +11,40 @@ from ..grid import floor
 from .cam_section import FAR, CamSection
 from .faults import Fault
 from .interface import LEAST_LENGTH, FollowerInterface
-from .parameters import ROUNDING, SAME_PLACE, ramp_travel
+from .parameters import POSITION_TOLERANCE, ROUNDING, ramp_travel
 from .stages import Stage
 
-LONGEST_HOMING = 2.5  # times S_h / k: a longer quintic that begins with d1 = k would run past the park
+LONGEST_HOMING = 2.5  # times S_h / k: a longer quintic that starts with d1 = k would run past the park
 
 
 @dataclass(slots=True)
 class CycleState:
     """The stage, its cam section, and the meeting that is ahead or under way.
 
-    `meeting_known`: there is such a meeting, at `meeting` (Q). The slave reaches it over the master's travel
+    `has_meeting`: there is such a meeting, at `meeting` (Q). The slave reaches it over the master's travel
     `approach_travel` (M_f) from its rest at `park`; there it is at `sync_slave`, and the synchronized phase with
     `ratio` (k) ends at `sync_out`. From the end of a synchronized phase on, all this belongs to the next meeting; where
-    that one is not known, `meeting` is the position that the way home is paced for.
+    there is none, `meeting` is the position that the way home is paced for.
 
-    `tight`: the approach was shortened to leave room for the way home. `return_travel`: the undisturbed master travel
-    of a linear slave's way home. `cycle_length` and `wait` are C and space_wait_in_park as read for this cycle.
+    `is_approach_shortened`: so that the master's travel suffices for the way home, too. `return_travel`: the
+    undisturbed master travel of a linear slave's way home. `cycle_length` and `wait` are C and space_wait_in_park as
+    read for this cycle.
 
     `backward_tolerance`: how far the master may be behind its highest position since the slave has left the park.
     `highest_input` is that position from the inputs alone, `highest_in_step` includes the path inside the present
     step: a prediction that was too high is corrected by the next input, which is no backward travel. `highest` includes
     all predictions; the slave does not go back behind it.
 
-    At the park, no meeting of a fixed cycle is chosen before `no_meeting_before`. WAITING_NEXT_CYCLE ends where the
+    At the park, no meeting of a fixed cycle is chosen before `earliest_next_meeting`. WAITING_NEXT_CYCLE ends where the
     master is at `next_cycle_from`.
     """
 
     stage: Stage = Stage.IDLE
-    section: CamSection = var.part(CamSection)
-    meeting_known: bool = False
+    cam_section: CamSection = var.part(CamSection)
+    has_meeting: bool = False
     meeting: float = 0.0
     approach_travel: float = 0.0
-    tight: bool = False
+    is_approach_shortened: bool = False
     park: float = 0.0
     ratio: float = 1.0
     sync_slave: float = 0.0
@@ -55,33 +56,33 @@ class CycleState:
     highest: float = 0.0
     highest_input: float = 0.0
     highest_in_step: float = 0.0
-    no_meeting_before: float = -FAR
+    earliest_next_meeting: float = -FAR
     next_cycle_from: float = 0.0
 
-    def parked(self) -> bool:
+    def is_parked(self) -> bool:
         """Whether the slave rests at the park."""
         return self.stage in (Stage.WAITING, Stage.WAITING_NEXT_CYCLE)
 
     def start(self) -> float:
-        """The master's position where the approach to the meeting begins."""
+        """The master's position where the approach to the meeting starts."""
         return self.meeting - self.approach_travel
 
     def synchronous_travel(self) -> float:
         """The master's travel in the synchronized phase."""
         return (self.sync_out - self.sync_slave) / self.ratio
 
-    def aim(self, parameters: FollowerInterface, meeting: float, approach_travel: float) -> None:
-        """Choose a meeting, with the parameters of this instant."""
-        self.meeting_known = True
+    def set_meeting(self, parameters: FollowerInterface, meeting: float, approach_travel: float) -> None:
+        """Go to that meeting, with the parameters of this instant."""
+        self.has_meeting = True
         self.meeting = meeting
         self.approach_travel = approach_travel
         self.ratio = parameters.k_slave_master
         self.sync_slave = parameters.sync_slave
         self.sync_out = parameters.sync_out
         self.cycle_length = parameters.master_cycle
-        self.backward_tolerance = SAME_PLACE * parameters.master_cycle
+        self.backward_tolerance = POSITION_TOLERANCE * parameters.master_cycle
 
-    # --- the stages: where several laws lead through one stage, its law is laid by the caller ---
+    # --- the stages: where several laws lead through one stage, the caller sets the law ---
 
     def enter_idle(self, position: float) -> None:
         """Rest at a position, which need not be the park."""
@@ -91,18 +92,18 @@ class CycleState:
     def enter_to_park(self, park: float) -> None:
         self.stage = Stage.TO_PARK
         self.park = park
-        self.meeting_known = False
+        self.has_meeting = False
 
     def enter_to_cycle(self) -> None:
         self.stage = Stage.TO_CYCLE
 
     def enter_cycle(self, stage: Stage) -> None:
-        """TO_CYCLE is over: the cycle goes on in the stage that it was laid for."""
+        """TO_CYCLE is over: the cycle goes on in the stage for which it was planned."""
         self.stage = stage
 
     def enter_waiting(self) -> None:
         self.stage = Stage.WAITING
-        self.no_meeting_before = -FAR
+        self.earliest_next_meeting = -FAR
 
     def enter_waiting_next_cycle(self, until: float) -> None:
         self.stage = Stage.WAITING_NEXT_CYCLE
@@ -114,35 +115,36 @@ class CycleState:
     def enter_slowing(self, begin: float, stroke: float) -> None:
         """The ramp down from sync_out to an intermediate stop."""
         self.stage = Stage.SLOWING
-        self.section.ramp_down(begin, self.sync_out, stroke, self.ratio)
+        self.cam_section.set_ramp_down(begin, self.sync_out, stroke, self.ratio)
 
     def enter_pausing(self) -> None:
-        """Half of the slave's travel is done: rest until the ramp up begins."""
+        """Half of the slave's travel is done: rest until the ramp up starts."""
         self.stage = Stage.PAUSING
-        position = self.section.position + self.section.stroke
-        self.section.rest(self.section.end, self.meeting - 2.0 * self.section.stroke / self.ratio, position)
+        position = self.cam_section.position + self.cam_section.stroke
+        end = self.meeting - 2.0 * self.cam_section.stroke / self.ratio
+        self.cam_section.set_rest(self.cam_section.end, end, position)
 
     def enter_synchronized(self) -> None:
         """From the meeting on: sync_slave + k (m - Q), up to sync_out."""
         self.stage = Stage.SYNCHRONIZED
-        self.section.line(self.meeting, self.meeting + self.synchronous_travel(), self.sync_slave, self.ratio)
+        self.cam_section.set_line(self.meeting, self.meeting + self.synchronous_travel(), self.sync_slave, self.ratio)
 
     def enter_decel(self, begin: float, stroke: float) -> None:
         """The ramp down from sync_out to the end of the forward stroke."""
         self.stage = Stage.DECEL
-        self.section.ramp_down(begin, self.sync_out, stroke, self.ratio)
+        self.cam_section.set_ramp_down(begin, self.sync_out, stroke, self.ratio)
 
     def enter_holding(self) -> None:
         """Rest at the end of the forward stroke until a command ends it."""
         self.stage = Stage.HOLDING
-        self.section.rest_for_ever(self.section.end, self.section.position + self.section.stroke)
+        self.cam_section.set_rest(self.cam_section.end, FAR, self.cam_section.position + self.cam_section.stroke)
 
     def enter_homing(self) -> None:
         self.stage = Stage.HOMING
 
     def enter_braking(self) -> None:
         self.stage = Stage.BRAKING
-        self.meeting_known = False
+        self.has_meeting = False
 
     # --- the way to the meeting ---
 
@@ -150,20 +152,19 @@ class CycleState:
         """Rest at the park, without a meeting."""
         self.enter_waiting()
         self.park = park
-        self.meeting_known = False
-        self.tight = False
+        self.has_meeting = False
+        self.is_approach_shortened = False
 
-    def follow(self) -> None:
-        """From the rest at the park to (Q, sync_slave) with d1 = k: a simple jerk ramp, or a quintic where the approach
-        is shorter."""
+    def start_approach(self) -> None:
+        """From the park to (Q, sync_slave) with d1 = k: a simple jerk ramp; a shorter approach is a quintic."""
         self.enter_following()
-        section = self.section
-        if self.tight:
+        if self.is_approach_shortened:
             begin = self.start()
-            section.curve(begin, self.meeting, self.approach_travel, self.park, 0.0, 0.0, self.sync_slave, self.ratio)
+            travel = self.approach_travel
+            self.cam_section.set_quintic(begin, self.meeting, travel, self.park, 0.0, 0.0, self.sync_slave, self.ratio)
         else:
-            section.ramp_up(self.meeting, self.park, self.sync_slave - self.park, self.ratio)
-        self.watch_from(section.begin)
+            self.cam_section.set_ramp_up(self.meeting, self.park, self.sync_slave - self.park, self.ratio)
+        self.watch_from(self.cam_section.begin)
 
     def join(self, parameters: FollowerInterface, master: float, meeting: float) -> None:
         """From the rest at the park, or from the way home, to (Q, sync_slave) with d1 = k: a quintic."""
@@ -172,121 +173,117 @@ class CycleState:
         d2 = 0.0
         sync_slave = parameters.sync_slave
         if self.stage == Stage.HOMING:
-            position, d1, d2, _ = self.section.at(master)
+            position, d1, d2, _ = self.cam_section.at(master)
             sync_slave += parameters.slave_cycle
         travel = meeting - master
         self.enter_following()
-        self.tight = False
-        self.aim(parameters, meeting, travel)
-        self.section.curve(master, meeting, travel, position, d1, d2, sync_slave, self.ratio)
+        self.is_approach_shortened = False
+        self.set_meeting(parameters, meeting, travel)
+        self.cam_section.set_quintic(master, meeting, travel, position, d1, d2, sync_slave, self.ratio)
         self.watch_from(master)
 
     def speed_up(self, slave_cycle: float) -> None:
         """From the intermediate stop to the meeting: the second half of the slave's travel."""
         self.enter_following()
-        stop = self.section.position
-        self.section.ramp_up(self.meeting, stop, self.sync_slave + slave_cycle - stop, self.ratio)
+        stop = self.cam_section.position
+        self.cam_section.set_ramp_up(self.meeting, stop, self.sync_slave + slave_cycle - stop, self.ratio)
 
     def end_synchronized_at(self, master: float) -> None:
-        """The synchronized phase ends here: the present position takes the place of sync_out."""
-        position, _, _, _ = self.section.at(master)
+        """The synchronized phase ends now: the present position replaces sync_out."""
+        position, _, _, _ = self.cam_section.at(master)
         self.sync_out = position
-        self.section.end = master
+        self.cam_section.end = master
 
     # --- from the end of the synchronized phase on; a fault leaves everything as it was ---
 
-    def try_leave(self, parameters: FollowerInterface, meeting: float, known: bool, home: bool) -> Fault:
-        """Go on towards the next meeting, with the parameters of this instant.
-
-        `home`: a cyclic slave goes to its park; else it goes on to the meeting in one movement."""
+    def try_leave(self, parameters: FollowerInterface, meeting: float, has_meeting: bool, parks: bool) -> Fault:
+        """Go on towards the next meeting. `parks`: a cyclic slave goes to its park, else to the meeting at once."""
         if parameters.slave_cycle == 0.0:
-            return self.try_decelerate(parameters, meeting, known)
-        if home:
-            return self.try_go_home(parameters, meeting, known)
+            return self.try_decelerate(parameters, meeting, has_meeting)
+        if parks:
+            return self.try_go_home(parameters, meeting, has_meeting)
         return self.try_go_on(parameters, meeting)
 
-    def try_decelerate(self, parameters: FollowerInterface, meeting: float, known: bool) -> Fault:
+    def try_decelerate(self, parameters: FollowerInterface, meeting: float, has_meeting: bool) -> Fault:
         """A linear slave ramps down. Its way home then takes the travel up to the next start, less the wait."""
-        begin = self.section.end
+        begin = self.cam_section.end
         approach = ramp_travel(parameters, parameters.park_slave)
         stroke = parameters.space_stop_slave
         travel = meeting - approach - parameters.space_wait_in_park - (begin + 2.0 * stroke / self.ratio)
         if not travel > ROUNDING * parameters.master_cycle:
-            return Fault.NO_ROOM
+            return Fault.CYCLE_TOO_SHORT
         self.enter_decel(begin, stroke)
-        self.retarget(parameters, meeting, known, approach, False)
+        self.retarget(parameters, meeting, has_meeting, approach)
         self.return_travel = travel
         return Fault.NONE
 
-    def try_go_home(self, parameters: FollowerInterface, meeting: float, known: bool) -> Fault:
-        """A cyclic slave goes to its rest at park_slave + slave_cycle.
-
-        The master travels R up to the next meeting, less the wait. Where R is too short for simple ramps, the way home
-        and the approach share it in proportion to the slave's travels."""
-        begin = self.section.end
-        forth = parameters.sync_slave - parameters.park_slave
-        back = parameters.park_slave + parameters.slave_cycle - self.sync_out
-        room = meeting - begin - parameters.space_wait_in_park
-        if not back >= LEAST_LENGTH:
+    def try_go_home(self, parameters: FollowerInterface, meeting: float, has_meeting: bool) -> Fault:
+        """A cyclic slave goes to its rest at park_slave + slave_cycle. Where the master's travel up to the next meeting
+        is too short for simple ramps, way home and approach share it in proportion to the slave's travels."""
+        begin = self.cam_section.end
+        approach_stroke = parameters.sync_slave - parameters.park_slave
+        homing_stroke = parameters.park_slave + parameters.slave_cycle - self.sync_out
+        available = meeting - begin - parameters.space_wait_in_park
+        if not homing_stroke >= LEAST_LENGTH:
             return Fault.ORDER
-        if not room > ROUNDING * parameters.master_cycle:
-            return Fault.NO_ROOM
+        if not available > ROUNDING * parameters.master_cycle:
+            return Fault.CYCLE_TOO_SHORT
         ramp = ramp_travel(parameters, parameters.park_slave)
-        tight = room < (ramp + 2.0 * back / self.ratio) * (1.0 - SAME_PLACE)
-        approach = room * (forth / (forth + back)) if tight else ramp
-        travel = room * (back / (forth + back)) if tight else min(room - approach, LONGEST_HOMING * back / self.ratio)
+        is_shortened = available < (ramp + 2.0 * homing_stroke / self.ratio) * (1.0 - POSITION_TOLERANCE)
+        if is_shortened:
+            approach = available * (approach_stroke / (approach_stroke + homing_stroke))
+            travel = available * (homing_stroke / (approach_stroke + homing_stroke))
+        else:
+            approach = ramp
+            travel = min(available - approach, LONGEST_HOMING * homing_stroke / self.ratio)
         self.enter_homing()
         end = parameters.park_slave + parameters.slave_cycle
-        self.section.curve(begin, begin + travel, travel, self.sync_out, self.ratio, 0.0, end, 0.0)
-        self.retarget(parameters, meeting, known, approach, tight)
+        self.cam_section.set_quintic(begin, begin + travel, travel, self.sync_out, self.ratio, 0.0, end, 0.0)
+        self.retarget(parameters, meeting, has_meeting, approach)
+        self.is_approach_shortened = is_shortened
         return Fault.NONE
 
     def try_go_on(self, parameters: FollowerInterface, meeting: float) -> Fault:
-        """A cyclic slave goes to the next meeting without parking.
-
-        Where the master's travel is at least twice what the slave needs, there is an intermediate stop halfway. Else
-        the law is a quintic with d1 = k and d2 = 0 at both ends."""
-        begin = self.section.end
+        """A cyclic slave goes to the next meeting without parking: with an intermediate stop halfway if the master's
+        travel is at least twice what the slave needs, else by a quintic with d1 = k and d2 = 0 at both ends."""
+        begin = self.cam_section.end
         distance = parameters.sync_slave + parameters.slave_cycle - self.sync_out
         travel = meeting - begin
         if not distance >= LEAST_LENGTH:
             return Fault.ORDER
         if not travel > ROUNDING * parameters.master_cycle:
-            return Fault.NO_ROOM
-        if travel >= (distance / self.ratio + distance / parameters.k_slave_master) * (1.0 - SAME_PLACE):
+            return Fault.CYCLE_TOO_SHORT
+        if travel >= (distance / self.ratio + distance / parameters.k_slave_master) * (1.0 - POSITION_TOLERANCE):
             self.enter_slowing(begin, 0.5 * distance)
         else:
             self.enter_following()
             end = parameters.sync_slave + parameters.slave_cycle
-            self.section.curve(begin, meeting, travel, self.sync_out, self.ratio, 0.0, end, parameters.k_slave_master)
-        self.retarget(parameters, meeting, True, travel, False)
+            end_ratio = parameters.k_slave_master
+            self.cam_section.set_quintic(begin, meeting, travel, self.sync_out, self.ratio, 0.0, end, end_ratio)
+        self.retarget(parameters, meeting, True, travel)
         return Fault.NONE
 
-    def retarget(
-        self, parameters: FollowerInterface, meeting: float, known: bool, approach_travel: float, tight: bool
-    ) -> None:
-        """The next meeting takes the place of this one."""
-        self.aim(parameters, meeting, approach_travel)
-        self.meeting_known = known
-        self.tight = tight
+    def retarget(self, parameters: FollowerInterface, meeting: float, has_meeting: bool, approach: float) -> None:
+        """The next meeting replaces this one."""
+        self.set_meeting(parameters, meeting, approach)
+        self.has_meeting = has_meeting
+        self.is_approach_shortened = False
         self.park = parameters.park_slave
         self.wait = parameters.space_wait_in_park
 
     def return_home(self, begin: float, travel: float) -> None:
         """A linear slave goes from rest at the end of its stroke to rest at the park."""
         self.enter_homing()
-        position, _, _, _ = self.section.at(begin)
-        self.section.curve(begin, begin + travel, travel, position, 0.0, 0.0, self.park, 0.0)
+        position, _, _, _ = self.cam_section.at(begin)
+        self.cam_section.set_quintic(begin, begin + travel, travel, position, 0.0, 0.0, self.park, 0.0)
 
     def release(self, master: float, variable_cycle: bool) -> None:
-        """A slave that was held at the end of its stroke goes home.
-
-        It arrives for the first start (earlier by the wait) that leaves at least the undisturbed travel. In a variable
-        cycle, whose starts are not known, it takes exactly that travel."""
+        """A slave that was held at the end of its stroke returns home, for the first start (earlier by the wait) that
+        leaves at least the undisturbed travel. In a variable cycle it takes exactly that travel."""
         travel = self.return_travel
         if not variable_cycle:
             travel = self.start() - self.wait - master
-            lacking = self.return_travel - SAME_PLACE * self.cycle_length - travel
+            lacking = self.return_travel - POSITION_TOLERANCE * self.cycle_length - travel
             if lacking > 0.0:
                 later = -floor(-lacking / self.cycle_length) * self.cycle_length
                 self.meeting += later
@@ -295,22 +292,22 @@ class CycleState:
 
     # --- the undisturbed cycle ---
 
-    def go_to(self, parameters: FollowerInterface, master: float) -> None:
+    def advance_to(self, parameters: FollowerInterface, master: float) -> None:
         """Go through the undisturbed cycle, whose meeting is chosen, up to the stage in which the master is."""
-        if self.stage == Stage.FOLLOWING and master < self.section.begin:
+        if self.stage == Stage.FOLLOWING and master < self.cam_section.begin:
             self.enter_waiting()
         for _ in range(6):
-            if self.stage == Stage.WAITING or master < self.section.end:
+            if self.stage == Stage.WAITING or master < self.cam_section.end:
                 break
             match self.stage:
                 case Stage.FOLLOWING:
                     self.enter_synchronized()
                 case Stage.SYNCHRONIZED:
                     variable = parameters.variable_cycle
-                    home = parameters.stop_in_park or variable
-                    self.try_leave(parameters, self.meeting + parameters.master_cycle, not variable, home)
+                    parks = parameters.stop_in_park or variable
+                    self.try_leave(parameters, self.meeting + parameters.master_cycle, not variable, parks)
                 case Stage.DECEL:
-                    self.return_home(self.section.end, self.return_travel)
+                    self.return_home(self.cam_section.end, self.return_travel)
                 case Stage.SLOWING:
                     self.enter_pausing()
                 case Stage.PAUSING:
@@ -326,17 +323,17 @@ class CycleState:
         self.highest_input = master
         self.highest_in_step = master
 
-    def note_input(self, master: float) -> None:
+    def record_input(self, master: float) -> None:
         """The master's present input counts, and the former step's predictions no longer do."""
         self.highest_input = max(self.highest_input, master)
         self.highest_in_step = self.highest_input
 
-    def shift(self, turned: float) -> None:
-        """The master's positions are from now on smaller by `turned`."""
-        self.section.shift(turned)
-        self.meeting -= turned
-        self.highest -= turned
-        self.highest_input -= turned
-        self.highest_in_step -= turned
-        self.no_meeting_before -= turned
-        self.next_cycle_from -= turned
+    def shift(self, dropped: float) -> None:
+        """The master's positions are from now on smaller by `dropped`."""
+        self.cam_section.shift(dropped)
+        self.meeting -= dropped
+        self.highest -= dropped
+        self.highest_input -= dropped
+        self.highest_in_step -= dropped
+        self.earliest_next_meeting -= dropped
+        self.next_cycle_from -= dropped

@@ -1,27 +1,24 @@
-"""What a Follower shows to the outside: its variables, the parts that hold them, and the enumeration of its states.
-
-Source: Robox mv_follow2, whose own names stand in brackets.
-"""
+"""What a Follower shows to the outside. Source: Robox mv_follow2, whose own names are in brackets."""
 
 from dataclasses import dataclass
 
 from .. import var
-from ..limits import LEAST_LIMIT, MOST, usable
+from ..computable_range import LARGEST, is_usable
 from ..master import Master
 from ..slave import Slave
 from ..var import Enumeration, Role, Unit
 from .faults import Fault
 
-LEAST_LENGTH = 1e-9  # M or S: the least length that a phase's law is laid over
+LEAST_LENGTH = 1e-9  # M or S: the least length of a phase's law
 
 
 class State(Enumeration):
     """What the slave does (the source's phases; -1, 1, 9 and 10 are motionsync's own numbers)"""
 
     M_IN_ALARM = -1, "it stops or has stopped because of a fault"
-    M_IDLE = 1, "it stands, and waits for a positioning"
+    M_IDLE = 1, "it is at rest, and waits for a positioning"
     M_POSITIONING = 2, "it moves to the park or into the cycle"
-    M_WAITING = 3, "at the park, until the way to the next meeting begins"
+    M_WAITING = 3, "at the park, until the way to the next meeting starts"
     M_WAITING_NEXT_CYCLE = 4, "at the park, after a start that was missed or not carried out"
     M_FOLLOWING = 5, "on the way to the meeting"
     M_SYNCHRONIZED = 8, "it runs with the master"
@@ -33,7 +30,9 @@ class State(Enumeration):
 class FollowerSlave(Slave):
     """The slave's setpoint at the end of the step, in slave units."""
 
-    initial_position: float = var.parameter(0.0, "where the slave stands at first", Unit.POSITION, min=-MOST, max=MOST)
+    initial_position: float = var.parameter(
+        0.0, "where the slave is at first", Unit.POSITION, min=-LARGEST, max=LARGEST
+    )
 
 
 @dataclass(slots=True)
@@ -41,7 +40,7 @@ class Positioning:
     """Limits of the time-optimal move to the park or into the cycle; read at its command."""
 
     velocity: float = var.limit(
-        500.0, "velocity limit; 0 only where the slave already stands right (velPositSlave)", Unit.VELOCITY
+        500.0, "velocity limit; 0 only if the slave is already at the target (velPositSlave)", Unit.VELOCITY
     )
     acceleration: float = var.limit(
         5000.0,
@@ -52,7 +51,7 @@ class Positioning:
 
     def limits_usable(self) -> bool:
         """Whether a move can be planned with these limits."""
-        return usable(self.velocity) and usable(self.acceleration) and usable(self.jerk)
+        return is_usable(self.velocity) and is_usable(self.acceleration) and is_usable(self.jerk)
 
 
 @dataclass(slots=True)
@@ -60,13 +59,11 @@ class Local:
     """What a commissioning engineer would watch."""
 
     meeting_known: bool = var.local(False, "there is a meeting under way or ahead")
-    meeting_position: float = var.local(0.0, "master position of that meeting; 0: none", Unit.POSITION, discrete=True)
-    start_position: float = var.local(
-        0.0, "master position where the way to that meeting begins; 0: none", Unit.POSITION, discrete=True
+    meeting_position: float = var.snapshot(0.0, "master position of that meeting; 0: none", Unit.POSITION)
+    start_position: float = var.snapshot(
+        0.0, "master position where the way to that meeting starts; 0: none", Unit.POSITION
     )
-    following_travel: float = var.local(
-        0.0, "master travel of the way to that meeting; 0: none", Unit.POSITION, discrete=True
-    )
+    following_travel: float = var.snapshot(0.0, "master travel of the way to that meeting; 0: none", Unit.POSITION)
     progress: float = var.local(0.0, "share of the present phase that is done", min=0.0, max=1.0)
 
 
@@ -102,7 +99,7 @@ class FollowerInterface:
     state: State = var.output(State.M_IDLE, "what the slave does")
     state_code: int = var.output(1, "the state as a plain integer")
     master_to_start: float = var.output(
-        0.0, "master travel missing to the start of the way to the meeting; 0: passed or none known", Unit.POSITION
+        0.0, "master travel missing to the start of the way to the meeting; 0: passed, or no meeting", Unit.POSITION
     )
     master_to_sync: float = var.output(0.0, "master travel missing to the meeting; 0: as above", Unit.POSITION)
     master_to_out: float = var.output(
@@ -111,13 +108,9 @@ class FollowerInterface:
     cycle: int = var.output(0, "cycles completed: counted at the end of the synchronized phase")
     error: bool = var.output(False, "a positioning was refused, or the slave is in M_IN_ALARM")
     error_id: int = var.output(0, "why: 1 positioning refused; 2 to 14 alarms", codes=Fault)
-    master_cycle: float = var.parameter(
+    master_cycle: float = var.length(
         1000.0,
         "length C of the master's cycle, not 0; of a variable one the least length (masterCycle)",
-        Unit.POSITION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
         smallest=LEAST_LENGTH,
         zero=False,
     )
@@ -129,50 +122,28 @@ class FollowerInterface:
         "0: a linear slave; else a cyclic one's advance in a cycle (slaveCycle)",
         Unit.SLAVE_POSITION,
         min=0.0,
-        max=MOST,
+        max=LARGEST,
         smallest=LEAST_LENGTH,
     )
-    park_slave: float = var.parameter(
-        0.0, "where the slave parks (qParkSlave)", Unit.SLAVE_POSITION, tunable=True, min=-MOST, max=MOST
+    park_slave: float = var.position(0.0, "where the slave parks (qParkSlave)", Unit.SLAVE_POSITION)
+    sync_slave: float = var.position(
+        100.0, "where the slave is at the meeting, beyond park_slave (qSyncSlave)", Unit.SLAVE_POSITION
     )
-    sync_slave: float = var.parameter(
-        100.0,
-        "where the slave is at the meeting, beyond park_slave (qSyncSlave)",
-        Unit.SLAVE_POSITION,
-        tunable=True,
-        min=-MOST,
-        max=MOST,
-    )
-    sync_out: float = var.parameter(
+    sync_out: float = var.position(
         300.0,
         "where the synchronized phase ends, beyond sync_slave; cyclic: before park_slave + slave_cycle (qSyncOut)",
         Unit.SLAVE_POSITION,
-        tunable=True,
-        min=-MOST,
-        max=MOST,
     )
-    space_stop_slave: float = var.parameter(
+    space_stop_slave: float = var.length(
         100.0,
         "braking space of a linear slave after sync_out, not 0 (spaceStopSlave)",
         Unit.SLAVE_POSITION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
         smallest=LEAST_LENGTH,
         zero=False,
     )
-    space_wait_in_park: float = var.parameter(
-        0.0, "master travel spent at the park (spaceWaitInPark)", Unit.POSITION, tunable=True, min=0.0, max=MOST
-    )
-    k_slave_master: float = var.parameter(
-        1.0,
-        "slave velocity over master velocity while synchronized, not 0 (kSlaveMaster)",
-        Unit.SLAVE_PER_MASTER,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST_LIMIT,
-        zero=False,
+    space_wait_in_park: float = var.length(0.0, "master travel spent at the park (spaceWaitInPark)")
+    k_slave_master: float = var.limit(
+        1.0, "slave over master velocity while synchronized, not 0 (kSlaveMaster)", Unit.SLAVE_PER_MASTER, zero=False
     )
     align_center: bool = var.parameter(
         False, "sync_master belongs to the middle between sync_slave and sync_out (command bit 19)"
@@ -187,7 +158,7 @@ class FollowerInterface:
         Unit.SLAVE_VELOCITY,
         tunable=True,
         min=0.0,
-        max=MOST,
+        max=LARGEST,
         role=Role.MAX_VELOCITY,
     )
     max_acceleration: float = var.limit(
@@ -196,7 +167,7 @@ class FollowerInterface:
         Unit.SLAVE_ACCELERATION,
         role=Role.MAX_ACCELERATION,
     )
-    check_speed: bool = var.parameter(True, "max_speed is checked (not command bit 17)", tunable=True)
-    check_acceleration: bool = var.parameter(True, "max_acceleration is checked (not command bit 18)", tunable=True)
+    check_speed: bool = var.switch(True, "max_speed is checked (not command bit 17)")
+    check_acceleration: bool = var.switch(True, "max_acceleration is checked (not command bit 18)")
     positioning: Positioning = var.part(Positioning, slave_unit=True)
     local: Local = var.part(Local)

@@ -24,7 +24,7 @@ class Stage(Enumeration):
 
 
 def shown_state(stage: Stage) -> State:
-    """The state that is put out in a stage."""
+    """The state that is shown in a stage."""
     state = State.M_IN_ALARM
     match stage:
         case Stage.IDLE:
@@ -48,31 +48,16 @@ def shown_state(stage: Stage) -> State:
     return state
 
 
-def speed_fault(stage: Stage) -> Fault:
-    """The fault of a slave that exceeds max_speed in a stage; NONE where the limit is not checked."""
+def limit_faults(stage: Stage) -> tuple[Fault, Fault]:
+    """The faults of a slave that exceeds max_speed and max_acceleration in a stage; NONE where they are not checked."""
     match stage:
         case Stage.FOLLOWING | Stage.SLOWING | Stage.PAUSING:
-            return Fault.SPEED_FOLLOWING
+            return Fault.SPEED_FOLLOWING, Fault.ACCELERATION_FOLLOWING
         case Stage.SYNCHRONIZED:
-            return Fault.SPEED_SYNCHRONIZED
+            return Fault.SPEED_SYNCHRONIZED, Fault.ACCELERATION_SYNCHRONIZED
         case Stage.DECEL | Stage.HOLDING:
-            return Fault.SPEED_DECEL
+            return Fault.SPEED_DECEL, Fault.ACCELERATION_DECEL
         case Stage.HOMING:
-            return Fault.SPEED_HOMING
+            return Fault.SPEED_HOMING, Fault.ACCELERATION_HOMING
         case _:
-            return Fault.NONE
-
-
-def acceleration_fault(stage: Stage) -> Fault:
-    """The fault of a slave that exceeds max_acceleration in a stage; NONE where the limit is not checked."""
-    match stage:
-        case Stage.FOLLOWING | Stage.SLOWING | Stage.PAUSING:
-            return Fault.ACCELERATION_FOLLOWING
-        case Stage.SYNCHRONIZED:
-            return Fault.ACCELERATION_SYNCHRONIZED
-        case Stage.DECEL | Stage.HOLDING:
-            return Fault.ACCELERATION_DECEL
-        case Stage.HOMING:
-            return Fault.ACCELERATION_HOMING
-        case _:
-            return Fault.NONE
+            return Fault.NONE, Fault.NONE

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
+from ..computable_range import clamp
 from ..grid import grid_tolerance
 from ..laws import Quintic, half_ramp, half_ramp_mirrored
-from ..limits import clamp
 
 SAME_TIME = 1e-13  # of a step's or a transition's time: a time that is shorter is taken for a rounding error
 
@@ -30,9 +30,9 @@ def gear_out_curve(travel: float, distance: float) -> tuple[float, float, float,
 
 @dataclass(slots=True)
 class MasterCurve:
-    """Where a transition lies on the master's axis. The curve itself is `gear_in_curve` or `gear_out_curve`.
+    """Where a transition is on the master's axis. The curve itself is `gear_in_curve` or `gear_out_curve`.
 
-    - trigger: the master's position at which the transition begins, u.
+    - trigger: the master's position at which the transition starts, u.
     - direction: in which direction the master travels through it, 1 or -1; 0 while a master that was at rest at the
       trigger has not moved yet.
     - distance: how far the master travels through it, u, >= 0; a transition that is not master-based has none.
@@ -42,14 +42,14 @@ class MasterCurve:
     direction: float = 0.0
     distance: float = 0.0
 
-    def begin(self, trigger: float, direction: float, distance: float) -> None:
+    def start(self, trigger: float, direction: float, distance: float) -> None:
         self.trigger = trigger
         self.direction = direction
         self.distance = distance
 
-    def travel(self, place: float) -> float:
-        """What the master has travelled since the trigger, u, when it is at `place`; negative: it is before it."""
-        return self.direction * (place - self.trigger)
+    def travel(self, master: float) -> float:
+        """What the master has travelled since the trigger, u, when it is at `master`; negative: it is before it."""
+        return self.direction * (master - self.trigger)
 
     def half(self) -> float:
         """The master's signed travel over half of the distance, u: in all the slave travels what is geared to it."""
@@ -59,33 +59,33 @@ class MasterCurve:
         """The master's position at the end, u."""
         return self.trigger + self.direction * self.distance
 
-    def is_reached_at(self, place: float) -> bool:
-        """Whether a master at `place`, u, has reached the end, but for rounding."""
-        margin = grid_tolerance(self.end(), self.distance, place)
-        return self.direction * (place - self.end()) >= -margin and self.direction != 0.0
+    def is_reached_at(self, master: float) -> bool:
+        """Whether a master at this position, u, has reached the end, but for rounding."""
+        margin = grid_tolerance(self.end(), self.distance, master)
+        return self.direction * (master - self.end()) >= -margin and self.direction != 0.0
 
-    def is_left_at(self, place: float) -> bool:
-        """Whether a master at `place`, u, has gone back before the trigger, by more than rounding."""
-        return self.travel(place) < -grid_tolerance(self.end(), self.distance, place)
+    def is_left_at(self, master: float) -> bool:
+        """Whether a master at this position, u, has gone back before the trigger, by more than rounding."""
+        return self.travel(master) < -grid_tolerance(self.end(), self.distance, master)
 
-    def progress(self, place: float) -> float:
-        """The share of the distance, > 0, that a master at `place` has travelled, 0 to 1."""
-        return clamp(self.travel(place) / self.distance, 0.0, 1.0)
+    def progress(self, master: float) -> float:
+        """The share of the distance, > 0, that a master at this position has travelled, 0 to 1."""
+        return clamp(self.travel(master) / self.distance, 0.0, 1.0)
 
 
 @dataclass(slots=True)
 class TimeCurve:
-    """A quintic in time that leads from a state of motion to rest, and the time since it began.
+    """A quintic in time that leads from a state of motion to rest, and the time since it started.
 
     All times that its methods take, s, count from the beginning of the present step."""
 
     curve: Quintic = var.part(Quintic)
     clock: Clock = var.part(Clock)
 
-    def begin(
+    def start(
         self, time: float, duration: float, position: float, velocity: float, acceleration: float, end: float
     ) -> None:
-        """The curve begins at `time` with this motion and rests at the position `end` after `duration` > 0, s."""
+        """Start the curve at `time` with this motion; it rests at the position `end` after `duration` > 0, s."""
         self.curve.fit(duration, position, velocity, acceleration, end, 0.0, 0.0)
         self.clock.start(time)
 
@@ -106,5 +106,5 @@ class TimeCurve:
         return clamp(self.clock.time / self.curve.length, 0.0, 1.0)
 
     def advance(self, h: float) -> None:
-        """The present step of h seconds is over; the next one begins."""
+        """Go on to the next step; the present one takes h seconds."""
         self.clock.advance(h)

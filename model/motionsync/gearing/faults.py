@@ -1,6 +1,6 @@
 """Why a command of the gearing is refused, or a change of its ratio. The numbers are our own."""
 
-from ..master import TURNS
+from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 
@@ -31,7 +31,7 @@ class Refusal(Enumeration):
     """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
 
     NONE = 0, "done"
-    MASTER_TURNS = 1, *TURNS
+    MASTER_TURNS = 1, *TOO_MANY_TURNS
     DENOMINATOR = 2, "gearing.denominator = 0 is not allowed: an unwired input gives 0"
     NUMERATOR = 3, "gearing.numerator = 0 is not allowed: an unwired input gives 0"
     GEAR_IN_TIME = 4, "a time-based transition must last 1e-9 s to 1e12 s", "gear_in.time"

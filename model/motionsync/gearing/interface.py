@@ -1,12 +1,9 @@
-"""What a Gearing shows to the outside: its variables, the parts that hold them, and their enumerations.
-
-Source: MOVIKIT gearing.
-"""
+"""What a Gearing shows to the outside. Source: MOVIKIT gearing."""
 
 from dataclasses import dataclass
 
 from .. import var
-from ..limits import MOST
+from ..computable_range import LARGEST
 from ..master import Master
 from ..slave import Slave
 from ..var import LARGEST_INPUT, Enumeration, Unit
@@ -39,7 +36,7 @@ class StartMode(Enumeration):
 
 
 class StopMode(Enumeration):
-    """Where the slave comes to rest, and in which direction the master has to travel; the numbers are our own"""
+    """Where the slave rests, and in which direction the master has to travel; the numbers are our own"""
 
     CW_DIRECT = 1, "anywhere, as soon as the master travels clockwise (upwards)"
     CCW_DIRECT = 2, "anywhere, as soon as the master travels counter-clockwise (downwards)"
@@ -72,22 +69,14 @@ class GearIn:
     start_mode: StartMode = var.parameter(
         StartMode.WITH_CW_REFERENCE_POSITION, "through which point the line runs, and the direction", tunable=True
     )
-    transition: Transition = var.parameter(Transition.MASTER_BASED, "how the slave comes on to the line", tunable=True)
+    transition: Transition = var.parameter(Transition.MASTER_BASED, "how the slave gets onto the line", tunable=True)
     reference_position: float = var.input(
         0.0, "the line passes the slave's start position at reference_position + offset", Unit.POSITION, discrete=True
     )
     offset: float = var.input(0.0, "is added to reference_position", Unit.POSITION, discrete=True)
-    distance: float = var.parameter(
-        100.0,
-        "master distance of a master-based transition; 0: no transition",
-        Unit.POSITION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST,
-    )
+    distance: float = var.length(100.0, "master distance of a master-based transition; 0: none", smallest=LEAST)
     time: float = var.parameter(
-        1.0, "duration of a time-based transition, 1e-9 to 1e12 where that is chosen", Unit.TIME, tunable=True, max=MOST
+        1.0, "duration of a time-based transition, which needs 1e-9 to 1e12", Unit.TIME, tunable=True, max=LARGEST
     )
 
 
@@ -96,23 +85,15 @@ class GearOut:
     """How to disengage; read at the falling edge of start."""
 
     stop_mode: StopMode = var.parameter(
-        StopMode.CW_CCW_DIRECT, "where the slave comes to rest, and the direction", tunable=True
+        StopMode.CW_CCW_DIRECT, "where the slave rests, and the direction", tunable=True
     )
-    transition: Transition = var.parameter(Transition.MASTER_BASED, "how the slave comes to rest", tunable=True)
+    transition: Transition = var.parameter(Transition.MASTER_BASED, "how the slave gets to rest", tunable=True)
     stop_position: float = var.input(
         0.0, "where the slave shall rest, in the modes with a stop position", Unit.POSITION, discrete=True
     )
-    distance: float = var.parameter(
-        100.0,
-        "master distance of a master-based transition; 0: no transition",
-        Unit.POSITION,
-        tunable=True,
-        min=0.0,
-        max=MOST,
-        smallest=LEAST,
-    )
+    distance: float = var.length(100.0, "master distance of a master-based transition; 0: none", smallest=LEAST)
     time: float = var.parameter(
-        1.0, "duration of a time-based transition, 1e-9 to 1e12 where that is chosen", Unit.TIME, tunable=True, max=MOST
+        1.0, "duration of a time-based transition, which needs 1e-9 to 1e12", Unit.TIME, tunable=True, max=LARGEST
     )
 
 
@@ -126,7 +107,7 @@ class SynchronousPointInput:
 
 @dataclass(slots=True)
 class GearedSlave(Slave):
-    """The slave's setpoint at the end of the step, and where it begins."""
+    """The slave's setpoint at the end of the step, and its initial position."""
 
     initial_position: float = var.parameter(
         0.0, "where the slave is at first", Unit.POSITION, min=-LARGEST_INPUT, max=LARGEST_INPUT
@@ -146,11 +127,9 @@ class Local:
     """What a commissioning engineer would watch."""
 
     trigger_position: float = var.local(
-        0.0, "master position at which the transition begins, or has begun", Unit.POSITION
+        0.0, "master position at which the transition starts, or has started", Unit.POSITION
     )
-    line_offset: float = var.local(
-        0.0, "where the line has the slave with the master at 0", Unit.POSITION, discrete=True
-    )
+    line_offset: float = var.snapshot(0.0, "slave position on the line with the master at 0", Unit.POSITION)
     progress: float = var.local(
         0.0, "share of the transition that is done, of its distance or its time", min=0.0, max=1.0
     )

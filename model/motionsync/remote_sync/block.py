@@ -1,19 +1,15 @@
-"""RemoteSync: the values of an axis on another controller, as they are at this controller's own instants.
-
-Source: TwinCAT TS5066, remote synchronisation; the PHASE estimator is motionsync's own. README.md in this folder says
-how the block decides where the source is silent.
-"""
+"""The behaviour of a RemoteSync. Source: TwinCAT TS5066; README.md has the decisions where it is silent."""
 
 from dataclasses import dataclass
 
 from .. import var
 from ..var import LARGEST_INPUT, Enumeration
-from .beat import Beats
-from .blending import Blending
+from .beat_estimator import BeatEstimator
+from .blending import ModeBlending
 from .faults import Fault, Refusal
 from .interface import INDICES, LONGEST, Estimator, FallBackMode, Mode, RemoteSyncInterface, StartUpMode
-from .phase import PhaseFilter
-from .zone import Finding, Zone
+from .phase_filter import PhaseFilter
+from .transition_zone import Observation, TransitionZone
 
 MOST_CYCLES = 1e6  # of the receiver in one step
 MOST_RATIO = 10000  # of the cycle times: indices must not wrap within a cycle
@@ -25,42 +21,35 @@ LARGEST_COUNT = 2147483647  # that an Integer shows
 class Stage(Enumeration):
     """What drives the slave"""
 
-    DISABLED = 1, "the values are put out as received"
-    START_UP = 2, "the estimate runs, and the values are corrected as start_up_mode says"
+    DISABLED = 1, "the slave has the values as received"
+    START_UP = 2, "the estimate runs, and the values are corrected by start_up_mode"
     IN_SYNC = 3, "the values are shifted in time to where the even index belongs"
-    FALLEN_BACK = 4, "a fault has stopped the estimate, and the values are put out as fall_back_mode says"
+    FALLEN_BACK = 4, "a fault has stopped the estimate, and the slave has the values of fall_back_mode"
 
 
 @dataclass(slots=True)
 class RemoteSync(RemoteSyncInterface):
-    """Takes the beat of two clocks out of the values of an axis on another controller.
+    """Removes the beat of two clocks from the values of an axis on another controller.
 
-    Two controllers run nearly equal cycles from two clocks. Who reads the other's axis sees its cycle counter repeat
-    or skip now and then, and its position jump by velocity times cycle time. This block finds those beats, makes the
-    cycle index even again, and shifts the axis values in time to where the even index belongs.
-
-    Wire the telegram to `remote.*` and `slave.*` to whatever follows the remote axis. Until the drift of the clocks is
-    known (`start_up`), the values are corrected as start_up_mode says; then `synced` holds. A lost connection or an
-    index that jumps falls back to fall_back_mode, until `enable` rises again.
-
-    The receiver's cycles act each task_cycle_time, whatever the step size; the outputs belong to those instants. Set
-    delay_time_offset to task_cycle_time to have the values one cycle later, at the step's end.
+    It identifies the beats, makes the cycle index even again, and shifts the axis values in time to where the even
+    index belongs. The receiver's cycles act each task_cycle_time, whatever the step size; the outputs belong to those
+    instants.
     """
 
     stage: Stage = Stage.START_UP
     restart: bool = True
-    until_cycle: float = 0.0
+    time_to_cycle: float = 0.0
     cycles_per_index: int = 1
     indices_per_cycle: int = 1
     ratio: float = 1.0
     cycle: int = 0
     index: int = 0
     received: int = 0
-    base: int = 0
-    zone: Zone = var.part(Zone)
-    beat: Beats = var.part(Beats)
-    phase: PhaseFilter = var.part(PhaseFilter)
-    blending: Blending = var.part(Blending)
+    first_index: int = 0
+    zone: TransitionZone = var.part(TransitionZone)
+    beat_estimator: BeatEstimator = var.part(BeatEstimator)
+    phase_filter: PhaseFilter = var.part(PhaseFilter)
+    blending: ModeBlending = var.part(ModeBlending)
     smoothing: bool = False
     smooth_position: float = 0.0
     smooth_velocity: float = 0.0
@@ -75,21 +64,21 @@ class RemoteSync(RemoteSyncInterface):
             return Refusal.AGE
         if 0 < self.max_cycle_index_difference < self.indices_per_cycle:
             return Refusal.STEP
-        self.beat.periods = self.periods_for_mean_drift
-        self.beat.slope = self.slope1_numerator
-        self.beat.knee = self.slope1_denominator
-        self.beat.forced = self.force_time_mode
-        self.beat.drift_blending = self.new_drift_blending_cycles
-        self.beat.time_blending = self.time_mode_blending_cycles
-        self.phase.forced = self.force_time_mode
-        self.phase.blending = self.new_drift_blending_cycles
+        self.beat_estimator.periods = self.periods_for_mean_drift
+        self.beat_estimator.knee_share = self.slope1_numerator
+        self.beat_estimator.knee = self.slope1_denominator
+        self.beat_estimator.ignores_drift = self.force_time_mode
+        self.beat_estimator.drift_blending = self.new_drift_blending_cycles
+        self.beat_estimator.time_blending = self.time_mode_blending_cycles
+        self.phase_filter.ignores_drift = self.force_time_mode
+        self.phase_filter.blending = self.new_drift_blending_cycles
         self.corrected_cycle_index = float(self.remote.cycle_index % INDICES)
         if self.enable:
             self.enter_start_up()
         else:
             self.enter_disabled()
-        self.blending.begin(self.shown_mode())
-        self.slave.put(self.remote.position, self.remote.velocity, self.remote.acceleration, 0.0)
+        self.blending.start(self.shown_mode())
+        self.slave.set(self.remote.position, self.remote.velocity, self.remote.acceleration, 0.0)
         self.show()
         return Refusal.NONE
 
@@ -99,17 +88,15 @@ class RemoteSync(RemoteSyncInterface):
         if h > MOST_CYCLES * cycle:
             return Refusal.CYCLES
         self.restart = self.restart or not self.enable
-        worked = 0
-        while worked <= MOST_CYCLES and self.until_cycle + worked * cycle < h - SAME_INSTANT * cycle:
-            self.work()
-            worked += 1
-        self.until_cycle += worked * cycle - h
+        cycles = 0
+        while cycles <= MOST_CYCLES and self.time_to_cycle + cycles * cycle < h - SAME_INSTANT * cycle:
+            self.run_cycle()
+            cycles += 1
+        self.time_to_cycle += cycles * cycle - h
         return Refusal.NONE
 
     def try_set_ratio(self) -> bool:
-        """r = data cycle time / task cycle time: a whole number of cycles an index, or of indices a cycle.
-
-        False where it is neither, or beyond its limit."""
+        """Set r = data cycle time / task cycle time, a whole number of cycles an index, or of indices a cycle."""
         ratio = self.data_cycle_time / self.task_cycle_time if self.data_cycle_time > 0.0 else 1.0
         inverse = 1.0 / ratio
         if not (ratio <= MOST_RATIO + 0.5 and inverse <= MOST_RATIO + 0.5):
@@ -121,8 +108,8 @@ class RemoteSync(RemoteSyncInterface):
 
     # --- a cycle ---
 
-    def work(self) -> None:
-        """A cycle of the receiver."""
+    def run_cycle(self) -> None:
+        """Carry out a cycle of the receiver."""
         self.obey()
         if self.stage in (Stage.START_UP, Stage.IN_SYNC):
             self.advance()
@@ -131,26 +118,26 @@ class RemoteSync(RemoteSyncInterface):
         self.show()
 
     def obey(self) -> None:
-        """`enable`, and a new start that is due."""
+        """Carry out `enable`, and a new start that is due."""
         if not self.enable:
             self.enter_disabled()
         elif self.restart:
-            self.begin()
+            self.start_estimate()
 
-    def begin(self) -> None:
-        """The first cycle: it has no step to judge."""
+    def start_estimate(self) -> None:
+        """Start in the first cycle, which has no step of the index yet."""
         self.restart = False
         self.index = self.remote.cycle_index % INDICES
-        self.base = self.index
+        self.first_index = self.index
         self.received = 0
         self.cycle = -1
-        self.zone.begin(0)
-        self.beat.begin(0)
-        self.phase.begin(0)
+        self.zone.start(0)
+        self.beat_estimator.start(0)
+        self.phase_filter.start(0)
         self.enter_start_up()
 
     def advance(self) -> None:
-        """The estimate goes on by a cycle; a fault leaves the correction as it was."""
+        """Continue the estimate by a cycle; a fault leaves the correction as it was."""
         self.cycle += 1
         self.local.cycles = min(self.cycle, LARGEST_COUNT)
         self.receive()
@@ -183,7 +170,7 @@ class RemoteSync(RemoteSyncInterface):
         self.restart = self.automatic_reinit
 
     def receive(self) -> None:
-        """The step of the index, the shorter way round."""
+        """Read the index; its step is taken the shorter way round."""
         index = self.remote.cycle_index % INDICES
         step = (index - self.index + INDICES // 2) % INDICES - INDICES // 2
         self.index = index
@@ -196,7 +183,7 @@ class RemoteSync(RemoteSyncInterface):
             self.equal_data_total = min(self.equal_data_total + 1, LARGEST_COUNT)
 
     def fault_of_telegram(self) -> Fault:
-        """What is known to be wrong before anything is estimated."""
+        """The fault of a telegram, before anything is estimated; NONE: it has none."""
         if 0 < self.max_cycle_index_difference < abs(self.cycle_index_difference):
             return Fault.INDEX_STEP
         if 0 < self.age_of_data_limit < self.equal_data_consecutive:
@@ -204,26 +191,27 @@ class RemoteSync(RemoteSyncInterface):
         return Fault.NONE
 
     def estimate(self) -> None:
-        """The difference of the indices, in a cycle in which a new index is due, and what follows from it."""
+        """Update the estimate by the difference of the indices, in a cycle in which a new index is due."""
         cycle = self.cycle
         if cycle % self.cycles_per_index == 0:
             expected = cycle // self.cycles_per_index * self.indices_per_cycle
             self.zone.observe(cycle, self.received - expected, self.end_of_transition_limit)
         else:
-            self.zone.skip()
+            self.zone.observation = Observation.NOTHING
         if self.estimator == Estimator.PHASE:
-            anew = self.zone.finding == Finding.JUMP
-            self.phase.learn(self.zone, cycle)
+            restarts = self.zone.observation == Observation.JUMP
+            self.phase_filter.update(self.zone, cycle)
         else:
-            anew = self.beat.is_contradicted_by(self.zone)
-            self.beat.learn(self.zone, cycle)
-        if anew:
+            restarts = self.beat_estimator.is_contradicted_by(self.zone)
+            self.beat_estimator.update(self.zone, cycle)
+        if restarts:
             self.enter_start_up()
 
     def lead(self) -> float:
         """How far the corrected index is ahead of the received one, in data indices."""
         cycle = self.cycle
-        offset = self.phase.offset(cycle) if self.estimator == Estimator.PHASE else self.beat.offset(cycle)
+        is_phase = self.estimator == Estimator.PHASE
+        offset = self.phase_filter.offset(cycle) if is_phase else self.beat_estimator.offset(cycle)
         return offset - (self.received - cycle * self.indices_per_cycle / self.cycles_per_index)
 
     def fault_of_correction(self, lead: float) -> Fault:
@@ -238,9 +226,10 @@ class RemoteSync(RemoteSyncInterface):
         return Fault.NONE
 
     def is_in_sync(self, lead: float) -> bool:
-        """Whether the drift is known and, once since then, the lead was small."""
-        ready = self.phase.ready() if self.estimator == Estimator.PHASE else self.beat.ready()
-        return self.stage == Stage.IN_SYNC or (ready and abs(lead) * self.ratio < self.threshold_for_sync)
+        """Whether the drift is determined and, once since then, the lead was small."""
+        is_phase = self.estimator == Estimator.PHASE
+        is_determined = self.phase_filter.has_usable_drift() if is_phase else self.beat_estimator.has_usable_drift()
+        return self.stage == Stage.IN_SYNC or (is_determined and abs(lead) * self.ratio < self.threshold_for_sync)
 
     def correction(self, lead: float) -> float:
         """The time by which the values are shifted, s."""
@@ -252,17 +241,18 @@ class RemoteSync(RemoteSyncInterface):
         return travel + 0.5 * self.remote.acceleration * time * time if self.use_acceleration else travel
 
     def correct(self, lead: float) -> None:
-        """The correction of this cycle."""
+        """Set the correction of this cycle."""
         if self.is_in_sync(lead):
             self.enter_in_sync()
         self.correction_time = self.correction(lead)
-        self.corrected_cycle_index = self.base + self.received + lead
-        self.drift = 1e6 * (self.phase.drift if self.estimator == Estimator.PHASE else self.beat.gain() * self.ratio)
+        self.corrected_cycle_index = self.first_index + self.received + lead
+        is_phase = self.estimator == Estimator.PHASE
+        self.drift = 1e6 * (self.phase_filter.drift if is_phase else self.beat_estimator.drift() * self.ratio)
 
-    # --- what is put out ---
+    # --- the outputs ---
 
     def smooth(self) -> None:
-        """The first-order lags run in every cycle, from the first value on."""
+        """Run the first-order lags; they run in every cycle, from the first value on."""
         if not self.smoothing:
             self.smoothing = True
             self.smooth_position = self.remote.position
@@ -271,7 +261,7 @@ class RemoteSync(RemoteSyncInterface):
         self.smooth_velocity += (self.remote.velocity - self.smooth_velocity) / (1.0 + self.pt1_factor_velocity)
 
     def set_slave(self) -> None:
-        """The axis values of all modes, by their weights."""
+        """Set the slave to the axis values of all modes, by their shares."""
         mode = self.shown_mode()
         self.blending.advance(mode, self.blending_time / self.task_cycle_time)
         time = self.correction_time
@@ -283,7 +273,7 @@ class RemoteSync(RemoteSyncInterface):
         pt1 = self.blending.pt1
         shifted = self.blending.shifted
         accelerated = self.use_acceleration or mode in (Mode.BYPASS, Mode.PT1)
-        self.slave.put(
+        self.slave.set(
             bypass * self.remote.position + pt1 * self.smooth_position + shifted * position,
             bypass * self.remote.velocity + pt1 * self.smooth_velocity + shifted * velocity,
             self.remote.acceleration if accelerated else 0.0,
@@ -291,7 +281,7 @@ class RemoteSync(RemoteSyncInterface):
         )
 
     def show(self) -> None:
-        """What drives the slave, in the block's own variables."""
+        """Show in the block's variables what drives the slave."""
         self.state = self.shown_mode()
         self.state_code = self.state
         self.start_up = self.stage == Stage.START_UP
@@ -308,22 +298,15 @@ class RemoteSync(RemoteSyncInterface):
             case Stage.IN_SYNC:
                 return Mode.SYNC
             case _:
-                return self.mode_of_start_up()
-
-    def mode_of_start_up(self) -> Mode:
-        match self.start_up_mode:
-            case StartUpMode.BYPASS:
-                return Mode.BYPASS
-            case StartUpMode.PT1:
-                return Mode.PT1
-            case _:
-                return Mode.TIME
+                if self.start_up_mode == StartUpMode.BYPASS:
+                    return Mode.BYPASS
+                return Mode.PT1 if self.start_up_mode == StartUpMode.PT1 else Mode.TIME
 
     def show_estimate(self) -> None:
-        """What has been found so far."""
-        phase = self.estimator == Estimator.PHASE
-        self.beats = self.phase.history.beats if phase else self.beat.history.beats
-        self.warning = self.phase.history.changed if phase else self.beat.history.changed
+        """Show what the estimate has resulted in so far."""
+        is_phase = self.estimator == Estimator.PHASE
+        self.beats = self.phase_filter.history.beats if is_phase else self.beat_estimator.history.beats
+        self.warning = self.phase_filter.history.has_changed if is_phase else self.beat_estimator.history.has_changed
         self.local.difference = max(-LARGEST_COUNT, min(self.zone.difference, LARGEST_COUNT))
-        self.local.transition = self.zone.open
-        self.local.beat_distance = self.phase.history.mean if phase else self.beat.history.mean
+        self.local.transition = self.zone.is_open
+        self.local.beat_distance = self.phase_filter.history.mean if is_phase else self.beat_estimator.history.mean

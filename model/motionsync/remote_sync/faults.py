@@ -1,6 +1,8 @@
-"""Why the remote synchronisation falls back. Source: TwinCAT TS5066, error codes; 0x4B56 covers all bad tunables."""
+"""Why the remote synchronisation falls back. Source: TwinCAT TS5066, error codes; 0x4B56 is for all tunables."""
 
 from ..var import Enumeration
+
+CYCLE_TIMES = ("data_cycle_time", "task_cycle_time")
 
 
 class Fault(Enumeration):
@@ -14,7 +16,7 @@ class Fault(Enumeration):
     )
     AGE_OF_DATA = (
         0x4B52,
-        "the cycle index has stood still for more than age_of_data_limit cycles",
+        "the cycle index has not changed for more than age_of_data_limit cycles",
         *("equal_data_consecutive", "age_of_data_limit", "remote.cycle_index"),
     )
     INDEX_CORRECTION = (
@@ -41,29 +43,22 @@ class Refusal(Enumeration):
     RATIO = (
         1,
         "data_cycle_time must be a whole multiple or a whole part of task_cycle_time, at most 10000",
-        "data_cycle_time",
-        "task_cycle_time",
+        *CYCLE_TIMES,
     )
     PHASE = (
         2,
         "the PHASE estimator is for equal cycle times: data_cycle_time must be 0 or task_cycle_time",
-        "estimator",
-        "data_cycle_time",
-        "task_cycle_time",
+        *("estimator", *CYCLE_TIMES),
     )
     AGE = (
         3,
         "age_of_data_limit must be 0 or at least data_cycle_time / task_cycle_time: new data come no sooner",
-        "age_of_data_limit",
-        "data_cycle_time",
-        "task_cycle_time",
+        *("age_of_data_limit", *CYCLE_TIMES),
     )
     STEP = (
         4,
         "max_cycle_index_difference must be 0 or at least task_cycle_time / data_cycle_time: so "
         "far the index steps in each cycle",
-        "max_cycle_index_difference",
-        "data_cycle_time",
-        "task_cycle_time",
+        *("max_cycle_index_difference", *CYCLE_TIMES),
     )
     CYCLES = 5, "a step must have at most 1e6 cycles", "task_cycle_time"

@@ -1,7 +1,4 @@
-"""The variables of the RemoteSync, in the order in which its FMU lists them, and what their values mean.
-
-The block works in cycles of its own: the variables that make it so have a `role`.
-"""
+"""What a RemoteSync shows to the outside. Variables that make it work in cycles of its own have a `role`."""
 
 from dataclasses import dataclass
 
@@ -24,7 +21,7 @@ class Estimator(Enumeration):
 
 
 class StartUpMode(Enumeration):
-    """Where the axis values come from until the drift is known"""
+    """Where the axis values come from until the drift is determined"""
 
     BYPASS = 1, "as received"
     PT1 = 2, "as received, smoothed by a first-order lag"
@@ -43,8 +40,8 @@ class Mode(Enumeration):
 
     BYPASS = 1, "as received"
     PT1 = 2, "as received, smoothed by a first-order lag"
-    SYNC = 3, "shifted in time by the correction, the drift being known"
-    TIME = 4, "shifted in time by the correction before the drift is known"
+    SYNC = 3, "shifted in time by the correction, the drift being determined"
+    TIME = 4, "shifted in time by the correction before the drift is determined"
 
 
 @dataclass(slots=True)
@@ -66,9 +63,7 @@ class Local:
     cycles: int = var.local(0, "receiver cycles since the first one")
     difference: int = var.local(0, "sender's cycles less receiver's since the first one, in data indices")
     transition: bool = var.local(False, "the difference changes, or has not been quiet since: a transition zone")
-    beat_distance: float = var.local(
-        0.0, "mean distance of the last beats in receiver cycles; 0: none known", discrete=True
-    )
+    beat_distance: float = var.snapshot(0.0, "mean distance of the last beats in receiver cycles; 0: too few beats")
 
 
 @dataclass(slots=True)
@@ -87,7 +82,7 @@ class RemoteSyncInterface:
     )
     state: Mode = var.output(Mode.BYPASS, "where the axis values come from", depends=("enable", "start_up_mode"))
     state_code: int = var.output(1, "the state as a plain integer", depends=("enable", "start_up_mode"))
-    synced: bool = var.output(False, "the drift is known and used (bSynced)")
+    synced: bool = var.output(False, "the drift is determined and used (bSynced)")
     start_up: bool = var.output(True, "enabled, without fault, not yet in sync (bStartUp)", depends=("enable",))
     warning: bool = var.output(False, "the drift has changed significantly")
     error: bool = var.output(False, "a fault is present")
@@ -103,7 +98,7 @@ class RemoteSyncInterface:
         role=Role.CORRECTED_INDEX,
     )
     drift: float = var.output(
-        0.0, "of the sender's clock in ppm; negative: its cycle is the longer one; 0: not known", discrete=True
+        0.0, "of the sender's clock in ppm; negative: its cycle is the longer one; 0: not determined", discrete=True
     )
     task_cycle_time: float = var.parameter(
         0.002,
@@ -126,18 +121,12 @@ class RemoteSyncInterface:
     )
     estimator: Estimator = var.parameter(Estimator.BEAT, "how the sender's phase is estimated")
     threshold_for_sync: float = var.parameter(
-        0.05,
-        "in sync once the correction is less than this share of the cycle time, more than 0 (fThresholdForSync)",
-        above=0.0,
-        max=LARGEST_INPUT,
+        0.05, "correction below which it is in sync, in cycles (fThresholdForSync)", above=0.0, max=LARGEST_INPUT
     )
     max_cycle_index_difference: int = var.parameter(7, "greatest step of the cycle index in a cycle; 0: any", min=0)
-    age_of_data_limit: int = var.parameter(7, "for so many cycles the index may stand still; 0: for ever", min=0)
+    age_of_data_limit: int = var.parameter(7, "for so many cycles the index may stay the same; 0: for ever", min=0)
     periods_for_mean_drift: int = var.parameter(
-        1,
-        "over how many distances between beats the drift is averaged (iNoOfPeriodsForMeanDrift)",
-        min=1,
-        max=MOST_PERIODS,
+        1, "distances between beats that the drift is averaged over (iNoOfPeriodsForMeanDrift)", min=1, max=MOST_PERIODS
     )
     delay_time_offset: float = var.parameter(
         0.0,
@@ -161,20 +150,15 @@ class RemoteSyncInterface:
         90, "cycles over which the correction goes over to a new drift (iNewDriftBendingCycles)", min=1
     )
     time_mode_blending_cycles: int = var.parameter(
-        90, "the same before the drift is known (iTimeModeBlendingCycles)", min=1
+        90, "the same before the drift is determined (iTimeModeBlendingCycles)", min=1
     )
-    force_time_mode: bool = var.parameter(False, "BEAT does not use the drift, even if it is known")
+    force_time_mode: bool = var.parameter(False, "BEAT does not use the drift, even if it is determined")
     automatic_reinit: bool = var.parameter(False, "after a fault the next cycle is a new start")
-    start_up_mode: StartUpMode = var.parameter(StartUpMode.TIME, "where the values come from until the drift is known")
-    fall_back_mode: FallBackMode = var.parameter(FallBackMode.PT1, "where the values come from after a fault")
-    max_position_difference: float = var.parameter(
-        0.0,
-        "greatest shift of the position by the correction; 0: any",
-        Unit.POSITION,
-        tunable=True,
-        min=0.0,
-        max=LARGEST_INPUT,
+    start_up_mode: StartUpMode = var.parameter(
+        StartUpMode.TIME, "where the values come from until the drift is determined"
     )
+    fall_back_mode: FallBackMode = var.parameter(FallBackMode.PT1, "where the values come from after a fault")
+    max_position_difference: float = var.length(0.0, "greatest shift of the position by the correction; 0: any")
     use_acceleration: bool = var.parameter(True, "the shift in time uses the acceleration (bUseAccForExtrapolation)")
     pt1_factor_position: float = var.parameter(
         3.0, "time constant of PT1 in task cycles, more than 0", above=0.0, max=LARGEST_INPUT

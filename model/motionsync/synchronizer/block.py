@@ -1,8 +1,6 @@
 """Synchronizer: switches a slave on to and off from its master without a step in position or velocity.
 
-Synchronized, the slave is the master; unsynchronized, it rests. A start or stop ramps it from one to the other along a
-curve over the master while the slave travels the phasing. Source: PAM synchronizer pipe block (1998). README.md in this
-folder says how the block decides where the source is silent.
+Source: PAM synchronizer pipe block (1998). README.md in this folder gives the decisions where it is silent.
 """
 
 from dataclasses import dataclass
@@ -14,7 +12,7 @@ from ..slave import Edge
 from ..var import Enumeration
 from .faults import Fault, Refusal
 from .interface import GREATEST_PHASING, LEAST_PHASING, State, SynchronizerInterface
-from .transition import Transition
+from .transition import PhasingTransition
 
 
 class Stage(Enumeration):
@@ -33,16 +31,16 @@ class Synchronizer(SynchronizerInterface):
     The software form of a clutch. Synchronized, the slave is the master; unsynchronized, it rests. A rising edge of
     stop lets the slave run out of the master's motion and come to rest at exactly rest_value; a rising edge of start
     takes it from there back on to the master. In between the slave follows a curve over the master position, while it
-    travels |output_phasing|; the master may change its speed, stand, or turn round in the meantime.
+    travels |output_phasing|; the master may change its speed, stop, or reverse in the meantime.
 
-    Where the ramp lies follows from the rest position, not from when the command is given: with the parabola from
+    The position of the ramp follows from the rest position, not from when the command is given: with the parabola from
     rest_value - phasing to rest_value + phasing of the master. Give the command before the master is there. Given too
     late it waits: with master.period for the next turn, without one until the master has come back.
 
-    The sign of output_phasing tells the direction in which the master travels when commands shall be executed: positive
+    The sign of output_phasing gives the direction in which the master travels when commands shall be executed: positive
     for a rising master, negative for a falling one.
 
-    A second command against the one under way is stacked and begins where the first one ends; further ones are ignored
+    A second command against the one under way is stacked and starts where the first one ends; further ones are ignored
     until the first is completed. While active is false commands act at once, and the slave jumps.
     """
 
@@ -51,19 +49,19 @@ class Synchronizer(SynchronizerInterface):
     was_active: bool = True
     start_edge: Edge = var.part(Edge)
     stop_edge: Edge = var.part(Edge)
-    transition: Transition = var.part(Transition)
+    transition: PhasingTransition = var.part(PhasingTransition)
     stacked_phasing: float = 0.0
     stacked_rest: float = 0.0
     rest: float = 0.0
-    place: float = 0.0
+    reached_position: float = 0.0
 
     def initialize(self) -> Refusal:
         """Synchronized at the master; may be called again while parameters and inputs still change."""
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.was_active = self.active
-        self.start_edge.hold(self.start)
-        self.stop_edge.hold(self.stop)
+        self.start_edge.take_level(self.start)
+        self.stop_edge.take_level(self.stop)
         self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
         return Refusal.NONE
@@ -74,8 +72,8 @@ class Synchronizer(SynchronizerInterface):
             return Refusal.MASTER_TURNS
         self.travel(0)
         self.obey()
-        for piece in range(1, self.master.path.pieces):
-            self.travel(piece)
+        for section in range(1, self.master.path.sections):
+            self.travel(section)
         self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
         self.rebase()
@@ -113,14 +111,14 @@ class Synchronizer(SynchronizerInterface):
         elif not LEAST_PHASING <= abs(self.output_phasing) <= GREATEST_PHASING:
             self.error_id = Fault.PHASING
         elif not self.has_command():
-            self.take_up(starting, self.output_phasing, rest)
+            self.start_command(starting, self.output_phasing, rest)
         else:
             self.stacked = True
             self.stacked_phasing = self.output_phasing
             self.stacked_rest = rest
 
     def ignores(self, starting: bool) -> bool:
-        """Whether the block is there already or on its way there, or has no place left for a command."""
+        """Whether the slave is there already or on its way there, or a command is stacked already."""
         if self.has_command():
             return self.stacked or self.transition.starting == starting
         return self.is_synchronized() == starting
@@ -139,8 +137,8 @@ class Synchronizer(SynchronizerInterface):
             case _:
                 return not self.transition.starting
 
-    def take_up(self, starting: bool, phasing: float, rest: float) -> None:
-        """A command gets under way: it waits for its ramp, if only until the next piece of the path."""
+    def start_command(self, starting: bool, phasing: float, rest: float) -> None:
+        """Start a command: it waits for its ramp, if only until the next section of the path."""
         self.transition.command(starting, self.curve, phasing, rest)
         self.local.transition_distance = self.transition.distance
         self.local.peak_acceleration_per_v2 = self.transition.peak_acceleration()
@@ -149,15 +147,15 @@ class Synchronizer(SynchronizerInterface):
 
     # --- the path ---
 
-    def travel(self, piece: int) -> None:
-        """The master moves along a piece of its path; where a command ends, the stacked one goes on from there."""
-        self.place = self.master.path.places[piece]
-        end = self.master.path.places[piece + 1]
+    def travel(self, section: int) -> None:
+        """Follow a section of the master's path; where a command ends, the stacked one starts."""
+        self.reached_position = self.master.path.positions[section]
+        end = self.master.path.positions[section + 1]
         while self.try_event(end):
             pass
 
     def try_event(self, end: float) -> bool:
-        """Carry out the next event up to the end of the piece; False if there is none."""
+        """Carry out the next event up to the end of the section; False if there is none."""
         match self.stage:
             case Stage.WAITING:
                 return self.try_event_waiting(end)
@@ -167,12 +165,12 @@ class Synchronizer(SynchronizerInterface):
                 return False
 
     def try_event_waiting(self, end: float) -> bool:
-        """A waiting command aims anew from where the master is. From there on the ramp may begin, and even end."""
-        self.transition.aim(self.place, self.master.period)
+        """A waiting command aims anew from where the master is. From there on the ramp may start, and even end."""
+        self.transition.aim(self.reached_position, self.master.period)
         return self.try_event_ramping(end)
 
     def try_event_ramping(self, end: float) -> bool:
-        """The end of the ramp. If it lies farther on, the end of the piece tells whether the slave is on the ramp."""
+        """The end of the ramp. If it is farther on, the end of the section shows whether the slave is on the ramp."""
         if self.transition.is_complete_at(end):
             self.complete()
             return True
@@ -187,13 +185,13 @@ class Synchronizer(SynchronizerInterface):
     def complete(self) -> None:
         """The command's transition has ended."""
         starting = self.transition.starting
-        self.mark()
+        self.show_ramp()
         self.local.progress = 1.0
-        self.place = self.transition.direction * self.transition.end
+        self.reached_position = self.transition.direction * self.transition.end
         self.complete_at(starting, self.transition.commanded_rest())
         if self.stacked:
             self.stacked = False
-            self.take_up(not starting, self.stacked_phasing, self.stacked_rest if starting else self.rest)
+            self.start_command(not starting, self.stacked_phasing, self.stacked_rest if starting else self.rest)
 
     def complete_at(self, starting: bool, rest: float) -> None:
         """After a start the slave is the master; after a stop it is at rest at `rest`."""
@@ -215,21 +213,21 @@ class Synchronizer(SynchronizerInterface):
     def enter_ramping(self) -> None:
         self.stage = Stage.RAMPING
 
-    # --- what is put out ---
+    # --- the outputs ---
 
-    def set_slave_at(self, place: float, velocity: float, acceleration: float) -> None:
+    def set_slave_at(self, master_position: float, velocity: float, acceleration: float) -> None:
         """The setpoint that belongs to this motion of the master, whose jerk is taken as 0 on the ramp."""
         if self.stage == Stage.RAMPING:
-            position, d1, d2, d3 = self.transition.follow(place)
+            position, d1, d2, d3 = self.transition.follow(master_position)
             v, a, j = chain_rule(d1, d2, d3, velocity, acceleration)
-            self.slave.put(wrap(position, self.master.period), v, a, j)
+            self.slave.set(wrap(position, self.master.period), v, a, j)
         elif self.is_synchronized():
-            self.slave.put(wrap(place, self.master.period), velocity, acceleration, 0.0)
+            self.slave.set(wrap(master_position, self.master.period), velocity, acceleration, 0.0)
         else:
-            self.slave.put(self.rest, 0.0, 0.0, 0.0)
+            self.slave.set(self.rest, 0.0, 0.0, 0.0)
 
     def show(self) -> None:
-        """Everything that is put out but the slave's setpoint; periods are applied last."""
+        """Derive all outputs but the slave's setpoint; periods are applied last."""
         ramping = self.stage == Stage.RAMPING
         self.state = self.shown_state()
         self.state_code = self.state
@@ -240,7 +238,7 @@ class Synchronizer(SynchronizerInterface):
         self.status = (1 if self.syn_synchronized else 0) + (2 if ramping else 0)
         self.error = self.error_id != Fault.NONE
         if self.has_command():
-            self.mark()
+            self.show_ramp()
             self.local.progress = self.transition.progress(self.master.end)
             self.local.distance_to_begin = self.transition.distance_to_begin(self.master.end)
             self.local.distance_to_end = self.transition.distance_to_end(self.master.end)
@@ -254,12 +252,12 @@ class Synchronizer(SynchronizerInterface):
             return State.READY
         return State.STACKED if self.stacked else State.EXECUTING
 
-    def mark(self) -> None:
-        """Show where the ramp lies that the command aims at."""
+    def show_ramp(self) -> None:
+        """Show the position of the command's ramp."""
         self.local.ramp_begin = wrap(self.transition.direction * self.transition.begin, self.master.period)
         self.local.ramp_end = wrap(self.transition.direction * self.transition.end, self.master.period)
 
     def rebase(self) -> None:
-        """Whole turns are dropped unless the slave is on a ramp: that one lies in a particular turn."""
+        """Drop whole turns unless the slave is on a ramp, which belongs to a particular turn."""
         if self.stage != Stage.RAMPING:
             self.master.rebase()

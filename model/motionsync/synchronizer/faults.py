@@ -1,6 +1,6 @@
 """Why a command is refused, and why a call of the block fails."""
 
-from ..master import TURNS
+from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 
@@ -15,4 +15,4 @@ class Refusal(Enumeration):
     """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
 
     NONE = 0, "done"
-    MASTER_TURNS = 1, *TURNS
+    MASTER_TURNS = 1, *TOO_MANY_TURNS

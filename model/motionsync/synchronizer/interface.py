@@ -29,31 +29,25 @@ class State(Enumeration):
 
 @dataclass(slots=True)
 class Local:
-    """What a commissioning engineer would watch."""
+    """Variables for commissioning."""
 
-    ramp_begin: float = var.local(0.0, "master position at which the ramp begins", Unit.POSITION, discrete=True)
-    ramp_end: float = var.local(0.0, "master position at which the ramp ends", Unit.POSITION, discrete=True)
+    ramp_begin: float = var.snapshot(0.0, "master position at which the ramp starts", Unit.POSITION)
+    ramp_end: float = var.snapshot(0.0, "master position at which the ramp ends", Unit.POSITION)
     progress: float = var.local(0.0, "share of the ramp's master travel that is done", min=0.0, max=1.0)
     distance_to_begin: float = var.local(0.0, "master travel missing to the ramp's beginning", Unit.POSITION)
     distance_to_end: float = var.local(0.0, "master travel missing to the ramp's end", Unit.POSITION)
-    transition_distance: float = var.local(0.0, "master travel of the whole ramp", Unit.POSITION, discrete=True)
-    peak_acceleration_per_v2: float = var.local(
-        0.0,
-        "peak slave acceleration over the square of a constant master velocity",
-        Unit.PER_POSITION,
-        discrete=True,
+    transition_distance: float = var.snapshot(0.0, "master travel of the whole ramp", Unit.POSITION)
+    peak_acceleration_per_v2: float = var.snapshot(
+        0.0, "peak slave acceleration over the square of a constant master velocity", Unit.PER_POSITION
     )
-    peak_jerk_per_v3: float = var.local(
-        0.0,
-        "peak slave jerk over the cube of a constant master velocity; 0: an impulse",
-        Unit.PER_POSITION2,
-        discrete=True,
+    peak_jerk_per_v3: float = var.snapshot(
+        0.0, "peak slave jerk over the cube of a constant master velocity; 0: an impulse", Unit.PER_POSITION2
     )
 
 
 @dataclass(slots=True)
 class SynchronizerInterface:
-    """What the outside world sees of a Synchronizer."""
+    """The inputs, parameters, outputs and locals of the block."""
 
     master: Master = var.part(Master)
     active: bool = var.input(True, "the block is part of a running pipe; inactive, commands act at once")

@@ -1,16 +1,18 @@
-"""The transition of a Synchronizer: the curve between rest and the master, and the turn of the master in which it lies.
+"""The transition of a Synchronizer: the curve between rest and the master, and the turn of the master that it belongs
+to.
 
 Everything is a function of the master's position m alone. With the sign d of the phasing, the mirrored positions of
 master and slave are x = d m and sigma = d s, so that the master always rises. sigma0 is the mirrored rest position and
 D the magnitude of the phasing.
 
 Source: PAM synchronizer pipe block, "Synchronization curves" (VDI 2143) and "Periodicity". The table of the source
-gives the 3-4-5 law for a start only; a stop is its point mirror, so its ramp lies from sigma0 - D to sigma0 + 7/8 D.
+gives the 3-4-5 law for a start only; a stop is its point mirror, so its ramp goes from sigma0 - D to sigma0 + 7/8 D.
 """
 
 from dataclasses import dataclass
 
-from ..grid import first_at_or_after
+from ..computable_range import clamp
+from ..grid import first_on_grid_from
 from ..laws import (
     PARABOLA_PEAK_ACCELERATION,
     PARABOLA_TRAVEL,
@@ -20,16 +22,15 @@ from ..laws import (
     parabola,
     polynomial_3_4_5,
 )
-from ..limits import clamp
 from .interface import Curve
 
 
 @dataclass(slots=True)
-class Transition:
+class PhasingTransition:
     """One command under way: a start (from rest to the master) or a stop (from the master to rest).
 
     `origin` is sigma0 as commanded. `rest`, `begin` and `end` are sigma0, x_b and x_e of the occurrence aimed at, a
-    whole number of periods away from the commanded one. `armed`: the ramp begins as soon as x reaches x_b.
+    whole number of periods away from the commanded one. `armed`: the ramp starts as soon as x reaches x_b.
 
     The occurrence aimed at is the first one at or ahead of x. With a period a waiting command is therefore always armed
     and aims anew wherever the master goes. Without a period it is armed once x has been at or below x_b.
@@ -66,14 +67,14 @@ class Transition:
         steep = self.phasing
         gentle = self.distance - self.phasing
         begin = self.origin - (gentle if self.starting else steep)
-        shift = first_at_or_after(0.0, period, x - (begin + self.tolerance(x)))
+        shift = first_on_grid_from(0.0, period, x - (begin + self.tolerance(x)))
         self.rest = self.origin + shift
         self.begin = begin + shift
         self.end = self.rest + (steep if self.starting else gentle)
         self.armed = self.armed or x <= self.begin + self.tolerance(x)
 
     def tolerance(self, x: float) -> float:
-        """Within it a position counts as reached, so that commands may lie edge to edge at any period."""
+        """Within it a position counts as reached, so that commands may be edge to edge at any period."""
         return 1e-9 * self.phasing + 1e-15 * abs(x)
 
     def is_complete_at(self, master: float) -> bool:

@@ -6,7 +6,8 @@ from typing import Any, Self
 import pytest
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.interface import PieceKind, State
+from motionsync.cut_to_length.interface import State
+from motionsync.cutting.interface import PieceKind
 from motionsync.master import MasterInput
 from tests.support.harness import MOTION, BlockHarness
 
@@ -14,7 +15,7 @@ INSTANT = 2.0**-40  # s, a step in which nothing moves
 JUST = 1e-6  # s, just before or just after an event
 LEAD = 86.60254037844386  # u, lead(1000) of the reference machine: sqrt(1.5 1000^3 / 200000) > 0.75 1000^2 / 10000
 
-# The reference machine, its approach laid out for the present line.
+# The reference machine, its approach planned for the present line.
 REFERENCE: dict[str, Any] = {
     "axis.max_velocity": 1500.0,
     "axis.max_acceleration": 10000.0,
@@ -36,12 +37,12 @@ HOME_AGAIN = 1.85 + 0.5 + 125.0 / 1500.0  # s, when the first cycle of the round
 
 @dataclass(frozen=True)
 class Piece:
-    """What `last` says of a piece."""
+    """What `last` states of a piece."""
 
     length: float
     error: float
     kind: PieceKind
-    good: bool
+    is_accepted: bool
     time: float
     reserve: float
 
@@ -57,8 +58,8 @@ class CutToLengthHarness(BlockHarness):
     SHOWN = (*MOTION, "state_code", "statistics.cuts")
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
-        self.given: tuple[str, ...] = ()
-        self.held: tuple[str, ...] = ()
+        self.given_commands: tuple[str, ...] = ()
+        self.fallen_commands: tuple[str, ...] = ()
         self.pieces: list[Piece] = []
         self.cuts = 0
         super().__init__(*arguments, **options)
@@ -68,25 +69,25 @@ class CutToLengthHarness(BlockHarness):
         other.pieces = list(self.pieces)
         return other
 
-    def stepped(self) -> None:
-        for name in self.given:
-            self.put({name: False})
-        self.held, self.given = self.given, ()
+    def after_step(self) -> None:
+        for name in self.given_commands:
+            self.set({name: False})
+        self.fallen_commands, self.given_commands = self.given_commands, ()
         if self["statistics.cuts"] > self.cuts:
             last = self.block.last
-            self.pieces.append(Piece(last.length, last.error, last.kind, last.good, last.time, last.reserve))
+            self.pieces.append(Piece(last.length, last.error, last.kind, self["last.good"], last.time, last.reserve))
         self.cuts = self["statistics.cuts"]
 
     def give(self, *commands: str) -> Self:
-        """Rising edges of these commands with the next step; before it, one that has just been true is seen to fall."""
-        if set(commands) & set(self.held):
+        """Rising edges of these commands with the next step; one that has just been true falls before it."""
+        if set(commands) & set(self.fallen_commands):
             self.now()
-        self.given += commands
-        return self.put(dict.fromkeys(commands, True))
+        self.given_commands += commands
+        return self.set(dict.fromkeys(commands, True))
 
     def order(self, length: float, quantity: int = 1) -> Self:
         """Append an order with the next step."""
-        return self.put({"order.length": length, "order.quantity": quantity}).give("order.add")
+        return self.set({"order.length": length, "order.quantity": quantity}).give("order.add")
 
     def now(self) -> Self:
         """Let what was set and given act, before any time passes."""
@@ -100,6 +101,13 @@ class CutToLengthHarness(BlockHarness):
         """Run until this time in steps short enough that each piece is listed."""
         left = time - self.time
         return self.run(left, cuts=[i * step for i in range(1, int(left / step) + 1)])
+
+    def cut_counts(self) -> tuple[int, int]:
+        """How many cuts were made, and how many skipped."""
+        return self["statistics.cuts"], self["statistics.skipped"]
+
+    def statistics(self, *names: str) -> tuple[Any, ...]:
+        return tuple(self[f"statistics.{name}"] for name in names)
 
     def lengths(self) -> list[float]:
         return [piece.length for piece in self.pieces]
@@ -118,26 +126,26 @@ def each(*values: float, tolerance: float = 1e-9) -> Any:
     return pytest.approx(list(values), rel=tolerance, abs=tolerance)
 
 
-def ready(
+def idle_machine(
     values: dict[str, Any] | None = None,
     *,
     speed: float = 1000.0,
-    place: float = 0.0,
+    master_position: float = 0.0,
     mode: MasterInput = MasterInput.START_OF_STEP,
 ) -> CutToLengthHarness:
-    """The round machine with further values, OFF; its line runs from `place` on."""
-    return CutToLengthHarness({**ROUND, **(values or {})}, speed=speed, place=place, mode=mode)
+    """The round machine with further values, OFF; its line runs from `master_position` on."""
+    return CutToLengthHarness({**ROUND, **(values or {})}, speed=speed, master_position=master_position, mode=mode)
 
 
-def started(
+def started_machine(
     values: dict[str, Any] | None = None,
     *,
     speed: float = 1000.0,
-    place: float = 0.0,
+    master_position: float = 0.0,
     mode: MasterInput = MasterInput.START_OF_STEP,
 ) -> CutToLengthHarness:
-    """As `ready`, and `start` is given with the next step."""
-    return ready(values, speed=speed, place=place, mode=mode).give("start")
+    """As `idle_machine`, and `start` is given with the next step."""
+    return idle_machine(values, speed=speed, master_position=master_position, mode=mode).give("start")
 
 
 def assert_state(saw: CutToLengthHarness, time: float, before: State, after: State) -> None:

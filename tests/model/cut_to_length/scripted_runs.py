@@ -9,14 +9,14 @@ from motionsync.cut_to_length.block import CutToLength
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
 from tests.oracle.cut_to_length import events, reference
-from tests.oracle.cut_to_length_carriage import Course
+from tests.oracle.cut_to_length_carriage import MasterSection
 from tests.oracle.master import mp, stretches
 
 Script = dict[str, Any]
 Row = dict[str, float]
 
-SLACK = 1e-4
-"""Time (s) in which no carriage comes home that has left it."""
+LEAST_RETURN_TIME = 1e-4
+"""Time (s) in which no carriage returns home that has left it."""
 
 VELOCITIES = (
     *("slave.velocity", "limits.max_line_velocity", "limits.max_line_velocity_orders", "line.velocity_request"),
@@ -37,60 +37,63 @@ SHARES = (
     "local.coupling_factor",
 )
 AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve", "limits.stroke", "next_cut.distance")
-"""What jumps where the line comes to a stand: rounding of the velocity decides."""
-STANDING = 1e-3
-ARRIVAL = 1e-5
-"""Time (s): the end of a way home comes so softly that rounding of its state makes so much of its time."""
-FREE = ("time",)
-"""What a row of the oracle holds and nobody compares."""
+"""What jumps where the line comes to rest: rounding of the velocity decides."""
+LEAST_SPEED = 1e-3
+ARRIVAL_TOLERANCE = 1e-5
+"""Time (s): the way home ends so softly that rounding of the carriage's state changes the end by so much."""
+NOT_COMPARED = ("time",)
+"""The columns of the oracle's rows that are not compared."""
 
 
-def ends(script: Script, cuts: Iterable[float]) -> list[float]:
-    """The ends of the steps: `cuts`, and where something is set or the line's script breaks."""
+def step_ends(script: Script, extra_ends: Iterable[float]) -> list[float]:
+    """The ends of the steps: `extra_ends`, and where something is set or the line's script breaks."""
     stop = float(script["stop_time"])
     breaks = accumulate(segment["duration"] for segment in script["master"]["segments"])
     fixed = {0.0, stop, *breaks, *(table["at"] for table in script["set"])}
-    apart = {time for time in cuts if min(abs(time - other) for other in fixed) > 1e-9}
+    apart = {time for time in extra_ends if min(abs(time - other) for other in fixed) > 1e-9}
     return [time for time in sorted(fixed | apart) if 0.0 <= time <= stop]
 
 
-def play(script: Script, cuts: Iterable[float], names: Sequence[str], mode: MasterInput, stride: int = 1) -> list[Row]:
+def simulate(
+    script: Script, extra_ends: Iterable[float], names: Sequence[str], mode: MasterInput, stride: int = 1
+) -> list[Row]:
     """The block's outputs at the end of each step, or of each `stride`-th one."""
     stepper = Stepper(CutToLength())
-    line = [Course.of(piece, 0.0) for piece in stretches(script["master"], mp.mpf(script["stop_time"]) + 1)[1:]]
+    parts = stretches(script["master"], mp.mpf(script["stop_time"]) + 1)[1:]
+    sections = [MasterSection.of(part, 0.0) for part in parts]
     period = float(script["start"].get("master.period", 0.0))
 
-    def show(time: float, course: Course) -> None:
-        m = course.at(time)
-        place = m.position % period if period > 0.0 else m.position
-        values = {"master.position": place, "master.velocity": m.velocity, "master.acceleration": m.acceleration}
+    def set_master(time: float, master: MasterSection) -> None:
+        m = master.at(time)
+        position = m.position % period if period > 0.0 else m.position
+        values = {"master.position": position, "master.velocity": m.velocity, "master.acceleration": m.acceleration}
         stepper.set(values)
 
     stepper.set(script["start"] | {"master.input_mode": mode})
-    show(0.0, line[0])
+    set_master(0.0, sections[0])
     stepper.initialize()
-    found = []
+    rows = []
     sets: dict[float, dict[str, Any]] = {}
     for table in script["set"]:
         sets.setdefault(table["at"], {}).update({name: value for name, value in table.items() if name != "at"})
-    for i, (begin, end) in enumerate(pairwise(ends(script, cuts))):
-        while len(line) > 1 and line[1].begin <= begin:
-            line.pop(0)
+    for i, (begin, end) in enumerate(pairwise(step_ends(script, extra_ends))):
+        while len(sections) > 1 and sections[1].begin <= begin:
+            sections.pop(0)
         stepper.set(sets.get(begin, {}))
-        show(end if mode == MasterInput.END_OF_STEP else begin, line[0])
+        set_master(end if mode == MasterInput.END_OF_STEP else begin, sections[0])
         stepper.step(end - begin)
-        speed = abs(line[0].at(end).velocity)
-        if i % stride or (speed < STANDING and abs(end - line[0].end) < 1e-9):
+        speed = abs(sections[0].at(end).velocity)
+        if i % stride or (speed < LEAST_SPEED and abs(end - sections[0].end) < 1e-9):
             continue
-        chosen = [name for name in names if name not in AT_VELOCITY or speed > STANDING]
-        found.append({"time": end, **{name: float(value) for name, value in stepper.get(chosen).items()}})
-    return found
+        compared_names = [name for name in names if name not in AT_VELOCITY or speed > LEAST_SPEED]
+        rows.append({"time": end, **{name: float(value) for name, value in stepper.get(compared_names).items()}})
+    return rows
 
 
 def tolerance(name: str, scale: Mapping[str, float], relative: float) -> float:
     """How far a value may be from the oracle's; `scale`: the sizes of the script."""
     if name == "local.home_time":
-        return ARRIVAL
+        return ARRIVAL_TOLERANCE
     if name == "slave.jerk":
         return relative * scale["jerk"]
     if name == "slave.acceleration":
@@ -102,94 +105,93 @@ def tolerance(name: str, scale: Mapping[str, float], relative: float) -> float:
     return relative if name in TIMES or name in SHARES else 0.0
 
 
-def undecided(script: Script) -> tuple[float, set[str]]:
-    """From when on rounding decides, and what is left open.
+def find_undecided(script: Script) -> tuple[float, set[str]]:
+    """From when on rounding decides, and the names of the outputs that are undetermined.
 
-    A carriage that has never left home comes home in a time of rounding. A start while the line turns round, or stands,
-    has an instant that is known to the root of rounding only. What a cycle whose approach was begun twice has in
-    reserve is not specified.
+    A carriage that has never left home returns home in a time of rounding. A start while the line reverses, or is at
+    rest, has an instant that is exact to the root of rounding only. The reserve of a cycle whose approach began twice
+    is not specified.
     """
-    found = events(script)
-    open_: set[str] = set()
-    for (begin, before), (end, name) in pairwise(found):
-        if name == "home" and end - begin < SLACK:
-            return begin, open_
-        if (before, name) == ("start", "sync") and end - begin < SLACK:
-            open_ |= set(TIMES)
+    undetermined: set[str] = set()
+    for (begin, before), (end, name) in pairwise(events(script)):
+        if name == "home" and end - begin < LEAST_RETURN_TIME:
+            return begin, undetermined
+        if (before, name) == ("start", "sync") and end - begin < LEAST_RETURN_TIME:
+            undetermined |= set(TIMES)
         if name == "turned back":
-            open_ |= {"last.reserve", "statistics.reserve_worst"}
-    return float(script["stop_time"]), open_
+            undetermined |= {"last.reserve", "statistics.reserve_worst"}
+    return float(script["stop_time"]), undetermined
 
 
-def differences(script: Script, played: Sequence[Row], relative: float = 1e-9) -> list[str]:
+def find_differences(script: Script, rows: Sequence[Row], relative: float = 1e-9) -> list[str]:
     """Where the block's rows are neither at nor between the oracle's rows for that time."""
     expected: dict[float, list[Row]] = {}
-    for row in reference(script, [row["time"] for row in played]):
+    for row in reference(script, [row["time"] for row in rows]):
         expected.setdefault(row["time"], []).append(row)
     start = script["start"]
     scale = {"length": 1000.0} | {n: start[f"axis.max_{n}"] for n in ("velocity", "acceleration", "jerk")}
-    horizon, open_ = undecided(script)
-    found = []
-    for row in (row for row in played if row["time"] <= horizon):
-        for name in row.keys() - {*FREE, *open_}:
+    horizon, undetermined = find_undecided(script)
+    differences = []
+    for row in (row for row in rows if row["time"] <= horizon):
+        for name in row.keys() - {*NOT_COMPARED, *undetermined}:
             allowed = [other[name] for other in expected[row["time"]]]
             margin = tolerance(name, scale, relative) * (max(1.0, row[name]) if name in TIMES else 1.0)
             if not min(allowed) - margin <= row[name] <= max(allowed) + margin:
-                found.append(f"{name} is {row[name]!r} at {row['time']!r}, not {allowed}")
-    return found
+                differences.append(f"{name} is {row[name]!r} at {row['time']!r}, not {allowed}")
+    return differences
 
 
 # --- scripts ----------------------------------------------------------------------------------------------------------
 
 
-def machine(r: Random) -> dict[str, Any]:
+def random_machine(r: Random) -> dict[str, Any]:
     """Parameters of a machine that can cut pieces of 300 to 2000 at some hundred u/s."""
 
-    def some(chance: float, low: float, high: float) -> float:
+    def sometimes(chance: float, low: float, high: float) -> float:
         return r.uniform(low, high) if r.random() < chance else 0.0
 
     start: dict[str, Any] = {
         "axis.max_velocity": r.uniform(1000.0, 2500.0),
         "axis.max_acceleration": r.uniform(5000.0, 20000.0),
-        "axis.max_deceleration": some(0.7, 4000.0, 20000.0),
+        "axis.max_deceleration": sometimes(0.7, 4000.0, 20000.0),
         "axis.max_jerk": r.uniform(5e4, 5e5),
         "home_position": r.uniform(-200.0, 200.0),
         "axis.min_position": r.choice([-1e9, -300.0]),
         "axis.max_position": r.choice([1e9, 1e9, 1500.0, 800.0]),
-        "diagonal_angle": some(0.3, -40.0, 40.0),
+        "diagonal_angle": sometimes(0.3, -40.0, 40.0),
         "material_factor": r.choice([1.0, r.uniform(0.9, 1.1)]),
-        "kerf": some(0.6, 0.0, 8.0),
+        "kerf": sometimes(0.6, 0.0, 8.0),
         "length": r.uniform(300.0, 2000.0),
-        "length_correction": some(0.3, -3.0, 3.0),
+        "length_correction": sometimes(0.3, -3.0, 3.0),
         "length_tolerance": r.choice([0.5, 1e-3]),
         "late_mode": r.choice([1, 1, 2, 2, 3]),
         "start_mode": r.choice([1, 1, 2]),
-        "trim_length": some(0.7, 0.0, 400.0),
-        "front_position": some(0.4, -300.0, 100.0),
+        "trim_length": sometimes(0.7, 0.0, 400.0),
+        "front_position": sometimes(0.4, -300.0, 100.0),
         "change_mode": r.choice([1, 2]),
         "sample_length": r.uniform(100.0, 600.0),
         "waste_length": r.uniform(100.0, 600.0),
         "batch_size": r.choice([0, 1, 2, 3]),
-        "approach.distance": some(0.3, 0.0, 250.0),
+        "approach.distance": sometimes(0.3, 0.0, 250.0),
         "approach.reserve": r.choice([0.0, 0.02, r.uniform(0.0, 0.3)]),
-        "approach.acceleration": some(0.3, 3000.0, 12000.0),
-        "approach.jerk": some(0.3, 3e4, 4e5),
-        "homing.velocity": some(0.4, 500.0, 2000.0),
-        "homing.acceleration": some(0.4, 3000.0, 15000.0),
-        "homing.deceleration": some(0.4, 3000.0, 15000.0),
-        "homing.jerk": some(0.4, 3e4, 5e5),
-        "homing.settle_time": some(0.4, 0.0, 0.1),
+        "approach.acceleration": sometimes(0.3, 3000.0, 12000.0),
+        "approach.jerk": sometimes(0.3, 3e4, 4e5),
+        "homing.velocity": sometimes(0.4, 500.0, 2000.0),
+        "homing.acceleration": sometimes(0.4, 3000.0, 15000.0),
+        "homing.deceleration": sometimes(0.4, 3000.0, 15000.0),
+        "homing.jerk": sometimes(0.4, 3e4, 5e5),
+        "homing.settle_time": sometimes(0.4, 0.0, 0.1),
         "homing.ease": r.random() < 0.4,
         "homing.spare_time": r.uniform(0.0, 0.1),
         "homing.slowest": r.choice([0.05, 0.4]),
         "tool.mode": r.choice([1, 1, 2, 3]),
-        "tool.settle_time": some(0.4, 0.0, 0.1),
-        "tool.on_delay": some(0.5, 0.0, 0.2),
+        "tool.settle_time": sometimes(0.4, 0.0, 0.1),
+        "tool.on_delay": sometimes(0.5, 0.0, 0.2),
         "tool.cut_time": r.uniform(0.0, 0.4),
         "tool.cut_distance": r.uniform(0.0, 250.0),
-        "tool.retract_time": some(0.5, 0.0, 0.1),
-        "tool.timeout": some(0.6, 0.1, 0.5),
-        "gap.distance": some(0.4, 1.0, 20.0),
+        "tool.retract_time": sometimes(0.5, 0.0, 0.1),
+        "tool.timeout": sometimes(0.6, 0.1, 0.5),
+        "gap.distance": sometimes(0.4, 1.0, 20.0),
         "gap.travel": r.uniform(80.0, 300.0),
         "order.repeat": r.random() < 0.3,
         "line.margin": r.choice([0.02, 0.0]),
@@ -200,8 +202,8 @@ def machine(r: Random) -> dict[str, Any]:
     return start
 
 
-def line(r: Random, duration: float, *, jumps: bool = True) -> dict[str, Any]:
-    """A line that speeds up, brakes, stands, jumps and now and then reverses; a stop is exact, in binary fractions."""
+def random_line(r: Random, duration: float, *, jumps: bool = True) -> dict[str, Any]:
+    """A line that speeds up, brakes, rests, jumps and now and then reverses; a stop is exact, in binary fractions."""
     speed = r.choice([0.0, *[float(r.randint(300, 1300))] * 3])
     segments: list[dict[str, float]] = []
     now, total = speed, 0.0
@@ -221,17 +223,17 @@ def line(r: Random, duration: float, *, jumps: bool = True) -> dict[str, Any]:
                 segment["velocity"] = now = max(now + r.randint(-200, 200), 0.0)
         segments.append(segment)
         now += segment.get("acceleration", 0.0) * segment["duration"]
-        if now < 0.0:  # it does not go back for long, and does not stand then: rounding would say how
+        if now < 0.0:  # it does not go back for long, and does not rest then: rounding would decide
             segments.append({"duration": 0.25, "acceleration": (256.0 - now) / 0.25})
             now = 256.0
-        if now == 0.0 and r.random() < 0.7:  # nor stands for long
+        if now == 0.0 and r.random() < 0.7:  # nor rests for long
             segments.append({"duration": 0.25})
-        total = sum(each["duration"] for each in segments)
+        total = sum(part["duration"] for part in segments)
     return {"position": r.uniform(-500.0, 5000.0), "velocity": speed, "segments": segments}
 
 
-def marks(
-    r: Random, start: dict[str, Any], course: dict[str, Any], duration: float, *, windows: bool
+def random_marks(
+    r: Random, start: dict[str, Any], master: dict[str, Any], duration: float, *, windows: bool
 ) -> list[dict[str, Any]]:
     """Edges of a sensor that sees a mark on each `spacing` of the material, or nearly so; values for the machine."""
     spacing = r.uniform(300.0, 1500.0)
@@ -247,18 +249,19 @@ def marks(
         "mark.max_missing": r.choice([0, 1, 3]),
         "mark.substitute": r.random() < 0.6,
     }
-    pieces = [Course.of(piece, 0.0) for piece in stretches(course, mp.mpf(duration))[1:]]
-    place = course["position"] + r.uniform(0.0, spacing)
+    sections = [MasterSection.of(part, 0.0) for part in stretches(master, mp.mpf(duration))[1:]]
+    position = master["position"] + r.uniform(0.0, spacing)
     sets: list[dict[str, Any]] = []
-    for piece in pieces:
-        while piece.direction > 0 and piece.at(piece.end).position > place:
-            found = piece.passes(place, 1, piece.begin, piece.end)
-            time = round((found or piece.begin) + 1.5e-3, 4)
+    for section in sections:
+        while section.direction > 0 and section.at(section.end).position > position:
+            passed = section.passes(position, 1, section.begin, section.end)
+            time = round((passed or section.begin) + 1.5e-3, 4)
             if r.random() < 0.9:
                 period = start["master.period"]
-                sets.append({"at": time, "mark.detected": True, "mark.position": place % period if period else place})
+                latched = position % period if period else position
+                sets.append({"at": time, "mark.detected": True, "mark.position": latched})
                 sets.append({"at": round(time + 0.0063, 4), "mark.detected": False})
-            place += (spacing + r.choice([0.0, r.uniform(-5.0, 5.0), r.uniform(-60.0, 60.0)])) / start[
+            position += (spacing + r.choice([0.0, r.uniform(-5.0, 5.0), r.uniform(-60.0, 60.0)])) / start[
                 "material_factor"
             ]
     return sets
@@ -270,7 +273,7 @@ COMMANDS = (
 )
 
 
-def commands(r: Random, start: dict[str, Any], duration: float) -> list[dict[str, Any]]:
+def random_commands(r: Random, start: dict[str, Any], duration: float) -> list[dict[str, Any]]:
     """Edges of commands, and levels and lengths that change."""
     begin = r.randint(50, 400) / 1000.0
     sets: list[dict[str, Any]] = [{"at": begin, "start": True}, {"at": begin + 0.0125, "start": False}]
@@ -303,17 +306,17 @@ def commands(r: Random, start: dict[str, Any], duration: float) -> list[dict[str
     return sorted((table for table in sets if table["at"] < duration), key=lambda table: table["at"])
 
 
-def scripted(r: Random, duration: float, step_size: float | None, *, jumps: bool = True) -> Script:
-    """A machine, its line, and what it is told.
+def random_script(r: Random, duration: float, step_size: float | None, *, jumps: bool = True) -> Script:
+    """A machine, its line, and what is set while it runs.
 
     `step_size`: of the run, for what is noticed at a step's beginning; None: any, and nothing is noticed there.
     `jumps`: of the line's velocity.
     """
-    start = machine(r)
-    course = line(r, duration, jumps=jumps)
-    stop = sum(segment["duration"] for segment in course["segments"])
-    sets = commands(r, start, duration)
+    start = random_machine(r)
+    master = random_line(r, duration, jumps=jumps)
+    stop = sum(segment["duration"] for segment in master["segments"])
+    sets = random_commands(r, start, duration)
     if r.random() < 0.25:
-        seen = marks(r, start, course, duration, windows=step_size is not None)
+        seen = random_marks(r, start, master, duration, windows=step_size is not None)
         sets = sorted([*sets, *seen], key=lambda table: table["at"])
-    return {"stop_time": stop, "step_size": step_size or stop, "start": start, "master": course, "set": sets}
+    return {"stop_time": stop, "step_size": step_size or stop, "start": start, "master": master, "set": sets}

@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 
 from motionsync.cut_to_length.block import CutToLength
 from motionsync.cut_to_length.faults import Fault
-from motionsync.cut_to_length.interface import LateMode, PieceKind, Source, StartMode, State, ToolMode, Warning
+from motionsync.cut_to_length.interface import State, ToolMode, Warnings
+from motionsync.cutting.faults import PieceFault
+from motionsync.cutting.interface import LateMode, PieceKind, Source, StartMode
 from motionsync.master import MasterInput
-from tests.support.runs import EXTREMES, Run, Strategy
+from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 # How likely a command rises in a step in which it can: usually, and in a run that is about this command.
 COMMANDS = {
@@ -31,12 +33,12 @@ COMMANDS = {
     "calibration.reset": (0.02, 0.1),
     "clear_statistics": (0.002, 0.05),
 }
-WARNINGS = tuple(field.name for field in fields(Warning))
-BAD = (-1.0, math.nan, math.inf, 2e12)
-BAD_CHOICES = ("start_mode", "change_mode", "late_mode")
+WARNINGS = tuple(field.name for field in fields(Warnings))
+INVALID_VALUES = (-1.0, math.nan, math.inf, 2e12)
+INVALID_CHOICES = ("start_mode", "change_mode", "late_mode")
 
 
-def machine(r: Random, length: float, duration: float) -> dict[str, Any]:
+def random_machine(r: Random, length: float, duration: float) -> dict[str, Any]:
     """A machine for pieces of this length, u, in cycles of about this duration, s; no parameter at its start value."""
     line = length / duration
     factor, angle = r.choice((1.0, 1.02, 0.5)), r.choice((0.0, 0.0, 30.0, -60.0))
@@ -70,7 +72,7 @@ def machine(r: Random, length: float, duration: float) -> dict[str, Any]:
     }
 
 
-def tool(r: Random, length: float, duration: float) -> dict[str, Any]:
+def random_tool(r: Random, length: float, duration: float) -> dict[str, Any]:
     return {
         "tool.mode": r.choice(list(ToolMode)),
         "tool.settle_time": duration * r.choice((0.0, 0.03)),
@@ -84,7 +86,7 @@ def tool(r: Random, length: float, duration: float) -> dict[str, Any]:
     }
 
 
-def work(r: Random, length: float, duration: float) -> dict[str, Any]:
+def random_settings(r: Random, length: float, duration: float) -> dict[str, Any]:
     """What is cut, and what decides where."""
     return {
         "source": r.choice(list(Source)),
@@ -112,7 +114,7 @@ def work(r: Random, length: float, duration: float) -> dict[str, Any]:
     }
 
 
-def inputs(r: Random, length: float, duration: float) -> dict[str, Any]:
+def random_inputs(r: Random, length: float, duration: float) -> dict[str, Any]:
     return {
         "length": length * r.choice((1.0, 1.0, 1.5)),
         "length_correction": length * r.choice((0.0, 0.0, 1e-3)),
@@ -124,7 +126,7 @@ def inputs(r: Random, length: float, duration: float) -> dict[str, Any]:
 
 
 @st.composite
-def runs(draw: st.DrawFn, steps: int) -> Run:
+def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     """A machine, a line that it can nearly follow, and what the run is about: a command that comes often, or none."""
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-3, 1e6)))
     duration = 10.0 ** draw(st.floats(-1.0, 1.0))
@@ -138,10 +140,10 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
         "master.position": length * r.uniform(-3.0, 3.0),
         "master.velocity": length / duration * r.choice((0.0, 0.5, 0.8)),
         "master.acceleration": length / duration**2 * r.choice((0.0, 0.0, 0.1)),
-        **machine(r, length, duration),
-        **tool(r, length, duration),
-        **work(r, length, duration),
-        **inputs(r, length, duration),
+        **random_machine(r, length, duration),
+        **random_tool(r, length, duration),
+        **random_settings(r, length, duration),
+        **random_inputs(r, length, duration),
         "auto_start": r.random() < 0.3,
     }
     if theme == "mark.detected":  # more marks than can wait
@@ -149,25 +151,25 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
         start["start_mode"] = StartMode.FRONT
     if not start["mark.window"] < 0.5 * start["mark.spacing"]:
         start["mark.window"] = 0.0
-    return Run(start, list(_steps(r, start, length, duration, steps, theme, extreme)))
+    return BlockRun(start, list(_steps(r, start, length, duration, steps, theme, extreme)))
 
 
 def _steps(
     r: Random, start: dict[str, Any], length: float, duration: float, steps: int, theme: str, extreme: float
 ) -> Iterator[tuple[float, dict[str, Any]]]:
-    """A line that mostly runs, commands, new settings; `extreme` is the probability of a bad value in a step."""
+    """A line that mostly runs, commands, new settings; `extreme` is the probability of an invalid value in a step."""
     position, velocity, period = start["master.position"], start["master.velocity"], start["master.period"]
-    line, pace = length / duration, duration * r.choice((0.02, 0.02, 0.05, 0.2))
-    known = start["master.input_mode"] != MasterInput.POSITION_ONLY  # else sudden changes give absurd velocities
+    line, mean_step = length / duration, duration * r.choice((0.02, 0.02, 0.05, 0.2))
+    has_velocity = start["master.input_mode"] != MasterInput.POSITION_ONLY  # else sudden changes give absurd velocities
     target, levels = velocity, dict.fromkeys(COMMANDS, False)
-    spoilt: dict[str, Any] = {}
+    to_restore: dict[str, Any] = {}
     for _ in range(steps):
-        h = pace * 10.0 ** r.uniform(-0.5, 0.5)
-        if known and r.random() < 0.03:
+        h = mean_step * 10.0 ** r.uniform(-0.5, 0.5)
+        if has_velocity and r.random() < 0.03:
             h = duration * 10.0 ** r.uniform(-12.0, 1.0)
         if r.random() < 0.05:
             target = line * r.choice((0.0, 0.3, 0.5, 0.7, 0.7, 0.9, -0.3, 4.0))
-            velocity = target if known and r.random() < 0.5 else velocity
+            velocity = target if has_velocity and r.random() < 0.5 else velocity
         acceleration = (target - velocity) / max(h, 0.2 * duration)
         levels = {name: not levels[name] and r.random() < shares[name == theme] for name, shares in COMMANDS.items()}
         values: dict[str, Any] = {
@@ -176,24 +178,24 @@ def _steps(
             "master.acceleration": acceleration,
             **levels,
             "mark.position": position - line * duration * r.choice((0.0, 0.0, 0.01)),
-            **spoilt,
+            **to_restore,
         }
-        spoilt = {}
+        to_restore = {}
         if r.random() < 0.05:
             values |= _new_inputs(r, length, duration)
         if r.random() < 0.02:
             values |= _new_settings(r, length, duration)
         if r.random() < 0.004:
-            bad = _bad_settings(r)
-            values, spoilt = values | bad, {name: start[name] for name in bad}
+            invalid = _invalid_settings(r)
+            values, to_restore = values | invalid, {name: start[name] for name in invalid}
         if r.random() < extreme:
-            name = r.choice(("master.position" if known else "length", "master.velocity", "mark.position"))
+            name = r.choice(("master.position" if has_velocity else "length", "master.velocity", "mark.position"))
             values[name] = r.choice(EXTREMES)
         if r.random() < extreme:
             name = r.choice(("length", "length_correction", "order.length"))
-            values[name], spoilt = r.choice(EXTREMES), spoilt | {name: start[name]}
+            values[name], to_restore = r.choice(EXTREMES), to_restore | {name: start[name]}
         if r.random() < extreme:
-            h = r.choice((0.0, -h, math.nan, math.inf, 1.1e6, *((1e6, 5e-324) if known else ())))
+            h = r.choice((0.0, -h, math.nan, math.inf, 1.1e6, *((1e6, 5e-324) if has_velocity else ())))
         yield h, values
         if not 0.0 < h <= 1e3 * duration:
             continue
@@ -202,7 +204,7 @@ def _steps(
 
 
 def _new_inputs(r: Random, length: float, duration: float) -> dict[str, Any]:
-    return inputs(r, length, duration) | {
+    return random_inputs(r, length, duration) | {
         "length": length * r.choice((1.0, 1.0, 1.5, 0.2, 0.0)),
         "order.length": length * r.choice((1.0, 1.3, 1.0, 0.0)),
         "order.quantity": r.choice((1, 1, 2, 3, 0)),
@@ -214,18 +216,19 @@ def _new_inputs(r: Random, length: float, duration: float) -> dict[str, Any]:
 
 def _new_settings(r: Random, length: float, duration: float) -> dict[str, Any]:
     """A few other parameters that may be tuned."""
-    fresh = {**tool(r, length, duration), **work(r, length, duration)}
-    kept = ("tool.mode", "source", "mark.latched", "mark.window", "mark.spacing", "mark.every", "mark.sensor_distance")
-    return {name: fresh[name] for name in r.sample(sorted(fresh.keys() - set(kept)), 3)}
+    candidates = {**random_tool(r, length, duration), **random_settings(r, length, duration)}
+    mark = ("latched", "window", "spacing", "every", "sensor_distance")
+    unchanged = ("tool.mode", "source", *(f"mark.{name}" for name in mark))
+    return {name: candidates[name] for name in r.sample(sorted(candidates.keys() - set(unchanged)), 3)}
 
 
-def _bad_settings(r: Random) -> dict[str, Any]:
+def _invalid_settings(r: Random) -> dict[str, Any]:
     name = r.choice(("kerf", "tool.cut_time", "axis.max_jerk", "homing.velocity", "front_position", "gap.travel"))
-    return {name: r.choice(BAD)} if r.random() < 0.7 else {r.choice(BAD_CHOICES): r.choice((0, 9))}
+    return {name: r.choice(INVALID_VALUES)} if r.random() < 0.7 else {r.choice(INVALID_CHOICES): r.choice((0, 9))}
 
 
-def watch(block: CutToLength) -> set[Any]:
-    """What is worth meeting of the block's present state."""
+def features(block: CutToLength) -> set[Any]:
+    """The remarkable features of the block's present state."""
     return {
         ("state", block.state),
         ("mode", block.master.input_mode),
@@ -247,12 +250,12 @@ def watch(block: CutToLength) -> set[Any]:
 
 STRATEGY = Strategy(
     runs,
-    watch,
+    features,
     frozenset(
         {
             *(("state", state) for state in State),
             *(("mode", mode) for mode in MasterInput),
-            *(("fault", fault) for fault in Fault),
+            *(("fault", fault) for fault in (*Fault, *PieceFault)),
             *(("in sync", state) for state in (State.SYNCHRONOUS, State.CUTTING, State.CLEARING)),
             *(("piece", kind) for kind in PieceKind),
             *(("made", kind) for kind in PieceKind),

@@ -1,4 +1,4 @@
-"""What a machine can do, predicted: hand-computed rows, a solution in mpmath from pieces of constant jerk, and laws.
+"""What a machine can do, predicted: hand-computed rows, a solution in mpmath from phases of constant jerk, and laws.
 
 The reference machine has the axis 1500 / 10000 / 10000 / 200000 up to 650, home 0, a cut of 0.25 s and no reserve.
 """
@@ -14,7 +14,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mpf
 
-from motionsync.cut_to_length.limits import (
+from motionsync.cut_to_length.machine_limits import (
     Machine,
     approach_distance,
     change_time,
@@ -178,7 +178,7 @@ def test_the_gap_takes_its_travel_and_moves_the_carriage_farther() -> None:
 
 
 @pytest.mark.parametrize("velocity", [0.0, -3.0])
-def test_a_line_that_stands_or_turns_back_needs_no_cycle(velocity: float) -> None:
+def test_a_line_at_rest_or_running_backwards_needs_no_cycle(velocity: float) -> None:
     machine = replace(REFERENCE, approach_distance=150.0, gap_distance=10.0)
     assert cycle_time(machine, velocity) == 0.0
     assert shortest_pitch(machine, velocity) == 0.0
@@ -193,7 +193,7 @@ def test_a_carriage_slower_than_the_line_is_not_admissible() -> None:
     assert not is_admissible(REFERENCE, 1431.797781)
 
 
-def test_nothing_is_admissible_without_room_or_pitch() -> None:
+def test_nothing_is_admissible_without_stroke_or_pitch() -> None:
     assert max_line_velocity(replace(REFERENCE, home_position=650.0), 1000.0) < 1e-12  # 650 + its stroke rounds to 650
     assert max_line_velocity(replace(REFERENCE, approach_distance=150.0), 299.9) == 0.0  # 2D is travelled at least
     assert max_line_velocity(replace(REFERENCE, approach_distance=150.0), 300.1) > 0.0
@@ -262,8 +262,8 @@ def test_the_way_home_takes_as_long_as_the_carriage_s_own_motion(
     motion.move(distance, velocity, 0.0, 0.0, speed, acceleration, deceleration, jerk)
     turning = min(acceleration, deceleration)
     assume(distance > 0.0 or velocity > 0.0)
-    found = return_time(velocity, distance, turning, deceleration, jerk, speed)
-    assert found == pytest.approx(motion.end(), rel=1e-12)
+    computed = return_time(velocity, distance, turning, deceleration, jerk, speed)
+    assert computed == pytest.approx(motion.end_time(), rel=1e-12)
 
 
 @pytest.mark.parametrize("more", [-1e-2, -1e-8, -1e-9, -1e-10, 0.0, 1e-10, 1e-9, 1e-8, 1e-2])
@@ -285,11 +285,17 @@ def test_pitch_and_stroke_rise_with_the_line_velocity(machine: Machine, velocity
 @repeatable
 @given(machines, st.floats(-3.0, 3.0).map(lambda exponent: 10.0**exponent))
 def test_the_greatest_line_velocity_is_sharp(machine: Machine, pitch: float) -> None:
-    """At it nothing is exceeded; faster by 1e-12 the pitch, the stroke or the carriage's velocity is."""
+    """At it nothing is exceeded; faster by 1e-12 the pitch, the stroke or the carriage's velocity is.
+
+    A pitch or a stroke that the slowest line needs to the last bit allows no velocity: what a greater one adds is lost
+    in rounding at first."""
+    slowest = 1e-99
+    assume(shortest_pitch(machine, slowest) != pitch)
+    assume(machine.home_position + stroke(machine, slowest) != machine.max_position)
     velocity = max_line_velocity(machine, pitch)
     assert velocity == 0.0 or is_admissible(machine, velocity)
     assert shortest_pitch(machine, velocity) <= pitch
-    more = velocity * (1.0 + 1e-12) if velocity > 0.0 else 1e-99
+    more = velocity * (1.0 + 1e-12) if velocity > 0.0 else slowest
     assert not is_admissible(machine, more) or shortest_pitch(machine, more) > pitch
 
 
@@ -298,9 +304,9 @@ def test_the_greatest_line_velocity_is_sharp(machine: Machine, pitch: float) -> 
 def test_where_the_pitch_limits_the_cycle_is_as_long_as_the_pitch(machine: Machine, velocity: float) -> None:
     free = replace(machine, max_velocity=1e6, max_position=1e9)
     pitch = shortest_pitch(free, velocity)
-    found = max_line_velocity(free, pitch)
-    assert shortest_pitch(free, found) == pytest.approx(pitch, rel=1e-12)
-    assert found == pytest.approx(velocity, rel=1e-11)
+    greatest = max_line_velocity(free, pitch)
+    assert shortest_pitch(free, greatest) == pytest.approx(pitch, rel=1e-12)
+    assert greatest == pytest.approx(velocity, rel=1e-11)
 
 
 EXTREMES = (1e-12, 1e-6, 1.0, 1e6, 1e12)
@@ -320,20 +326,20 @@ def test_nothing_overflows_whatever_the_machine() -> None:
     rng = Random(1)
     for _ in range(600):
         machine, velocity, pitch = extreme(rng), rng.choice(VELOCITIES), rng.choice(PITCHES)
-        found = max_line_velocity(machine, pitch)
-        values = (cycle_time(machine, velocity), shortest_pitch(machine, velocity), stroke(machine, velocity), found)
+        greatest = max_line_velocity(machine, pitch)
+        values = (cycle_time(machine, velocity), shortest_pitch(machine, velocity), stroke(machine, velocity), greatest)
         assert all(math.isfinite(x) and x >= 0.0 for x in values), (machine, velocity, pitch, values)
-        if found > 0.0:
-            assert is_admissible(machine, found)
-            assert shortest_pitch(machine, found) <= pitch
+        if greatest > 0.0:
+            assert is_admissible(machine, greatest)
+            assert shortest_pitch(machine, greatest) <= pitch
 
 
-# --- against a solution from pieces of constant jerk ------------------------------------------------------------------
+# --- against a solution from phases of constant jerk ------------------------------------------------------------------
 
-Piece = tuple[mpf, mpf]  # a time and a jerk
+JerkPhase = tuple[mpf, mpf]  # a time and a jerk
 
 
-def ramp(change: mpf, acceleration: mpf, jerk: mpf) -> list[Piece]:
+def ramp(change: mpf, acceleration: mpf, jerk: mpf) -> list[JerkPhase]:
     """The fastest change of a velocity, from and to an acceleration of 0: jerk, constant acceleration, jerk."""
     rise = min(acceleration / jerk, mpmath.sqrt(abs(change) / jerk))
     flat = abs(change) / (rise * jerk) - rise if change else mpf(0)
@@ -341,10 +347,10 @@ def ramp(change: mpf, acceleration: mpf, jerk: mpf) -> list[Piece]:
     return [(rise, sign * jerk), (flat, mpf(0)), (rise, -sign * jerk)]
 
 
-def follow(pieces: list[Piece], velocity: mpf) -> tuple[mpf, mpf]:
-    """Time and way of a chain of pieces that begins at a velocity, without acceleration."""
+def follow_phases(phases: list[JerkPhase], velocity: mpf) -> tuple[mpf, mpf]:
+    """Time and travel of a sequence of phases that starts at a velocity, without acceleration."""
     time = way = a = mpf(0)
-    for t, j in pieces:
+    for t, j in phases:
         way += velocity * t + a * t**2 / 2 + j * t**3 / 6
         velocity += a * t + j * t**2 / 2
         a += j * t
@@ -352,8 +358,8 @@ def follow(pieces: list[Piece], velocity: mpf) -> tuple[mpf, mpf]:
     return time, way
 
 
-def halved(above: mpf, is_above: Callable[[mpf], bool]) -> mpf:
-    """The place in [0, above] from which on `is_above` holds, by bisection to 45 digits."""
+def bisect(above: mpf, is_above: Callable[[mpf], bool]) -> mpf:
+    """The point of [0, above] from which on `is_above` holds, by bisection to 45 digits."""
     low, high = mpf(0), above
     for _ in range(160):
         middle = (low + high) / 2
@@ -368,17 +374,17 @@ def home_time(velocity: mpf, distance: mpf, turn: mpf, down: mpf, jerk: mpf, spe
     """The time from a velocity away from home to rest at home: the fastest that its limits allow."""
 
     def way_back(peak: mpf) -> tuple[mpf, mpf]:
-        time, way = follow([*ramp(-(velocity + peak), turn, jerk), *ramp(peak, down, jerk)], velocity)
+        time, way = follow_phases([*ramp(-(velocity + peak), turn, jerk), *ramp(peak, down, jerk)], velocity)
         return time, -way
 
     time, way = way_back(speed)
     if way <= distance:
         return time + (distance - way) / speed
-    return way_back(halved(speed, lambda peak: way_back(peak)[1] > distance))[0]
+    return way_back(bisect(speed, lambda peak: way_back(peak)[1] > distance))[0]
 
 
-def solved(machine: Machine, line: float) -> tuple[mpf, mpf, mpf]:
-    """Cycle time, shortest pitch and stroke of a machine without a gap, from its pieces of constant jerk."""
+def solve_cycle(machine: Machine, line: float) -> tuple[mpf, mpf, mpf]:
+    """Cycle time, shortest pitch and stroke of a machine without a gap, from its phases of constant jerk."""
     m = {f.name: mpf(getattr(machine, f.name)) for f in fields(Machine)}
     v = m["coupling"] * mpf(line)
     faster = v * (1 + m["approach_reserve"])
@@ -393,23 +399,24 @@ def solved(machine: Machine, line: float) -> tuple[mpf, mpf, mpf]:
     turn = min(m["homing_acceleration"], m["homing_deceleration"])
     home = home_time(v, farthest, turn, m["homing_deceleration"], m["homing_jerk"], m["homing_velocity"])
     cycle = 2 * distance / v + sync + home + m["homing_settle_time"]
-    return cycle, cycle * mpf(line), farthest + follow(ramp(-v, turn, m["homing_jerk"]), v)[1]
+    return cycle, cycle * mpf(line), farthest + follow_phases(ramp(-v, turn, m["homing_jerk"]), v)[1]
 
 
 @settings(repeatable, max_examples=60)
 @given(machines, scales)
-def test_predictions_agree_with_pieces_of_constant_jerk(machine: Machine, velocity: float) -> None:
+def test_predictions_agree_with_phases_of_constant_jerk(machine: Machine, velocity: float) -> None:
     without_gap = replace(machine, gap_distance=0.0)
     with mpmath.workdps(50):
-        time, pitch, farthest = solved(without_gap, velocity)
+        time, pitch, farthest = solve_cycle(without_gap, velocity)
     assert cycle_time(without_gap, velocity) == pytest.approx(float(time), rel=1e-13)
     assert shortest_pitch(without_gap, velocity) == pytest.approx(float(pitch), rel=1e-13)
     assert stroke(without_gap, velocity) == pytest.approx(float(farthest), rel=1e-13)
 
 
-def test_a_change_of_velocity_takes_as_long_as_its_pieces() -> None:
+def test_a_change_of_velocity_takes_as_long_as_its_phases() -> None:
     """Below a2/j = 20 the acceleration is a triangle, 2 sqrt(5/0.05) = 20; from there a trapezium, 60/1 + 1/0.05."""
     assert change_time(5.0, 1.0, 0.05) == 20.0
     assert change_time(60.0, 1.0, 0.05) == 80.0
     assert change_time(0.0, 1.0, 0.05) == 0.0
-    assert change_time(20.0, 1.0, 0.05) == pytest.approx(float(follow(ramp(mpf(20), mpf(1), mpf(0.05)), mpf(0))[0]))
+    time, _ = follow_phases(ramp(mpf(20), mpf(1), mpf(0.05)), mpf(0))
+    assert change_time(20.0, 1.0, 0.05) == pytest.approx(float(time))

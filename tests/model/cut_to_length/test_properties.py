@@ -1,4 +1,4 @@
-"""The CutToLength on random machines and lines: places of cuts, limits, ends, blade, continuity, step sizes, state."""
+"""The CutToLength on random machines and lines: where it cuts, limits, ends, blade, continuity, step sizes, state."""
 
 import math
 from collections.abc import Iterator
@@ -13,15 +13,16 @@ from hypothesis import Phase as Generation
 from hypothesis import strategies as st
 
 from motionsync.cut_to_length.block import CutToLength
-from motionsync.cut_to_length.interface import LateMode, PieceKind, State, ToolMode
+from motionsync.cut_to_length.interface import State, ToolMode
+from motionsync.cutting.interface import LateMode, PieceKind
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import variables
 from tests.model.cut_to_length.harness import CutToLengthHarness
-from tests.model.cut_to_length.strategies import machine, runs, tool
-from tests.support.finite import finite_steps
+from tests.model.cut_to_length.strategies import random_machine, random_tool, runs
+from tests.support.finite import run_finite
 from tests.support.harness import MOTION, Row
-from tests.support.runs import Run
+from tests.support.runs import BlockRun
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 IN_CONTACT = (State.SYNCHRONOUS, State.CUTTING, State.PULLING, State.CLEARING)
@@ -50,13 +51,13 @@ class Phase:
 LONG_CUT = {"tool.cut_time": 0.15, "tool.cut_distance": 150.0}  # long enough to be seen
 
 
-def random_machine(rng: Random, **values: Any) -> dict[str, Any]:
-    """For pieces of about LENGTH on a line of about LINE, with much room; it is at home."""
-    found = machine(rng, LENGTH, DURATION) | tool(rng, LENGTH, DURATION)
-    found |= {"axis.initial_position": found["home_position"], "axis.max_position": 1e5, "axis.min_position": -1e5}
-    found |= {"kerf": rng.choice((0.0, 5.0)), "length_correction": rng.choice((0.0, -2.0)), "homing.ease": False}
-    found |= {"tool.mode": rng.choice((ToolMode.TIME, ToolMode.DISTANCE)), "length": LENGTH}
-    return found | {name.replace("__", "."): value for name, value in values.items()}
+def long_stroke_machine(rng: Random, **values: Any) -> dict[str, Any]:
+    """For pieces of about LENGTH on a line of about LINE, with a long stroke; it is at home."""
+    start = random_machine(rng, LENGTH, DURATION) | random_tool(rng, LENGTH, DURATION)
+    start |= {"axis.initial_position": start["home_position"], "axis.max_position": 1e5, "axis.min_position": -1e5}
+    start |= {"kerf": rng.choice((0.0, 5.0)), "length_correction": rng.choice((0.0, -2.0)), "homing.ease": False}
+    start |= {"tool.mode": rng.choice((ToolMode.TIME, ToolMode.DISTANCE)), "length": LENGTH}
+    return start | {name.replace("__", "."): value for name, value in values.items()}
 
 
 def speed_for(values: dict[str, Any], share: float) -> float:
@@ -78,45 +79,45 @@ def random_line(rng: Random, speed: float, phases: int, *, stops: bool = True) -
 
 
 def run_phase(saw: CutToLengthHarness, phase: Phase, cuts: list[float]) -> dict[float, Row]:
-    saw.put(phase.values).give(*phase.commands)
+    saw.set(phase.values).give(*phase.commands)
     return saw.rows(phase.duration, acceleration=phase.acceleration, cuts=cuts)
 
 
-def every(duration: float, step: float) -> list[float]:
+def multiples_of(duration: float, step: float) -> list[float]:
     return [i * step for i in range(1, int(duration / step) + 1)]
 
 
 class Observed(CutToLengthHarness):
-    """Notes where the cuts really are: in contact the blade's line is at m - s / k on the material.
+    """Notes where the cuts really are: in contact the blade is at m - s / k on the material.
 
     Attributes:
-        begin: that of the front end when start was given.
-        places: of the cuts that were made.
+        front: position of the front end when start was given.
+        cut_positions: of the cuts that were made.
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
-        self.places: list[float] = []
-        self.begin = math.nan
-        self.line = math.nan
-        self.contact = 0
+        self.cut_positions: list[float] = []
+        self.front = math.nan
+        self.blade_position = math.nan
+        self.contact_steps = 0
         super().__init__(*arguments, **options)
 
-    def begun(self, k: float, f: float) -> "Observed":
-        """start is given; the carriage's k and the material's f are computed from the parameters here."""
+    def start_at_front(self, k: float, f: float) -> "Observed":
+        """Give start; the carriage's k and the material's f are passed by the test, which computes them itself."""
         self.k = k
-        self.begin = self.place - 0.5 * self["kerf"] / f
+        self.front = self.master_position - 0.5 * self["kerf"] / f
         self.give("start").run(1e-9)
         return self
 
-    def stepped(self) -> None:
+    def after_step(self) -> None:
         before = self.cuts
-        super().stepped()
+        super().after_step()
         if self.cuts > before:
             assert self.cuts == before + 1
-            self.places.append(self.line)
+            self.cut_positions.append(self.blade_position)
         if self["in_sync"] and self.state != State.CLEARING:
-            self.contact += 1
-            self.line = self.block.master.end - self["slave.position"] / self.k
+            self.contact_steps += 1
+            self.blade_position = self.block.master.end - self["slave.position"] / self.k
 
 
 def factors(values: dict[str, Any]) -> tuple[float, float]:
@@ -125,26 +126,26 @@ def factors(values: dict[str, Any]) -> tuple[float, float]:
     return f / math.cos(math.radians(values["diagonal_angle"])), f
 
 
-# --- where the cuts lie, and the books --------------------------------------------------------------------------------
+# --- where the cuts are, and their records ----------------------------------------------------------------------------
 
 
 @settings(repeatable, max_examples=30)
 @given(rngs, st.floats(0.6, 1.3), st.sampled_from([LateMode.SKIP, LateMode.LATE]), modes)
-def test_cuts_lie_where_the_lengths_say_and_nothing_is_lost(
+def test_cuts_are_where_the_lengths_put_them_and_nothing_is_lost(
     rng: Random, share: float, late: LateMode, mode: MasterInput
 ) -> None:
     """SKIP: a whole number of pitches apart; LATE: one pitch apart, or further where the cut was late. The pieces with
     their kerfs are the material from the front end to the last cut, whatever the line does."""
-    values = random_machine(rng, late_mode=late, **LONG_CUT)
+    values = long_stroke_machine(rng, late_mode=late, **LONG_CUT)
     k, f = factors(values)
-    saw = Observed(values, speed=speed_for(values, share), mode=mode).begun(k, f)
+    saw = Observed(values, speed=speed_for(values, share), mode=mode).start_at_front(k, f)
     for phase in random_line(rng, saw.speed, 6):
-        run_phase(saw, phase, every(phase.duration, 0.05))
+        run_phase(saw, phase, multiples_of(phase.duration, 0.05))
         assert saw.state != State.FAULT
     pitch = (LENGTH + values["kerf"] + values["length_correction"]) / f
-    ends = [saw.begin, *saw.places]
-    assert len(saw.places) == saw["statistics.cuts"]
-    if not saw.places:
+    ends = [saw.front, *saw.cut_positions]
+    assert len(saw.cut_positions) == saw["statistics.cuts"]
+    if not saw.cut_positions:
         return
     for (first, last), piece in zip(pairwise(ends), saw.pieces, strict=True):
         assert piece.length == pytest.approx(
@@ -157,35 +158,36 @@ def test_cuts_lie_where_the_lengths_say_and_nothing_is_lost(
         else:
             assert pitches > 1.0 - 1e-9
     removed = len(saw.pieces) * (values["kerf"] + values["length_correction"])
-    assert sum(saw.lengths()) + removed == pytest.approx(f * (saw.places[-1] - saw.begin), abs=1e-8)
+    assert sum(saw.lengths()) + removed == pytest.approx(f * (saw.cut_positions[-1] - saw.front), abs=1e-8)
     made = saw["statistics.length_good"] + saw["statistics.length_waste"]
     assert made == pytest.approx(sum(saw.lengths()), abs=1e-8)
     if late == LateMode.SKIP:
-        skipped = round((saw.places[-1] - saw.begin) / pitch) - len(saw.pieces)
+        skipped = round((saw.cut_positions[-1] - saw.front) / pitch) - len(saw.pieces)
         assert saw["statistics.skipped"] >= skipped
 
 
 @repeatable
 @given(rngs, modes)
-def test_the_books_of_orders_samples_and_waste_balance(rng: Random, mode: MasterInput) -> None:
-    """Whatever is ordered, ended early or merged: each piece is in the books once, and all material is."""
-    values = random_machine(rng, sample_length=0.9 * LENGTH, waste_length=0.95 * LENGTH, **LONG_CUT)
+def test_the_records_of_orders_samples_and_waste_balance(rng: Random, mode: MasterInput) -> None:
+    """Whatever is ordered, ended early or merged: each piece is recorded once, and all material is."""
+    values = long_stroke_machine(rng, sample_length=0.9 * LENGTH, waste_length=0.95 * LENGTH, **LONG_CUT)
     k, f = factors(values)
-    saw = Observed(values, speed=speed_for(values, 0.8), mode=mode).begun(k, f)
+    saw = Observed(values, speed=speed_for(values, 0.8), mode=mode).start_at_front(k, f)
     for _ in range(12):
         given_now = tuple(c for c in ("cut_now", "take_sample", "order.add", "order.skip") if rng.random() < 0.2)
         new = {"order.length": LENGTH * rng.uniform(0.5, 1.5), "waste": rng.random() < 0.2}
         duration = DURATION * rng.uniform(0.2, 1.2)
-        run_phase(saw, Phase(duration, 0.0, new, given_now), every(duration, 0.02))
-    s = saw.block.statistics
-    assert s.pieces_good + s.pieces_bad + s.pieces_sample + s.pieces_waste == s.cuts == len(saw.pieces)
-    good = sum(piece.length for piece in saw.pieces if piece.good)
+        run_phase(saw, Phase(duration, 0.0, new, given_now), multiples_of(duration, 0.02))
+    counts = saw.statistics("pieces_good", "pieces_bad", "pieces_sample", "pieces_waste")
+    assert sum(counts) == saw["statistics.cuts"] == len(saw.pieces)
+    accepted = sum(piece.length for piece in saw.pieces if piece.is_accepted)
     samples = sum(piece.length for piece in saw.pieces if piece.kind == PieceKind.SAMPLE)
-    assert s.length_good == pytest.approx(good, abs=1e-8)
-    assert s.length_good + s.length_waste + samples == pytest.approx(sum(saw.lengths()), abs=1e-8)
+    assert saw["statistics.length_good"] == pytest.approx(accepted, abs=1e-8)
+    recorded = sum(saw.statistics("length_good", "length_waste")) + samples
+    assert recorded == pytest.approx(sum(saw.lengths()), abs=1e-8)
     removed = len(saw.pieces) * (values["kerf"] + values["length_correction"])
-    if saw.places:
-        assert sum(saw.lengths()) + removed == pytest.approx(f * (saw.places[-1] - saw.begin), abs=1e-8)
+    if saw.cut_positions:
+        assert sum(saw.lengths()) + removed == pytest.approx(f * (saw.cut_positions[-1] - saw.front), abs=1e-8)
 
 
 # --- sharpness --------------------------------------------------------------------------------------------------------
@@ -194,9 +196,9 @@ def test_the_books_of_orders_samples_and_waste_balance(rng: Random, mode: Master
 @settings(repeatable, max_examples=40)
 @given(rngs, modes)
 def test_the_highest_line_velocity_is_sharp(rng: Random, mode: MasterInput) -> None:
-    """At 0.999999 of it every cut is on time, at 1.000001 the warning stands from the beginning and a cut is missed,
-    unless the gap that is reckoned with is left out."""
-    values = random_machine(rng, approach__reserve=0.0, approach__distance=0.0, gap__distance=0.0)
+    """At 0.999999 of it every cut is on time, at 1.000001 the warning holds from the beginning and a cut is missed,
+    unless the gap that the limit includes is left out."""
+    values = long_stroke_machine(rng, approach__reserve=0.0, approach__distance=0.0, gap__distance=0.0)
     if rng.random() < 0.3:  # a gap that the axis can pull at any velocity that it has: jerk 60 g / T^3
         duration = values["gap.travel"] / values["axis.max_velocity"]
         values["gap.distance"] = 0.9 * values["axis.max_jerk"] * duration**3 / 60.0
@@ -224,11 +226,11 @@ def test_the_highest_line_velocity_is_sharp(rng: Random, mode: MasterInput) -> N
 def test_on_a_line_of_constant_velocity_no_limit_is_exceeded(
     rng: Random, share: float, mode: MasterInput, ease: bool
 ) -> None:
-    values = random_machine(rng, homing__ease=ease)
+    values = long_stroke_machine(rng, homing__ease=ease)
     saw = CutToLengthHarness(values, speed=speed_for(values, share), mode=mode).give("start")
     acceleration, jerk = values["axis.max_acceleration"], values["axis.max_jerk"]
     bounds = (values["axis.max_velocity"], acceleration, jerk)
-    for row in saw.rows(3.5 * LENGTH / saw.speed, cuts=every(3.5 * LENGTH / saw.speed, 0.0131)).values():
+    for row in saw.rows(3.5 * LENGTH / saw.speed, cuts=multiples_of(3.5 * LENGTH / saw.speed, 0.0131)).values():
         for name, bound in zip(MOTION[1:], bounds, strict=True):
             assert abs(row[name]) <= bound * (1.0 + 1e-6), name
     assert saw["statistics.cuts"] > 0
@@ -239,7 +241,7 @@ def test_on_a_line_of_constant_velocity_no_limit_is_exceeded(
 @given(rngs, modes)
 def test_the_ends_of_the_stroke_are_never_passed(rng: Random, mode: MasterInput) -> None:
     """The line speeds up or turns back in the cuts, the tool may never answer: the carriage stops in time."""
-    values = random_machine(rng, tool__timeout=0.0, gap__distance=0.0)
+    values = long_stroke_machine(rng, tool__timeout=0.0, gap__distance=0.0)
     values["tool.mode"] = rng.choice(list(ToolMode))
     home = values["home_position"]
     values |= {"axis.min_position": home - 50.0, "axis.max_position": home + LENGTH}
@@ -256,7 +258,7 @@ def test_the_ends_of_the_stroke_are_never_passed(rng: Random, mode: MasterInput)
         assert low - 1e-6 <= row["slave.position"] <= high + 1e-6
         if saw.state == State.FAULT:
             break
-    for row in saw.rows(1.5, cuts=every(1.5, 0.01)).values():
+    for row in saw.rows(1.5, cuts=multiples_of(1.5, 0.01)).values():
         assert low - 1e-6 <= row["slave.position"] <= high + 1e-6
 
 
@@ -265,9 +267,9 @@ def test_the_ends_of_the_stroke_are_never_passed(rng: Random, mode: MasterInput)
 
 @settings(repeatable, max_examples=30)
 @given(rngs, modes)
-def test_the_blade_is_in_the_material_only_in_sync_or_it_is_told(rng: Random, mode: MasterInput) -> None:
+def test_the_blade_is_in_the_material_only_in_sync_or_it_is_reported(rng: Random, mode: MasterInput) -> None:
     """Whatever the line does, and with commands: where blade and material move against each other, that was counted."""
-    values = random_machine(rng, gap__distance=0.0)
+    values = long_stroke_machine(rng, gap__distance=0.0)
     values |= {"tool.mode": rng.choice(list(ToolMode)), "axis.max_position": values["home_position"] + 0.9 * LENGTH}
     values["axis.min_position"] = values["home_position"] - 0.3 * LENGTH
     k, _ = factors(values)
@@ -292,7 +294,7 @@ def test_the_blade_is_in_the_material_only_in_sync_or_it_is_told(rng: Random, mo
 def test_position_velocity_and_acceleration_have_no_step(rng: Random, mode: MasterInput) -> None:
     """Each is the next one's integral over every event, to the rule of trapezoids; on a line of constant acceleration
     the carriage's jumps only where the line's does. (A start at standstill has an approach of no length.)"""
-    values = random_machine(rng, homing__ease=rng.random() < 0.5)
+    values = long_stroke_machine(rng, homing__ease=rng.random() < 0.5)
     saw = CutToLengthHarness(values, speed=speed_for(values, 0.7), mode=mode).give("start")
     slope = factors(values)[0] * (1.0 + 1.875 * values["gap.distance"] / values["gap.travel"])  # the steepest
     acceleration = values["axis.max_acceleration"]
@@ -300,7 +302,7 @@ def test_position_velocity_and_acceleration_have_no_step(rng: Random, mode: Mast
     for phase in random_line(rng, saw.speed, 4, stops=False):
         saw.give(*(c for c in ("cut_now", "abort", "start") if rng.random() < 0.15))
         rows = {saw.time: saw.read(MOTION)}
-        rows |= saw.rows(phase.duration, acceleration=phase.acceleration, cuts=every(phase.duration, 0.002))
+        rows |= saw.rows(phase.duration, acceleration=phase.acceleration, cuts=multiples_of(phase.duration, 0.002))
         jerk = 1.2 * max(values["axis.max_jerk"], *(abs(row["slave.jerk"]) for row in rows.values()))
         for number, ((before, x), (after, y)) in enumerate(pairwise(rows.items())):
             h = after - before
@@ -317,42 +319,42 @@ def test_position_velocity_and_acceleration_have_no_step(rng: Random, mode: Mast
 
 # --- step sizes and input modes ---------------------------------------------------------------------------------------
 
-# What is compared is all that is put out, each with its scale. The velocities that are predicted are those of a search.
+# All outputs are compared, each with its scale. The velocities that are predicted are those of a search.
 SCALES = {"POSITION": LENGTH, "VELOCITY": LINE, "ACCELERATION": 1e2 * LINE, "JERK": 1e4 * LINE, "TIME": DURATION}
 
 
-def shown(saw: CutToLengthHarness) -> dict[str, tuple[Any, float]]:
+def read_outputs(saw: CutToLengthHarness) -> dict[str, tuple[Any, float]]:
     """All outputs and locals with their scales; 0: they must be equal."""
-    found = {}
+    outputs = {}
     for v in variables(CutToLength()):
         if v.causality in ("output", "local"):
-            found[v.name] = (saw[v.name], SCALES.get(v.declaration.unit.name, 1.0) if v.kind == "Real" else 0.0)
-    return found
+            outputs[v.name] = (saw[v.name], SCALES.get(v.declaration.unit.name, 1.0) if v.kind == "Real" else 0.0)
+    return outputs
 
 
-def assert_alike(one: CutToLengthHarness, other: CutToLengthHarness) -> None:
-    second = shown(other)
+def assert_same_outputs(one: CutToLengthHarness, other: CutToLengthHarness) -> None:
+    second = read_outputs(other)
     assert [
         (name, value, second[name][0])
-        for name, (value, scale) in shown(one).items()
+        for name, (value, scale) in read_outputs(one).items()
         if abs(value - second[name][0]) > 1e-8 * scale
     ] == []
 
 
 def random_phases(rng: Random, speed: float, number: int) -> list[Phase]:
-    """A line, lengths, commands and settings. No approach begins while the line brakes hard to a stop."""
-    found = []
+    """A line, lengths, commands and settings. No approach starts while the line brakes hard to a stop."""
+    phases = []
     for phase in random_line(rng, speed, number):
         speed += phase.acceleration * phase.duration
-        stops = phase.acceleration < 0.0 and speed < 0.2 * LINE  # a start would be looked for where it comes and goes
+        stops = phase.acceleration < 0.0 and speed < 0.2 * LINE  # a start would be searched where it comes and goes
         values: dict[str, Any] = {"order.length": LENGTH * rng.uniform(0.7, 1.3), "hold": stops or rng.random() < 0.05}
         if rng.random() < 0.2:
             values["length"] = LENGTH * rng.uniform(0.7, 1.3)
         if rng.random() < 0.1:
             values["kerf"] = rng.uniform(0.0, 5.0)
         given_now = tuple(c for c in COMMANDS if rng.random() < 0.05)
-        found.append(Phase(phase.duration, phase.acceleration, values, given_now))
-    return found
+        phases.append(Phase(phase.duration, phase.acceleration, values, given_now))
+    return phases
 
 
 @settings(repeatable, max_examples=16)
@@ -360,35 +362,35 @@ def random_phases(rng: Random, speed: float, number: int) -> list[Phase]:
 def test_any_two_step_sizes_and_input_modes_agree(
     rng: Random, step: float | None, one: MasterInput, other: MasterInput, period: float
 ) -> None:
-    """In all that is put out, where the line's acceleration changes and in the middle between: as few steps as there
+    """In all outputs, where the line's acceleration changes and in the middle between: as few steps as there
     can be, and steps of 1 ms, 7 ms or random ones."""
-    values = random_machine(rng, late_mode=rng.choice(list(LateMode)), master__period=period, sample_length=LENGTH)
+    values = long_stroke_machine(rng, late_mode=rng.choice(list(LateMode)), master__period=period, sample_length=LENGTH)
     speed = speed_for(values, rng.choice((0.7, 0.9, 1.2)))
     phases = random_phases(rng, speed, 2 if step == 0.001 else 5)
     few, many = (CutToLengthHarness(values, speed=speed, mode=mode).give("start") for mode in (one, other))
     for phase in phases:
         half = 0.5 * phase.duration
         for part in (phase, Phase(0.0, phase.acceleration)):
-            fewest = every(half, 0.3 * LENGTH / LINE) if period else []
-            cuts = every(half, step) if step else [rng.random() * half for _ in range(20)]
+            fewest = multiples_of(half, 0.3 * LENGTH / LINE) if period else []
+            cuts = multiples_of(half, step) if step else [rng.random() * half for _ in range(20)]
             run_phase(few, Phase(half, part.acceleration, part.values, part.commands), fewest)
             run_phase(many, Phase(half, part.acceleration, part.values, part.commands), [*cuts, *fewest])
-            assert_alike(few, many)
+            assert_same_outputs(few, many)
 
 
 # --- the state --------------------------------------------------------------------------------------------------------
 
 
-def bits(stepper: Stepper) -> list[str]:
-    return [repr(cell.get()) for cell in stepper.cells.values()]
+def cell_bits(stepper: Stepper) -> list[str]:
+    return [f"{cell.get()}" for cell in stepper.cells.values()]
 
 
 @settings(repeatable, max_examples=10, suppress_health_check=list(HealthCheck))
 @given(runs(steps=300))
-def test_a_state_that_is_restored_goes_on_with_the_same_bits(run: Run) -> None:
+def test_a_state_that_is_restored_goes_on_with_the_same_bits(run: BlockRun) -> None:
     """When a state is met for the first time: a new block that gets all cells answers the next 40 steps alike."""
     block = Stepper(CutToLength())
-    ranges = [v for v in variables(block.block) if v.judged]
+    ranges = [v for v in variables(block.block) if v.checked]
     block.initialize(run.start)
     met, copies = set(), list[tuple[Stepper, int]]()
     for number, (h, values) in enumerate(run.steps):
@@ -401,7 +403,7 @@ def test_a_state_that_is_restored_goes_on_with_the_same_bits(run: Run) -> None:
         copies = [(copy, until) for copy, until in copies if number < until]
         for copy, _ in copies:
             assert copy.set(values).block.step(h) == answer
-            assert bits(copy) == bits(block)
+            assert cell_bits(copy) == cell_bits(block)
         if answer:
             break
         if block["state_code"] not in met:
@@ -421,8 +423,8 @@ def test_a_state_that_is_restored_goes_on_with_the_same_bits(run: Run) -> None:
 
 @settings(repeatable, max_examples=25, suppress_health_check=list(HealthCheck))
 @given(runs(steps=300))
-def test_whatever_comes_all_numbers_are_finite(run: Run) -> None:
-    for block in finite_steps(CutToLength(), run):
+def test_all_numbers_are_finite_whatever_the_inputs(run: BlockRun) -> None:
+    for block in run_finite(CutToLength(), run):
         assert 0.0 <= block.local.progress <= 1.0
         assert block.state_code == block.state
         assert block.error == (block.error_id != 0)

@@ -29,7 +29,7 @@ class RootFinder:
 
 @dataclass(slots=True)
 class ProfileMeasurer:
-    """Measures a profile, and then also integrates; as often as it is told."""
+    """Measures a profile, and then also integrates; `times` times."""
 
     times: int = 1
     profile: Profile = var.part(Profile)  # noqa: RUF009

@@ -31,22 +31,22 @@ class FlyingSawHarness(BlockHarness):
 
     TYPE = FlyingSaw
 
-    def stepped(self) -> None:
+    def after_step(self) -> None:
         self.held = {group for group in GROUPS if self[f"{group}.execute"]}
 
     def modes(self, *names: str) -> Self:
         """These bits of sync_mode, and no other."""
         bits = (name for name in self.stepper.cells if name.startswith("sync_mode."))
-        return self.put({name: name.removeprefix("sync_mode.") in names for name in bits})
+        return self.set({name: name.removeprefix("sync_mode.") in names for name in bits})
 
-    def order(self, group: str, **values: Any) -> Self:
+    def give(self, group: str, **values: Any) -> Self:
         """The group's inputs, and a rising edge of its `execute` with the next run."""
         assert group not in self.held, "no edge: execute has not been false"
-        return self.put({f"{group}.{name}": value for name, value in values.items()} | {f"{group}.execute": True})
+        return self.set({f"{group}.{name}": value for name, value in values.items()} | {f"{group}.execute": True})
 
     def release(self, *groups: str) -> Self:
         """A falling edge of these groups' `execute`, of all of them if none is named."""
-        return self.put({f"{group}.execute": False for group in groups or GROUPS})
+        return self.set({f"{group}.execute": False for group in groups or GROUPS})
 
     def read(self, names: Iterable[str] = OUTPUTS) -> Row:
         return super().read(names)
@@ -65,13 +65,15 @@ def first_example(**values: Any) -> FlyingSawHarness:
     """TS5055, section 4, example 1: T = 3 s, D = 1250, v0 = 250, v_s = 500; not yet ordered."""
     initial = {"axis.initial_position": -250.0, "axis.initial_velocity": 250.0}
     limits = {f"axis.max_{name}": value for name, value in [("acceleration", 2500.0), ("deceleration", 2500.0)]}
-    return FlyingSawHarness({**initial, **limits, "axis.max_jerk": 5000.0, **values}, place=-500.0, speed=500.0)
+    return FlyingSawHarness(
+        {**initial, **limits, "axis.max_jerk": 5000.0, **values}, master_position=-500.0, speed=500.0
+    )
 
 
 def second_example(**values: Any) -> FlyingSawHarness:
     """Example 2: T = 3 s, D = 1000, v0 = -250, v_s = 750; not yet ordered."""
     initial = {"axis.initial_position": -500.0, "axis.initial_velocity": -250.0}
-    return FlyingSawHarness({**initial, "axis.max_jerk": 50000.0, **values}, place=-500.0, speed=500.0)
+    return FlyingSawHarness({**initial, "axis.max_jerk": 50000.0, **values}, master_position=-500.0, speed=500.0)
 
 
 def meeting(  # T = 1 s unless said otherwise; both at 0 at first
@@ -82,7 +84,7 @@ def meeting(  # T = 1 s unless said otherwise; both at 0 at first
     machine = {f"axis.{name}": value for name, value in values.items()}
     saw = FlyingSawHarness({"axis.initial_velocity": v0, **machine}, speed=vm).modes("detailed_error_codes", *modes)
     ratio = {"ratio_numerator": vs / vm}
-    return saw.order("gear_in_pos", master_sync_position=vm * t, slave_sync_position=distance, **ratio).run(INSTANT)
+    return saw.give("gear_in_pos", master_sync_position=vm * t, slave_sync_position=distance, **ratio).run(INSTANT)
 
 
 def assert_refused(saw: FlyingSawHarness, group: str, code: int, **values: Any) -> FlyingSawHarness:
@@ -91,7 +93,7 @@ def assert_refused(saw: FlyingSawHarness, group: str, code: int, **values: Any) 
     Apart from the errors and the values of the plan, all outputs are as without the command, to the last bit. A command
     of an earlier edge of the same function block goes on without being shown."""
     twin = saw.twin()
-    saw.order(group, **values)
+    saw.give(group, **values)
     for acceleration in (0.0, 30.0):
         saw.run(0.02, acceleration=acceleration)
         twin.run(0.02, acceleration=acceleration)
@@ -113,7 +115,7 @@ def moving() -> FlyingSawHarness:
 
 def under_way() -> FlyingSawHarness:
     """gear_in_velo has begun to synchronise the slave, which takes 0.15 s."""
-    saw = FlyingSawHarness(speed=100.0).order("gear_in_velo", acceleration=1000.0).run(0.03).release()
+    saw = FlyingSawHarness(speed=100.0).give("gear_in_velo", acceleration=1000.0).run(0.03).release()
     assert saw.run(INSTANT).state == State.SYNCHRONIZING
     return saw
 
@@ -127,4 +129,4 @@ def coupled() -> FlyingSawHarness:
 
 def stopped_half() -> FlyingSawHarness:
     """A halt of the slave is half done."""
-    return FlyingSawHarness({"axis.initial_velocity": 500.0}, speed=3.0).order("halt").run(0.03)
+    return FlyingSawHarness({"axis.initial_velocity": 500.0}, speed=3.0).give("halt").run(0.03)

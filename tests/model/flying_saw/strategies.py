@@ -7,13 +7,13 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from motionsync.exceeded import Limit
+from motionsync.exceeded_limit import Limit
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
-from tests.support.runs import EXTREMES, Run, Strategy
+from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 GROUPS = (
     *("reset", "stop", "halt", "gear_out", "gear_in_velo", "gear_in_pos"),
@@ -38,7 +38,7 @@ DYNAMICS = {"velocity": 3.0, "acceleration": 20.0, "deceleration": 30.0, "jerk":
 
 
 @st.composite
-def runs(draw: st.DrawFn, steps: int) -> Run:
+def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-6, 1e6)))
     periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: x * length), st.floats(1e-9, 1e4))
     start = {
@@ -58,7 +58,9 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
     }
     extreme = draw(st.sampled_from((0.0, 0.0, 0.02)))
     commands = draw(st.sampled_from((0.01, 0.1, 0.4)))
-    return Run(start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, length, steps, extreme, commands)))
+    return BlockRun(
+        start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, length, steps, extreme, commands))
+    )
 
 
 def _steps(

@@ -28,9 +28,9 @@ Pieces = list[tuple[float, list[float]]]  # durations and coefficients
 
 def profile(origin: float, pieces: Pieces) -> Profile:
     made = Profile()
-    made.begin(ProfileKind.P5, origin)
+    made.start(ProfileKind.P5, origin)
     for duration, coefficients in pieces:
-        made.add(duration, *[*coefficients, 0.0, 0.0, 0.0, 0.0, 0.0][:6])
+        made.add_segment(duration, *[*coefficients, 0.0, 0.0, 0.0, 0.0, 0.0][:6])
     return made
 
 
@@ -69,7 +69,7 @@ def straight(duration: float, velocity: float, start: float = 0.0) -> tuple[floa
 
 
 def joined(parts: Pieces) -> Pieces:
-    """Each begins where the one before ends."""
+    """Each starts where the one before ends."""
     start = 0.0
     pieces = []
     for duration, coefficients in parts:
@@ -113,9 +113,9 @@ profiles = st.builds(profile, origins, quintics | ramps | anything)
 
 def pieces(of: Profile) -> Iterator[tuple[Fraction, Fraction, Exact]]:
     """Begin, duration and the absolute position of each."""
-    for i in range(of.pieces):
+    for i in range(of.segments):
         f = [Fraction(c) for c in of.coefficients[6 * i : 6 * i + 6]]
-        yield Fraction(of.begins[i]), Fraction(of.durations[i]), [f[0] + Fraction(of.origin), *f[1:]]
+        yield Fraction(of.start_times[i]), Fraction(of.durations[i]), [f[0] + Fraction(of.origin), *f[1:]]
 
 
 def candidates(of: Profile, order: int) -> Iterator[tuple[Fraction, Fraction, Fraction]]:
@@ -152,12 +152,12 @@ def product(a: Exact, b: Exact) -> Exact:
 @example(profile(0.0, [quintic(3.0, 1500.0, 500.0, 500.0)]))
 @example(profile(1e8, joined([straight(1e-9, 500.0), ramp(1.0, 500.0, 0.0)])))
 def test_the_extremes_are_those_of_exact_arithmetic(of: Profile) -> None:
-    found = measured(of)
+    result = measured(of)
     for order, name in enumerate(QUANTITIES):
         near = rounding(of, order)
         values = [value for _, value, _ in candidates(of, order)]
-        assert abs(Fraction(getattr(found, f"{name}_min")) - min(values)) <= near, name
-        assert abs(Fraction(getattr(found, f"{name}_max")) - max(values)) <= near, name
+        assert abs(Fraction(getattr(result, f"{name}_min")) - min(values)) <= near, name
+        assert abs(Fraction(getattr(result, f"{name}_max")) - max(values)) <= near, name
 
 
 @repeatable
@@ -166,14 +166,14 @@ def test_the_extremes_are_those_of_exact_arithmetic(of: Profile) -> None:
 @example(profile(0.0, [ramp(2.0, 500.0, 0.0)]))
 @example(profile(0.0, [quintic(1.0, 2184.7221560704093, 0.0, 0.0)]))
 def test_the_place_of_an_extremum_is_the_first_where_it_is_attained(of: Profile) -> None:
-    found = measured(of)
+    result = measured(of)
     for order, name in enumerate(QUANTITIES[:3]):
         everywhere = list(candidates(of, order))
         size = max(abs(value) for _, value, _ in everywhere)
         near = rounding(of, order)
         for which, sign in (("min", -1), ("max", 1)):
             best = max(sign * value for _, value, _ in everywhere)
-            time = Fraction(getattr(found, f"{name}_{which}_time"))
+            time = Fraction(getattr(result, f"{name}_{which}_time"))
             there = max(sign * value for value in values_at(of, time, order))
             assert there >= best - EQUAL * size - near - drift(of, time, order), (name, which)
             late = Fraction(of.duration()) / 10**7  # a double root is known to the square root of rounding
@@ -199,11 +199,11 @@ def drift(of: Profile, time: Fraction, order: int) -> Fraction:
 @repeatable
 @given(profiles)
 def test_the_velocity_at_an_extreme_acceleration_is_that_of_its_place(of: Profile) -> None:
-    found = measured(of)
+    result = measured(of)
     late = 4 * EPS * Fraction(of.duration())
     for time, velocity in [
-        (found.acceleration_min_time, found.velocity_at_acceleration_min),
-        (found.acceleration_max_time, found.velocity_at_acceleration_max),
+        (result.acceleration_min_time, result.velocity_at_acceleration_min),
+        (result.acceleration_max_time, result.velocity_at_acceleration_max),
     ]:
         near = rounding(of, 1) + drift(of, Fraction(time), 1)
         places = [v for t, _, v in candidates(of, 2) if abs(t - Fraction(time)) <= late] + [
@@ -215,10 +215,10 @@ def test_the_velocity_at_an_extreme_acceleration_is_that_of_its_place(of: Profil
 @repeatable
 @given(profiles)
 def test_no_sample_exceeds_the_extremes(of: Profile) -> None:
-    found = measured(of)
+    result = measured(of)
     for order, name in enumerate(QUANTITIES):
-        low = Fraction(getattr(found, f"{name}_min")) - rounding(of, order)
-        high = Fraction(getattr(found, f"{name}_max")) + rounding(of, order)
+        low = Fraction(getattr(result, f"{name}_min")) - rounding(of, order)
+        high = Fraction(getattr(result, f"{name}_max")) + rounding(of, order)
         for _, d, f in pieces(of):
             slope = derivative(f, order)
             assert all(low <= at(slope, Fraction(n, 64)) / d**order <= high for n in range(65)), name
@@ -234,7 +234,7 @@ def test_no_sample_exceeds_the_extremes(of: Profile) -> None:
 @example(profile(0.0, [ramp(1.0, 500.0, -500.0)]))
 def test_peaks_are_the_greatest_magnitudes_where_speed_rises_and_falls(of: Profile) -> None:
     """An interval in which v or a is 0 but for rounding may count or not."""
-    found = measured(of)
+    result = measured(of)
     certain = {True: Fraction(0), False: Fraction(0)}
     possible = dict(certain)
     for _, d, f in pieces(of):
@@ -248,14 +248,14 @@ def test_peaks_are_the_greatest_magnitudes_where_speed_rises_and_falls(of: Profi
             possible[speeding] = max(possible[speeding], peak / d**2)
             if max(abs(at(v, low)), abs(at(v, high))) > small[0] and peak > small[1]:
                 certain[speeding] = max(certain[speeding], peak / d**2)
-    for peak, speeding in [(Fraction(found.acceleration_peak), True), (Fraction(found.deceleration_peak), False)]:
+    for peak, speeding in [(Fraction(result.acceleration_peak), True), (Fraction(result.deceleration_peak), False)]:
         assert certain[speeding] - rounding(of, 2) <= peak <= possible[speeding] + rounding(of, 2)
 
 
 @repeatable
 @given(profiles)
 def test_momentum_mean_and_effective_value_are_those_of_exact_arithmetic(of: Profile) -> None:
-    found = measured(of)
+    result = measured(of)
     momenta = []
     distance = power = Fraction(0)
     for _, d, f in pieces(of):
@@ -266,13 +266,13 @@ def test_momentum_mean_and_effective_value_are_those_of_exact_arithmetic(of: Pro
         distance += sum(abs(at(f, high) - at(f, low)) for low, high in pairwise(turns))
         power += integral(product(a, a)) / d**3
     near = rounding(of, 1) * rounding(of, 2) / EPS / 4
-    assert abs(Fraction(found.momentum_min) - min(momenta)) <= near
-    assert abs(Fraction(found.momentum_max) - max(momenta)) <= near
-    assert found.velocity_mean == pytest.approx(
+    assert abs(Fraction(result.momentum_min) - min(momenta)) <= near
+    assert abs(Fraction(result.momentum_max) - max(momenta)) <= near
+    assert result.velocity_mean == pytest.approx(
         float(distance / Fraction(of.duration())), abs=2 * float(rounding(of, 1))
     )
     effective = sqrt(power / Fraction(of.duration()))
-    assert found.acceleration_effective == pytest.approx(effective, rel=1e-13, abs=2 * float(rounding(of, 2)))
+    assert result.acceleration_effective == pytest.approx(effective, rel=1e-13, abs=2 * float(rounding(of, 2)))
 
 
 # --- what is known ---
@@ -280,50 +280,50 @@ def test_momentum_mean_and_effective_value_are_those_of_exact_arithmetic(of: Pro
 
 def test_the_first_example_of_the_source() -> None:
     """Master 500, from -500 to 1000; slave 250, from -250 to 1000."""
-    found = measured(profile(-250.0, [quintic(3.0, 1250.0, 250.0, 500.0)]))
-    assert (found.position_min, found.position_min_time) == (-250.0, 0.0)
-    assert (found.position_max, found.position_max_time) == (pytest.approx(1000.0, rel=1e-15), 3.0)
-    assert (found.velocity_min, found.velocity_min_time) == (250.0, 0.0)
-    assert (found.velocity_max, found.velocity_max_time) == (pytest.approx(506.0), pytest.approx(2.4))
-    assert [found.acceleration_min, found.acceleration_max] == pytest.approx([-15.04601, 175.04601], abs=5e-6)
-    assert [found.jerk_min, found.jerk_max] == pytest.approx([-1400 / 9, 4000 / 9], rel=1e-14)
-    assert [found.acceleration_peak, found.deceleration_peak] == [found.acceleration_max, -found.acceleration_min]
-    assert found.velocity_mean == pytest.approx(1250 / 3)
+    result = measured(profile(-250.0, [quintic(3.0, 1250.0, 250.0, 500.0)]))
+    assert (result.position_min, result.position_min_time) == (-250.0, 0.0)
+    assert (result.position_max, result.position_max_time) == (pytest.approx(1000.0, rel=1e-15), 3.0)
+    assert (result.velocity_min, result.velocity_min_time) == (250.0, 0.0)
+    assert (result.velocity_max, result.velocity_max_time) == (pytest.approx(506.0), pytest.approx(2.4))
+    assert [result.acceleration_min, result.acceleration_max] == pytest.approx([-15.04601, 175.04601], abs=5e-6)
+    assert [result.jerk_min, result.jerk_max] == pytest.approx([-1400 / 9, 4000 / 9], rel=1e-14)
+    assert [result.acceleration_peak, result.deceleration_peak] == [result.acceleration_max, -result.acceleration_min]
+    assert result.velocity_mean == pytest.approx(1250 / 3)
 
 
 def test_the_second_example_of_the_source() -> None:
     """Master 500, from -500 to 1000; slave -250, from -500 to 500, factor 1.5. First it brakes, then it speeds up."""
-    found = measured(profile(-500.0, [quintic(3.0, 1000.0, -250.0, 750.0)]))
-    assert [found.velocity_min, found.velocity_max] == pytest.approx([-250.0, 750.0])
-    assert [found.acceleration_min, found.acceleration_max] == pytest.approx([0.0, 568.755], abs=5e-4)
-    assert [found.jerk_min, found.jerk_max] == pytest.approx([-3700 / 9, 11000 / 9])
-    assert found.position_min == pytest.approx(-620.638, abs=5e-4)
-    assert found.acceleration_peak == found.acceleration_max
-    assert 0.0 < found.deceleration_peak < found.acceleration_peak
-    assert found.velocity_mean > 1000.0 / 3.0
+    result = measured(profile(-500.0, [quintic(3.0, 1000.0, -250.0, 750.0)]))
+    assert [result.velocity_min, result.velocity_max] == pytest.approx([-250.0, 750.0])
+    assert [result.acceleration_min, result.acceleration_max] == pytest.approx([0.0, 568.755], abs=5e-4)
+    assert [result.jerk_min, result.jerk_max] == pytest.approx([-3700 / 9, 11000 / 9])
+    assert result.position_min == pytest.approx(-620.638, abs=5e-4)
+    assert result.acceleration_peak == result.acceleration_max
+    assert 0.0 < result.deceleration_peak < result.acceleration_peak
+    assert result.velocity_mean > 1000.0 / 3.0
 
 
 def test_a_ramp_then_constant_velocity() -> None:
-    found = measured(profile(-250.0, joined([ramp(2.0, 250.0, 500.0), straight(1.0, 500.0)])))
-    assert (found.velocity_max, found.velocity_max_time) == (500.0, 2.0)
-    assert (found.acceleration_max, found.acceleration_max_time) == (pytest.approx(187.5), pytest.approx(1.0))
-    assert (found.acceleration_min, found.acceleration_min_time) == (pytest.approx(0.0, abs=1e-12), 0.0)
-    assert (found.velocity_at_acceleration_max, found.velocity_at_acceleration_min) == (375.0, 250.0)
-    assert [found.jerk_min, found.jerk_max] == pytest.approx([-375.0, 375.0])
-    assert (found.acceleration_peak, found.deceleration_peak) == (pytest.approx(187.5), 0.0)
-    assert found.acceleration_effective == pytest.approx(sqrt(250.0**2 * 36 / 30 / 2 / 3))
+    result = measured(profile(-250.0, joined([ramp(2.0, 250.0, 500.0), straight(1.0, 500.0)])))
+    assert (result.velocity_max, result.velocity_max_time) == (500.0, 2.0)
+    assert (result.acceleration_max, result.acceleration_max_time) == (pytest.approx(187.5), pytest.approx(1.0))
+    assert (result.acceleration_min, result.acceleration_min_time) == (pytest.approx(0.0, abs=1e-12), 0.0)
+    assert (result.velocity_at_acceleration_max, result.velocity_at_acceleration_min) == (375.0, 250.0)
+    assert [result.jerk_min, result.jerk_max] == pytest.approx([-375.0, 375.0])
+    assert (result.acceleration_peak, result.deceleration_peak) == (pytest.approx(187.5), 0.0)
+    assert result.acceleration_effective == pytest.approx(sqrt(250.0**2 * 36 / 30 / 2 / 3))
 
 
 @pytest.mark.parametrize("speed", [500.0, -500.0, 0.1, 1e-7])
 @pytest.mark.parametrize("duration", [1.0, 0.3, 7.7])
 def test_a_ramp_to_rest_is_all_deceleration_and_ends_at_its_end(speed: float, duration: float) -> None:
     """Its end is a double root of the velocity and one of the acceleration, but for rounding."""
-    found = measured(profile(0.0, [ramp(duration, speed, 0.0)]))
-    assert found.acceleration_peak == 0.0
-    assert found.deceleration_peak == pytest.approx(1.5 * abs(speed) / duration)
-    assert (found.position_max_time if speed > 0.0 else found.position_min_time) == duration
-    assert (found.velocity_min_time if speed > 0.0 else found.velocity_max_time) == duration
-    assert found.velocity_mean == pytest.approx(0.5 * abs(speed))
+    result = measured(profile(0.0, [ramp(duration, speed, 0.0)]))
+    assert result.acceleration_peak == 0.0
+    assert result.deceleration_peak == pytest.approx(1.5 * abs(speed) / duration)
+    assert (result.position_max_time if speed > 0.0 else result.position_min_time) == duration
+    assert (result.velocity_min_time if speed > 0.0 else result.velocity_max_time) == duration
+    assert result.velocity_mean == pytest.approx(0.5 * abs(speed))
 
 
 @repeatable
@@ -333,43 +333,43 @@ def test_a_p5_without_overshoot_only_decelerates(duration: float, velocity: floa
     assume(share < 0.99)
     end = share * velocity
     distance = (0.5 * velocity + 0.5 * end) * duration
-    found = measured(profile(0.0, [quintic(duration, distance, velocity, end)]))
-    assert found.acceleration_peak <= 1e-12 * velocity / duration
-    assert found.velocity_min == pytest.approx(end, abs=1e-12 * velocity)
+    result = measured(profile(0.0, [quintic(duration, distance, velocity, end)]))
+    assert result.acceleration_peak <= 1e-12 * velocity / duration
+    assert result.velocity_min == pytest.approx(end, abs=1e-12 * velocity)
 
 
 def test_at_a_root_of_the_velocity_both_sides_count() -> None:
     """Constant acceleration through rest: the speed falls, then rises."""
-    found = measured(profile(0.0, [(2.0, [0.0, -20.0, 20.0])]))
-    assert (found.velocity_min, found.velocity_max) == (-10.0, 10.0)
-    assert (found.acceleration_peak, found.deceleration_peak) == (10.0, 10.0)
-    assert (found.position_min, found.position_min_time) == (-5.0, 1.0)
-    assert found.velocity_mean == 5.0
-    assert (found.momentum_min, found.momentum_max) == (-100.0, 100.0)
+    result = measured(profile(0.0, [(2.0, [0.0, -20.0, 20.0])]))
+    assert (result.velocity_min, result.velocity_max) == (-10.0, 10.0)
+    assert (result.acceleration_peak, result.deceleration_peak) == (10.0, 10.0)
+    assert (result.position_min, result.position_min_time) == (-5.0, 1.0)
+    assert result.velocity_mean == 5.0
+    assert (result.momentum_min, result.momentum_max) == (-100.0, 100.0)
 
 
 @pytest.mark.parametrize(("velocity", "peaks"), [(0.0, (10.0, 0.0)), (-20.0, (0.0, 10.0))])
 def test_rest_at_an_end_belongs_to_the_side_inside(velocity: float, peaks: tuple[float, float]) -> None:
-    found = measured(profile(0.0, [(2.0, [0.0, 2.0 * velocity, 20.0])]))
-    assert (found.acceleration_peak, found.deceleration_peak) == peaks
+    result = measured(profile(0.0, [(2.0, [0.0, 2.0 * velocity, 20.0])]))
+    assert (result.acceleration_peak, result.deceleration_peak) == peaks
 
 
 def test_at_a_joint_the_accelerations_and_jerks_of_both_sides_count() -> None:
     """Without jerk at +10, then at -10."""
-    found = measured(profile(0.0, joined([(1.0, [0.0, 11.0, 5.0]), (1.0, [0.0, 21.0, -5.0, -1.0])])))
-    assert (found.acceleration_max, found.acceleration_min) == (10.0, -16.0)
-    assert (found.acceleration_peak, found.deceleration_peak) == (10.0, 16.0)
-    assert (found.jerk_min, found.jerk_max) == (-6.0, 0.0)
-    assert (found.velocity_max, found.velocity_max_time) == (21.0, 1.0)
+    result = measured(profile(0.0, joined([(1.0, [0.0, 11.0, 5.0]), (1.0, [0.0, 21.0, -5.0, -1.0])])))
+    assert (result.acceleration_max, result.acceleration_min) == (10.0, -16.0)
+    assert (result.acceleration_peak, result.deceleration_peak) == (10.0, 16.0)
+    assert (result.jerk_min, result.jerk_max) == (-6.0, 0.0)
+    assert (result.velocity_max, result.velocity_max_time) == (21.0, 1.0)
 
 
 def test_a_piece_a_thousand_million_times_shorter_has_its_own_extremes() -> None:
     """1e-9 s with a jerk of 1e12 up and down between straight pieces of 1 s: the acceleration peaks inside it."""
     pulse = (1e-9, [0.0, 1e-9, 0.0, 1e12 * 1e-27 / 6.0, -1e12 * 1e-27 / 12.0])
-    found = measured(profile(0.0, joined([straight(1.0, 1.0), pulse, straight(1.0, 1.0)])))
-    assert found.acceleration_max == pytest.approx(0.25 * 1e3)
-    assert found.acceleration_max_time == pytest.approx(1.0 + 0.5e-9, abs=1e-15)
-    assert [found.jerk_min, found.jerk_max] == pytest.approx([-1e12, 1e12])
+    result = measured(profile(0.0, joined([straight(1.0, 1.0), pulse, straight(1.0, 1.0)])))
+    assert result.acceleration_max == pytest.approx(0.25 * 1e3)
+    assert result.acceleration_max_time == pytest.approx(1.0 + 0.5e-9, abs=1e-15)
+    assert [result.jerk_min, result.jerk_max] == pytest.approx([-1e12, 1e12])
 
 
 # --- mirrored and compiled ---
@@ -378,16 +378,16 @@ def test_a_piece_a_thousand_million_times_shorter_has_its_own_extremes() -> None
 @repeatable
 @given(profiles)
 def test_a_mirrored_profile_has_the_mirrored_extremes_bit_for_bit(of: Profile) -> None:
-    mirrored = measured(profile(-of.origin, [(of.durations[i], negated(of, i)) for i in range(of.pieces)]))
-    found = measured(of)
+    mirrored = measured(profile(-of.origin, [(of.durations[i], negated(of, i)) for i in range(of.segments)]))
+    result = measured(of)
     for name in RESULTS:
         value = getattr(mirrored, name)
         if name.startswith(QUANTITIES) and not name.startswith(("velocity_mean", "acceleration_effective")):
             other = name.replace("min", "MAX").replace("max", "min").replace("MAX", "max")
             opposite = value if name.endswith("_time") or name.endswith("_peak") else -value
-            assert opposite == getattr(found, other), name
+            assert opposite == getattr(result, other), name
         else:
-            assert value == getattr(found, name), name
+            assert value == getattr(result, name), name
 
 
 def negated(of: Profile, i: int) -> list[float]:

@@ -19,8 +19,8 @@ from tests.model.flying_saw.harness import (
 def test_simultaneous_edges_act_in_the_documented_order() -> None:
     """The last command, move_absolute, moves the axis; the ones before it are aborted, and gear_out is done."""
     saw = FlyingSawHarness({"axis.initial_velocity": 50.0}, speed=100.0)
-    saw.order("halt").order("gear_out").order("gear_in_velo").order("gear_in_pos", **AIMS)
-    saw.order("move_velocity", velocity=3.0).order("move_absolute", position=9.0).run(INSTANT)
+    saw.give("halt").give("gear_out").give("gear_in_velo").give("gear_in_pos", **AIMS)
+    saw.give("move_velocity", velocity=3.0).give("move_absolute", position=9.0).run(INSTANT)
     shown = {group: saw.results(group) - {"start_sync"} for group in GROUPS}
     assert shown.pop("move_absolute") == {"busy", "active"}
     assert shown.pop("gear_out") == {"done"}
@@ -32,12 +32,12 @@ def test_simultaneous_edges_act_in_the_documented_order() -> None:
 def test_a_stop_together_with_others_refuses_them() -> None:
     saw = (
         FlyingSawHarness({"axis.initial_velocity": 50.0}, speed=100.0)
-        .order("reset")
-        .order("stop")
-        .order("halt")
-        .order("gear_out")
+        .give("reset")
+        .give("stop")
+        .give("halt")
+        .give("gear_out")
     )
-    saw.order("gear_in_velo").order("move_absolute", position=9.0).run(INSTANT)
+    saw.give("gear_in_velo").give("move_absolute", position=9.0).run(INSTANT)
     assert (saw.results("stop"), saw.results("reset")) == ({"busy", "active"}, {"done"})
     for group in ("halt", "gear_out", "gear_in_velo", "move_absolute"):
         assert (saw.results(group), saw[f"{group}.error_id"]) == ({"error"}, 0x42EF)
@@ -59,7 +59,7 @@ def test_a_result_after_the_falling_edge_is_shown_for_one_step() -> None:
         ("move_velocity", {"velocity": 7.0}, "in_velocity"),
         ("move_absolute", {"position": 7.0}, "done"),
     ]:
-        saw = FlyingSawHarness({"axis.initial_velocity": 50.0}, speed=100.0).order(group, **values).run(0.001)
+        saw = FlyingSawHarness({"axis.initial_velocity": 50.0}, speed=100.0).give(group, **values).run(0.001)
         saw.release().run(0.001)
         assert saw.results(group) - {"start_sync"} == {"busy", "active"}, group
         saw.run(20.0)
@@ -69,8 +69,8 @@ def test_a_result_after_the_falling_edge_is_shown_for_one_step() -> None:
 
 
 def test_an_abortion_after_the_falling_edge_is_shown_for_one_step() -> None:
-    saw = FlyingSawHarness({"axis.initial_velocity": 50.0}).order("move_absolute", position=700.0).run(0.1)
-    saw.release().run(0.1).order("halt").run(0.01)
+    saw = FlyingSawHarness({"axis.initial_velocity": 50.0}).give("move_absolute", position=700.0).run(0.1)
+    saw.release().run(0.1).give("halt").run(0.01)
     assert saw.results("move_absolute") == {"command_aborted"}
     assert saw.run(0.01).results("move_absolute") == set()
 
@@ -78,18 +78,18 @@ def test_an_abortion_after_the_falling_edge_is_shown_for_one_step() -> None:
 def test_done_and_error_stay_but_in_sync_and_in_velocity_are_aborted() -> None:
     saw = (
         FlyingSawHarness(speed=100.0)
-        .order("move_absolute", position=1.0)
+        .give("move_absolute", position=1.0)
         .run(1.0)
-        .order("gear_in_velo", acceleration=1e3)
+        .give("gear_in_velo", acceleration=1e3)
         .run(1.0)
     )
     assert saw.results("move_absolute") == {"done"}
-    saw.order("move_velocity", velocity=-1.0).run(1.0)
+    saw.give("move_velocity", velocity=-1.0).run(1.0)
     assert saw.results("gear_in_velo") - {"start_sync"} == {"command_aborted"}
     assert saw.results("move_velocity") == {"in_velocity"}
-    saw.order("gear_in_pos", **(AIMS | {"slave_sync_position": -1e6})).run(INSTANT)
+    saw.give("gear_in_pos", **(AIMS | {"slave_sync_position": -1e6})).run(INSTANT)
     assert (saw.results("gear_in_pos"), saw.results("move_velocity")) == ({"error"}, {"in_velocity"})
-    saw.order("halt").run(1.0)
+    saw.give("halt").run(1.0)
     assert (saw.results("gear_in_pos"), saw.results("move_velocity")) == ({"error"}, {"command_aborted"})
     assert (saw.results("move_absolute"), saw.results("halt")) == ({"done"}, {"done"})
 
@@ -97,23 +97,23 @@ def test_done_and_error_stay_but_in_sync_and_in_velocity_are_aborted() -> None:
 def test_errors_last_until_reset_or_the_next_accepted_command() -> None:
     saw = assert_refused(moving(), "gear_in_velo", 0x425B, ratio_numerator=0.0)
     assert_refused(saw, "move_velocity", 0x42DD, velocity=1e9)
-    reset = saw.twin().order("reset").run(INSTANT)
+    reset = saw.twin().give("reset").run(INSTANT)
     assert (reset["error"], reset["error_id"], reset.results("reset")) == (False, 0, {"done"})
     assert reset.run(INSTANT).results("reset") == {"done"}
     assert reset.release().run(INSTANT).results("reset") == set()
-    saw.order("move_velocity", velocity=5.0).run(INSTANT)
+    saw.give("move_velocity", velocity=5.0).run(INSTANT)
     assert (saw["error"], saw["error_id"]) == (False, 0)
 
 
 def test_reset_aborts_nothing() -> None:
     saw = under_way()
     twin = saw.twin().run(0.01)
-    saw.order("reset").run(0.01)
+    saw.give("reset").run(0.01)
     assert all(saw[name] == twin[name] for name in OUTPUTS if name != "reset.done")
 
 
 def test_sync_mode_and_values_are_read_at_the_edge() -> None:
-    saw = first_example().order("gear_in_pos", **FIRST).run(1.0).modes("check_max_acceleration", "rollback_lock")
-    saw.put({"gear_in_pos.slave_sync_position": 0.0, "gear_in_pos.ratio_numerator": 7.0, "gear_in_pos.velocity": 1.0})
+    saw = first_example().give("gear_in_pos", **FIRST).run(1.0).modes("check_max_acceleration", "rollback_lock")
+    saw.set({"gear_in_pos.slave_sync_position": 0.0, "gear_in_pos.ratio_numerator": 7.0, "gear_in_pos.velocity": 1.0})
     saw.run(3.0)
     assert (saw.state, saw.slave) == (State.SYNCHRON, near(1500.0, 500.0, 0.0))

@@ -1,4 +1,4 @@
-"""limit_exceeded: nothing that the axis cannot do is put out without a word, whatever sync_mode checks."""
+"""limit_exceeded: a setpoint that the axis cannot do is always reported, whatever sync_mode checks."""
 
 import math
 from random import Random
@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from motionsync.exceeded import Limit
+from motionsync.exceeded_limit import Limit
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.interface import State
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
@@ -16,7 +16,7 @@ from motionsync_fmu.interface.variables import LONGEST_STEP, variables
 from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, meeting, near
 from tests.model.flying_saw.strategies import STRATEGY
 from tests.oracle.flying_saw import reference
-from tests.support.runs import Run
+from tests.support.runs import BlockRun
 
 GENTLE = {"axis.max_velocity": 2000.0, "axis.max_acceleration": 1e5, "axis.max_deceleration": 1e5, "axis.max_jerk": 1e6}
 
@@ -28,7 +28,7 @@ def exceeded(saw: FlyingSawHarness) -> tuple[bool, int, float]:
 NOTHING = (False, Limit.NONE, 0.0)
 
 
-def told(limit: Limit, value: float) -> tuple[bool, int, Any]:
+def report(limit: Limit, value: float) -> tuple[bool, int, Any]:
     return True, limit, near(value, tolerance=1e-6)
 
 
@@ -58,37 +58,37 @@ PLAN = [
 
 
 @pytest.mark.parametrize(("name", "limit", "extreme", "share"), PLAN)
-def test_a_plan_beyond_a_limit_is_told_from_its_edge_until_in_sync(
+def test_a_plan_beyond_a_limit_is_reported_from_its_edge_until_in_sync(
     name: str, limit: Limit, extreme: float, share: float
 ) -> None:
-    kept = FlyingSawHarness({**GENTLE, f"axis.{name}": extreme}, speed=100.0).modes()
+    keeping = FlyingSawHarness({**GENTLE, f"axis.{name}": extreme}, speed=100.0).modes()
     broken = FlyingSawHarness({**GENTLE, f"axis.{name}": share * extreme}, speed=100.0).modes()
-    for saw, wanted in ((kept, NOTHING), (broken, told(limit, extreme))):
-        saw.order("gear_in_pos", master_sync_position=100.0, slave_sync_position=100.0)
+    for saw, expected in ((keeping, NOTHING), (broken, report(limit, extreme))):
+        saw.give("gear_in_pos", master_sync_position=100.0, slave_sync_position=100.0)
         for _ in range(9):
-            assert exceeded(saw.run(0.1)) == wanted
+            assert exceeded(saw.run(0.1)) == expected
             assert saw.state == State.SYNCHRONIZING
-    assert exceeded(kept.run(0.1)) == NOTHING
+    assert exceeded(keeping.run(0.1)) == NOTHING
     assert broken.run(0.1).state == State.SYNCHRON
     if limit != Limit.MAX_POSITION:  # in sync it goes on from there
         assert exceeded(broken) == NOTHING
     else:
-        assert exceeded(broken) == told(limit, 100.0)
+        assert exceeded(broken) == report(limit, 100.0)
 
 
 def test_a_plan_below_the_lower_end_position() -> None:
     """From -100 to 100 with 300: T = 1 s; the slave goes to -31.25 and back."""
-    for low, wanted in ((-31.3, NOTHING), (-31.2, told(Limit.MIN_POSITION, -31.25))):
+    for low, expected in ((-31.3, NOTHING), (-31.2, report(Limit.MIN_POSITION, -31.25))):
         saw = FlyingSawHarness({"axis.initial_velocity": -100.0, "axis.min_position": low}, speed=100.0).modes()
-        saw.order("gear_in_velo", acceleration=300.0, deceleration=300.0)
-        assert exceeded(saw.run(INSTANT)) == wanted
+        saw.give("gear_in_velo", acceleration=300.0, deceleration=300.0)
+        assert exceeded(saw.run(INSTANT)) == expected
         assert exceeded(saw.run(1.1)) == NOTHING
 
 
-def test_a_limit_of_a_command_above_the_axis_s_is_used_and_told() -> None:
+def test_a_limit_of_a_command_above_the_axis_s_is_used_and_reported() -> None:
     """The check looks at the command's limit. The ramp from 0 to 100 with 2000 is over after 0.075 s."""
-    saw = FlyingSawHarness({"axis.max_acceleration": 500.0}, speed=100.0).order("gear_in_velo", acceleration=2000.0)
-    assert exceeded(saw.run(0.07)) == told(Limit.MAX_ACCELERATION, 2000.0)
+    saw = FlyingSawHarness({"axis.max_acceleration": 500.0}, speed=100.0).give("gear_in_velo", acceleration=2000.0)
+    assert exceeded(saw.run(0.07)) == report(Limit.MAX_ACCELERATION, 2000.0)
     assert exceeded(saw.run(0.01)) == NOTHING
 
 
@@ -99,63 +99,63 @@ def test_a_refused_command_exceeds_nothing() -> None:
     assert saw["local.plan_velocity_max"] == near(151.2)
 
 
-def test_of_several_limits_the_first_is_told() -> None:
+def test_of_several_limits_the_first_is_reported() -> None:
     machine = {"axis.max_velocity": 150.0, "axis.max_acceleration": 300.0, "axis.max_jerk": 3000.0}
     for names, limit in ((3, Limit.MAX_VELOCITY), (2, Limit.MAX_ACCELERATION), (1, Limit.MAX_JERK)):
         saw = FlyingSawHarness({**GENTLE, **dict(list(machine.items())[3 - names :])}, speed=100.0).modes()
-        saw.order("gear_in_pos", master_sync_position=100.0, slave_sync_position=100.0).run(INSTANT)
+        saw.give("gear_in_pos", master_sync_position=100.0, slave_sync_position=100.0).run(INSTANT)
         assert saw["local.exceeded_limit"] == limit
 
 
 # --- the slave's own motion -------------------------------------------------------------------------------------------
 
 
-def test_a_move_faster_than_the_axis_is_told_until_it_is_over() -> None:
+def test_a_move_faster_than_the_axis_is_reported_until_it_is_over() -> None:
     """300 u/s with 1000 u/s2 and 1e5 u/s3: 0.3 + 0.01 s up and down, 907 u of the way at 300: 3.333 s in all."""
     saw = FlyingSawHarness({"axis.max_velocity": 200.0, "axis.max_acceleration": 1000.0})
-    saw.order("move_absolute", position=907.0, velocity=300.0)
+    saw.give("move_absolute", position=907.0, velocity=300.0)
     duration = 907.0 / 300.0 + 0.31
     for _ in range(3):
-        assert exceeded(saw.run(1.0)) == told(Limit.MAX_VELOCITY, 300.0)
-    assert exceeded(saw.run(duration - 3.0 - 1e-6)) == told(Limit.MAX_VELOCITY, 300.0)
+        assert exceeded(saw.run(1.0)) == report(Limit.MAX_VELOCITY, 300.0)
+    assert exceeded(saw.run(duration - 3.0 - 1e-6)) == report(Limit.MAX_VELOCITY, 300.0)
     assert exceeded(saw.run(2e-6)) == NOTHING
 
 
-def test_a_change_of_velocity_is_told_until_it_is_over_and_an_end_position_when_it_is_passed() -> None:
+def test_a_change_of_velocity_is_reported_until_it_is_over_and_an_end_position_when_it_is_passed() -> None:
     """From rest to 100 u/s with 1000 u/s2 and 1e5 u/s3 in 0.11 s, 5.5 u on the way."""
     saw = FlyingSawHarness({"axis.max_acceleration": 500.0, "axis.max_position": 50.0})
-    saw.order("move_velocity", velocity=100.0, acceleration=1000.0)
-    assert exceeded(saw.run(0.109)) == told(Limit.MAX_ACCELERATION, 1000.0)
+    saw.give("move_velocity", velocity=100.0, acceleration=1000.0)
+    assert exceeded(saw.run(0.109)) == report(Limit.MAX_ACCELERATION, 1000.0)
     assert exceeded(saw.run(0.002)) == NOTHING
     assert exceeded(saw.run(0.443)) == NOTHING  # 49.9 u
-    assert exceeded(saw.run(0.002)) == told(Limit.MAX_POSITION, 50.1)
+    assert exceeded(saw.run(0.002)) == report(Limit.MAX_POSITION, 50.1)
 
 
-def test_a_halt_that_overruns_an_end_position_is_told_at_once_and_at_rest() -> None:
+def test_a_halt_that_overruns_an_end_position_is_reported_at_once_and_at_rest() -> None:
     """From 100 u/s with 1000 u/s2 and 1e5 u/s3 the way is v^2 / 2a + v a / 2j = 5.5 u."""
     for high, limit in ((5.4, Limit.MAX_POSITION), (5.6, Limit.NONE)):
         machine = {"axis.initial_velocity": 100.0, "axis.max_acceleration": 1000.0, "axis.max_position": high}
-        saw = FlyingSawHarness(machine).order("halt").run(INSTANT)
-        assert exceeded(saw) == (told(limit, 5.5) if limit else NOTHING)
-        assert exceeded(saw.run(1.0)) == (told(limit, 5.5) if limit else NOTHING)
+        saw = FlyingSawHarness(machine).give("halt").run(INSTANT)
+        assert exceeded(saw) == (report(limit, 5.5) if limit else NOTHING)
+        assert exceeded(saw.run(1.0)) == (report(limit, 5.5) if limit else NOTHING)
         assert saw.results("halt") == {"done"}
 
 
 def test_ordinary_moves_up_to_the_limits_exceed_nothing() -> None:
     saw = FlyingSawHarness({"axis.min_position": 0.0, "axis.max_position": 600.0, "axis.max_deceleration": 3000.0})
     for target in (600.0, 0.0, 599.0, 0.3, 600.0):
-        saw.order("move_absolute", position=target)
+        saw.give("move_absolute", position=target)
         for _ in range(60):
             assert exceeded(saw.run(0.017)) == NOTHING
         saw.release().run(INSTANT)
 
 
-def test_an_axis_that_starts_beyond_its_limits_is_told_from_the_first_step_on() -> None:
+def test_an_axis_that_starts_beyond_its_limits_is_reported_from_the_first_step_on() -> None:
     saw = FlyingSawHarness({"axis.initial_position": 5.0, "axis.max_position": 4.0})
     assert exceeded(saw) == NOTHING
-    assert exceeded(saw.run(0.1)) == told(Limit.MAX_POSITION, 5.0)
+    assert exceeded(saw.run(0.1)) == report(Limit.MAX_POSITION, 5.0)
     saw = FlyingSawHarness({"axis.initial_velocity": -5.0, "axis.max_velocity": 4.0})
-    assert exceeded(saw.run(0.1)) == told(Limit.MAX_VELOCITY, 5.0)
+    assert exceeded(saw.run(0.1)) == report(Limit.MAX_VELOCITY, 5.0)
 
 
 # --- in sync ----------------------------------------------------------------------------------------------------------
@@ -164,46 +164,46 @@ def test_an_axis_that_starts_beyond_its_limits_is_told_from_the_first_step_on() 
 def in_sync(**machine: float) -> FlyingSawHarness:
     """Master and slave at 100 u/s, the slave twice as fast as the master."""
     saw = FlyingSawHarness({f"axis.{name}": value for name, value in machine.items()}, speed=50.0)
-    saw.order("gear_in_velo", ratio_numerator=2.0).run(1.0)
+    saw.give("gear_in_velo", ratio_numerator=2.0).run(1.0)
     assert saw.state == State.SYNCHRON
     assert exceeded(saw) == NOTHING
     return saw
 
 
-def test_a_master_that_takes_the_slave_beyond_its_velocity_is_told_while_it_does() -> None:
+def test_a_master_that_takes_the_slave_beyond_its_velocity_is_reported_while_it_does() -> None:
     saw = in_sync(max_velocity=120.0)
     assert exceeded(saw.run(0.95, acceleration=10.0)) == NOTHING  # 119
-    assert exceeded(saw.run(0.1, acceleration=10.0)) == told(Limit.MAX_VELOCITY, 121.0)
-    assert exceeded(saw.run(1.0)) == told(Limit.MAX_VELOCITY, 121.0)
+    assert exceeded(saw.run(0.1, acceleration=10.0)) == report(Limit.MAX_VELOCITY, 121.0)
+    assert exceeded(saw.run(1.0)) == report(Limit.MAX_VELOCITY, 121.0)
     assert exceeded(saw.run(0.1, acceleration=-10.0)) == NOTHING
 
 
-def test_a_master_that_takes_the_slave_beyond_its_end_positions_is_told_while_it_does() -> None:
+def test_a_master_that_takes_the_slave_beyond_its_end_positions_is_reported_while_it_does() -> None:
     saw = in_sync(min_position=-10.0, max_position=300.0)
     left = (300.0 - saw.slave[0]) / 100.0
     assert exceeded(saw.run(left - 0.01)) == NOTHING
-    assert exceeded(saw.run(0.02)) == told(Limit.MAX_POSITION, 301.0)
+    assert exceeded(saw.run(0.02)) == report(Limit.MAX_POSITION, 301.0)
     saw.speed = -50.0
     assert exceeded(saw.run(0.02)) == NOTHING
-    assert exceeded(saw.run(3.11)) == told(Limit.MIN_POSITION, -12.0)
+    assert exceeded(saw.run(3.11)) == report(Limit.MIN_POSITION, -12.0)
 
 
-def test_accelerations_of_the_master_are_told_speeding_up_and_slowing_down() -> None:
+def test_accelerations_of_the_master_are_reported_speeding_up_and_slowing_down() -> None:
     saw = in_sync(max_acceleration=200.0, max_deceleration=300.0)
     assert exceeded(saw.run(0.1, acceleration=99.0)) == NOTHING
-    assert exceeded(saw.run(0.1, acceleration=101.0)) == told(Limit.MAX_ACCELERATION, 202.0)
+    assert exceeded(saw.run(0.1, acceleration=101.0)) == report(Limit.MAX_ACCELERATION, 202.0)
     assert exceeded(saw.run(0.1, acceleration=-149.0)) == NOTHING
-    assert exceeded(saw.run(0.1, acceleration=-151.0)) == told(Limit.MAX_DECELERATION, 302.0)
+    assert exceeded(saw.run(0.1, acceleration=-151.0)) == report(Limit.MAX_DECELERATION, 302.0)
     assert exceeded(saw.run(0.1)) == NOTHING
 
 
-def test_a_profile_that_a_faster_master_takes_beyond_a_limit_is_told_then() -> None:
+def test_a_profile_that_a_faster_master_takes_beyond_a_limit_is_reported_then() -> None:
     """The plan reaches 151.2; with twice the master's velocity the slave is twice as fast on the same curve."""
     saw = FlyingSawHarness({**GENTLE, "axis.max_velocity": 200.0}, speed=100.0).modes()
-    saw.order("gear_in_pos", master_sync_position=100.0, slave_sync_position=100.0)
+    saw.give("gear_in_pos", master_sync_position=100.0, slave_sync_position=100.0)
     assert exceeded(saw.run(0.55)) == NOTHING
     saw.speed = 200.0
-    assert exceeded(saw.run(0.025)) == told(Limit.MAX_VELOCITY, 302.4)
+    assert exceeded(saw.run(0.025)) == report(Limit.MAX_VELOCITY, 302.4)
     saw.speed = 100.0
     assert exceeded(saw.run(0.01)) == NOTHING
 
@@ -211,7 +211,7 @@ def test_a_profile_that_a_faster_master_takes_beyond_a_limit_is_told_then() -> N
 def test_a_limit_that_is_no_number_above_0_limits_nothing() -> None:
     for value in (math.nan, math.inf, 0.0, -1.0):
         for name in ("max_velocity", "max_acceleration", "max_jerk"):
-            saw = in_sync().put({f"axis.{name}": value})
+            saw = in_sync().set({f"axis.{name}": value})
             assert exceeded(saw.run(0.1, acceleration=10.0)) == NOTHING
 
 
@@ -219,26 +219,26 @@ def test_a_limit_that_is_no_number_above_0_limits_nothing() -> None:
 
 
 def reversed_before_sync(**values: Any) -> FlyingSawHarness:
-    """The master turns round on the way and passes the coupling position backwards, with the slave at its velocity."""
+    """The master reverses on the way and passes the coupling position backwards, with the slave at its velocity."""
     saw = FlyingSawHarness({"axis.initial_velocity": 100.0, **values}, speed=100.0)
-    saw.order("gear_in_pos", master_sync_position=300.0, slave_sync_position=300.0, deceleration=250.0).run(0.5)
+    saw.give("gear_in_pos", master_sync_position=300.0, slave_sync_position=300.0, deceleration=250.0).run(0.5)
     saw.speed = -100.0
     return saw.run(0.6)
 
 
-def test_a_stop_at_once_is_told_while_the_slave_is_parked() -> None:
+def test_a_stop_at_once_is_reported_while_the_slave_is_parked() -> None:
     saw = reversed_before_sync(**{"sync_mode.instant_stop_on_rollback": True})
     assert (saw.state, saw.slave[1]) == (State.PREPHASE, 0.0)
-    assert exceeded(saw) == told(Limit.INSTANT_STOP, 100.0)
+    assert exceeded(saw) == report(Limit.INSTANT_STOP, 100.0)
     saw.speed = 100.0
     assert exceeded(saw.run(0.5)) == NOTHING
 
 
-def test_the_halt_of_the_backstop_is_told_until_the_slave_stands() -> None:
+def test_the_halt_of_the_backstop_is_reported_until_the_slave_is_at_rest() -> None:
     """The ramp from 100 with 250 takes 0.6 s; 0.1 s of it have passed."""
     saw = reversed_before_sync(**{"axis.max_deceleration": 200.0})
-    assert exceeded(saw) == told(Limit.MAX_DECELERATION, 250.0)
-    assert exceeded(saw.run(0.499)) == told(Limit.MAX_DECELERATION, 250.0)
+    assert exceeded(saw) == report(Limit.MAX_DECELERATION, 250.0)
+    assert exceeded(saw.run(0.499)) == report(Limit.MAX_DECELERATION, 250.0)
     assert exceeded(saw.run(0.002)) == NOTHING
     assert exceeded(reversed_before_sync(**{"axis.max_deceleration": 251.0})) == NOTHING
 
@@ -247,7 +247,7 @@ def test_the_halt_of_the_backstop_is_told_until_the_slave_stands() -> None:
 
 
 def breaks(stepper: Stepper, margin: float) -> bool:
-    """Whether the setpoint that is put out lies beyond a limit of the axis by more than this share of it."""
+    """Whether the setpoint is beyond a limit of the axis by more than this share of it."""
     s, v, a, j = (stepper[f"slave.{name}"] for name in ("position", "velocity", "acceleration", "jerk"))
     low, high, speed, up, down, jerk = (
         stepper[f"axis.{name}"]
@@ -265,7 +265,7 @@ def breaks(stepper: Stepper, margin: float) -> bool:
 
 @settings(max_examples=150, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 @given(STRATEGY.runs(120), st.integers(0, 2**32 - 1))
-def test_whatever_is_put_out_beyond_a_limit_is_told(run: Run, seed: int) -> None:
+def test_whatever_is_output_beyond_a_limit_is_reported(run: BlockRun, seed: int) -> None:
     """In random runs, whose axis is given limits that are now and then too tight."""
     r = Random(seed)
     span = 10.0 ** r.uniform(-1.0, 2.0) * (1.0 + abs(run.start["axis.initial_position"]))
@@ -274,8 +274,8 @@ def test_whatever_is_put_out_beyond_a_limit_is_told(run: Run, seed: int) -> None
     start |= {"axis.min_position": middle - span * r.random(), "axis.max_position": middle + span * r.random()}
     stepper = Stepper(FlyingSaw()).initialize(start)
     inputs = {v.name: v for v in variables(FlyingSaw()) if v.causality == "input"}
-    for h, drawn in run.steps:
-        values = {name: x for name, x in drawn.items() if name != "axis.max_jerk"}
+    for h, drawn_values in run.steps:
+        values = {name: x for name, x in drawn_values.items() if name != "axis.max_jerk"}
         if not 0.0 < h <= LONGEST_STEP or any(inputs[n].refusal(x) for n, x in values.items() if n in inputs):
             continue
         try:
@@ -336,32 +336,35 @@ def _order(r: Random, group: str, speed: float, at: float) -> dict[str, Any]:
     return {f"{group}.{name}": value for name, value in values.items()}
 
 
-def test_in_random_runs_the_same_is_told_as_by_the_oracle() -> None:
+def test_in_random_runs_the_same_is_reported_as_by_the_oracle() -> None:
     """At every time, with steps of 20 ms and of up to 0.5 s. Together the runs exceed every limit; a stop at once has
     scenarios of its own."""
     met: set[int] = set()
     for seed in range(30):
         script = random_script(Random(seed))
         times = [0.02 * i for i in range(1, 251)]
-        told_by_oracle: dict[float, set[int]] = {}
+        reported_by_oracle: dict[float, set[int]] = {}
         for row in reference(script, times):
-            told_by_oracle.setdefault(row["time"], set()).add(int(row["local.exceeded_limit"]))
+            reported_by_oracle.setdefault(row["time"], set()).add(int(row["local.exceeded_limit"]))
         for step in (1, 25):
-            for time, limit in told_along(script, times[step - 1 :: step]).items():
-                assert limit in told_by_oracle[time], (seed, step, time)
+            for time, limit in reported_along(script, times[step - 1 :: step]).items():
+                assert limit in reported_by_oracle[time], (seed, step, time)
                 met.add(limit)
     assert met >= set(Limit) - {Limit.INSTANT_STOP}
 
 
-def told_along(script: dict[str, Any], times: list[float]) -> dict[float, int]:
+def reported_along(script: dict[str, Any], times: list[float]) -> dict[float, int]:
     """The block's `exceeded_limit` at these times; steps end there, at what is set, and at the master's segments."""
     stepper = Stepper(FlyingSaw())
-    place, speed, begin, segments = 0.0, script["master"]["velocity"], 0.0, []
+    master_position, speed, begin, segments = 0.0, script["master"]["velocity"], 0.0, []
     for segment in script["master"]["segments"]:
-        segments.append((begin, place, speed, segment["acceleration"]))
+        segments.append((begin, master_position, speed, segment["acceleration"]))
         t, begin = segment["duration"], begin + segment["duration"]
-        place, speed = place + (speed + 0.5 * segment["acceleration"] * t) * t, speed + segment["acceleration"] * t
-    segments.append((begin, place, speed, 0.0))
+        master_position, speed = (
+            master_position + (speed + 0.5 * segment["acceleration"] * t) * t,
+            speed + segment["acceleration"] * t,
+        )
+    segments.append((begin, master_position, speed, 0.0))
 
     def master(time: float) -> dict[str, float]:
         first, p, v, a = [s for s in segments if s[0] <= time + 1e-12][-1]
@@ -377,12 +380,12 @@ def told_along(script: dict[str, Any], times: list[float]) -> dict[float, int]:
     sets = {table["at"]: {n: x for n, x in table.items() if n != "at"} for table in script["set"]}
     stepper.initialize({**script["start"], **master(0.0)})
     ends = sorted({*times, *sets, *(s[0] for s in segments if 0.0 < s[0] < times[-1])})
-    found, now = {}, 0.0
+    result, now = {}, 0.0
     for end in ends:
         if end > times[-1]:
             break
         stepper.step(end - now, {**master(now), **sets.get(now, {})})
         now = end
         if end in times:
-            found[end] = int(stepper["local.exceeded_limit"])
-    return found
+            result[end] = int(stepper["local.exceeded_limit"])
+    return result

@@ -40,8 +40,9 @@ def test_at_or_beyond_the_middle_the_ramp_comes_first(mean: float, kind: Profile
     assert profile(meeting(100.0, 300.0, mean, "check_undershoot_velocity")) == kind
 
 
-@pytest.mark.parametrize("mean", [100.0, 99.0, 300.0, 301.0])
+@pytest.mark.parametrize("mean", [100.0, 100.0 + 1e-13, 99.0, 300.0, 300.0 - 1e-13, 301.0])
 def test_no_ramp_leads_to_a_mean_velocity_at_or_beyond_those_of_the_ends(mean: float) -> None:
+    """Nor to one that differs by rounding: the ramp would have no time, and the velocity would jump."""
     saw = meeting(100.0, 300.0, mean, "check_overshoot_velocity", "check_undershoot_velocity")
     assert saw["gear_in_pos.error_id"] in (0x437C, 0x4381)
     assert profile(meeting(100.0, 300.0, mean)) == ProfileKind.P5
@@ -52,11 +53,11 @@ def test_a_ramp_that_breaks_a_steepness_limit_gives_way_to_the_quintic(check: st
     """In example 1 the ramp has the peaks 187.5 and 375, the quintic 175.04 and 444.4; the quintic overshoots only."""
     for active, code in [(VELOCITY_CHECKS, 0x437C), (VELOCITY_CHECKS[1:], 0x438A if check == "jerk" else 0)]:
         saw = first_example().modes(f"check_max_{check}", *active, "detailed_error_codes")
-        saw.order("gear_in_pos", **FIRST, **{check: limit}).run(INSTANT)
+        saw.give("gear_in_pos", **FIRST, **{check: limit}).run(INSTANT)
         assert saw["gear_in_pos.error_id"] == code
         assert code != 0 or profile(saw) == ProfileKind.P5
     saw = first_example().modes(f"check_max_{check}", *VELOCITY_CHECKS)
-    saw.order("gear_in_pos", **FIRST, **{check: 187.5 if check == "acceleration" else 375.0}).run(INSTANT)
+    saw.give("gear_in_pos", **FIRST, **{check: 187.5 if check == "acceleration" else 375.0}).run(INSTANT)
     assert profile(saw) == ProfileKind.P5_P1
 
 
@@ -73,12 +74,12 @@ def test_at_the_velocity_limit_where_the_quintic_exceeds_it(sign: float) -> None
     rise, fall = 1.5 * c / peak, 1.5 * 10.0 / peak
     saw = meeting(0.0, sign * 500.0, sign * 900.0, "check_max_velocity", vm=sign * 100.0, t=2.0, max_velocity=c)
     assert profile(saw) == ProfileKind.P5_P1_P5
-    found = saw.block.characteristics
-    fastest = found.slave_velocity_max if sign > 0.0 else -found.slave_velocity_min
+    result = saw.block.characteristics
+    fastest = result.slave_velocity_max if sign > 0.0 else -result.slave_velocity_min
     side = "max" if sign > 0.0 else "min"  # of equal values the place is the first one's
     assert saw[f"characteristics.master_position_at_slave_velocity_{side}"] == near(sign * 100.0 * rise)
-    assert (fastest, found.slave_acceleration_max, found.slave_acceleration_min) == near(c, peak, -peak)
-    assert (found.slave_jerk_max, found.slave_jerk_min) == near(6 * 10.0 / fall**2, -6 * 10.0 / fall**2)
+    assert (fastest, result.slave_acceleration_max, result.slave_acceleration_min) == near(c, peak, -peak)
+    assert (result.slave_jerk_max, result.slave_jerk_min) == near(6 * 10.0 / fall**2, -6 * 10.0 / fall**2)
     saw.run(1.0 - INSTANT)
     assert saw.slave == near(sign * (0.5 * c * rise + c * (1.0 - rise)), sign * c, 0.0)
     saw.run(1.0 + INSTANT)
@@ -101,8 +102,8 @@ def test_a_preferred_constant_velocity_with_ramps_at_the_acceleration_limit() ->
     machine = {"max_acceleration": 500.0, "max_deceleration": 500.0, "max_jerk": 1000.0, "t": 3.0}
     saw = meeting(500.0, 500.0, 1200.0, "prefer_constant_velocity", **machine)
     assert profile(saw) == ProfileKind.P5_P1_P5
-    found = saw.block.characteristics
-    assert (found.slave_velocity_min, found.slave_acceleration_min) == near(500.0 - x, -500.0)
+    result = saw.block.characteristics
+    assert (result.slave_velocity_min, result.slave_acceleration_min) == near(500.0 - x, -500.0)
     saw.run(1.5 - INSTANT)
     assert saw.slave == near(600.0, 500.0 - x, 0.0)
     saw.run(1.5 - ramp).run(0.5 * ramp)
@@ -118,8 +119,8 @@ def test_a_preferred_constant_velocity_with_ramps_at_the_jerk_limit() -> None:
     machine = {"max_acceleration": 500.0, "max_deceleration": 500.0, "max_jerk": 1000.0, "t": 3.0}
     saw = meeting(500.0, 500.0, 1200.0, "prefer_constant_velocity", "check_max_jerk", **machine)
     assert profile(saw) == ProfileKind.P5_P1_P5
-    found = saw.block.characteristics
-    assert (found.slave_velocity_min, found.slave_jerk_max, found.slave_jerk_min) == near(500.0 - x, 1000.0, -1000.0)
+    result = saw.block.characteristics
+    assert (result.slave_velocity_min, result.slave_jerk_max, result.slave_jerk_min) == near(500.0 - x, 1000.0, -1000.0)
 
 
 def test_a_preferred_constant_velocity_that_is_none_or_breaks_a_check_gives_way() -> None:
@@ -141,7 +142,7 @@ def test_an_accelerated_master_leaves_only_the_quintic(acceleration: float) -> N
         (("prefer_constant_velocity",), ProfileKind.P5, 0),
         ((*VELOCITY_CHECKS, "ignore_master_acceleration"), ProfileKind.P5_P1, 0),
     ]:
-        saw = first_example().modes(*modes).order("gear_in_pos", **FIRST).run(0.1, acceleration=acceleration)
+        saw = first_example().modes(*modes).give("gear_in_pos", **FIRST).run(0.1, acceleration=acceleration)
         assert (saw["gear_in_pos.error_id"], saw["characteristics.profile"]) == (code, kind)
         if kind == ProfileKind.P5:
             assert saw["characteristics.slave_acceleration_start"] == near(-250.0 * acceleration / 500.0)
@@ -153,9 +154,9 @@ def test_an_accelerated_slave_leaves_only_the_quintic_unless_ignored() -> None:
         (("prefer_constant_velocity", "ignore_slave_acceleration"), ProfileKind.P5_P1_P5, 0.0),
         (("ignore_slave_acceleration",), ProfileKind.P5, 0.0),
     ]:
-        saw = FlyingSawHarness({"axis.max_jerk": 1000.0}, speed=200.0).order("move_velocity", velocity=200.0).run(0.1)
+        saw = FlyingSawHarness({"axis.max_jerk": 1000.0}, speed=200.0).give("move_velocity", velocity=200.0).run(0.1)
         assert saw.slave == near(1 / 6, 5.0, 100.0)
-        saw.modes(*modes).order("gear_in_pos", master_sync_position=400.0, slave_sync_position=250.0).run(INSTANT)
+        saw.modes(*modes).give("gear_in_pos", master_sync_position=400.0, slave_sync_position=250.0).run(INSTANT)
         assert profile(saw) == kind
         assert saw["characteristics.slave_acceleration_start"] == near(acceleration)
         assert saw.slave[2] == pytest.approx(acceleration, abs=5.0)
@@ -164,5 +165,5 @@ def test_an_accelerated_slave_leaves_only_the_quintic_unless_ignored() -> None:
 def test_an_acceleration_that_changes_the_velocity_by_less_than_1e_9_is_none() -> None:
     """With T = 3 s and v_m = 500 that is |a_m| up to 500e-9 / 3."""
     for acceleration, kind in [(1.6e-7, ProfileKind.P5_P1), (1.7e-7, ProfileKind.NONE)]:
-        saw = first_example().modes(*VELOCITY_CHECKS).order("gear_in_pos", **FIRST)
+        saw = first_example().modes(*VELOCITY_CHECKS).give("gear_in_pos", **FIRST)
         assert saw.run(0.1, acceleration=acceleration)["characteristics.profile"] == kind

@@ -81,28 +81,28 @@ WRONG_MACHINE_DATA = [
 
 
 @pytest.mark.parametrize(("name", "value"), WRONG_MACHINE_DATA)
-def test_wrong_machine_data_are_judged_by_the_commands_that_read_them(name: str, value: float) -> None:
-    saw = moving().put({"axis.max_deceleration": 1e4, f"axis.{name}": value})
+def test_wrong_machine_data_are_checked_by_the_commands_that_read_them(name: str, value: float) -> None:
+    saw = moving().set({"axis.max_deceleration": 1e4, f"axis.{name}": value})
     limit = name.removeprefix("max_")
     for group, values in [("gear_in_velo", {}), ("gear_in_pos", AIMS), ("move_absolute", {"position": 5.0})]:
         assert_refused(saw, group, 0x42DD, **values)
-        accepted = saw.twin().order(group, **values, **{limit: 200.0}).run(INSTANT)
+        accepted = saw.twin().give(group, **values, **{limit: 200.0}).run(INSTANT)
         assert not accepted["error"]
     if limit in ("deceleration", "jerk"):
         assert_refused(saw, "halt", 0x42DD)
         assert_refused(saw, "stop", 0x42DD)
-    assert saw.put({f"axis.{name}": 1e4}).order("halt").run(INSTANT).results("halt") == {"busy", "active"}
+    assert saw.set({f"axis.{name}": 1e4}).give("halt").run(INSTANT).results("halt") == {"busy", "active"}
 
 
 def test_a_limit_of_0_is_the_axis_s_and_one_above_it_is_used_as_given() -> None:
     """The ramp takes 1.5 dv / a with dv = 100: 0.3 s with the axis's 500, 0.075 s with 2000."""
     for limit, duration in [(0.0, 0.3), (250.0, 0.6), (2000.0, 0.075)]:
-        saw = FlyingSawHarness({"axis.max_acceleration": 500.0}, speed=100.0).order("gear_in_velo", acceleration=limit)
+        saw = FlyingSawHarness({"axis.max_acceleration": 500.0}, speed=100.0).give("gear_in_velo", acceleration=limit)
         assert saw.run(duration - 1e-6).state == State.SYNCHRONIZING
         assert saw.run(2e-6).state == State.SYNCHRON
     saw = FlyingSawHarness({"axis.max_velocity": 90.0}, speed=100.0).modes("check_max_velocity")
     assert_refused(saw, "gear_in_velo", 0x42DD)
-    assert saw.order("gear_in_velo", velocity=110.0).run(INSTANT).state == State.SYNCHRONIZING
+    assert saw.give("gear_in_velo", velocity=110.0).run(INSTANT).state == State.SYNCHRONIZING
 
 
 def test_a_deceleration_limit_of_0_is_the_acceleration_limit() -> None:
@@ -110,7 +110,7 @@ def test_a_deceleration_limit_of_0_is_the_acceleration_limit() -> None:
     for values, duration in [({}, 0.3), ({"max_deceleration": 0.0}, 0.3), ({"max_deceleration": 250.0}, 0.6)]:
         machine = {"axis.initial_velocity": 200.0, "axis.max_acceleration": 500.0}
         machine |= {f"axis.{name}": value for name, value in values.items()}
-        saw = FlyingSawHarness(machine, speed=100.0).order("gear_in_velo")
+        saw = FlyingSawHarness(machine, speed=100.0).give("gear_in_velo")
         assert saw.run(duration - 1e-6).state == State.SYNCHRONIZING
         assert saw.run(2e-6).state == State.SYNCHRON
 
@@ -131,7 +131,7 @@ def test_time_based_is_for_gear_in_velo_only(begin: Any) -> None:
 def test_with_a_standing_master_a_position_is_never_reached(begin: Any) -> None:
     saw = standing_master(begin())
     twin = saw.twin()
-    saw.order("gear_in_pos", **AIMS).run(0.01)
+    saw.give("gear_in_pos", **AIMS).run(0.01)
     twin.run(0.01)
     assert saw["gear_in_pos.error_id"] == 0x426E
     assert saw.slave == twin.slave
@@ -141,15 +141,15 @@ def test_with_a_standing_master_a_position_is_never_reached(begin: Any) -> None:
 def test_a_moving_slave_cannot_be_coupled_to_the_velocity_of_a_standing_master(modes: tuple[str, ...]) -> None:
     saw = standing_master(moving()).modes(*modes)
     twin = saw.twin()
-    saw.order("gear_in_velo").run(0.01)
+    saw.give("gear_in_velo").run(0.01)
     assert saw["gear_in_velo.error_id"] == 0x424A
     assert saw.slave == twin.run(0.01).slave
 
 
 @pytest.mark.parametrize("modes", [(), ("time_based",)])
 def test_both_standing_are_in_sync_at_once(modes: tuple[str, ...]) -> None:
-    saw = FlyingSawHarness({"axis.initial_position": 7.0}, place=3.0).modes(*modes)
-    saw.order("gear_in_velo", ratio_numerator=-2.0).run(INSTANT)
+    saw = FlyingSawHarness({"axis.initial_position": 7.0}, master_position=3.0).modes(*modes)
+    saw.give("gear_in_velo", ratio_numerator=-2.0).run(INSTANT)
     assert saw.results("gear_in_velo") == {"start_sync", "in_sync"}
     assert saw.block.characteristics.profile == ProfileKind.NONE
     saw.run(1.0, acceleration=10.0)
@@ -193,7 +193,7 @@ def test_ahead_is_where_the_coupling_leads(vm: float, vs: float, distance: float
     ],
 )
 def test_stop_locks_the_axis(begin: Any, group: str, values: dict[str, Any]) -> None:
-    assert_refused(begin().order("stop", deceleration=100.0).run(INSTANT), group, 0x42EF, **values)
+    assert_refused(begin().give("stop", deceleration=100.0).run(INSTANT), group, 0x42EF, **values)
 
 
 @pytest.mark.parametrize(
@@ -218,8 +218,8 @@ def test_of_two_faults_the_first_in_the_list_is_shown(
 ) -> None:
     saw = FlyingSawHarness({"axis.initial_velocity": 20.0}, speed=speed).modes(*modes, "detailed_error_codes")
     values = (AIMS if group == "gear_in_pos" else {}) | values
-    assert saw.twin().order(group, **values).run(INSTANT)[f"{group}.error_id"] == code
-    locked = saw.order("stop", deceleration=1.0).run(INSTANT).order(group, **values).run(INSTANT)
+    assert saw.twin().give(group, **values).run(INSTANT)[f"{group}.error_id"] == code
+    locked = saw.give("stop", deceleration=1.0).run(INSTANT).give(group, **values).run(INSTANT)
     assert locked[f"{group}.error_id"] == 0x42EF
 
 
@@ -262,7 +262,7 @@ def test_broken_checks_and_their_codes(
 ) -> None:
     saw = FlyingSawHarness({"axis.initial_velocity": v0, **{f"axis.{k}": x for k, x in machine.items()}}, speed=vm)
     aims = {"master_sync_position": vm, "slave_sync_position": distance, "ratio_numerator": vs / vm}
-    free = saw.twin().modes().order("gear_in_pos", **aims).run(INSTANT)
+    free = saw.twin().modes().give("gear_in_pos", **aims).run(INSTANT)
     assert free.state == State.SYNCHRONIZING  # unchecked
     assert_refused(saw.twin().modes(check), "gear_in_pos", 0x42DF, **aims)
     assert_refused(saw.modes(check, "detailed_error_codes"), "gear_in_pos", code, **aims)
@@ -276,7 +276,7 @@ def test_broken_checks_and_their_codes(
         (100.0, -100.0, -20.0, -100.0, "check_undershoot_position", {}),
         (0.0, -500.0, -250.0, 100.0, "check_overshoot_velocity_zero", {}),
         (0.0, -500.0, -250.0, -100.0, "check_overshoot_velocity_zero", {}),
-        (-250.0, 750.0, 300.0, 100.0, "check_undershoot_velocity_zero", {}),  # begins below zero
+        (-250.0, 750.0, 300.0, 100.0, "check_undershoot_velocity_zero", {}),  # starts below zero
         (100.0, 200.0, 150.0, 100.0, "check_max_acceleration", {"max_acceleration": 150.0}),
         (200.0, 100.0, 150.0, 100.0, "check_max_acceleration", {"max_acceleration": 1.0}),
         (200.0, 100.0, 150.0, 100.0, "check_max_deceleration", {"max_deceleration": 150.0}),
@@ -315,9 +315,9 @@ def test_checks_of_gear_in_velo_are_those_of_its_ramp() -> None:
         if code != 0x4377:
             assert_refused(saw, "gear_in_velo", code, acceleration=300.0, deceleration=300.0)
         else:  # the slave ends where it has begun, but for rounding: below both or below the start
-            saw.order("gear_in_velo", acceleration=300.0, deceleration=300.0).run(INSTANT)
+            saw.give("gear_in_velo", acceleration=300.0, deceleration=300.0).run(INSTANT)
             assert saw["gear_in_velo.error_id"] in (0x4376, 0x4377)
     saw = FlyingSawHarness({"axis.initial_velocity": -100.0, "axis.min_position": -31.3}, speed=100.0).modes(
         "check_min_position"
     )
-    assert not saw.order("gear_in_velo", acceleration=300.0, deceleration=300.0).run(INSTANT)["error"]
+    assert not saw.give("gear_in_velo", acceleration=300.0, deceleration=300.0).run(INSTANT)["error"]

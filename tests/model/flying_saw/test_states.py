@@ -29,7 +29,7 @@ def test_states_through_a_cycle() -> None:
         ("", {}, 0.2, "INACTIVE", "STOPPING"),
     ]:
         if group:
-            saw.order(group, **values)
+            saw.give(group, **values)
         saw.run(duration)
         assert (saw.state.name, saw["plcopen_state"].name) == (state, plcopen)
         assert saw["state_code"] == int(saw.state)
@@ -46,20 +46,26 @@ def test_an_axis_may_start_in_motion() -> None:
 
 def test_at_the_master_s_velocity_already_it_is_in_sync_at_once() -> None:
     """There is nothing to synchronise: start and end of the profile are the same."""
-    saw = FlyingSawHarness({"axis.initial_position": 9.0, "axis.initial_velocity": 50.0}, place=4.0, speed=100.0)
-    saw.order("gear_in_velo", ratio_denominator=2).run(0.1)
+    saw = FlyingSawHarness(
+        {"axis.initial_position": 9.0, "axis.initial_velocity": 50.0}, master_position=4.0, speed=100.0
+    )
+    saw.give("gear_in_velo", ratio_denominator=2).run(0.1)
     assert (saw.results("gear_in_velo"), saw.state) == ({"start_sync", "in_sync"}, State.SYNCHRON)
-    found = saw.block.characteristics
-    assert (found.profile, found.master_velocity_nominal) == (ProfileKind.NONE, 100.0)
-    assert (found.master_position_start, found.master_position_end) == (4.0, 4.0)
-    assert (found.slave_position_start, found.slave_position_end) == (9.0, 9.0)
-    assert (found.slave_position_min, found.slave_position_max) == (9.0, 9.0)
-    assert (found.slave_velocity_start, found.slave_velocity_end, found.slave_velocity_mean) == (50.0, 50.0, 50.0)
-    assert (found.slave_acceleration_start, found.slave_acceleration_effective, found.slave_jerk_max) == (0.0, 0.0, 0.0)
+    result = saw.block.characteristics
+    assert (result.profile, result.master_velocity_nominal) == (ProfileKind.NONE, 100.0)
+    assert (result.master_position_start, result.master_position_end) == (4.0, 4.0)
+    assert (result.slave_position_start, result.slave_position_end) == (9.0, 9.0)
+    assert (result.slave_position_min, result.slave_position_max) == (9.0, 9.0)
+    assert (result.slave_velocity_start, result.slave_velocity_end, result.slave_velocity_mean) == (50.0, 50.0, 50.0)
+    assert (result.slave_acceleration_start, result.slave_acceleration_effective, result.slave_jerk_max) == (
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 def test_characteristic_values_stay_when_uncoupled_and_when_a_command_is_refused() -> None:
-    saw = first_example().order("gear_in_pos", **FIRST).run(4.0).order("gear_out").run(1.0)
+    saw = first_example().give("gear_in_pos", **FIRST).run(4.0).give("gear_out").run(1.0)
     before = saw.read(name for name in OUTPUTS if name.startswith("characteristics."))
     saw.release().run(INSTANT)
     assert_refused(saw, "gear_in_pos", 0x42DE, master_sync_position=-9e3)

@@ -12,9 +12,9 @@ from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.interface import State
 from tests.model.flying_saw.harness import FlyingSawHarness
 from tests.model.flying_saw.strategies import MODES
-from tests.support.finite import finite_steps
+from tests.support.finite import run_finite
 from tests.support.numbers import TINY, numbers_in
-from tests.support.runs import Run
+from tests.support.runs import BlockRun
 
 LIMITS = (1e-12, 3e-11, 1e-9, 1e-3, 1.0, 100.0, 1e4, 1e5, 1e8, 1e12)
 GEAR_INS, OTHERS = ("gear_in_velo", "gear_in_pos"), ("halt", "move_velocity", "move_absolute", "gear_out")
@@ -25,7 +25,7 @@ def number(r: Random, size: float) -> float:
     return r.choice((0.0, 0.0, tiny, tiny, size * r.gauss(0.0, 1.0), size))
 
 
-def hardly_moving(r: Random, steps: int) -> Run:
+def hardly_moving(r: Random, steps: int) -> BlockRun:
     """Axes at rest, ordinary ones and ones that hardly move; commands to all of them, with all sorts of limits."""
     size = r.choice((1e-3, 1.0, 100.0, 1e5))
     places = ("master.position", "master.velocity", "master.acceleration")
@@ -51,22 +51,24 @@ def hardly_moving(r: Random, steps: int) -> Run:
         changed["gear_in_pos.master_start_distance"] = r.choice((0.0, 0.0, abs(number(r, size))))
         return changed | {"move_velocity.velocity": number(r, size), "move_absolute.position": number(r, size)}
 
-    return Run(start, [(r.choice((1e-3, 0.01, 1.0, 10.0 ** r.uniform(-15.0, 6.0))), values()) for _ in range(steps)])
+    return BlockRun(
+        start, [(r.choice((1e-3, 0.01, 1.0, 10.0 ** r.uniform(-15.0, 6.0))), values()) for _ in range(steps)]
+    )
 
 
 @settings(derandomize=True, deadline=None, max_examples=120)
 @given(st.integers(0, 2**32 - 1).map(Random))
 def test_an_axis_that_hardly_moves_leads_to_no_number_that_is_none(r: Random) -> None:
-    for saw in finite_steps(FlyingSaw(), hardly_moving(r, 12)):
+    for saw in run_finite(FlyingSaw(), hardly_moving(r, 12)):
         assert saw.error == (saw.error_id != 0)
 
 
 @pytest.mark.parametrize("speed", [5e-324, -1e-310, 1e-200, -9e-61])
 @pytest.mark.parametrize("modes", [(), ("time_based",), ("check_max_jerk",)])
-def test_a_master_of_almost_no_velocity_stands(speed: float, modes: tuple[str, ...]) -> None:
+def test_a_master_of_almost_no_velocity_is_at_rest(speed: float, modes: tuple[str, ...]) -> None:
     """A ramp to 5e-324 u/s would take no time as a number. The slave at rest is in sync with it at once."""
     limits = {"axis.max_jerk": 1e-9, "axis.max_acceleration": 3e-11}
-    saw = FlyingSawHarness(limits, speed=speed).modes(*modes).order("gear_in_velo").run(0.05)
+    saw = FlyingSawHarness(limits, speed=speed).modes(*modes).give("gear_in_velo").run(0.05)
     assert (saw.state, saw["in_sync"], saw["error_id"]) == (State.SYNCHRON, True, 0)
     assert all(map(math.isfinite, numbers_in(saw.block)))
 
@@ -74,5 +76,5 @@ def test_a_master_of_almost_no_velocity_stands(speed: float, modes: tuple[str, .
 @pytest.mark.parametrize("speed", [5e-324, -1e-310])
 def test_a_master_of_almost_no_velocity_never_reaches_a_sync_position(speed: float) -> None:
     saw = FlyingSawHarness(speed=speed)
-    saw.order("gear_in_pos", master_sync_position=math.copysign(100.0, speed), slave_sync_position=50.0).run(0.05)
+    saw.give("gear_in_pos", master_sync_position=math.copysign(100.0, speed), slave_sync_position=50.0).run(0.05)
     assert saw["gear_in_pos.error_id"] == 0x426E

@@ -1,7 +1,7 @@
 """A Follower along a scripted master, for tests of the block alone.
 
 Unless said otherwise its slave is linear, from its park at 0 to sync at 100, out at 300, braking over 100, k = 1; the
-master comes with 100 from 0 and has a cycle of 1000. So the way to the meeting at 1000 begins at 800, the synchronized
+master comes with 100 from 0 and has a cycle of 1000. So the way to the meeting at 1000 starts at 800, the synchronized
 phase ends at 1200, the stroke at 1400, and the way home at 1800.
 """
 
@@ -27,12 +27,12 @@ class FollowerHarness(BlockHarness):
 
     TYPE = Follower
 
-    def stepped(self) -> None:
-        self.put(dict.fromkeys(COMMANDS, False))
+    def after_step(self) -> None:
+        self.set(dict.fromkeys(COMMANDS, False))
 
     def give(self, *names: str) -> Self:
         """Rising edges of these commands with the next run."""
-        return self.put(dict.fromkeys(names, True))
+        return self.set(dict.fromkeys(names, True))
 
     @property
     def position(self) -> float:
@@ -53,10 +53,16 @@ def near(*values: float, tolerance: float = 1e-9) -> Any:
     return pytest.approx(values if len(values) > 1 else values[0], rel=tolerance, abs=tolerance)
 
 
-def parked(place: float = 0.0, speed: float = 100.0, mode: MasterInput = START, **values: Any) -> FollowerHarness:
-    """Positioned to its park, where it stands already."""
+def parked(
+    master_position: float = 0.0, speed: float = 100.0, mode: MasterInput = START, **values: Any
+) -> FollowerHarness:
+    """Positioned to its park, where it is at rest already."""
     names = {name.replace("__", "."): value for name, value in values.items()}
-    return FollowerHarness(names, place=place, speed=speed, mode=mode).give("position_to_park").run(2.0**-20)
+    return (
+        FollowerHarness(names, master_position=master_position, speed=speed, mode=mode)
+        .give("position_to_park")
+        .run(2.0**-20)
+    )
 
 
 def stopping(phase: float, **limits: Any) -> FollowerHarness:

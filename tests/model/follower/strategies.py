@@ -12,7 +12,7 @@ from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from motionsync.follower.stages import Stage
 from motionsync.master import MasterInput
-from tests.support.runs import EXTREMES, Run, Strategy
+from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 EDGES = ("position_to_park", "position_to_cycle", "end_synchronism", "reset")
 MOTION = ("master.position", "master.velocity", "master.acceleration")
@@ -27,8 +27,8 @@ TUNABLE = {  # what a machine changes while it runs, as a factor of its start va
 
 
 @st.composite
-def runs(draw: st.DrawFn, steps: int) -> Run:
-    """Start values that a cycle has room for; the master mostly moves forwards."""
+def runs(draw: st.DrawFn, steps: int) -> BlockRun:
+    """Start values for which the master's travel suffices; the master mostly moves forwards."""
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-3, 1e6)))  # of the slave's ways
     ratio = draw(st.one_of(st.sampled_from((1.0, 0.5)), st.floats(1e-2, 1e2)))
     ways = [length * draw(st.floats(0.2, 2.0)) for _ in range(4)]  # to sync, to out, to stop, and on to the park
@@ -37,7 +37,7 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
     least = (2.0 * ways[0] + ways[1] + 2.0 * ways[2]) / ratio
     cycle = least * draw(st.floats(0.5, 2.5) if cyclic else st.floats(1.01, 2.5))
     cycle = max(cycle, 1.01 * ways[1] / ratio)
-    room = cycle - (ways[1] / ratio if cyclic else least)
+    remaining = cycle - (ways[1] / ratio if cyclic else least)
     start = {
         "master.input_mode": draw(st.sampled_from((1, 2, 3))),
         "master.period": cycle * draw(st.sampled_from((0.0, 0.0, 1.0, 3.0, 0.7))),
@@ -51,7 +51,7 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
         "sync_slave": park + ways[0],
         "sync_out": park + ways[0] + ways[1],
         "space_stop_slave": ways[2],
-        "space_wait_in_park": room * draw(st.sampled_from((0.0, 0.1, 0.5))),
+        "space_wait_in_park": remaining * draw(st.sampled_from((0.0, 0.1, 0.5))),
         "k_slave_master": ratio,
         "max_speed": length * draw(st.sampled_from((0.0, 5.0, 100.0))),
         "max_acceleration": length * draw(st.sampled_from((0.0, 100.0, 1000.0))),
@@ -61,7 +61,7 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
     names = ("align_center", "stop_in_park", "recover_late_sync", "check_speed", "check_acceleration")
     start |= {name: draw(st.booleans()) for name in (*names, *EDGES, *LEVELS)}
     chances = [draw(st.sampled_from(choice)) for choice in ((0.0, 0.0, 0.02), (0.01, 0.05, 0.2), (0.0, 0.0, 0.02))]
-    return Run(start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, steps, *chances)))
+    return BlockRun(start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, steps, *chances)))
 
 
 def _limits(length: float) -> tuple[float, float, float]:
@@ -71,7 +71,7 @@ def _limits(length: float) -> tuple[float, float, float]:
 def _steps(
     r: Random, start: dict[str, Any], steps: int, extreme: float, commands: float, back: float
 ) -> Iterator[tuple[float, dict[str, Any]]]:
-    """A master that goes and stands, wrapped or not, and commands; the last three are probabilities a step."""
+    """A master that moves and rests, wrapped or not, and commands; the last three are probabilities a step."""
     position, velocity, period = start["master.position"], start["master.velocity"], start["master.period"]
     cycle = start["master_cycle"]
     first = r.choice(("position_to_park", "position_to_park", "position_to_cycle"))
@@ -141,12 +141,12 @@ def _way(last: dict[str, Any], values: dict[str, Any], h: float) -> float:
 def watch(block: Follower) -> set[Any]:
     """What is worth meeting of the block's present state."""
     return {
-        ("stage", block.current.stage),
+        ("stage", block.sequence.current.stage),
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
         ("cyclic", block.slave_cycle > 0.0, block.state),
         ("variable", block.variable_cycle, block.state),
-        ("tight", block.current.tight),
+        ("shortened approach", block.sequence.current.is_approach_shortened),
     }
 
 
@@ -155,7 +155,7 @@ OFTEN = (
     Fault.NONE,
     Fault.POSITIONING,
     Fault.MASTER_MOVED,
-    Fault.NO_ROOM,
+    Fault.CYCLE_TOO_SHORT,
     Fault.SPEED_FOLLOWING,
     Fault.MASTER_BACKWARDS,
 )
@@ -170,7 +170,7 @@ STRATEGY = Strategy(
             *(("cyclic", False, state) for state in State),
             *(("cyclic", True, state) for state in State if state != State.M_DECEL),
             *(("variable", variable, state) for variable in (False, True) for state in State),
-            *(("tight", tight) for tight in (False, True)),
+            *(("shortened approach", is_shortened) for is_shortened in (False, True)),
         }
     ),
 )

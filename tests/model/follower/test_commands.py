@@ -8,7 +8,7 @@ from tests.model.follower.harness import VARIABLE, near, parked
 
 @pytest.mark.parametrize("name", ["skip_next_cycle", "sync_assumed"])
 def test_a_start_is_not_carried_out_while_a_level_is_set(name: str) -> None:
-    follower = parked(space_wait_in_park=100.0).to(790.0).put({name: True}).to(801.0).put({name: False})
+    follower = parked(space_wait_in_park=100.0).to(790.0).set({name: True}).to(801.0).set({name: False})
     assert (follower.state, follower["cycle"], follower.missing) == (
         State.M_WAITING_NEXT_CYCLE,
         0,
@@ -21,12 +21,12 @@ def test_a_start_is_not_carried_out_while_a_level_is_set(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["skip_next_cycle", "sync_assumed"])
 def test_a_level_set_after_the_start_does_not_matter_to_this_cycle(name: str) -> None:
-    follower = parked().to(801.0).put({name: True}).to(1100.0)
+    follower = parked().to(801.0).set({name: True}).to(1100.0)
     assert (follower.state, follower.position) == (State.M_SYNCHRONIZED, near(200.0))
     assert follower.to(1790.0).state == State.M_HOMING
     assert follower.to(1810.0).state == State.M_WAITING_NEXT_CYCLE
     assert follower.to(4790.0, 3).position == 0.0
-    assert follower.put({name: False}).to(4900.0).position == near(18.75)
+    assert follower.set({name: False}).to(4900.0).position == near(18.75)
 
 
 @pytest.mark.parametrize("steps", [1, 10])
@@ -47,32 +47,32 @@ def test_ending_the_synchronism_elsewhere_is_lost() -> None:
 
 def test_the_slave_is_held_at_the_end_of_its_stroke_until_a_full_travel_home_is_left() -> None:
     """Undisturbed 400. Released at 1500: 1800 is too near, so home from 1500 to 2800."""
-    follower = parked().put({"stop_after_forward": True}).to(1500.0)
+    follower = parked().set({"stop_after_forward": True}).to(1500.0)
     assert (follower.state, follower.slave) == (State.M_DECEL, (near(400.0), 0.0, 0.0))
-    follower.put({"stop_after_forward": False}).to(2150.0)
+    follower.set({"stop_after_forward": False}).to(2150.0)
     assert (follower.state, follower.position, follower["master_to_sync"]) == (State.M_HOMING, near(200.0), near(850.0))
     assert follower.to(2900.0).position == near(18.75)
 
 
 def test_released_just_at_the_end_of_the_stroke_nothing_is_lost() -> None:
-    follower = parked().put({"stop_after_forward": True}).to(1400.0).put({"stop_after_forward": False}).to(1600.0)
+    follower = parked().set({"stop_after_forward": True}).to(1400.0).set({"stop_after_forward": False}).to(1600.0)
     assert (follower.position, follower["master_to_sync"]) == (near(200.0), near(400.0))
 
 
 def test_held_for_several_cycles() -> None:
-    follower = parked(space_wait_in_park=100.0).put({"stop_after_forward": True}).to(5350.0)
-    follower.put({"stop_after_forward": False}).to(5525.0)  # undisturbed 300: 5350 to 5700
+    follower = parked(space_wait_in_park=100.0).set({"stop_after_forward": True}).to(5350.0)
+    follower.set({"stop_after_forward": False}).to(5525.0)  # undisturbed 300: 5350 to 5700
     assert follower.position == near(200.0)
 
 
 def test_a_hold_that_is_gone_when_the_stroke_ends_does_not_matter() -> None:
-    follower = parked().put({"stop_after_forward": True}).to(1390.0).put({"stop_after_forward": False}).to(1410.0)
+    follower = parked().set({"stop_after_forward": True}).to(1390.0).set({"stop_after_forward": False}).to(1410.0)
     assert follower.state == State.M_HOMING
-    assert follower.put({"stop_after_forward": True}).to(1600.0).position == near(200.0)
+    assert follower.set({"stop_after_forward": True}).to(1600.0).position == near(200.0)
 
 
 def test_in_a_variable_cycle_the_slave_goes_home_over_the_undisturbed_travel() -> None:
-    follower = parked(**VARIABLE).put({"stop_after_forward": True}).to(1510.0)
-    follower.put({"stop_after_forward": False}).to(1710.0)
+    follower = parked(**VARIABLE).set({"stop_after_forward": True}).to(1510.0)
+    follower.set({"stop_after_forward": False}).to(1710.0)
     assert (follower.state, follower.position) == (State.M_HOMING, near(200.0))
     assert follower.to(1911.0).state == State.M_WAITING

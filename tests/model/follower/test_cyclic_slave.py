@@ -7,7 +7,7 @@ from tests.model.follower.harness import CYCLIC, PASSING, near, parked, quintic
 
 
 @pytest.mark.parametrize(
-    ("cycle", "place", "state", "position"),
+    ("cycle", "master_position", "state", "position"),
     [
         (1000.0, 900.0, State.M_FOLLOWING, 18.75),
         (1000.0, 1100.0, State.M_SYNCHRONIZED, 200.0),
@@ -26,8 +26,10 @@ from tests.model.follower.harness import CYCLIC, PASSING, near, parked, quintic
         (300.0, 575.0, State.M_FOLLOWING, quintic(50.0, 0.0, 0.0, 100.0, 1.0, 25.0)),
     ],
 )
-def test_a_cyclic_slave_that_rests_at_its_park(cycle: float, place: float, state: State, position: float) -> None:
-    follower = parked(**CYCLIC, master_cycle=cycle).to(place)
+def test_a_cyclic_slave_that_rests_at_its_park(
+    cycle: float, master_position: float, state: State, position: float
+) -> None:
+    follower = parked(**CYCLIC, master_cycle=cycle).to(master_position)
     assert (follower.state, follower.position) == (state, near(position))
 
 
@@ -42,14 +44,14 @@ def test_the_wait_counts_in_what_is_left_of_the_cycle() -> None:
 
 def test_a_meeting_that_moves_between_two_cycles_is_met_by_a_cyclic_slave_too() -> None:
     """R = 280 instead of 300: 140 each."""
-    follower = parked(**CYCLIC, master_cycle=500.0).to(650.0).put({"sync_master": -20.0}).to(770.0)
+    follower = parked(**CYCLIC, master_cycle=500.0).to(650.0).set({"sync_master": -20.0}).to(770.0)
     assert follower.position == near(quintic(140.0, 300.0, 1.0, 400.0, 0.0, 70.0))
     assert follower.to(910.0).position == near(quintic(140.0, 0.0, 0.0, 100.0, 1.0, 70.0))
     assert follower.to(1080.0).position == near(200.0)
 
 
 @pytest.mark.parametrize(
-    ("cycle", "place", "state", "position"),
+    ("cycle", "master_position", "state", "position"),
     [
         (500.0, 850.0, State.M_FOLLOWING, 0.0),  # M = 300 < 2 S = 400
         (500.0, 775.0, State.M_FOLLOWING, quintic(300.0, 300.0, 1.0, 500.0, 1.0, 75.0)),
@@ -64,9 +66,9 @@ def test_a_meeting_that_moves_between_two_cycles_is_met_by_a_cyclic_slave_too() 
     ],
 )
 def test_a_cyclic_slave_that_does_not_rest_at_its_park(
-    cycle: float, place: float, state: State, position: float
+    cycle: float, master_position: float, state: State, position: float
 ) -> None:
-    follower = parked(**PASSING, master_cycle=cycle).to(place)
+    follower = parked(**PASSING, master_cycle=cycle).to(master_position)
     assert (follower.state, follower.position) == (state, near(position))
 
 
@@ -77,11 +79,11 @@ def test_the_intermediate_stop_may_be_elsewhere_than_the_park() -> None:
 
 @pytest.mark.parametrize("name", ["skip_next_cycle", "sync_assumed"])
 def test_a_slave_that_passes_its_park_stops_there_if_the_level_is_set_at_the_end_of_the_phase(name: str) -> None:
-    follower = parked(**PASSING).to(1199.0).put({name: True}).to(1325.0)
+    follower = parked(**PASSING).to(1199.0).set({name: True}).to(1325.0)
     assert (follower.state, follower.position) == (State.M_HOMING, near(389.0625))
-    assert (follower.put({name: False}).to(1790.0).state, follower.position) == (State.M_WAITING, 0.0)
+    assert (follower.set({name: False}).to(1790.0).state, follower.position) == (State.M_WAITING, 0.0)
     assert follower.to(1900.0).position == near(18.75)  # read again at the start
-    follower.put({name: True}).to(2810.0)
+    follower.set({name: True}).to(2810.0)
     assert follower.state == State.M_WAITING_NEXT_CYCLE
 
 
@@ -94,5 +96,5 @@ def test_ending_the_synchronism_of_a_cyclic_slave() -> None:
 def test_the_position_of_a_cyclic_slave_lies_in_its_cycle() -> None:
     follower = parked(**CYCLIC, master_cycle=500.0, park_slave=-30.0, slave__initial_position=-30.0)
     assert follower.position == 370.0
-    positions = [follower.to(follower.place + 7.3).position for _ in range(300)]
+    positions = [follower.to(follower.master_position + 7.3).position for _ in range(300)]
     assert all(0.0 <= position < 400.0 for position in positions)

@@ -10,7 +10,7 @@ from motionsync.var import Unit
 from motionsync_fmu.interface.units import axis_label, unit_name
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.pages.report.page import run_charts
-from motionsync_fmu.scenario.reader import load
+from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from tests import ROOT
 
@@ -44,7 +44,7 @@ def test_the_states_have_the_numbers_of_the_source() -> None:
 def test_the_report_shows_the_units_of_both_axes() -> None:
     assert axis_label(Unit.VELOCITY, "mm", "deg") == "mm/s, slave deg/s"
     assert axis_label(Unit.VELOCITY, "mm") == axis_label(Unit.VELOCITY, "mm", "mm") == "mm/s"
-    scenario = load(ROOT / "scenarios" / "Follower" / "cyclic_through" / "scenario.toml")
+    scenario = load_scenario(ROOT / "scenarios" / "Follower" / "cyclic_through" / "scenario.toml")
     assert (scenario.unit, scenario.slave_unit) == ("mm", "deg")
     times = np.array([0.0, 1.0])
     by_name = {v.name: v for v in variables(Follower())}

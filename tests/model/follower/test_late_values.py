@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from motionsync.follower.cam_section import CamSection, Peaks
+from motionsync.follower.cam_section import CamSection, QuinticPeaks
 from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from tests.model.follower.harness import RECOVERING, near, parked, quintic
@@ -16,11 +16,11 @@ def test_a_late_value_is_met_from_the_way_home() -> None:
     """Home from 1200 to 1450; at 1300 the slave is at s, s', s'' of that quintic and has 300 to the meeting."""
     follower = parked(**RECOVERING).to(1300.0)
     before = follower.slave
-    follower.put({"sync_master": 1600.0}).run(2.0**-20)
+    follower.set({"sync_master": 1600.0}).run(2.0**-20)
     assert (follower.state, follower.slave) == (State.M_FOLLOWING, near(*before, tolerance=1e-4))
     assert follower.missing == near(0.0, 300.0, 500.0, tolerance=1e-5)
     section = CamSection()
-    section.curve(0.0, 250.0, 250.0, 300.0, 1.0, 0.0, 400.0, 0.0)
+    section.set_quintic(0.0, 250.0, 250.0, 300.0, 1.0, 0.0, 400.0, 0.0)
     s, d1, d2, _ = section.at(100.0)
     u, t = 0.5, 300.0
     h = 0.5 * u * u * (1.0 - u) ** 3  # Hermite's function of the second derivative
@@ -31,19 +31,19 @@ def test_a_late_value_is_met_from_the_way_home() -> None:
 
 
 def test_a_late_value_is_met_from_the_park() -> None:
-    follower = parked(**RECOVERING).to(2000.0).put({"sync_master": 2150.0}).to(2075.0)
+    follower = parked(**RECOVERING).to(2000.0).set({"sync_master": 2150.0}).to(2075.0)
     assert (follower.state, follower.position) == (State.M_FOLLOWING, near(quintic(150.0, 0.0, 0.0, 100.0, 1.0, 75.0)))
     assert follower.to(2200.0).slave == near(150.0, 100.0, 0.0)
 
 
 def test_a_value_that_is_not_late_is_met_from_the_park_as_ever() -> None:
-    follower = parked(**RECOVERING).to(2000.0).put({"sync_master": 2300.0}).to(2200.0)
+    follower = parked(**RECOVERING).to(2000.0).set({"sync_master": 2300.0}).to(2200.0)
     assert follower.position == near(18.75)
 
 
 @pytest.mark.parametrize("values", [{"sync_assumed": True}, {"skip_next_cycle": True}])
 def test_a_value_is_not_joined_while_it_would_not_be_carried_out(values: dict[str, Any]) -> None:
-    follower = parked(**RECOVERING).to(2000.0).put({"sync_master": 2150.0, **values}).to(2075.0)
+    follower = parked(**RECOVERING).to(2000.0).set({"sync_master": 2150.0, **values}).to(2075.0)
     assert (follower.state, follower.position) == (State.M_WAITING_NEXT_CYCLE, 0.0)
 
 
@@ -63,15 +63,15 @@ def test_a_late_value_is_met_within_the_limits_only(limits: dict[str, Any], join
     positions = [quintic(150.0, 0.0, 0.0, 100.0, 1.0, i / 8.0) for i in range(1201)]
     ratios = [(after - before) * 8.0 for before, after in pairwise(positions)]
     assert 1.02 < max(ratios) < 1.03
-    follower = parked(**RECOVERING).to(2000.0).put({"sync_master": 2150.0, **limits}).run(0.01)
+    follower = parked(**RECOVERING).to(2000.0).set({"sync_master": 2150.0, **limits}).run(0.01)
     assert follower.state == (State.M_FOLLOWING if joined else State.M_WAITING_NEXT_CYCLE)
     assert follower.fault == Fault.NONE
 
 
-def test_a_late_value_that_is_refused_on_the_way_home_is_kept_for_the_park() -> None:
-    follower = parked(**RECOVERING).to(1300.0).put({"sync_master": 1700.0, "max_speed": 99.0}).run(0.01)
+def test_a_late_value_that_is_refused_on_the_way_home_is_saved_for_the_park() -> None:
+    follower = parked(**RECOVERING).to(1300.0).set({"sync_master": 1700.0, "max_speed": 99.0}).run(0.01)
     assert follower.state == State.M_HOMING
-    follower.put({"max_speed": 0.0})
+    follower.set({"max_speed": 0.0})
     assert follower.to(1600.0).position == near(18.75)
 
 
@@ -82,11 +82,11 @@ def test_nothing_else_is_joined(values: dict[str, Any]) -> None:
     late = {"sync_master": values.pop("sync_master", 1600.0)}
     follower = parked(**{**RECOVERING, **values}).to(1300.0)
     before = follower.state
-    assert follower.put(late).to(1400.0).state == (State.M_HOMING if before == State.M_DECEL else before)
+    assert follower.set(late).to(1400.0).state == (State.M_HOMING if before == State.M_DECEL else before)
 
 
 def test_peaks_of_a_quintic() -> None:
-    section, peaks = CamSection(), Peaks()
-    section.curve(0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # 10 u^3 - 15 u^4 + 6 u^5
+    section, peaks = CamSection(), QuinticPeaks()
+    section.set_quintic(0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # 10 u^3 - 15 u^4 + 6 u^5
     peaks.measure(section.quintic)
     assert (peaks.d1, peaks.d2) == near(1.875 / 2.0, 10.0 / math.sqrt(3.0) / 4.0)

@@ -16,7 +16,7 @@ def test_without_a_positioning_nothing_moves() -> None:
 
 @pytest.mark.parametrize("steps", [1, 7, 1000])
 @pytest.mark.parametrize(
-    ("place", "state", "position", "d1", "d2"),
+    ("master_position", "state", "position", "d1", "d2"),
     [
         (799.0, State.M_WAITING, 0.0, 0.0, 0.0),
         (900.0, State.M_FOLLOWING, 18.75, 0.5, 0.0075),  # 200 q(1/2), q = 3/32, q' = 1/2, q'' = 3/2
@@ -32,19 +32,19 @@ def test_without_a_positioning_nothing_moves() -> None:
     ],
 )
 def test_the_cycle_of_a_linear_slave(
-    place: float, state: State, position: float, d1: float, d2: float, steps: int
+    master_position: float, state: State, position: float, d1: float, d2: float, steps: int
 ) -> None:
-    follower = parked().to(place, steps)
+    follower = parked().to(master_position, steps)
     assert follower.state == state
     assert follower.slave == near(position, 100.0 * d1, 1e4 * d2, tolerance=1e-8)
-    assert follower["cycle"] == max(0, int((place - 200.0) // 1000.0))
+    assert follower["cycle"] == max(0, int((master_position - 200.0) // 1000.0))
 
 
 @pytest.mark.parametrize("mode", [START, END])
 def test_velocity_and_acceleration_follow_the_chain_rule(mode: MasterInput) -> None:
     """u = 1/2: s' = 1/2, s'' = 3/2/200, s''' = 0; then 3 s'' v a is the jerk."""
     follower = parked(mode=mode).to(800.0).run(1.0, acceleration=-20.0, cuts=[0.3]).run(10.0 / 80.0)
-    assert follower.place == near(900.0)
+    assert follower.master_position == near(900.0)
     follower.run(2.0**-30, acceleration=-20.0)
     assert follower.slave == near(18.75, 40.0, 0.5 * -20.0 + 0.0075 * 6400.0, tolerance=1e-6)
     assert follower["slave.jerk"] == near(3.0 * 0.0075 * 80.0 * -20.0, tolerance=1e-6)
@@ -60,7 +60,7 @@ def test_the_ratio_scales_the_master_travels() -> None:
 
 
 def test_the_first_meeting_may_be_a_negative_number_of_cycles_away() -> None:
-    follower = parked(place=-5000.0, sync_master=30.0)
+    follower = parked(master_position=-5000.0, sync_master=30.0)
     assert follower.missing == near(830.0, 1030.0, 1230.0, tolerance=1e-3)
     follower.to(-4970.0 + 900.0)
     assert (follower.state, follower.position) == (State.M_FOLLOWING, near(18.75))
@@ -75,11 +75,11 @@ def test_the_wait_in_the_park_shortens_the_way_home() -> None:
 
 def test_the_master_may_stand_anywhere() -> None:
     follower = parked().to(900.0).run(1.0, acceleration=-100.0)
-    assert follower.place == 950.0
-    here = follower.slave
-    assert here[1] == 0.0
+    assert follower.master_position == 950.0
+    slave = follower.slave
+    assert slave[1] == 0.0
     follower.run(100.0)
-    assert follower.slave == (here[0], 0.0, 0.0)
+    assert follower.slave == (slave[0], 0.0, 0.0)
     follower.run(1.0, acceleration=100.0)
     assert follower.state == State.M_SYNCHRONIZED
     assert follower.slave == near(100.0, 100.0, 100.0)

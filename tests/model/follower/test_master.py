@@ -15,8 +15,8 @@ from tests.model.follower.harness import CYCLIC, END, ONLY, PASSING, START, near
 def test_a_period_of_the_master_changes_nothing(mode: MasterInput, period: float, values: dict[str, Any]) -> None:
     follower, other = (parked(**values, mode=mode, master__period=p) for p in (0.0, period))
     for _ in range(100):
-        place = follower.place + 93.7
-        assert other.to(place).slave == near(*follower.to(place).slave, tolerance=1e-8)
+        master_position = follower.master_position + 93.7
+        assert other.to(master_position).slave == near(*follower.to(master_position).slave, tolerance=1e-8)
         assert other.missing == near(*follower.missing, tolerance=1e-8)
 
 
@@ -24,9 +24,9 @@ def test_positions_count_from_the_present_turn() -> None:
     """So they keep their last bits over any number of turns."""
     follower = parked(master__period=1000.0)
     for _ in range(50):
-        follower.to(follower.place + 7083.7)
-        current = follower.block.current
-        places = (follower.block.master.end, current.meeting, current.section.begin, current.section.end)
+        follower.to(follower.master_position + 7083.7)
+        current = follower.block.sequence.current
+        places = (follower.block.master.end, current.meeting, current.cam_section.begin, current.cam_section.end)
         assert max(abs(x) for x in places) < 3000.0
     assert follower["cycle"] == 353  # 354185 - 1200
 
@@ -34,6 +34,6 @@ def test_positions_count_from_the_present_turn() -> None:
 def test_the_input_correction_may_hold_a_start() -> None:
     """The master jumps over it between two steps."""
     follower = parked().to(790.0)
-    follower.place = 900.0
+    follower.master_position = 900.0
     follower.run(2.0**-30)
     assert (follower.state, follower.position) == (State.M_FOLLOWING, near(18.75, tolerance=1e-6))

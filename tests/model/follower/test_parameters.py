@@ -9,18 +9,18 @@ from tests.model.follower.harness import near, parked
 
 def test_parameters_are_not_read_inside_a_phase() -> None:
     changed = {"sync_slave": 90.0, "sync_out": 400.0, "k_slave_master": 1.5, "park_slave": 1.0, "master_cycle": 3000.0}
-    follower = parked().to(850.0).put(changed).to(900.0)
+    follower = parked().to(850.0).set(changed).to(900.0)
     assert follower.position == near(18.75)
     assert follower.to(1100.0).position == near(200.0)
-    assert follower.put({"sync_out": 300.0}).to(1300.0).position == near(381.25)
+    assert follower.set({"sync_out": 300.0}).to(1300.0).position == near(381.25)
 
 
 def test_the_way_home_is_read_where_the_synchronized_phase_ends() -> None:
     """M_f = 2 (120 - 20) / 1.25 = 160, next meeting 2040: home from 1200 + 2 * 150 up to 2040 - 160 - 80."""
     follower = parked().to(1100.0)
-    follower.put({"park_slave": 20.0, "sync_slave": 120.0, "k_slave_master": 1.25, "space_stop_slave": 150.0})
-    follower.put({"sync_master": 40.0, "space_wait_in_park": 80.0}).to(1250.0)
-    follower.put({"park_slave": 0.0, "space_stop_slave": 10.0, "space_wait_in_park": 0.0})
+    follower.set({"park_slave": 20.0, "sync_slave": 120.0, "k_slave_master": 1.25, "space_stop_slave": 150.0})
+    follower.set({"sync_master": 40.0, "space_wait_in_park": 80.0}).to(1250.0)
+    follower.set({"park_slave": 0.0, "space_stop_slave": 10.0, "space_wait_in_park": 0.0})
     assert follower.missing == near(630.0, 790.0, 790.0 + 180.0 / 1.25)
     assert follower.to(1500.0).slave == near(450.0, 0.0, 0.0)
     assert follower.to(1650.0).position == near(235.0)
@@ -35,30 +35,30 @@ def test_the_way_home_is_read_where_the_synchronized_phase_ends() -> None:
 )
 def test_the_next_meeting_is_the_first_one_that_is_half_a_cycle_ahead(value: float, meeting: float) -> None:
     values = {} if meeting != 1600.0 else {"sync_out": 110.0, "space_stop_slave": 10.0}
-    follower = parked(**values).to(1005.0).put({"sync_master": value}).to(1250.0)
+    follower = parked(**values).to(1005.0).set({"sync_master": value}).to(1250.0)
     if value == -499.0:  # 1501 - 200 is before the end of the stroke
-        assert (follower.state, follower.fault) == (State.M_IN_ALARM, Fault.NO_ROOM)
+        assert (follower.state, follower.fault) == (State.M_IN_ALARM, Fault.CYCLE_TOO_SHORT)
     else:
         assert follower["master_to_sync"] == near(meeting - 1250.0)
         assert follower.to(meeting).position == near(100.0)
 
 
 def test_at_the_park_the_meeting_is_chosen_anew() -> None:
-    follower = parked().to(700.0).put({"sync_master": 50.0}).run(0.01)
+    follower = parked().to(700.0).set({"sync_master": 50.0}).run(0.01)
     assert follower["master_to_sync"] == near(349.0)
-    follower.put({"sync_master": -50.0, "sync_slave": 50.0}).run(0.01)
+    follower.set({"sync_master": -50.0, "sync_slave": 50.0}).run(0.01)
     assert follower.missing == near(148.0, 248.0, 498.0)
     assert follower.to(900.0).position == near(50.0 * 3.0 / 16.0)
 
 
 def test_a_start_that_a_change_moves_behind_the_master_is_left_for_the_next_one() -> None:
-    follower = parked(space_wait_in_park=100.0).to(700.0).put({"sync_master": -150.0}).run(0.01)
+    follower = parked(space_wait_in_park=100.0).to(700.0).set({"sync_master": -150.0}).run(0.01)
     assert (follower.state, follower["master_to_sync"]) == (State.M_WAITING, near(1149.0))
     assert follower.to(1750.0).position == near(18.75)
 
 
 def test_a_new_park_is_taken_on_the_way_home_only() -> None:
-    follower = parked().put({"park_slave": 10.0}).to(900.0)
+    follower = parked().set({"park_slave": 10.0}).to(900.0)
     assert follower.position == near(18.75)
     assert follower.to(1820.0).slave == near(10.0, 0.0, 0.0)  # 2000 - 2 * 90
     assert follower.to(1910.0).position == near(10.0 + 90.0 * 3.0 / 16.0)

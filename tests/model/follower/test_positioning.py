@@ -25,7 +25,9 @@ def test_what_the_master_does_during_the_move_to_the_park_does_not_matter() -> N
     follower = FollowerHarness({"slave.initial_position": 500.0}, speed=100.0).give("position_to_park").run(9.0)
     assert (follower.state, follower.position) == (State.M_FOLLOWING, near(18.75))
     follower = (
-        FollowerHarness({"slave.initial_position": 500.0}, speed=-100.0, place=700.0).give("position_to_park").run(1.0)
+        FollowerHarness({"slave.initial_position": 500.0}, speed=-100.0, master_position=700.0)
+        .give("position_to_park")
+        .run(1.0)
     )
     follower.speed = 100.0
     follower.run(0.1).run(0.1)
@@ -39,7 +41,7 @@ def test_a_cyclic_slave_goes_to_the_nearest_turn_of_its_park(initial: float, fir
     assert (follower.run(5.0).state, follower.slave) == (State.M_WAITING, (0.0, 0.0, 0.0))
 
 
-def test_a_slave_that_stands_right_is_positioned_at_once_and_needs_no_limits() -> None:
+def test_a_slave_that_is_in_position_is_positioned_at_once_and_needs_no_limits() -> None:
     limits = {f"positioning.{name}": 0.0 for name in ("velocity", "acceleration", "jerk")}
     follower = FollowerHarness(limits, speed=100.0).give("position_to_park").to(900.0)
     assert (follower.state, follower.position) == (State.M_FOLLOWING, near(18.75))
@@ -61,7 +63,7 @@ def test_the_next_accepted_command_clears_a_refusal() -> None:
     assert follower.give("end_synchronism").run(0.01).fault == Fault.NONE
 
 
-def test_where_the_master_stands_the_slave_can_be_positioned_to_its_park_in_the_middle_of_a_cycle() -> None:
+def test_where_the_master_is_at_rest_the_slave_can_be_positioned_to_its_park_in_the_middle_of_a_cycle() -> None:
     follower = parked().to(1100.0)
     follower.speed = 0.0
     follower.run(0.1).give("position_to_park").run(3.0)
@@ -69,7 +71,7 @@ def test_where_the_master_stands_the_slave_can_be_positioned_to_its_park_in_the_
 
 
 @pytest.mark.parametrize(
-    ("place", "values", "state", "position"),
+    ("master_position", "values", "state", "position"),
     [
         (500.0, {}, State.M_HOMING, 400.0 * (1.0 - quintic(400.0, 0.0, 0.0, 1.0, 0.0, 100.0))),
         (500.0, {"space_wait_in_park": 300.0, "master_cycle": 2000.0, "sync_master": 2000.0}, State.M_HOMING, None),
@@ -93,10 +95,12 @@ def test_where_the_master_stands_the_slave_can_be_positioned_to_its_park_in_the_
     ],
 )
 def test_a_positioning_to_the_cycle_leads_to_where_the_cycle_has_the_slave(
-    place: float, values: dict[str, Any], state: State, position: float | None
+    master_position: float, values: dict[str, Any], state: State, position: float | None
 ) -> None:
     follower = (
-        FollowerHarness({**values, "slave.initial_position": 20.0}, place=place).give("position_to_cycle").run(0.01)
+        FollowerHarness({**values, "slave.initial_position": 20.0}, master_position=master_position)
+        .give("position_to_cycle")
+        .run(0.01)
     )
     assert follower.state == State.M_POSITIONING
     follower.run(3.0)
@@ -105,8 +109,8 @@ def test_a_positioning_to_the_cycle_leads_to_where_the_cycle_has_the_slave(
         assert follower.slave == near(position, 0.0, 0.0)
     if values in ({}, CYCLIC):  # then it goes on as one that has never done anything else
         follower.speed = 100.0
-        other = parked(place=place - 2000.0, **values).to(place + 333.0, 100)
-        assert follower.to(place + 333.0).slave == near(*other.slave, tolerance=1e-8)
+        other = parked(master_position=master_position - 2000.0, **values).to(master_position + 333.0, 100)
+        assert follower.to(master_position + 333.0).slave == near(*other.slave, tolerance=1e-8)
 
 
 def test_in_a_variable_cycle_without_a_value_there_is_no_cycle_to_be_positioned_to() -> None:
@@ -119,7 +123,7 @@ def test_in_a_variable_cycle_without_a_value_there_is_no_cycle_to_be_positioned_
 def test_the_master_must_not_move_during_the_positioning_to_the_cycle() -> None:
     """1e-6 is passed after 0.1 s at 1e-5; the slave has then 250 and slows down with 5000."""
     follower = (
-        FollowerHarness({"slave.initial_position": 20.0}, place=1600.0, speed=1e-5)
+        FollowerHarness({"slave.initial_position": 20.0}, master_position=1600.0, speed=1e-5)
         .give("position_to_cycle")
         .run(0.0999)
     )
@@ -132,6 +136,8 @@ def test_the_master_must_not_move_during_the_positioning_to_the_cycle() -> None:
 
 def test_the_master_may_move_a_little() -> None:
     follower = (
-        FollowerHarness({"slave.initial_position": 20.0}, place=1600.0, speed=1e-7).give("position_to_cycle").run(3.0)
+        FollowerHarness({"slave.initial_position": 20.0}, master_position=1600.0, speed=1e-7)
+        .give("position_to_cycle")
+        .run(3.0)
     )
     assert (follower.state, follower.position) == (State.M_HOMING, near(200.0, tolerance=1e-6))

@@ -16,9 +16,9 @@ from motionsync.follower.interface import State
 from motionsync.master import MasterInput
 from tests.model.follower import strategies as drive_follower
 from tests.model.follower.harness import FollowerHarness
-from tests.support.finite import finite_steps
+from tests.support.finite import run_finite
 from tests.support.harness import MOTION
-from tests.support.runs import Run
+from tests.support.runs import BlockRun
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 TICK = 2.0**-20  # s
@@ -39,7 +39,7 @@ class Machine:
     to_out: float
     stop: float
     spare: float  # of the cycle, over what is needed at least
-    wait: float  # share of the room
+    wait: float  # share of the remaining travel
     sync_master: float
 
     @property
@@ -81,11 +81,13 @@ class Machine:
             "stop_in_park": self.cyclic != "passes",
         }
 
-    def follower(self, *, place: float = 0.0, mode: MasterInput = START, **more: Any) -> FollowerHarness:
+    def follower(self, *, master_position: float = 0.0, mode: MasterInput = START, **more: Any) -> FollowerHarness:
         """Positioned to its park, the master standing."""
         values = self.values | {name.replace("__", "."): value for name, value in more.items()}
-        follower = FollowerHarness(values, place=place, mode=mode).give("position_to_park").run(TICK)
-        assert follower.state in (State.M_WAITING, State.M_FOLLOWING)  # M_FOLLOWING if the approach begins just here
+        follower = (
+            FollowerHarness(values, master_position=master_position, mode=mode).give("position_to_park").run(TICK)
+        )
+        assert follower.state in (State.M_WAITING, State.M_FOLLOWING)  # M_FOLLOWING if the approach starts just here
         return follower
 
     def wrapped(self, position: float) -> float:
@@ -119,15 +121,15 @@ def machines(draw: st.DrawFn, kinds: tuple[str, ...] = ("", "stops", "passes")) 
 def drive(follower: FollowerHarness, cycle: float, rng: Random, count: int) -> list[tuple[float, float]]:
     """What a master does that only goes forwards: durations and accelerations, each of one run."""
     speed = follower.speed
-    found = []
+    segments = []
     for _ in range(count):
         target = cycle * rng.choice((0.0, 0.5, 1.0, rng.uniform(0.0, 2.0)))
         duration = 10.0 ** rng.uniform(-2.0, -0.3)
-        found.append((duration, (target - speed) / duration))
-        speed += found[-1][1] * duration
+        segments.append((duration, (target - speed) / duration))
+        speed += segments[-1][1] * duration
         if speed < 1e-9 * cycle:
             speed = 0.0
-    return found
+    return segments
 
 
 def follow(
@@ -147,12 +149,12 @@ def test_whatever_the_master_does_the_slave_is_on_its_line_or_at_its_park(
     """Between sync_slave and sync_out on the line, to 1e-9; while it waits, exactly at the park."""
     follower = machine.follower(mode=mode, master__period=turns * machine.cycle)
     cycle = machine.cycle
-    first = follower.block.current.meeting
+    first = follower.block.sequence.current.meeting
     synchronized = machine.to_out / machine.ratio
     for duration, acceleration in drive(follower, cycle, rng, 40):
         follow(follower, duration, acceleration, cycle, [rng.random() * duration])
-        number = math.floor((follower.place - first) / cycle)
-        travel = follower.place - first - number * cycle
+        number = math.floor((follower.master_position - first) / cycle)
+        travel = follower.master_position - first - number * cycle
         near_border = min(abs(travel), abs(travel - synchronized), abs(cycle - travel)) < 1e-9 * cycle
         if number >= 0 and travel <= synchronized and not near_border:
             assert follower.state == State.M_SYNCHRONIZED
@@ -174,13 +176,13 @@ def test_whatever_the_master_does_the_slave_is_on_its_line_or_at_its_park(
 @repeatable
 @given(machines(), rngs)
 def test_the_position_is_a_function_of_the_masters(machine: Machine, rng: Random) -> None:
-    """Whatever its velocity is: the same place at another speed, and after a stand."""
-    places = sorted(rng.uniform(0.0, 4.0) * machine.cycle for _ in range(30))
+    """Whatever its velocity is: the same position at another speed, and after a rest."""
+    master_positions = sorted(rng.uniform(0.0, 4.0) * machine.cycle for _ in range(30))
     slow, fast = machine.follower(), machine.follower()
-    for place in places:
+    for master_position in master_positions:
         slow.speed, fast.speed = 0.1 * machine.cycle, machine.cycle * rng.uniform(0.2, 5.0)
-        slow.to(place)
-        fast.to(place)
+        slow.to(master_position)
+        fast.to(master_position)
         assert machine.apart(slow.position, fast.position) <= 1e-9 * machine.length
         scale = 1e-8 * machine.length / machine.cycle * (1.0 + abs(slow.slave[1]) / machine.length * machine.cycle)
         assert slow.slave[1] / slow.speed == pytest.approx(fast.slave[1] / fast.speed, rel=1e-8, abs=scale)
@@ -218,14 +220,14 @@ def test_position_and_velocity_are_continuous_at_every_change_of_phase(
         if follower.state == State.M_SYNCHRONIZED and shortened and rng.random() < 0.1:
             follower.give("end_synchronism")
         if i % 60 == 0:
-            follower.put({"stop_after_forward": rng.random() < 0.3, "skip_next_cycle": rng.random() < 0.2})
-        before, state, stage = follower.saved(), follower.state, follower.block.current.stage
+            follower.set({"stop_after_forward": rng.random() < 0.3, "skip_next_cycle": rng.random() < 0.2})
+        before, state, stage = follower.save(), follower.state, follower.block.sequence.current.stage
         follower.run(0.005)
-        if (follower.state, follower.block.current.stage) != (state, stage):
-            after, early, late = follower.saved(), 0.0, 0.005  # bisect the instant of the change
+        if (follower.state, follower.block.sequence.current.stage) != (state, stage):
+            after, early, late = follower.save(), 0.0, 0.005  # bisect the instant of the change
             for _ in range(30):
                 middle = 0.5 * (early + late)
-                if follower.restore(before).run(middle).block.current.stage == stage:
+                if follower.restore(before).run(middle).block.sequence.current.stage == stage:
                     early = middle
                 else:
                     late = middle
@@ -248,11 +250,11 @@ def test_two_runs_with_different_step_sizes_agree(
     start = {"mode": mode, "master__period": turns * machine.cycle, "slave__initial_position": machine.park + 0.3}
     followers = [FollowerHarness(machine.values, mode=mode), FollowerHarness(machine.values, mode=mode)]
     for follower in followers:
-        follower.put(
+        follower.set(
             {"master.period": start["master__period"], "slave.initial_position": start["slave__initial_position"]}
         )
         limits = zip(("velocity", "acceleration", "jerk"), (1.0, 10.0, 100.0), strict=True)
-        follower.put({f"positioning.{name}": size * machine.length for name, size in limits})
+        follower.set({f"positioning.{name}": size * machine.length for name, size in limits})
         follower.block.initialize()
         follower.give("position_to_park")
     coarse, fine = followers
@@ -262,14 +264,14 @@ def test_two_runs_with_different_step_sizes_agree(
         if rng.random() < 0.2:
             name = rng.choice(("skip_next_cycle", "stop_after_forward", "sync_assumed"))
             value = rng.random() < 0.3
-            coarse.put({name: value})
-            fine.put({name: value})
+            coarse.set({name: value})
+            fine.set({name: value})
         if rng.random() < 0.1:
             coarse.give("end_synchronism")
             fine.give("end_synchronism")
         follow(coarse, duration, acceleration, cycle, [])
         follow(fine, duration, acceleration, cycle, [rng.random() * duration for _ in range(rng.randint(1, 12))])
-        fine.place, fine.speed = coarse.place, coarse.speed
+        fine.master_position, fine.speed = coarse.master_position, coarse.speed
         speeds = max(speeds, coarse.speed * machine.ratio, length)
         accelerations = max(accelerations, abs(acceleration) * machine.ratio)
         v2 = speeds * speeds / min(machine.to_sync, machine.stop, machine.to_out, length)
@@ -283,9 +285,11 @@ def test_two_runs_with_different_step_sizes_agree(
 
 def _at_a_border(follower: FollowerHarness) -> bool:
     """A phase has just begun or is about to end, but for rounding."""
-    section = follower.block.current.section
-    place = follower.block.master.end
-    return min(abs(place - section.begin), abs(place - section.end)) < 1e-9 * follower["master_cycle"]
+    section = follower.block.sequence.current.cam_section
+    master_position = follower.block.master.end
+    return (
+        min(abs(master_position - section.begin), abs(master_position - section.end)) < 1e-9 * follower["master_cycle"]
+    )
 
 
 @repeatable
@@ -297,12 +301,12 @@ def test_a_late_meeting_is_joined_without_a_jump_and_met_exactly(machine: Machin
     follower.speed = machine.cycle
     end = (2.0 + 1e-6) * machine.cycle + machine.to_out / machine.ratio  # just after the synchronized phase
     follower.to(end)
-    travel = follower.block.current.section.end - end
+    travel = follower.block.sequence.current.cam_section.end - end
     follower.to(end + travel * (rng.uniform(0.05, 0.95) if home else 1.1))
     assert follower.state == (State.M_HOMING if home else State.M_WAITING)
     before = follower.twin()
-    meeting = follower.place + rng.uniform(0.1, 0.95) * follower.block.current.approach_travel
-    follower.put({"sync_master": meeting})
+    meeting = follower.master_position + rng.uniform(0.1, 0.95) * follower.block.sequence.current.approach_travel
+    follower.set({"sync_master": meeting})
     rows = [(0.0, before.read(MOTION)), (TICK, follower.run(TICK).read(MOTION))]
     assert follower.state == State.M_FOLLOWING
     h = TICK
@@ -313,7 +317,7 @@ def test_a_late_meeting_is_joined_without_a_jump_and_met_exactly(machine: Machin
     if home:  # the acceleration joins too
         assert rows[1][1]["slave.acceleration"] == pytest.approx(
             rows[0][1]["slave.acceleration"],
-            abs=1e-2 * machine.length / (meeting - follower.place) ** 2 * machine.cycle**2,
+            abs=1e-2 * machine.length / (meeting - follower.master_position) ** 2 * machine.cycle**2,
         )
     follower.to(meeting + 0.5 * machine.to_out / machine.ratio)
     assert machine.apart(follower.position, machine.sync + 0.5 * machine.to_out) <= 1e-9 * machine.length
@@ -321,7 +325,7 @@ def test_a_late_meeting_is_joined_without_a_jump_and_met_exactly(machine: Machin
 
 @repeatable
 @given(machines(), rngs, st.floats(0.3, 3.0), st.floats(0.3, 3.0))
-def test_limits_are_kept_or_the_slave_is_in_alarm(machine: Machine, rng: Random, speed: float, force: float) -> None:
+def test_limits_hold_or_the_slave_is_in_alarm(machine: Machine, rng: Random, speed: float, force: float) -> None:
     """A limit is exceeded in the one step whose end shows it; the stop has the limit as its deceleration."""
     max_speed = speed * machine.ratio * machine.cycle
     max_acceleration = force * 10.0 * machine.ratio * machine.cycle
@@ -342,9 +346,10 @@ def test_limits_are_kept_or_the_slave_is_in_alarm(machine: Machine, rng: Random,
 def test_a_positioning_keeps_its_limits_and_ends_exactly(machine: Machine, rng: Random, distance: float) -> None:
     limits = {"velocity": machine.length * 2.0, "acceleration": machine.length * 20.0, "jerk": machine.length * 500.0}
     initial = {"slave.initial_position": machine.park + distance * machine.to_sync}
-    place = machine.cycle * rng.uniform(-3.0, 3.0)
+    master_position = machine.cycle * rng.uniform(-3.0, 3.0)
     follower = FollowerHarness(
-        {**machine.values, **initial, **{f"positioning.{n}": x for n, x in limits.items()}}, place=place
+        {**machine.values, **initial, **{f"positioning.{n}": x for n, x in limits.items()}},
+        master_position=master_position,
     )
     follower.give(rng.choice(("position_to_park", "position_to_cycle")))
     for _ in range(100):
@@ -374,9 +379,9 @@ def test_the_unit_of_the_slave_does_not_matter(machine: Machine, rng: Random, fa
 
 @settings(repeatable, max_examples=25, suppress_health_check=list(HealthCheck))
 @given(drive_follower.runs(60))
-def test_no_command_and_no_master_leads_to_a_number_that_is_none(run: Run) -> None:
+def test_no_command_and_no_master_leads_to_a_number_that_is_none(run: BlockRun) -> None:
     """But for parameters that are set to none."""
-    for block in finite_steps(Follower(), run):
+    for block in run_finite(Follower(), run):
         assert block.state in State
         assert block.error == (block.error_id != 0)
         assert (block.state == State.M_IN_ALARM) == (block.error_id >= 2)

@@ -27,11 +27,11 @@ class GearingHarness(BlockHarness):
 
     def start(self, **values: Any) -> Self:
         """A rising edge of `start` with the next run; the values go to gear_in."""
-        return self.put({f"gear_in.{name}": value for name, value in values.items()} | {"start": True})
+        return self.set({f"gear_in.{name}": value for name, value in values.items()} | {"start": True})
 
     def stop(self, **values: Any) -> Self:
         """A falling edge of `start` with the next run; the values go to gear_out."""
-        return self.put({f"gear_out.{name}": value for name, value in values.items()} | {"start": False})
+        return self.set({f"gear_out.{name}": value for name, value in values.items()} | {"start": False})
 
 
 def near(*values: float, tolerance: float = 1e-9) -> Any:
@@ -49,32 +49,32 @@ def three_halves(**values: Any) -> dict[str, Any]:
     return {**ratio(3, 2), **values}
 
 
-def in_gear(*, place: float = 0.0, speed: float = 10.0, **values: Any) -> GearingHarness:
-    """Engaged at once on the line through (place, 0), 3 : 2; an INSTANT later."""
-    gear = GearingHarness(three_halves(**values), place=place, speed=speed)
+def in_gear(*, master_position: float = 0.0, speed: float = 10.0, **values: Any) -> GearingHarness:
+    """Engaged at once on the line through (master_position, 0), 3 : 2; an INSTANT later."""
+    gear = GearingHarness(three_halves(**values), master_position=master_position, speed=speed)
     gear.start(start_mode=StartMode.CW_CCW_DIRECT, transition=NONE).run(INSTANT)
     assert gear.state == ACTIVE
     return gear
 
 
 def waiting_for_reference(
-    speed: float = 10.0, place: float = 0.0, mode: StartMode = CW, **values: Any
+    speed: float = 10.0, master_position: float = 0.0, mode: StartMode = CW, **values: Any
 ) -> GearingHarness:
     """The slave waits at 7 for the reference position 40 + 10, with a transition over 20; 3 : 2."""
-    gear = GearingHarness(three_halves(**{"slave.initial_position": 7.0}), place=place, speed=speed)
+    gear = GearingHarness(three_halves(**{"slave.initial_position": 7.0}), master_position=master_position, speed=speed)
     return gear.start(start_mode=mode, reference_position=40.0, offset=10.0, **{"distance": 20.0, **values})
 
 
 def engaging_direct(mode: StartMode, speed: float, **values: Any) -> GearingHarness:
     """A direct engagement is ordered with the master at 5 and the slave at 7, with a transition over 20; 3 : 2."""
-    gear = GearingHarness(three_halves(**{"slave.initial_position": 7.0}), place=5.0, speed=speed)
+    gear = GearingHarness(three_halves(**{"slave.initial_position": 7.0}), master_position=5.0, speed=speed)
     return gear.start(start_mode=mode, **{"distance": 20.0, **values})
 
 
 def engaging_in_time(missing: float, speed: float = 10.0, **values: Any) -> GearingHarness:
     """An engagement within T = 2 s is ordered, v T = 20; the reference position is `missing` ahead of the master at
     100; the slave is at 0, 3 : 2."""
-    gear = GearingHarness(three_halves(), place=100.0, speed=speed)
+    gear = GearingHarness(three_halves(), master_position=100.0, speed=speed)
     return gear.start(transition=TIME, time=2.0, reference_position=100.0 + missing, **values)
 
 

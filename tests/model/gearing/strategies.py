@@ -10,16 +10,16 @@ from hypothesis import strategies as st
 from motionsync.gearing.block import Gearing
 from motionsync.gearing.faults import Fault
 from motionsync.gearing.interface import State, Transition
-from motionsync.gearing.order import Aim
+from motionsync.gearing.request import PositionSource
 from motionsync.gearing.stage import Stage
 from motionsync.master import MasterInput
-from tests.support.runs import EXTREMES, Run, Strategy
+from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 LEVELS = ("start", "activate", "reset", "set_master.execute", "set_slave.execute")
 
 
 @st.composite
-def runs(draw: st.DrawFn, steps: int) -> Run:
+def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-6, 1e6)))
     periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: x * length), st.floats(1e-9, 1e4))
     start = {
@@ -37,7 +37,9 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
     }
     extreme = draw(st.sampled_from((0.0, 0.0, 0.02)))
     commands = draw(st.sampled_from((0.02, 0.1, 0.4)))
-    return Run(start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, length, steps, extreme, commands)))
+    return BlockRun(
+        start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, length, steps, extreme, commands))
+    )
 
 
 def _steps(
@@ -59,8 +61,8 @@ def _steps(
             started = not started
             group = "gear_in" if started else "gear_out"
             values["start"] = started
-            orders = _order(r, started, length, position)
-            values |= {f"{group}.{name}": value for name, value in orders.items()}
+            settings = _settings(r, started, length, position)
+            values |= {f"{group}.{name}": value for name, value in settings.items()}
         if not active or r.random() < 0.05 * commands:
             active = r.random() < 0.5
             values["activate"] = active
@@ -71,7 +73,7 @@ def _steps(
             upset = r.random() < 0.2
             values["gearing.numerator"] = r.choice((1, -1, 3, 2**31 - 1, 7)) * r.choice((1, 1, 0 if upset else 1))
             values["gearing.denominator"] = r.choice((1, 2, -5, 1000)) * r.choice((1, 1, 0 if upset else 1))
-        if r.random() < extreme:  # the order's values last; the master is set anew in every step
+        if r.random() < extreme:  # the edge's values last; the master is set anew in every step
             name = r.choice(("master.position", "master.velocity", "master.acceleration", "set_slave.value"))
             values[name] = r.choice(EXTREMES)
         if r.random() < extreme:
@@ -90,8 +92,8 @@ def _steps(
             position, velocity = 0.0, length
 
 
-def _order(r: Random, engage: bool, length: float, position: float) -> dict[str, Any]:
-    """The values of an edge: mostly good ones, now and then a wrong one."""
+def _settings(r: Random, engage: bool, length: float, position: float) -> dict[str, Any]:
+    """The values of an edge: mostly valid ones, now and then a wrong one."""
     wrong = r.random() < 0.05
     values: dict[str, Any] = {
         "transition": r.choice((1, 2, 3)),
@@ -112,25 +114,32 @@ def _order(r: Random, engage: bool, length: float, position: float) -> dict[str,
 
 def watch(block: Gearing) -> set[Any]:
     """What is worth meeting of the block's present state."""
-    order = block.order_in if block.state < State.WAITING_FOR_STOPPOSITION else block.order_out
+    manoeuvre = block.manoeuvre
+    is_engaging = block.state < State.WAITING_FOR_STOPPOSITION
+    request = manoeuvre.gear_in_request if is_engaging else manoeuvre.gear_out_request
     return {
         ("state", block.state),
         ("mode", block.master.input_mode),
         ("fault", block.error_id),
-        ("manoeuvre", block.state, order.aim, order.transition),
-        ("inactive", block.state if block.stage == Stage.FROZEN else None),
-        ("queued edge", block.state if block.edge_queued else None),
+        ("manoeuvre", block.state, request.source, request.transition),
+        ("inactive", block.state if manoeuvre.stage == Stage.FROZEN else None),
+        ("queued edge", block.state if manoeuvre.has_queued_edge else None),
     }
 
 
-# The aims an order may have in the states that carry it out; without transition GEAR_IN and GEAR_OUT end at once.
+# The sources that a request may have in the states that carry it out; without transition GEAR_IN and GEAR_OUT end at
+# once.
 MANOEUVRES = {
-    State.WAITING_FOR_STARTPOSITION: tuple(Aim),
-    State.WAITING_FOR_STOPPOSITION: (Aim.DIRECT, Aim.POSITION),
-    State.GEAR_IN: tuple(Aim),
-    State.GEAR_OUT: (Aim.DIRECT, Aim.POSITION),
+    State.WAITING_FOR_STARTPOSITION: tuple(PositionSource),
+    State.WAITING_FOR_STOPPOSITION: (PositionSource.DIRECT, PositionSource.POSITION),
+    State.GEAR_IN: tuple(PositionSource),
+    State.GEAR_OUT: (PositionSource.DIRECT, PositionSource.POSITION),
 }
-AT_ONCE = {("manoeuvre", state, aim, Transition.NONE) for state in (State.GEAR_IN, State.GEAR_OUT) for aim in Aim}
+AT_ONCE = {
+    ("manoeuvre", state, source, Transition.NONE)
+    for state in (State.GEAR_IN, State.GEAR_OUT)
+    for source in PositionSource
+}
 STRATEGY = Strategy(
     runs,
     watch,
@@ -142,9 +151,9 @@ STRATEGY = Strategy(
             *(("inactive", state) for state in State),
             *(("queued edge", state) for state in (State.GEAR_IN, State.GEAR_OUT)),
             *(
-                ("manoeuvre", state, aim, transition)
-                for state, aims in MANOEUVRES.items()
-                for aim in aims
+                ("manoeuvre", state, source, transition)
+                for state, sources in MANOEUVRES.items()
+                for source in sources
                 for transition in Transition
             ),
         }

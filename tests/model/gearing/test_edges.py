@@ -80,15 +80,15 @@ def test_a_falling_edge_that_waits_is_taken_back_by_a_rising_one() -> None:
     assert gear.slave == near(7.0 + 1.5 * 20.0, 15.0, 0.0)
 
 
-def test_an_edge_that_has_waited_is_judged_and_read_when_it_acts() -> None:
-    gear = waiting_for_reference().to(45.0).stop(distance=20.0).to(50.0).put({"gear_out.distance": 10.0}).to(71.0)
+def test_an_edge_that_has_waited_is_checked_and_read_when_it_acts() -> None:
+    gear = waiting_for_reference().to(45.0).stop(distance=20.0).to(50.0).set({"gear_out.distance": 10.0}).to(71.0)
     assert gear.slave == near(7.0 + 15.0 + 7.5, 0.0, 0.0)
-    gear = waiting_for_reference().to(45.0).stop(distance=20.0).to(50.0).put({"gear_out.distance": -1.0}).to(71.0)
+    gear = waiting_for_reference().to(45.0).stop(distance=20.0).to(50.0).set({"gear_out.distance": -1.0}).to(71.0)
     assert (gear.state, gear["error_id"]) == (ACTIVE, Fault.DISTANCE)
     gear = in_gear().stop(distance=20.0).to(10.0).start(start_mode=StartMode.CW_DIRECT, transition=NONE).run(0.1)
-    refused = gear.twin().put(ratio(0, 1)).to(30.0)
+    refused = gear.twin().set(ratio(0, 1)).to(30.0)
     assert (refused.state, refused["error_id"]) == (STOPPED, Fault.NUMERATOR)
-    assert gear.put(ratio(1, 1)).to(30.0).slave == near(15.0 + 10.0, 10.0, 0.0)
+    assert gear.set(ratio(1, 1)).to(30.0).slave == near(15.0 + 10.0, 10.0, 0.0)
 
 
 def test_a_rising_edge_while_leaving_returns() -> None:
@@ -105,7 +105,7 @@ def test_a_rising_edge_in_gear_out_in_time_acts_at_once() -> None:
     gear.start(start_mode=CW, reference_position=25.0, transition=TIME, time=2.0).run(INSTANT)
     assert gear.state == GEAR_IN
     assert gear.slave == near(s, v, a, tolerance=1e-6)
-    assert gear.run(2.5).slave == near(s + 1.5 * (gear.place - 25.0), 15.0, 0.0)
+    assert gear.run(2.5).slave == near(s + 1.5 * (gear.master_position - 25.0), 15.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -133,11 +133,11 @@ def test_a_rising_edge_that_waits_is_taken_back_by_a_falling_one() -> None:
 
 def test_values_are_read_at_the_edges() -> None:
     gear = waiting_for_reference().run(0.1)
-    gear.put({"gear_in.reference_position": 0.0, "gear_in.offset": 99.0, "gear_in.distance": 1.0})
-    gear.put({"gear_in.transition": NONE, "gear_in.start_mode": CCW})
+    gear.set({"gear_in.reference_position": 0.0, "gear_in.offset": 99.0, "gear_in.distance": 1.0})
+    gear.set({"gear_in.transition": NONE, "gear_in.start_mode": CCW})
     assert gear.to(61.0).slave == near(7.0 + 1.5 * 11.0, 15.0, 0.0)
     gear.stop(stop_mode=StopMode.WITH_CW_STOP_POSITION, stop_position=52.0, distance=20.0).run(0.1)
-    gear.put({"gear_out.stop_position": 0.0, "gear_out.distance": 1.0, "gear_out.transition": TIME})
+    gear.set({"gear_out.stop_position": 0.0, "gear_out.distance": 1.0, "gear_out.transition": TIME})
     assert gear.to(99.0).slave == (52.0, 0.0, 0.0)
 
 

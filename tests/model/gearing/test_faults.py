@@ -35,10 +35,10 @@ from tests.model.gearing.harness import (
     ],
 )
 def test_gear_in_values_are_checked_at_the_rising_edge(values: dict[str, Any], fault: Fault) -> None:
-    gear = GearingHarness(speed=10.0).put(values).start().run(1.0)
+    gear = GearingHarness(speed=10.0).set(values).start().run(1.0)
     assert gear.state == (WAITING_FOR_START if fault == Fault.NONE else STOPPED)
     assert (gear["error"], gear["error_id"]) == (fault != Fault.NONE, fault)
-    gear.put({"reset": True}).run(1.0)
+    gear.set({"reset": True}).run(1.0)
     assert gear["error_id"] == 0
 
 
@@ -81,7 +81,7 @@ def test_bad_parameters_are_refused_at_the_initialization(values: dict[str, Any]
 
 
 @pytest.mark.parametrize(
-    ("name", "good", "bad"),
+    ("name", "accepted", "refused"),
     [
         ("gear_in.distance", [0.0, 1e-9, 1e12], [-1.0, 1e-10, float("nan"), 2e12]),
         ("gear_out.distance", [0.0, 1e-9, 1e12], [-1.0, 1e-10, float("nan"), 2e12]),
@@ -93,15 +93,15 @@ def test_bad_parameters_are_refused_at_the_initialization(values: dict[str, Any]
         ("gear_in.transition", [1, 3], [0, 4]),
     ],
 )
-def test_the_limits_that_are_declared(name: str, good: list[Any], bad: list[Any]) -> None:
+def test_the_limits_that_are_declared(name: str, accepted: list[Any], refused: list[Any]) -> None:
     allows = next(v.allows for v in variables(Gearing()) if v.name == name)
-    assert all(allows(x) for x in good)
-    assert not any(allows(x) for x in bad)
+    assert all(allows(x) for x in accepted)
+    assert not any(allows(x) for x in refused)
 
 
 def test_each_fault_and_each_dependency_names_variables_of_the_block() -> None:
-    known = {v.name for v in variables(Gearing())}
-    assert all(set(fault.names) <= known for fault in Fault)
+    names = {v.name for v in variables(Gearing())}
+    assert all(set(fault.names) <= names for fault in Fault)
     dependent = {v.name: v.depends for v in variables(Gearing()) if v.depends}
     start = ("slave.initial_position", "slave.period")
     assert dependent == {"slave.position": start, "local.line_offset": start}

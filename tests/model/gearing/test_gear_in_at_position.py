@@ -54,7 +54,7 @@ def test_a_distance_of_0_is_no_transition() -> None:
 
 
 @pytest.mark.parametrize(
-    ("mode", "speed", "place", "engages"),
+    ("mode", "speed", "master_position", "engages"),
     [
         (CW, 10.0, 0.0, True),
         (CW, -10.0, 100.0, False),
@@ -66,16 +66,16 @@ def test_a_distance_of_0_is_no_transition() -> None:
 )
 @pytest.mark.parametrize("transition", [NONE, MASTER])
 def test_the_master_has_to_cross_in_the_configured_direction(
-    mode: StartMode, speed: float, place: float, engages: bool, transition: Transition
+    mode: StartMode, speed: float, master_position: float, engages: bool, transition: Transition
 ) -> None:
-    gear = waiting_for_reference(speed, place, mode, transition=transition).run(3.9)
+    gear = waiting_for_reference(speed, master_position, mode, transition=transition).run(3.9)
     assert gear.state == WAITING_FOR_START
     gear.run(0.2)
     assert gear.state == (GEAR_IN if engages and transition == MASTER else WAITING_FOR_START)
     gear.run(2.0)
     assert gear.state == (ACTIVE if engages else WAITING_FOR_START)
     if engages:
-        assert gear.slave == near(7.0 + 1.5 * (gear.place - 50.0), 1.5 * speed, 0.0)
+        assert gear.slave == near(7.0 + 1.5 * (gear.master_position - 50.0), 1.5 * speed, 0.0)
 
 
 def test_downwards_the_trigger_lies_above_and_the_curve_leads_down() -> None:
@@ -88,7 +88,7 @@ def test_downwards_the_trigger_lies_above_and_the_curve_leads_down() -> None:
 def test_in_either_direction_the_trigger_that_is_crossed_first_decides() -> None:
     gear = waiting_for_reference(10.0, 41.0, BOTH).run(1.0)  # upwards it is too late; turn above the other trigger
     assert gear.state == WAITING_FOR_START
-    gear.run(2.0).put({})
+    gear.run(2.0).set({})
     gear.speed = -10.0
     gear.to(59.0)
     assert gear.state == GEAR_IN
@@ -113,10 +113,10 @@ def test_being_on_the_trigger_and_moving_in_its_direction_counts() -> None:
 
 
 @pytest.mark.parametrize("cuts", [[], [1.0], grid(2.0, 0.25)])
-@pytest.mark.parametrize(("place", "speed"), [(35.0, 10.0), (45.0, -10.0)])
-def test_turning_exactly_on_the_trigger_does_not_count(cuts: list[float], place: float, speed: float) -> None:
-    gear = waiting_for_reference(speed, place).run(2.0, acceleration=-speed, cuts=cuts)
-    assert gear.place == place
+@pytest.mark.parametrize(("master_position", "speed"), [(35.0, 10.0), (45.0, -10.0)])
+def test_turning_exactly_on_the_trigger_does_not_count(cuts: list[float], master_position: float, speed: float) -> None:
+    gear = waiting_for_reference(speed, master_position).run(2.0, acceleration=-speed, cuts=cuts)
+    assert gear.master_position == master_position
     assert gear.state == WAITING_FOR_START
     gear.speed = 0.0
     assert gear.run(1.0).state == WAITING_FOR_START

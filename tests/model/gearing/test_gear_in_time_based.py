@@ -1,4 +1,4 @@
-"""The Gearing engages within a time: the curve, when it begins, where it ends."""
+"""The Gearing engages within a time: the curve, when it starts, where it ends."""
 
 import pytest
 
@@ -70,7 +70,7 @@ def test_in_time_the_slave_is_on_the_line_at_the_end_whatever_the_master_does(
 ) -> None:
     gear = engaging_in_time(missing).run(1.0, acceleration=acceleration).run(0.5, acceleration=-acceleration).run(0.6)
     assert gear.state == ACTIVE
-    assert gear.slave == near(1.5 * (gear.place - 100.0 - missing), 1.5 * gear.speed, 0.0)
+    assert gear.slave == near(1.5 * (gear.master_position - 100.0 - missing), 1.5 * gear.speed, 0.0)
 
 
 def test_in_time_and_accelerated_it_begins_at_rest() -> None:

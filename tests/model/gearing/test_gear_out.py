@@ -1,4 +1,4 @@
-"""The Gearing disengages: directly, at a stop position, in time; and the master turns round meanwhile."""
+"""The Gearing disengages: directly, at a stop position, in time; and the master reverses meanwhile."""
 
 import pytest
 

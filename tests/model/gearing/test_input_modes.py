@@ -21,9 +21,9 @@ def test_end_of_step_inputs_give_the_same(transition: Transition) -> None:
     def motions(mode: MasterInput) -> list[tuple[float, float, float]]:
         gear = GearingHarness(three_halves(), speed=10.0, mode=mode)
         gear.start(reference_position=30.0, transition=transition, distance=20.0).run(1.0)
-        found = [gear.run(0.7, acceleration=a).slave for a in (0.0, 3.0, 0.0, -2.0, 5.0, 0.0)]
+        engaging = [gear.run(0.7, acceleration=a).slave for a in (0.0, 3.0, 0.0, -2.0, 5.0, 0.0)]
         gear.stop(transition=transition, distance=20.0)
-        return found + [gear.run(0.7, acceleration=a).slave for a in (0.0, -3.0, 4.0, 1.0)]
+        return engaging + [gear.run(0.7, acceleration=a).slave for a in (0.0, -3.0, 4.0, 1.0)]
 
     for a, b in zip(motions(MasterInput.START_OF_STEP), motions(MasterInput.END_OF_STEP), strict=True):
         assert a == near(*b)
@@ -39,7 +39,7 @@ def test_position_only_inputs_lead_on_to_the_line() -> None:
 def test_a_step_too_short_to_divide_by_leaves_nothing_infinite() -> None:
     gear = GearingHarness(speed=10.0, mode=MasterInput.END_OF_STEP)
     gear.start(start_mode=StartMode.CW_CCW_DIRECT, transition=Transition.NONE).run(1.0)
-    gear.stop(stop_mode=StopMode.CW_CCW_DIRECT, transition=Transition.TIME_BASED, time=1.0).put(
+    gear.stop(stop_mode=StopMode.CW_CCW_DIRECT, transition=Transition.TIME_BASED, time=1.0).set(
         {"master.velocity": -20.0}
     )
     assert gear.block.step(5e-324) == Refusal.NONE

@@ -1,8 +1,8 @@
 """The laws of the Gearing: the two curves, the line, the places of a grid, the direction of a motion."""
 
 from motionsync.gearing.curves import gear_in_curve, gear_out_curve
-from motionsync.gearing.line import Line, direction_of
-from motionsync.grid import first_ahead, nearest
+from motionsync.gearing.line import SynchronousLine, direction_of
+from motionsync.grid import first_on_grid_ahead, nearest_on_grid
 
 
 def test_the_curve_on_to_the_line_and_the_one_off_it() -> None:
@@ -17,18 +17,18 @@ def test_the_curve_on_to_the_line_and_the_one_off_it() -> None:
 
 
 def test_the_line_reckons_numerator_first() -> None:
-    line = Line(7, -3, 1.0, 100.0)
+    line = SynchronousLine(7, -3, 1.0, 100.0)
     assert line.at(1.3) == 100.0 + 7 * (1.3 - 1.0) / -3
-    assert line.unscaled(line.scaled(6.0)) == 6.0
+    assert line.to_master(line.to_slave(6.0)) == 6.0
 
 
 def test_places_on_a_grid() -> None:
-    assert [first_ahead(1.0, 10.0, 1.0, x, True) for x in (1.0, 1.1, 11.0, -8.9)] == [1.0, 11.0, 11.0, 1.0]
-    assert [first_ahead(1.0, 10.0, -1.0, x, True) for x in (1.0, 0.9, 11.0, -8.9)] == [1.0, -9.0, 11.0, -9.0]
-    assert [first_ahead(1.0, 10.0, direction, 1.0, False) for direction in (1.0, -1.0)] == [11.0, -9.0]
-    assert first_ahead(1.0, 0.0, 1.0, 5.0, True) == 1.0
-    assert [nearest(1.0, 10.0, x) for x in (5.9, 6.1, -4.1)] == [1.0, 11.0, -9.0]
-    assert nearest(1.0, 0.0, 99.0) == 1.0
+    assert [first_on_grid_ahead(1.0, 10.0, 1.0, x, True) for x in (1.0, 1.1, 11.0, -8.9)] == [1.0, 11.0, 11.0, 1.0]
+    assert [first_on_grid_ahead(1.0, 10.0, -1.0, x, True) for x in (1.0, 0.9, 11.0, -8.9)] == [1.0, -9.0, 11.0, -9.0]
+    assert [first_on_grid_ahead(1.0, 10.0, direction, 1.0, False) for direction in (1.0, -1.0)] == [11.0, -9.0]
+    assert first_on_grid_ahead(1.0, 0.0, 1.0, 5.0, True) == 1.0
+    assert [nearest_on_grid(1.0, 10.0, x) for x in (5.9, 6.1, -4.1)] == [1.0, 11.0, -9.0]
+    assert nearest_on_grid(1.0, 0.0, 99.0) == 1.0
 
 
 def test_a_direction_is_that_of_the_velocity_or_at_standstill_of_the_acceleration() -> None:

@@ -21,13 +21,17 @@ from tests.model.gearing.harness import (
 from tests.support.harness import grid
 
 
-def rotary(place: float, speed: float, **values: Any) -> GearingHarness:
-    return GearingHarness(three_halves(**{"master.period": 360.0, **values}), place=place, speed=speed)
+def rotary(master_position: float, speed: float, **values: Any) -> GearingHarness:
+    return GearingHarness(
+        three_halves(**{"master.period": 360.0, **values}), master_position=master_position, speed=speed
+    )
 
 
-@pytest.mark.parametrize(("place", "trigger"), [(30.0, 40.0), (41.0, 400.0), (700.0, 760.0), (-500.0, -320.0)])
-def test_each_occurrence_of_the_reference_position_counts(place: float, trigger: float) -> None:
-    gear = rotary(place, 10.0).start(reference_position=50.0, distance=20.0).run(INSTANT)
+@pytest.mark.parametrize(
+    ("master_position", "trigger"), [(30.0, 40.0), (41.0, 400.0), (700.0, 760.0), (-500.0, -320.0)]
+)
+def test_each_occurrence_of_the_reference_position_counts(master_position: float, trigger: float) -> None:
+    gear = rotary(master_position, 10.0).start(reference_position=50.0, distance=20.0).run(INSTANT)
     assert gear["local.trigger_position"] == near(40.0)
     gear.to(trigger - 0.1)
     assert gear.state == WAITING_FOR_START
@@ -36,9 +40,9 @@ def test_each_occurrence_of_the_reference_position_counts(place: float, trigger:
     assert gear.to(trigger + 30.0).slave == near(1.5 * 20.0, 15.0, 0.0)
 
 
-@pytest.mark.parametrize(("place", "missing"), [(30.0, 20.0), (50.0, 0.0), (51.0, 359.0), (-311.0, 1.0)])
-def test_in_time_the_next_occurrence_is_meant(place: float, missing: float) -> None:
-    gear = rotary(place, 10.0).start(reference_position=50.0, transition=TIME, time=1.0).run(2.0)
+@pytest.mark.parametrize(("master_position", "missing"), [(30.0, 20.0), (50.0, 0.0), (51.0, 359.0), (-311.0, 1.0)])
+def test_in_time_the_next_occurrence_is_meant(master_position: float, missing: float) -> None:
+    gear = rotary(master_position, 10.0).start(reference_position=50.0, transition=TIME, time=1.0).run(2.0)
     assert gear.slave == near(1.5 * (20.0 - missing), 15.0, 0.0)
 
 

@@ -16,9 +16,9 @@ from motionsync.gearing.interface import StartMode, State, StopMode, Transition
 from motionsync.master import MasterInput
 from tests.model.gearing.harness import GearingHarness
 from tests.model.gearing.strategies import runs
-from tests.support.finite import finite_steps
-from tests.support.harness import MOTION, Row, moved
-from tests.support.runs import Run
+from tests.support.finite import run_finite
+from tests.support.harness import MOTION, Row, advance
+from tests.support.runs import BlockRun
 
 START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 NONE, MASTER, TIME = Transition.NONE, Transition.MASTER_BASED, Transition.TIME_BASED
@@ -46,7 +46,7 @@ def ratios(rng: Random) -> dict[str, int]:
     }
 
 
-def order(rng: Random, engage: bool, place: float, length: float, *, smooth: bool = False) -> dict[str, Any]:
+def order(rng: Random, engage: bool, master_position: float, length: float, *, smooth: bool = False) -> dict[str, Any]:
     """A random edge of start; `smooth`: without a jump of the velocity."""
     group = "gear_in" if engage else "gear_out"
     values = {
@@ -57,7 +57,7 @@ def order(rng: Random, engage: bool, place: float, length: float, *, smooth: boo
     }
     if engage:
         values["gear_in.start_mode"] = rng.choice(list(StartMode))
-        values["gear_in.reference_position"] = place + length * rng.uniform(-1.0, 1.0)
+        values["gear_in.reference_position"] = master_position + length * rng.uniform(-1.0, 1.0)
     else:
         values["gear_out.stop_mode"] = rng.choice(list(StopMode))
         values["gear_out.stop_position"] = length * rng.uniform(-2.0, 2.0)
@@ -65,33 +65,37 @@ def order(rng: Random, engage: bool, place: float, length: float, *, smooth: boo
 
 
 def random_phases(
-    rng: Random, length: float, *, phases: int = 12, smooth: bool = False, ratio: bool = True
+    rng: Random, length: float, *, count: int = 12, smooth: bool = False, ratio: bool = True
 ) -> list[Phase]:
     """A master that wanders to and fro over the length, stops and turns, and edges of start meanwhile."""
-    found = []
-    place, speed, engaged = 0.0, 0.0, False
-    for _ in range(phases):
+    phases = []
+    master_position, speed, engaged = 0.0, 0.0, False
+    for _ in range(count):
         values: dict[str, Any] = {}
         if rng.random() < 0.5:
             engaged = not engaged
-            values |= order(rng, engaged, place, length, smooth=smooth)
+            values |= order(rng, engaged, master_position, length, smooth=smooth)
         if ratio and rng.random() < 0.1:
             values |= ratios(rng)
         if not smooth and rng.random() < 0.1:
             values["activate"] = rng.random() < 0.7
         duration = rng.uniform(0.1, 1.0)
-        target = length * rng.choice([0.0, 1.0, 1.0, -1.0, rng.gauss(0.0, 1.0)]) if place * speed <= 0.0 else -speed
+        target = (
+            length * rng.choice([0.0, 1.0, 1.0, -1.0, rng.gauss(0.0, 1.0)])
+            if master_position * speed <= 0.0
+            else -speed
+        )
         change = target - speed
         acceleration = rng.choice([0.0, change / duration]) if abs(change) > 1e-9 * length else 0.0
-        found.append(Phase(values, duration, acceleration))
-        place, speed = moved(place, speed, acceleration, duration)
-    return found
+        phases.append(Phase(values, duration, acceleration))
+        master_position, speed = advance(master_position, speed, acceleration, duration)
+    return phases
 
 
 def run_phases(gear: GearingHarness, phases: list[Phase], rng: Random, cuts: int) -> Iterator[dict[float, Row]]:
     """Run the phases, each in steps of random sizes; the rows of each phase."""
     for phase in phases:
-        gear.put(phase.values)
+        gear.set(phase.values)
         times = [rng.random() * phase.duration for _ in range(rng.randint(0, cuts))]
         yield gear.rows(phase.duration, acceleration=phase.acceleration, cuts=times)
 
@@ -146,7 +150,7 @@ def test_turns_of_the_axes_do_not_matter(rng: Random) -> None:
     values = {**ratios(rng), "master.period": 4.0, "slave.period": 1.5}
     phases = random_phases(rng, length)
     a = GearingHarness(values, speed=1.0)
-    b = GearingHarness(values, speed=1.0, place=4.0 * rng.randint(-1000, 1000))
+    b = GearingHarness(values, speed=1.0, master_position=4.0 * rng.randint(-1000, 1000))
     for first, second in zip(run_phases(a, phases, rng, 3), run_phases(b, phases, rng, 3), strict=True):
         x, y = (list(rows.values())[-1] for rows in (first, second))
         assert x["state_code"] == y["state_code"]
@@ -165,15 +169,13 @@ def test_the_position_never_jumps(rng: Random, mode: MasterInput) -> None:
     values = {**ratios(rng), "slave.initial_position": rng.uniform(-5.0, 5.0)}
     gear = GearingHarness(values, speed=length * rng.choice([0.0, 1.0, -1.0]), mode=mode)
     for phase in phases:
-        gear.put(phase.values)
-        position = gear.slave[0]
+        gear.set(phase.values)
         for _ in range(5):
-            rows = list(gear.rows(h, acceleration=phase.acceleration).values())
-            highest = 10.0 * 7.0 * (abs(gear.speed) + length)
-            assert abs(rows[-1]["slave.position"] - position) <= highest * h + 1e-12
-            position = rows[-1]["slave.position"]
+            position, velocity = gear["slave.position"], gear["slave.velocity"]
+            gear.run(h, acceleration=phase.acceleration)
+            greatest = max(abs(velocity), abs(gear["slave.velocity"]))
+            assert abs(gear["slave.position"] - position) <= greatest * h + 1e-9
             gear.run(phase.duration / 5 - h, acceleration=phase.acceleration)
-            position = gear.slave[0]
 
 
 @settings(repeatable, max_examples=40)
@@ -186,7 +188,7 @@ def test_position_velocity_and_acceleration_have_no_step_at_constant_speed(rng: 
     rows = [gear.read(MOTION)]
     met = set()
     for engage in (True, False, True, False):
-        gear.put(order(rng, engage, gear.place, length, smooth=True))
+        gear.set(order(rng, engage, gear.master_position, length, smooth=True))
         for _ in range(rng.randint(200, 1500)):
             gear.run(h)
             rows.append(gear.read(MOTION))
@@ -251,11 +253,11 @@ def test_in_gear_the_slave_is_on_the_line_through_the_reference_position(
     )
     rate = gear["gearing.numerator"] / gear["gearing.denominator"]
     met = False
-    for phase in random_phases(rng, length, phases=10, ratio=False):
+    for phase in random_phases(rng, length, count=10, ratio=False):
         gear.rows(phase.duration, acceleration=phase.acceleration, cuts=[rng.random() * phase.duration])
         if gear.state == State.ACTIVE:
             met = True
-            assert gear.slave[0] == pytest.approx(s_a + rate * (gear.place - m_a), abs=1e-7)
+            assert gear.slave[0] == pytest.approx(s_a + rate * (gear.master_position - m_a), abs=1e-7)
             assert gear.slave[1] == pytest.approx(rate * gear.speed, abs=1e-8)
     if not met:
         return
@@ -267,7 +269,7 @@ def test_in_gear_the_slave_is_on_the_line_through_the_reference_position(
         time=rng.uniform(0.1, 2.0),
         stop_position=stop,
     )
-    for phase in random_phases(rng, length, phases=10, ratio=False):
+    for phase in random_phases(rng, length, count=10, ratio=False):
         gear.rows(phase.duration, acceleration=phase.acceleration, cuts=[rng.random() * phase.duration])
         if gear.state == State.STOPPED:
             assert gear.slave == (stop, 0.0, 0.0)
@@ -283,7 +285,7 @@ def test_a_direct_engagement_in_time_ends_on_the_line_through_its_beginning(rng:
     for phase in random_phases(rng, length, ratio=False):
         gear.rows(phase.duration, acceleration=phase.acceleration, cuts=[rng.random() * phase.duration])
     if gear.state == State.ACTIVE:
-        assert gear.slave[0] == pytest.approx(rate * gear.place, abs=1e-8)
+        assert gear.slave[0] == pytest.approx(rate * gear.master_position, abs=1e-8)
 
 
 # --- symmetries -------------------------------------------------------------------------------------------------------
@@ -292,12 +294,12 @@ MIRRORED = {
     "gear_in.start_mode": {1: 2, 2: 1, 3: 3, 4: 5, 5: 4, 6: 6, 7: 7},
     "gear_out.stop_mode": {1: 2, 2: 1, 3: 3, 4: 5, 5: 4, 6: 6},
 }
-TURNED = ("gear_in.reference_position", "gear_in.offset", "slave.initial_position", "gear_out.stop_position")
+REVERSED = ("gear_in.reference_position", "gear_in.offset", "slave.initial_position", "gear_out.stop_position")
 
 
 def mirrored(values: dict[str, Any]) -> dict[str, Any]:
-    found = {name: -x if name in TURNED else x for name, x in values.items()}
-    return {name: MIRRORED[name][x] if name in MIRRORED else x for name, x in found.items()}
+    reversed_values = {name: -x if name in REVERSED else x for name, x in values.items()}
+    return {name: MIRRORED[name][x] if name in MIRRORED else x for name, x in reversed_values.items()}
 
 
 @settings(repeatable, max_examples=200)
@@ -307,12 +309,12 @@ def test_mirrored_axes_do_the_mirrored(rng: Random, mode: MasterInput) -> None:
     values = {**ratios(rng), "slave.initial_position": rng.uniform(-5.0, 5.0)}
     defaults = {"gear_in.start_mode": StartMode.WITH_CW_REFERENCE_POSITION}
     phases = random_phases(rng, length)
-    turned = [Phase(mirrored(p.values), p.duration, -p.acceleration) for p in phases]
+    reversed_phases = [Phase(mirrored(p.values), p.duration, -p.acceleration) for p in phases]
     a = GearingHarness({**defaults, **values}, speed=speed, mode=mode)
     b = GearingHarness(mirrored({**defaults, **values}), speed=-speed, mode=mode)
     seed = rng.random()
     for first, second in zip(
-        run_phases(a, phases, Random(seed), 3), run_phases(b, turned, Random(seed), 3), strict=True
+        run_phases(a, phases, Random(seed), 3), run_phases(b, reversed_phases, Random(seed), 3), strict=True
     ):
         for x, y in zip(first.values(), second.values(), strict=True):
             assert x["state_code"] == y["state_code"]
@@ -324,8 +326,8 @@ def test_mirrored_axes_do_the_mirrored(rng: Random, mode: MasterInput) -> None:
 
 @settings(repeatable, max_examples=25, suppress_health_check=list(HealthCheck))
 @given(runs(steps=300))
-def test_whatever_comes_all_numbers_are_finite(run: Run) -> None:
-    for block in finite_steps(Gearing(), run):
+def test_whatever_comes_all_numbers_are_finite(run: BlockRun) -> None:
+    for block in run_finite(Gearing(), run):
         assert 0.0 <= block.local.progress <= 1.0
         assert block.state_code == block.state
         assert block.in_gear == (block.state == State.ACTIVE)

@@ -1,4 +1,4 @@
-"""The master turns round during an engagement of the Gearing."""
+"""The master reverses during an engagement of the Gearing."""
 
 from motionsync.gearing.interface import StartMode
 from tests.model.gearing.harness import (

@@ -22,7 +22,7 @@ class RemoteSyncHarness:
         self.block = RemoteSync()
         declared = variables(self.block)
         self.cells = {v.name: v.cell for v in declared}
-        self.told = [v.name for v in declared if not v.settable]
+        self.outputs = [v.name for v in declared if not v.settable]
         self.put(values or {})
         assert self.block.initialize() == Refusal.NONE
 
@@ -47,17 +47,17 @@ class RemoteSyncHarness:
 
     def run(self, indices: Iterable[int], values: Mapping[str, Any] | None = None) -> Recording:
         """A cycle an index; the values are set before the first one."""
-        found: Recording = {name: [] for name in self.told}
+        recording: Recording = {name: [] for name in self.outputs}
         self.put(values or {})
         for index in indices:
             self.see(index)
-            for name in self.told:
-                found[name].append(self.cells[name].get())
-        return found
+            for name in self.outputs:
+                recording[name].append(self.cells[name].get())
+        return recording
 
     def shown(self) -> dict[str, Any]:
         """All outputs and locals."""
-        return {name: self.cells[name].get() for name in self.told}
+        return {name: self.cells[name].get() for name in self.outputs}
 
     def __getitem__(self, name: str) -> Any:
         return self.cells[name].get()
@@ -103,7 +103,7 @@ def since(recording: Recording, name: str) -> int:
     return recording[name].index(True)
 
 
-def found(recording: Recording) -> list[int]:
+def beat_cycles(recording: Recording) -> list[int]:
     """Cycles in which the number of beats grows."""
     beats = recording["beats"]
     return [n for n in range(1, len(beats)) if beats[n] > beats[n - 1]]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from motionsync.remote_sync.block import RemoteSync
 from motionsync.remote_sync.faults import Fault
 from motionsync.remote_sync.interface import Estimator, Mode
-from tests.support.runs import EXTREMES, Run, Strategy
+from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 INDICES = (0, 1, -1, 32768, 65535, 65536, 2**31 - 1, -(2**31))
 TUNABLE = ("delay_time_offset", "max_position_difference")
@@ -25,7 +25,7 @@ WHOLE = {  # limits that are short, so that a few hundred cycles meet beats
 
 
 @st.composite
-def runs(draw: st.DrawFn, steps: int) -> Run:
+def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     """A sender whose drift brings a beat each ten to hundred cycles; the axis mostly moves evenly."""
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-6, 1e6)))  # of the axis' way in a cycle
     cycle = draw(st.one_of(st.sampled_from((0.002, 2.0**-7)), st.floats(1e-4, 1e-1)))
@@ -55,7 +55,7 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
     chances = [draw(st.sampled_from(choice)) for choice in RARE]
     jitter = draw(st.sampled_from((0.0, 0.003, 0.03)))
     random = Random(draw(st.integers(0, 2**32 - 1)))
-    return Run(start, list(_steps(random, start, steps, length, ratio, drift, jitter, *chances)))
+    return BlockRun(start, list(_steps(random, start, steps, length, ratio, drift, jitter, *chances)))
 
 
 def _steps(

@@ -21,7 +21,7 @@ UNIFORM, SLOPES, PHASE = COLUMNS
         (1000, 0.01, (0.213, 0.663, 0.03), (0.0033, 0.007, 0.002)),
     ],
 )
-def test_what_is_allowed_is_what_the_description_says(
+def test_the_bounds_are_those_of_the_description(
     ppm: float, jitter: float, peaks: tuple[float, ...], steps: tuple[float, ...]
 ) -> None:
     """(90 + 3) d, 0.45 more with the default slopes, 0.12 more with jitter; 2.1 d and 5 d."""
@@ -36,13 +36,13 @@ def test_the_corrected_index_is_as_accurate_as_described(ppm: int, jitter: float
     """In every run; with one exception, PHASE at 2000 ppm with jitter.
 
     There the estimate rests on two dates until the third beat is identified, up to 590 cycles beyond the second one.
-    Whatever the estimator, so few cycles with so much jitter tell a date to no more than 0.004 cycles of phase (the
+    Whatever the estimator, so few cycles with so much jitter give a date to no better than 0.004 cycles of phase (the
     bound of Cramer and Rao; to count them reaches it), and at the far end of the line through both dates that has grown
     to 0.01. 0.03 is not beyond the reach of such errors: some runs in a hundred may exceed it, none 0.045.
     """
     case = Case(ppm, jitter)
-    for column, told in zip(COLUMNS, reached(case, range(SEEDS[ppm]), 2), strict=True):
-        peaks, steps = told.peaks, np.array(told.steps)
+    for column, result in zip(COLUMNS, reached(case, range(SEEDS[ppm]), 2), strict=True):
+        peaks, steps = result.peaks, np.array(result.steps)
         allowed = column.peak(case.size, jitter > 0.0)
         if column is PHASE and ppm == 2000 and jitter:
             assert np.mean(peaks <= allowed) >= 0.95
@@ -55,8 +55,8 @@ def test_the_corrected_index_is_as_accurate_as_described(ppm: int, jitter: float
 def test_phase_is_at_the_true_index_and_beat_one_cycle_behind_a_slower_sender(ppm: int) -> None:
     """Odd seeds are slower senders."""
     case = Case(ppm, 0.01)
-    for column, told in zip(COLUMNS, reached(case, range(8), 2), strict=True):
+    for column, result in zip(COLUMNS, reached(case, range(8), 2), strict=True):
         behind = np.array([0.0 if column is PHASE else 1.0 * (seed % 2) for seed in range(8)])
         allowed = column.peak(case.size, True)
-        assert (np.array(told.lowest) + behind).min() >= -allowed
-        assert (np.array(told.highest) + behind).max() <= allowed
+        assert (np.array(result.lowest) + behind).min() >= -allowed
+        assert (np.array(result.highest) + behind).max() <= allowed

@@ -55,7 +55,7 @@ def test_bypass_is_what_was_received() -> None:
 
 
 def test_pt1_takes_a_share_of_what_is_missing_in_each_cycle() -> None:
-    """A quarter with the factor 3, a half with 1; it begins at the first value."""
+    """A quarter with the factor 3, a half with 1; it starts at the first value."""
     receiver = RemoteSyncHarness({"start_up_mode": StartUpMode.PT1, "pt1_factor_velocity": 1.0, "remote.position": 2.0})
     assert receiver.see(0).slave == (2.0, 0.0, 0.0)
     values = {"remote.position": 6.0, "remote.velocity": 8.0, "remote.acceleration": 7.0}
@@ -85,7 +85,7 @@ def test_the_shift_leads_to_the_next_cycle_if_asked() -> None:
     assert receiver.slave == close(3 + 50 * t + 100 * t * t, 50 + 200 * t, 200.0)
 
 
-# From the first telegram, at 0, on the PT1 stands nearly still; then what was received is 5, and 0.8 more if shifted.
+# From the first telegram, at 0, on the PT1 is nearly at rest; then what was received is 5, and 0.8 more if shifted.
 THREE: dict[str, Any] = {"delay_time_offset": 0.02, "pt1_factor_position": 1e12, "use_acceleration": False}
 AT_FIVE: dict[str, Any] = {"remote.position": 5.0, "remote.velocity": 40.0}
 
@@ -98,7 +98,7 @@ def three_ways(**values: Any) -> RemoteSyncHarness:
 
 
 def test_a_change_of_mode_is_blended_over_the_blending_time() -> None:
-    """30 cycles from TIME to BYPASS: the change only begins in the first one."""
+    """30 cycles from TIME to BYPASS: the change only starts in the first one."""
     receiver = three_ways()
     assert receiver["slave.position"] == close(5.8)
     recording = receiver.run(range(50, 90), {"enable": False})

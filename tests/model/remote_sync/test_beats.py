@@ -14,9 +14,9 @@ from tests.model.remote_sync.harness import (
     PHASE,
     UNIFORM,
     at,
+    beat_cycles,
     beating,
     close,
-    found,
     offset,
     run,
     since,
@@ -25,14 +25,14 @@ from tests.model.remote_sync.harness import (
 
 @pytest.mark.parametrize("limit", [1, 7, 90])
 def test_a_beat_is_identified_once_the_difference_has_been_quiet_for_the_limit(limit: int) -> None:
-    assert found(run(BEATING, end_of_transition_limit=limit)) == [500 + limit, 1000 + limit]
+    assert beat_cycles(run(BEATING, end_of_transition_limit=limit)) == [500 + limit, 1000 + limit]
 
 
 def test_a_beat_is_dated_by_the_middle_of_its_zone() -> None:
     """Zones of flicker from 480 to 520 and from 1000 to 1011: N = 505.5, from 90 cycles after their ends on."""
     differences = [0] * 480 + [1, 0] * 20 + [1] * 480 + [2, 1] * 5 + [1] + [2] * 189
     recording = run((n + d for n, d in enumerate(differences)), **UNIFORM)
-    assert found(recording) == [610, 1101]
+    assert beat_cycles(recording) == [610, 1101]
     assert at(recording, "drift", 1100, 1101) == (0.0, close(1e6 / 505.5))
     assert recording["local.beat_distance"][1199] == 505.5
     assert at(recording, "local.transition", 479, 480, 609, 610, 999, 1000, 1101) == (0, 1, 1, 0, 0, 1, 0)
@@ -44,7 +44,7 @@ def test_a_quiet_stretch_at_the_confirmed_difference_closes_the_zone_without_a_b
     indices[300] += 1
     recording = run(indices)
     assert at(recording, "local.transition", 300, 390, 391) == (True, True, False)
-    assert (found(recording), recording["drift"][-1]) == ([590, 1090], 2000.0)
+    assert (beat_cycles(recording), recording["drift"][-1]) == ([590, 1090], 2000.0)
 
 
 @pytest.mark.parametrize("values", [UNIFORM, PHASE])
@@ -75,7 +75,7 @@ def test_the_first_quiet_stretch_confirms_the_difference_without_a_beat() -> Non
     recording = run(beating(400, 40, 60, 61), time_mode_blending_cycles=10, end_of_transition_limit=50)
     assert offset(recording, 111, 112, 121, 399) == close(0.0, 3 / 10, 3.0 * 10 / 10, 3.0)
     recording = run(beating(800, 40, 500))
-    assert found(recording) == [590]
+    assert beat_cycles(recording) == [590]
 
 
 def test_n_is_the_mean_of_the_last_distances() -> None:

@@ -10,7 +10,7 @@ from itertools import pairwise
 from tests.model.remote_sync.harness import BEATING, UNIFORM, RemoteSyncHarness, T, at, beating, close, offset, run
 
 
-def test_before_the_drift_is_known_a_beat_is_worked_off_after_it() -> None:
+def test_before_the_drift_is_determined_a_beat_is_worked_off_after_it() -> None:
     """w = (n - 590) / 90; the correction steps with each telegram."""
     recording = run(BEATING, **UNIFORM)
     assert offset(recording, 0, 590, 635, 680, 1000, 1090) == close(0.0, 0.0, 0.5, 1.0, 1.0, 1.0)

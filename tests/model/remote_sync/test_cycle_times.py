@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.model.remote_sync.harness import UNIFORM, T, at, close, found, run, since
+from tests.model.remote_sync.harness import UNIFORM, T, at, beat_cycles, close, run, since
 
 
 def test_two_cycles_an_index() -> None:
@@ -14,7 +14,7 @@ def test_two_cycles_an_index() -> None:
     assert at(recording, "correction_time", 0, 1, 2, 3) == close(0.0, T, 0.0, T)  # half of a data cycle
     assert at(recording, "equal_data_consecutive", 0, 1, 2, 3) == (0, 1, 0, 1)
     assert recording["equal_data_total"][1399] == 700
-    assert (found(recording), recording["drift"][1090]) == ([590, 1090], 4000.0)
+    assert (beat_cycles(recording), recording["drift"][1090]) == ([590, 1090], 4000.0)
     assert at(recording, "corrected_cycle_index", 635, 680, 1180) == close(318.0, 341.0, 592.36)
     assert recording["correction_time"][1201] == close(0.902 * 2 * T)
 
@@ -32,7 +32,7 @@ def test_three_cycles_an_index(limit: int, first: int, second: int) -> None:
     """D is looked at in every third cycle: a step at 499 is seen at 501, and a quiet stretch in such a cycle only."""
     indices = [n // 3 + (n >= 499) + (n >= 1000) for n in range(1400)]
     recording = run(indices, data_cycle_time=3 * T, end_of_transition_limit=limit, **UNIFORM)
-    assert found(recording) == [first, second]
+    assert beat_cycles(recording) == [first, second]
     assert recording["drift"][1399] == close(3e6 / 501.0)
     assert recording["corrected_cycle_index"][1300] == close(1300 / 3 + 2 + (1300 - 1002) / 501)
 
@@ -44,7 +44,7 @@ def test_several_indices_a_cycle(share: int) -> None:
     assert at(recording, "corrected_cycle_index", 1, 499) == (share, 499.0 * share)
     assert at(recording, "cycle_index_difference", 1, 500) == (share, share + 1)
     assert recording["correction_time"][500] == close(-T / share)
-    assert (found(recording), recording["drift"][1090]) == ([590, 1090], close(2000.0 / share))
+    assert (beat_cycles(recording), recording["drift"][1090]) == ([590, 1090], close(2000.0 / share))
     assert recording["corrected_cycle_index"][1300] == close(1300 * share + 2.6)
 
 

@@ -10,7 +10,7 @@ import math
 import pytest
 
 from motionsync.remote_sync.interface import Estimator, Mode
-from tests.model.remote_sync.harness import BEATING, MOVING, UNIFORM, RemoteSyncHarness, T, beating, found, run
+from tests.model.remote_sync.harness import BEATING, MOVING, UNIFORM, RemoteSyncHarness, T, beat_cycles, beating, run
 
 
 def test_disabled_all_is_as_received_and_nothing_is_wrong() -> None:
@@ -33,7 +33,7 @@ def test_a_rising_edge_of_enable_is_a_new_start() -> None:
     assert (receiver["corrected_cycle_index"], receiver["correction_time"]) == (9999.0, 0.0)
     assert [receiver[name] for name in ("synced", "start_up", "drift", "beats", "warning")] == [False, True, 0.0, 0, 0]
     assert (receiver["state"], receiver["cycle_index_difference"], receiver["error"]) == (Mode.TIME, 0, False)
-    assert found(receiver.run(range(10000, 10400))) == []
+    assert beat_cycles(receiver.run(range(10000, 10400))) == []
 
 
 @pytest.mark.parametrize("estimator", Estimator)

@@ -60,7 +60,7 @@ def test_an_index_step_beyond_the_limit_is_a_fault(limit: int, step: int, error_
 
 
 @pytest.mark.parametrize(("limit", "cycle"), [(7, 57), (1, 51), (30, 80)])
-def test_an_index_that_stands_still_for_too_long_is_a_fault(limit: int, cycle: int) -> None:
+def test_an_index_that_does_not_change_for_too_long_is_a_fault(limit: int, cycle: int) -> None:
     """Without a limit of the difference the correction may grow as it likes."""
     recording = run(losing(49), age_of_data_limit=limit, max_cycle_index_difference=0)
     assert held(recording, cycle, 0x4B52)
@@ -154,14 +154,14 @@ def test_the_limit_is_that_of_the_shift_as_it_is(use: bool, error_id: int) -> No
         (50, {"max_position_difference": 0.1, "delay_time_offset": 1.0}, 0x4B59),
     ],
 )
-def test_of_several_faults_the_least_is_told(index: int, values: dict[str, Any], error_id: int) -> None:
+def test_of_several_faults_the_least_is_shown(index: int, values: dict[str, Any], error_id: int) -> None:
     """At 56 the index is ten too far, with the four of the cycle before; 100 u/s are 100 u in the delay."""
     receiver = RemoteSyncHarness({"remote.velocity": 100.0})
     receiver.run([*range(49), 53] if index == 56 else range(50))
     assert receiver.see(index + (4 if index == 56 else 0), values)["error_id"] == error_id
 
 
-def test_what_a_faulty_cycle_has_found_is_not_taken() -> None:
+def test_what_a_faulty_cycle_has_estimated_is_not_taken() -> None:
     receiver = RemoteSyncHarness()
     receiver.run(BEATING[:1090])
     recording = receiver.run(BEATING[1090:1100], {"delay_time_offset": math.nan})
@@ -173,7 +173,7 @@ def test_what_a_faulty_cycle_has_found_is_not_taken() -> None:
 
 
 def test_a_fault_in_sync_keeps_the_correction_and_blends_to_the_fall_back_mode() -> None:
-    """0.798 cycles of 0.2 u at 1399, with a telegram that stays; then the axis stands as received."""
+    """0.798 cycles of 0.2 u at 1399, with a telegram that stays; then the axis is at rest as received."""
     receiver = RemoteSyncHarness({"remote.velocity": 100.0, "fall_back_mode": FallBackMode.BYPASS, **UNIFORM})
     receiver.run(BEATING)
     recording = receiver.run([9000] * 40)

@@ -32,7 +32,7 @@ def test_the_delay_does_not_count_for_synced() -> None:
     assert recording["correction_time"][1300] == close(0.6 * T + 0.1)
 
 
-def test_forced_time_mode_tells_the_drift_and_does_not_use_it() -> None:
+def test_forced_time_mode_shows_the_drift_and_does_not_use_it() -> None:
     recording = run(BEATING, force_time_mode=True, threshold_for_sync=10.0)
     assert offset(recording, 635, 1090, 1135, 1399) == close(0.5, 1.0, 1.5, 2.0)
     assert at(recording, "drift", 1089, 1090) == (0.0, 2000.0)

@@ -6,7 +6,7 @@ from motionsync.remote_sync.interface import Estimator, Mode
 from tests.model.remote_sync.harness import T, at, close, offset, run
 
 
-def test_the_first_cycle_has_no_step_to_judge() -> None:
+def test_the_first_cycle_has_no_step_of_the_index() -> None:
     recording = run(range(5000, 5003))
     assert at(recording, "corrected_cycle_index", 0, 1, 2) == (5000.0, 5001.0, 5002.0)
     assert at(recording, "cycle_index_difference", 0, 1, 2) == (0, 1, 1)

@@ -14,9 +14,9 @@ from tests.model.remote_sync.harness import (
     PHASE,
     T,
     at,
+    beat_cycles,
     beating,
     close,
-    found,
     offset,
     run,
     since,
@@ -75,7 +75,7 @@ def test_the_cycles_beyond_are_counted_wherever_in_the_zone_they_are() -> None:
     for n in range(480, 520, 2):
         zone[n] += 1
     a, b = run(clean, **PHASE), run(zone, **PHASE)
-    assert found(b) == [610, 1090]
+    assert beat_cycles(b) == [610, 1090]
     assert b["drift"][610] == a["drift"][590]
     assert b["drift"][1090] == a["drift"][1090]
 

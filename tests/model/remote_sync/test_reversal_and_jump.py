@@ -1,4 +1,4 @@
-"""Where RemoteSync's estimate begins anew: a beat of opposite sign, a jump of the difference; and its warning."""
+"""Where RemoteSync's estimate starts anew: a beat of opposite sign, a jump of the difference; and its warning."""
 
 import pytest
 

@@ -3,7 +3,7 @@
 import pytest
 
 from motionsync.remote_sync.faults import Refusal
-from motionsync_fmu.native.batch import simulate_many
+from motionsync_fmu.batch.simulation import simulate_many
 from tests.model.remote_sync.harness import RemoteSyncHarness, T, close
 
 
@@ -65,7 +65,7 @@ def test_a_step_of_more_than_a_million_cycles_is_refused_and_changes_nothing() -
 
 
 def test_a_million_cycles_are_not_too_many() -> None:
-    """No more and no less in 2000 s: the index stands still in all but the first."""
+    """No more and no less in 2000 s: the index does not change in all but the first."""
     start = {"age_of_data_limit": 0, "max_cycle_index_difference": 0}
     names = ["equal_data_total", "correction_time"]
     one = simulate_many("RemoteSync", 2000.0, {}, names, start=start, steps=1)

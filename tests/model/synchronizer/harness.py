@@ -55,17 +55,17 @@ class Harness:
         self.at = end
         return self
 
-    def go(self, *places: float, **values: Any) -> "Harness":
-        """With constant velocity to each place, 1 s each; inputs are set before the first step."""
-        for place in places:
-            self.move(place - self.at, 0.0, 1.0, **values)
+    def go(self, *master_positions: float, **values: Any) -> "Harness":
+        """With constant velocity to each position of the master, 1 s each; inputs are set before the first step."""
+        for master_position in master_positions:
+            self.move(master_position - self.at, 0.0, 1.0, **values)
             values = {}
         return self
 
-    def stand(self, place: float, **values: Any) -> "Harness":
+    def stand(self, master_position: float, **values: Any) -> "Harness":
         """END_OF_STEP: at rest at both ends of the step, and no turning point in between."""
         write(self.block, values)
-        self.at = place
+        self.at = master_position
         write(self.block, {"master.position": self.input, "master.velocity": 0.0, "master.acceleration": 0.0})
         assert self.block.step(1.0) == Refusal.NONE
         return self

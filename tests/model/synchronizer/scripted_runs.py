@@ -43,15 +43,15 @@ class Feed:
 
     def __init__(self, scenario: Mapping[str, Any]) -> None:
         self.stretches = stretches(scenario["master"], mp.mpf(scenario["stop_time"]) + 1)
-        self.begins = [stretch.begin for stretch in self.stretches]
+        self.begin_times = [stretch.begin for stretch in self.stretches]
         self.period = mp.mpf(scenario["start"].get("master.period", 0))
 
     def stretch(self, time: Any, after: bool) -> Stretch:
         """The stretch at `time`; where two meet the one after or before."""
-        index = bisect_right(self.begins, time) - 1
-        return self.stretches[index if after or self.begins[index] < time else index - 1]
+        index = bisect_right(self.begin_times, time) - 1
+        return self.stretches[index if after or self.begin_times[index] < time else index - 1]
 
-    def put(self, block: Synchronizer, at: float, *, after: bool) -> None:
+    def set_master(self, block: Synchronizer, at: float, *, after: bool) -> None:
         time = mp.mpf(at)
         motion = self.stretch(time, after).at(time)
         position = motion.position
@@ -63,36 +63,36 @@ class Feed:
 
 
 def play(
-    scenario: Mapping[str, Any], boundaries: Sequence[float], mode: MasterInput, kept: set[float]
+    scenario: Mapping[str, Any], boundaries: Sequence[float], mode: MasterInput, retained: set[float]
 ) -> dict[float, Row]:
     """The block's outputs at the kept boundaries of its steps."""
     block, feed = Synchronizer(), Feed(scenario)
     write(block, {**scenario["start"], "master.input_mode": mode})
-    feed.put(block, 0.0, after=True)
+    feed.set_master(block, 0.0, after=True)
     assert block.initialize() == Refusal.NONE
-    rows = {0.0: read(block)} if 0.0 in kept else {}
+    rows = {0.0: read(block)} if 0.0 in retained else {}
     sets: dict[float, dict[str, Any]] = {}
     for table in scenario["set"]:
         sets.setdefault(table["at"], {}).update({name: value for name, value in table.items() if name != "at"})
     for begin, end in pairwise(boundaries):
         write(block, sets.get(begin, {}))
         if mode == END:
-            feed.put(block, end, after=False)
+            feed.set_master(block, end, after=False)
         else:
-            feed.put(block, begin, after=True)
+            feed.set_master(block, begin, after=True)
         assert block.step(end - begin) == Refusal.NONE
-        if end in kept:
+        if end in retained:
             rows[end] = read(block)
     return rows
 
 
 def corners(scenario: Mapping[str, Any]) -> set[float]:
     """The times at which a step must end: sets and segment boundaries."""
-    found, time = {0.0, scenario["stop_time"]}, 0.0
+    result, time = {0.0, scenario["stop_time"]}, 0.0
     for segment in scenario["master"]["segments"]:
         time += segment["duration"]
-        found.add(time)
-    return found | {table["at"] for table in scenario["set"]}
+        result.add(time)
+    return result | {table["at"] for table in scenario["set"]}
 
 
 def every(h: float, scenario: Mapping[str, Any]) -> set[float]:
@@ -110,7 +110,7 @@ class Scales:
         ]
         self.velocity = max(1e-3 * self.length, *(float(abs(motion.velocity)) for motion in moved))
         self.acceleration = max(float(abs(motion.acceleration)) for motion in moved)
-        self.place = max(float(abs(motion.position)) for motion in moved)
+        self.master_position = max(float(abs(motion.position)) for motion in moved)
         self.period = float(scenario["start"].get("master.period", 0.0))
 
     def tolerances(self, relative: float = 1e-9, velocity: float = 0.0, acceleration: float = 0.0) -> Row:
@@ -126,22 +126,22 @@ class Scales:
         return tolerances
 
 
-def differences(row: Row, wanted: Sequence[Row], tolerances: Row, period: float) -> list[str]:
-    """Columns of `row` that lie neither at nor between the wanted ones; positions may differ by whole periods."""
+def differences(row: Row, expected: Sequence[Row], tolerances: Row, period: float) -> list[str]:
+    """Columns of `row` that are neither at nor between the expected ones; positions may differ by whole periods."""
     bad = []
     for name, tolerance in tolerances.items():
-        value, allowed = row[name], [other[name] for other in wanted]
+        value, allowed = row[name], [other[name] for other in expected]
         if period > 0.0 and name in WRAPPED:
-            good = any(abs(math.remainder(value - other, period)) <= tolerance for other in allowed)
-            good = good and 0.0 <= value < period
+            is_allowed = any(abs(math.remainder(value - other, period)) <= tolerance for other in allowed)
+            is_allowed = is_allowed and 0.0 <= value < period
         else:
-            good = min(allowed) - tolerance <= value <= max(allowed) + tolerance
-        if not good:
+            is_allowed = min(allowed) - tolerance <= value <= max(allowed) + tolerance
+        if not is_allowed:
             bad.append(f"{name} is {value!r}, not {allowed}")
     return bad
 
 
-def wanted(scenario: Mapping[str, Any], times: Sequence[float]) -> dict[float, list[Row]]:
+def compute_expected(scenario: Mapping[str, Any], times: Sequence[float]) -> dict[float, list[Row]]:
     rows: dict[float, list[Row]] = {}
     for row in reference(scenario, times):
         rows.setdefault(row["time"], []).append(row)
@@ -184,8 +184,8 @@ def scripted(rng: Random, *, jumps: bool = True, single: bool = False, sound: bo
     period = 0.0 if single else rng.choice(PERIODS)
     segments = random_segments(rng, span * direction, jumps, single)
     stop_time = sum(segment["duration"] for segment in segments)
-    place, speed = direction * span * rng.uniform(-1.0, 0.2), direction * span * rng.uniform(-0.5, 1.5)
-    master = {"position": place, "velocity": speed, "segments": segments}
+    master_position, speed = direction * span * rng.uniform(-1.0, 0.2), direction * span * rng.uniform(-0.5, 1.5)
+    master = {"position": master_position, "velocity": speed, "segments": segments}
     path = stretches(master, mp.mpf(stop_time))
 
     def phasing() -> float:
@@ -222,7 +222,7 @@ parts = st.lists(st.floats(0.001, 0.999), min_size=3, max_size=40)
 
 
 def coinciding(rng: Random) -> dict[str, Any]:
-    """Whole numbers and dyadic times: begins, ends, turning points, sets and step boundaries coincide exactly."""
+    """Whole numbers and dyadic times: starts, ends, turning points, sets and step boundaries coincide exactly."""
     segments: list[dict[str, float]] = []
     for _ in range(rng.randint(1, 6)):
         segment: dict[str, float] = {"duration": rng.choice([0.5, 1.0, 2.0])}
@@ -241,10 +241,10 @@ def coinciding(rng: Random) -> dict[str, Any]:
         table |= {"rest_value": 2.0 * rng.randint(-6, 6), "output_phasing": rng.choice(phasings)}
         sets += [table, {"at": table["at"] + 0.125, "start": False, "stop": False}]
     period, curve = rng.choice([0.0, 0.0, 4.0, 8.0, 16.0]), rng.choice([1, 2])
-    place, speed = float(rng.randint(-16, 16)), rng.choice([-8.0, -4.0, 0.0, 4.0, 8.0])
+    master_position, speed = float(rng.randint(-16, 16)), rng.choice([-8.0, -4.0, 0.0, 4.0, 8.0])
     return {
         "stop_time": stop_time,
         "start": {"curve": curve, "output_phasing": rng.choice(phasings), "master.period": period},
-        "master": {"position": place, "velocity": speed, "segments": segments},
+        "master": {"position": master_position, "velocity": speed, "segments": segments},
         "set": sorted(sets, key=lambda each: each["at"]),
     }

@@ -11,11 +11,11 @@ from motionsync.master import MasterInput
 from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.faults import Fault
 from motionsync.synchronizer.interface import Curve, State
-from tests.support.runs import EXTREMES, Run, Strategy
+from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 
 @st.composite
-def runs(draw: st.DrawFn, steps: int) -> Run:
+def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-9, 1e9)))
     periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: max(x * length, 1e-9)), st.floats(1e-9, 1e4))
     start = {
@@ -34,7 +34,9 @@ def runs(draw: st.DrawFn, steps: int) -> Run:
     speed = length * draw(st.sampled_from((0.1, 1.0, 10.0)))
     extreme = draw(st.sampled_from((0.0, 0.0, 0.02)))
     commands = draw(st.sampled_from((0.01, 0.1, 0.4)))
-    return Run(start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, steps, speed, extreme, commands)))
+    return BlockRun(
+        start, list(_steps(Random(draw(st.integers(0, 2**32 - 1))), start, steps, speed, extreme, commands))
+    )
 
 
 def _steps(

@@ -1,4 +1,4 @@
-"""When a command of the Synchronizer is armed, and in which turn of the master its ramp begins."""
+"""When a command of the Synchronizer is armed, and in which turn of the master its ramp starts."""
 
 import pytest
 

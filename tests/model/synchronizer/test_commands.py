@@ -56,13 +56,13 @@ def test_a_command_equal_to_s_is_ignored_when_ready(synchronized: bool) -> None:
     rig.go(100.0).shows(READY, s=synchronized).slave(100.0 if synchronized else 20.0)
 
 
-@pytest.mark.parametrize("place", [0.0, 25.0])
-def test_a_command_equal_to_the_running_one_is_ignored_waiting_and_ramping(place: float) -> None:
-    rig = Harness(0.0).pulse(stop=True, rest_value=30.0).go(place)
-    rig.pulse(stop=True, rest_value=99.0, output_phasing=3.0).shows(EXECUTING, s=True, ramp=place > 20.0)
+@pytest.mark.parametrize("master_position", [0.0, 25.0])
+def test_a_command_equal_to_the_running_one_is_ignored_waiting_and_ramping(master_position: float) -> None:
+    rig = Harness(0.0).pulse(stop=True, rest_value=30.0).go(master_position)
+    rig.pulse(stop=True, rest_value=99.0, output_phasing=3.0).shows(EXECUTING, s=True, ramp=master_position > 20.0)
     rig.go(60.0).shows(READY, s=False).slave(30.0)
-    rig = Harness(0.0).rest_at(30.0).pulse(start=True).go(place).pulse(start=True, output_phasing=3.0)
-    rig.shows(EXECUTING, s=False, ramp=place > 20.0).go(35.0).slave(30.0 + 225.0 / 40.0)
+    rig = Harness(0.0).rest_at(30.0).pulse(start=True).go(master_position).pulse(start=True, output_phasing=3.0)
+    rig.shows(EXECUTING, s=False, ramp=master_position > 20.0).go(35.0).slave(30.0 + 225.0 / 40.0)
 
 
 def test_stacked_everything_further_is_ignored_until_the_first_is_completed() -> None:
@@ -77,10 +77,10 @@ def test_stacked_everything_further_is_ignored_until_the_first_is_completed() ->
     rig.go(120.0).shows(EXECUTING, s=False).slave(100.0)
 
 
-@pytest.mark.parametrize("place", [0.0, 25.0])
-def test_a_command_against_the_running_one_is_stacked_waiting_and_ramping(place: float) -> None:
-    rig = Harness(0.0).rest_at(30.0).pulse(start=True).go(place).pulse(stop=True, rest_value=60.0)
-    rig.shows(STACKED, s=False, ramp=place > 20.0)
+@pytest.mark.parametrize("master_position", [0.0, 25.0])
+def test_a_command_against_the_running_one_is_stacked_waiting_and_ramping(master_position: float) -> None:
+    rig = Harness(0.0).rest_at(30.0).pulse(start=True).go(master_position).pulse(stop=True, rest_value=60.0)
+    rig.shows(STACKED, s=False, ramp=master_position > 20.0)
     rig.go(40.0).shows(EXECUTING, s=True).slave(40.0)
     rig.go(50.0).shows(EXECUTING, s=True, ramp=True).slave(50.0, 10.0)
     rig.go(60.0).slave(57.5, 5.0)
@@ -109,7 +109,7 @@ def test_a_stacked_start_takes_the_rest_position_of_the_running_stop() -> None:
 
 
 def test_a_stacked_command_begins_in_its_own_direction_from_the_first_one_s_end() -> None:
-    """Start upwards, rest 0, ends at 10; the stop downwards begins at 10, which the master is leaving upwards."""
+    """Start upwards, rest 0, ends at 10; the stop downwards starts at 10, which the master is leaving upwards."""
     rig = Harness(-30.0).rest_at(0.0).pulse(start=True).pulse(stop=True, rest_value=0.0, output_phasing=-10.0)
     rig.go(10.0).shows(EXECUTING, s=True, ramp=True).slave(10.0)
     rig.go(30.0).shows(EXECUTING, s=True).slave(30.0)
@@ -149,7 +149,7 @@ def test_a_stop_stacked_at_the_narrow_gap_ramps_without_waiting_a_turn(
 
 
 def test_the_narrow_gap_in_degrees() -> None:
-    """P 360, phasing 180, rest 180: the start ends at 360, where the stop begins."""
+    """P 360, phasing 180, rest 180: the start ends at 360, where the stop starts."""
     rig = Harness(-10.0, period=360.0, output_phasing=180.0).rest_at(180.0)
     rig.pulse(start=True).pulse(stop=True, rest_value=180.0).go(180.0).shows(STACKED, s=False, ramp=True).slave(225.0)
     rig.go(359.0).shows(STACKED, s=False, ramp=True)

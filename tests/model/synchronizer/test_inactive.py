@@ -40,31 +40,31 @@ def test_a_deactivation_acts_before_a_command_of_the_same_step() -> None:
     rig.go(6.0, stop=True, rest_value=1.0).shows(READY, s=False).slave(1.0)
 
 
-@pytest.mark.parametrize("place", [0.0, 25.0])
-def test_a_deactivation_in_executing_does_at_once_what_the_command_would(place: float) -> None:
-    rig = Harness(0.0).pulse(stop=True, rest_value=30.0).go(place, rest_value=77.0)
-    rig.go(place + 1.0, active=False).shows(READY, s=False).slave(30.0, 0.0)
+@pytest.mark.parametrize("master_position", [0.0, 25.0])
+def test_a_deactivation_in_executing_does_at_once_what_the_command_would(master_position: float) -> None:
+    rig = Harness(0.0).pulse(stop=True, rest_value=30.0).go(master_position, rest_value=77.0)
+    rig.go(master_position + 1.0, active=False).shows(READY, s=False).slave(30.0, 0.0)
     assert (rig.block.slave.acceleration, rig.block.slave.jerk) == (0.0, 0.0)
     rig.go(100.0, active=True).shows(READY, s=False).slave(30.0)
-    rig = Harness(0.0).rest_at(30.0).pulse(start=True).go(place, rest_value=77.0)
-    rig.go(place + 1.0, active=False).shows(READY, s=True).slave(place + 1.0, 1.0)
+    rig = Harness(0.0).rest_at(30.0).pulse(start=True).go(master_position, rest_value=77.0)
+    rig.go(master_position + 1.0, active=False).shows(READY, s=True).slave(master_position + 1.0, 1.0)
     assert (rig.block.slave.acceleration, rig.block.slave.jerk) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize("place", [0.0, 25.0])
-def test_a_deactivation_in_stacked_does_at_once_what_both_commands_would(place: float) -> None:
+@pytest.mark.parametrize("master_position", [0.0, 25.0])
+def test_a_deactivation_in_stacked_does_at_once_what_both_commands_would(master_position: float) -> None:
     rig = (
         Harness(0.0)
         .rest_at(30.0)
         .pulse(start=True)
-        .go(place)
+        .go(master_position)
         .pulse(stop=True, rest_value=55.0)
-        .shows(STACKED, s=False, ramp=place > 20.0)
+        .shows(STACKED, s=False, ramp=master_position > 20.0)
     )
-    rig.go(place, rest_value=99.0, active=False).shows(READY, s=False).slave(55.0, 0.0)
-    rig = Harness(0.0).pulse(stop=True, rest_value=30.0).go(place).pulse(start=True)
-    rig.go(place + 1.0, active=False).shows(READY, s=True).slave(place + 1.0, 1.0)
-    rig.go(place, active=True, rest_value=99.0).pulse(stop=True, output_phasing=0.0)
+    rig.go(master_position, rest_value=99.0, active=False).shows(READY, s=False).slave(55.0, 0.0)
+    rig = Harness(0.0).pulse(stop=True, rest_value=30.0).go(master_position).pulse(start=True)
+    rig.go(master_position + 1.0, active=False).shows(READY, s=True).slave(master_position + 1.0, 1.0)
+    rig.go(master_position, active=True, rest_value=99.0).pulse(stop=True, output_phasing=0.0)
     rig.shows(READY, s=True, error=1)
 
 

@@ -9,15 +9,15 @@ from tests.model.synchronizer.harness import EXECUTING, READY, Harness, write
 
 
 @pytest.mark.parametrize("period", [360.0, 0.1, 7.7])
-def test_after_ten_million_turns_a_ramp_lies_where_it_did(period: float) -> None:
+def test_after_ten_million_turns_a_ramp_is_where_it_was(period: float) -> None:
     """The stop waits while the master goes back 10⁷ turns in 10 steps, then forwards."""
     rig = Harness(0.0, period=period, output_phasing=0.2 * period).pulse(stop=True, rest_value=0.5 * period)
     for _ in range(10):
         rig.at = 0.0
         rig.move(-1e6 * period, 0.0, 1.0).shows(EXECUTING, s=True)
     rig.at = 0.0
-    for place in (0.29, 0.31, 0.5):
-        rig.go(place * period).shows(EXECUTING, s=True, ramp=place > 0.3)
+    for master_position in (0.29, 0.31, 0.5):
+        rig.go(master_position * period).shows(EXECUTING, s=True, ramp=master_position > 0.3)
     assert rig.block.slave.position == pytest.approx(0.45 * period, rel=1e-14)
     rig.go(0.71 * period).shows(READY, s=False)
     assert rig.block.slave.position == 0.5 * period

@@ -48,10 +48,10 @@ def close(value: float) -> Any:
     return pytest.approx(value, rel=1e-13, abs=1e-13)
 
 
-# --- known results: rest 180, period 360, master at 90 deg/s ----------------------------------------------------------
+# --- results of ramps: rest 180, period 360, master at 90 deg/s ---
 
 
-def known(curve: int, phasing: float, command: str, direction: int = 1) -> dict[str, Any]:
+def ramp_script(curve: int, phasing: float, command: str, direction: int = 1) -> dict[str, Any]:
     """A command at 1 s, one Δs and more before its ramp; the master passes the rest position 180 at 5 s."""
     options = {"curve": curve, "output_phasing": phasing, "master__period": 360.0, "position": 180.0 - direction * 450}
     if command == "start":
@@ -75,16 +75,16 @@ def known(curve: int, phasing: float, command: str, direction: int = 1) -> dict[
         (POLYNOMIAL, -90.0, "stop", (270.0, 101.25, 195.6103111111111, 180.0)),
     ],
 )
-def test_known_ramps(curve: int, phasing: float, command: str, expected: tuple[float, float, float, float]) -> None:
-    """`expected`: where the ramp begins and ends, the slave at the rest position and at the end."""
+def test_ramp_results(curve: int, phasing: float, command: str, expected: tuple[float, float, float, float]) -> None:
+    """`expected`: where the ramp starts and ends, the slave at the rest position and at the end."""
     begin, end, middle, ends_at = expected
     direction = math.copysign(1.0, phasing)
-    given = known(curve, phasing, command, int(direction))
+    given = ramp_script(curve, phasing, command, int(direction))
     size = abs(phasing)
     before = size * 7 / 8 if (curve, command) == (POLYNOMIAL, "start") else size
     after = size * 7 / 8 if (curve, command) == (POLYNOMIAL, "stop") else size
-    begins, ends = 5.0 - before / 90.0, 5.0 + after / 90.0
-    assert named(given, "ramp begins") == [pytest.approx(begins, abs=1e-12)]
+    starts, ends = 5.0 - before / 90.0, 5.0 + after / 90.0
+    assert named(given, "ramp starts") == [pytest.approx(starts, abs=1e-12)]
     assert named(given, f"completed {command}") == [pytest.approx(ends, abs=1e-8)]
     row = at(given, 5.0)
     assert row["slave.position"] == close(middle)
@@ -104,7 +104,10 @@ def test_known_ramps(curve: int, phasing: float, command: str, expected: tuple[f
 
 
 def test_peak_values_are_reached_at_constant_master_speed() -> None:
-    parabola, polynomial = at(known(PARABOLA, 90.0, "start"), 5.0), at(known(POLYNOMIAL, 90.0, "start"), 5.0)
+    parabola, polynomial = (
+        at(ramp_script(PARABOLA, 90.0, "start"), 5.0),
+        at(ramp_script(POLYNOMIAL, 90.0, "start"), 5.0),
+    )
     assert parabola["local.peak_acceleration_per_v2"] == close(1 / 180)
     assert parabola["slave.acceleration"] == close(90.0**2 / 180)
     assert (parabola["slave.jerk"], parabola["local.peak_jerk_per_v3"]) == (0.0, 0.0)
@@ -112,13 +115,15 @@ def test_peak_values_are_reached_at_constant_master_speed() -> None:
     assert ratio == pytest.approx(1.64224, abs=5e-6)
     assert polynomial["local.peak_jerk_per_v3"] == close(512 / 225 / 90**2)
     peak_at = 5.0 - 78.75 / 90 + 337.5 / 90 * (1 - 1 / math.sqrt(3)) / 2  # f'' is largest at z = (1 - 1/√3)/2
-    assert at(known(POLYNOMIAL, 90.0, "start"), peak_at)["slave.acceleration"] == close(45.0 * 128 / 135 * math.sqrt(3))
+    assert at(ramp_script(POLYNOMIAL, 90.0, "start"), peak_at)["slave.acceleration"] == close(
+        45.0 * 128 / 135 * math.sqrt(3)
+    )
 
 
-@pytest.mark.parametrize(("command", "begins", "ends"), [("start", 4.125, 6.0), ("stop", 4.0, 5.875)])
-def test_the_polynomial_has_its_peak_jerk_at_the_slow_end(command: str, begins: float, ends: float) -> None:
-    given = known(POLYNOMIAL, 90.0, command)
-    before, after = reference(given, [begins])
+@pytest.mark.parametrize(("command", "starts", "ends"), [("start", 4.125, 6.0), ("stop", 4.0, 5.875)])
+def test_the_polynomial_has_its_peak_jerk_at_the_slow_end(command: str, starts: float, ends: float) -> None:
+    given = ramp_script(POLYNOMIAL, 90.0, command)
+    before, after = reference(given, [starts])
     peak = 512 / 225 * 90.0
     if command == "start":
         assert (before["slave.jerk"], after["slave.jerk"]) == (0.0, close(peak))
@@ -128,7 +133,7 @@ def test_the_polynomial_has_its_peak_jerk_at_the_slow_end(command: str, begins: 
 
 
 def test_the_first_and_last_value_of_a_start() -> None:
-    given = known(PARABOLA, 90.0, "start")
+    given = ramp_script(PARABOLA, 90.0, "start")
     assert at(given, 4.0)["slave.position"] == close(180.0)
     assert at(given, 4.0)["slave.velocity"] == close(0.0)
     assert at(given, 6.0)["slave.position"] == close(270.0)
@@ -148,7 +153,7 @@ def test_initially_the_slave_is_the_master() -> None:
 @pytest.mark.parametrize("period", [360.0, 0.1, 0.7, 6.2, 7.7])
 @pytest.mark.parametrize("part", [0.5, 0.3])
 def test_a_stop_stacked_on_a_start_follows_without_a_gap(period: float, part: float) -> None:
-    """Δs = P/2: the stop begins where the start ended. The master travels one period in 4 s, x_b is passed at 2 s."""
+    """Δs = P/2: the stop starts where the start ended. The master travels one period in 4 s, x_b is passed at 2 s."""
     half, rest = period / 2, part * period
     sets = (*resting(rest), {"at": 1.0, "start": True}, {"at": 3.0, "stop": True})
     options = {"position": rest - 2 * half, "output_phasing": half, "master__period": period, "active": False}
@@ -166,8 +171,8 @@ def test_a_stop_stacked_on_a_start_follows_without_a_gap(period: float, part: fl
     assert at(given, 10.5)["slave.position"] == pytest.approx(rest, rel=1e-12)
     names = [name for _, name in events(given)][2:]
     assert names == [
-        *("command start accepted", "ramp begins", "command stop stacked", "completed start"),
-        *("taken up stop", "ramp begins", "completed stop"),
+        *("command start accepted", "ramp starts", "command stop stacked", "completed start"),
+        *("taken up stop", "ramp starts", "completed stop"),
     ]
 
 
@@ -176,7 +181,7 @@ def test_a_stacked_start_takes_its_rest_position_from_the_stop() -> None:
     given = steady(90.0, 9.0, *sets, curve=PARABOLA, master__period=360.0)
     assert named(given, "taken up start") == [pytest.approx(3.0, abs=1e-8)]
     assert at(given, 4.0)["slave.position"] == close(180.0)
-    assert at(given, 6.0)["slave.position"] == close(202.5)  # 450 … 630, at 540 as in the known results
+    assert at(given, 6.0)["slave.position"] == close(202.5)  # 450 … 630, at 540 as in the ramp_script results
     assert named(given, "completed start") == [pytest.approx(7.0, abs=1e-8)]
 
 
@@ -216,7 +221,7 @@ def test_a_stacked_command_may_have_the_other_direction() -> None:
     assert waiting["local.distance_to_begin"] == close(45.0)  # not armed: the way back to x_b = -270 from x = -315
     assert waiting["local.distance_to_end"] == close(225.0)
     assert named(given, "armed") == []  # taken up at m_e = 270, which is its own x_b
-    assert named(given, "ramp begins") == [1.0, pytest.approx(5.0, abs=1e-12)]
+    assert named(given, "ramp starts") == [1.0, pytest.approx(5.0, abs=1e-12)]
     assert at(given, 6.0)["slave.position"] == close(157.5)
     assert named(given, "completed start") == [pytest.approx(7.0, abs=1e-8)]
 
@@ -230,7 +235,7 @@ def test_a_command_given_too_late_waits_one_period() -> None:
     assert (row["state_code"], row["slave.position"], row["syn_ramp_on"]) == (EXECUTING, 270.0, 0.0)
     assert (row["local.ramp_begin"], row["local.ramp_end"], row["local.progress"]) == (90.0, 270.0, 0.0)
     assert (row["local.distance_to_begin"], row["local.distance_to_end"]) == (180.0, 360.0)
-    assert named(given, "ramp begins") == [pytest.approx(5.0, abs=1e-12)]
+    assert named(given, "ramp starts") == [pytest.approx(5.0, abs=1e-12)]
     assert at(given, 6.0)["slave.position"] == close(157.5)
     assert named(given, "completed stop") == [pytest.approx(7.0, abs=1e-8)]
     assert at(given, 8.0)["slave.position"] == close(180.0)
@@ -240,7 +245,7 @@ def test_a_command_given_exactly_at_its_begin_starts_at_once() -> None:
     for period in (0.0, 360.0):
         sets = ({"at": 1.0, "stop": True, "rest_value": 180.0},)
         given = steady(90.0, 4.0, *sets, curve=PARABOLA, master__period=period)
-        assert named(given, "ramp begins") == [1.0]
+        assert named(given, "ramp starts") == [1.0]
         before, after = reference(given, [1.0])
         assert (before["state_code"], after["state_code"], after["syn_ramp_on"]) == (READY, EXECUTING, 1.0)
         assert (before["slave.position"], after["slave.position"]) == (90.0, 90.0)
@@ -258,7 +263,7 @@ def test_a_late_command_without_period_waits_until_the_master_comes_back() -> No
     assert named(given, "armed") == [pytest.approx(2.0 + 100 / 90, abs=1e-8)]
     armed = at(given, 3.5)  # master at 55
     assert (armed["local.distance_to_begin"], armed["local.distance_to_end"]) == (35.0, 215.0)
-    assert named(given, "ramp begins") == [pytest.approx(4.0 + 80 / 90, abs=1e-12)]
+    assert named(given, "ramp starts") == [pytest.approx(4.0 + 80 / 90, abs=1e-12)]
     assert at(given, 4.0 + 170 / 90)["slave.position"] == close(157.5)
     assert at(given, 7.5)["slave.position"] == close(180.0)
 
@@ -269,7 +274,7 @@ def test_a_late_command_is_armed_by_a_turning_point_at_its_begin() -> None:
     given["start"]["curve"] = PARABOLA
     given["master"] |= {"position": 270.0, "velocity": -120.0}
     assert named(given, "armed") == [pytest.approx(3.0, abs=1e-4)]
-    assert named(given, "ramp begins") == [pytest.approx(3.0, abs=1e-4)]
+    assert named(given, "ramp starts") == [pytest.approx(3.0, abs=1e-4)]
     assert at(given, 3.0 + math.sqrt(4.5))["slave.position"] == close(157.5)
     assert at(given, 6.5)["slave.position"] == close(180.0)
 
@@ -290,11 +295,11 @@ def test_a_waiting_command_aims_at_each_occurrence_passed_backwards() -> None:
     assert at(given, 2.9)["local.distance_to_begin"] == close(351.0)
     assert at(given, 3.1)["local.distance_to_begin"] == close(9.0)  # -279, aimed at -270
     assert at(given, 8.0)["local.distance_to_begin"] == close(90.0)  # -720, aimed at -630
-    assert named(given, "ramp begins") == [pytest.approx(13.0, abs=1e-12)]
+    assert named(given, "ramp starts") == [pytest.approx(13.0, abs=1e-12)]
     assert at(given, 14.0)["slave.position"] == close(157.5)
 
 
-# --- the master turns round -------------------------------------------------------------------------------------------
+# --- the master reverses -------------------------------------------------------------------------------------------
 
 
 def reversing(period: float) -> dict[str, Any]:
@@ -315,7 +320,7 @@ def test_after_a_reversal_the_slave_goes_down_the_same_curve_and_rests(period: f
     below = at(given, 4.5)
     assert (below["slave.position"], below["slave.velocity"]) == (180.0, 0.0)
     assert (below["state_code"], below["syn_ramp_on"], below["local.distance_to_begin"]) == (EXECUTING, 0.0, 45.0)
-    assert named(given, "ramp begins") == [pytest.approx(2.0, abs=1e-12), pytest.approx(6.0, abs=1e-12)]
+    assert named(given, "ramp starts") == [pytest.approx(2.0, abs=1e-12), pytest.approx(6.0, abs=1e-12)]
     assert named(given, "completed start") == [pytest.approx(8.0, abs=1e-8)]
 
 
@@ -342,7 +347,7 @@ def test_a_master_that_only_touches_the_begin_ramps_for_that_instant() -> None:
     segments = [{"duration": 2.0, "acceleration": -80.0}]
     given = scenario(segments, {"at": 0.5, "stop": True, "rest_value": 180.0}, position=50.0, curve=PARABOLA)
     given["master"] |= {"velocity": 80.0}
-    assert [name for _, name in events(given)][1:] == ["ramp begins", "ramp left backwards"]
+    assert [name for _, name in events(given)][1:] == ["ramp starts", "ramp left backwards"]
     assert [row["syn_ramp_on"] for row in reference(given, [0.9, 1.0, 1.1])] == [0.0, 0.0, 1.0, 0.0]
 
 
@@ -353,7 +358,7 @@ def test_a_transition_longer_than_the_period_spans_several_turns() -> None:
     """P 100, Δs 180, rest 30: x_b = -150 + 100·n. Given at -60: -50 … 310, resting at 130."""
     sets = ({"at": 0.4, "stop": True, "rest_value": 30.0},)
     given = steady(100.0, 5.0, *sets, position=-100.0, output_phasing=180.0, curve=PARABOLA, master__period=100.0)
-    assert named(given, "ramp begins") == [pytest.approx(0.5, abs=1e-12)]
+    assert named(given, "ramp starts") == [pytest.approx(0.5, abs=1e-12)]
     assert at(given, 2.3)["slave.position"] == close(85.0)  # 130 - Δ/4
     assert (at(given, 2.3)["local.ramp_begin"], at(given, 2.3)["local.ramp_end"]) == (close(50.0), close(10.0))
     assert named(given, "completed stop") == [pytest.approx(4.1, abs=1e-8)]
@@ -412,7 +417,7 @@ def test_each_command_keeps_the_phasing_of_its_edge() -> None:
     assert at(given, 2.0)["slave.position"] == close(157.5)
     assert at(given, 2.0)["local.transition_distance"] == close(180.0)
     assert at(given, 3.5)["local.transition_distance"] == close(90.0)
-    assert named(given, "ramp begins")[1] == pytest.approx(5.5, abs=1e-12)
+    assert named(given, "ramp starts")[1] == pytest.approx(5.5, abs=1e-12)
     assert at(given, 6.0)["slave.position"] == close(191.25)
     assert named(given, "completed start") == [pytest.approx(6.5, abs=1e-8)]
 
@@ -464,7 +469,7 @@ def test_the_script_of_the_master() -> None:
 def test_a_crossing_on_a_cubic_path_is_found() -> None:
     """m = 10·t³ meets x_b = 90 at ∛9 and 180 at ∛18."""
     given = scenario([{"duration": 4.0, "jerk": 60.0}], {"at": 0.5, "stop": True, "rest_value": 180.0}, curve=PARABOLA)
-    assert named(given, "ramp begins") == [pytest.approx(9.0 ** (1 / 3), abs=1e-12)]
+    assert named(given, "ramp starts") == [pytest.approx(9.0 ** (1 / 3), abs=1e-12)]
     row = at(given, 18.0 ** (1 / 3))
     velocity, acceleration = 30 * 18.0 ** (2 / 3), 60 * 18.0 ** (1 / 3)
     assert row["slave.position"] == close(157.5)
@@ -478,7 +483,7 @@ def test_a_crossing_on_a_cubic_path_is_found() -> None:
 @pytest.mark.parametrize("direction", [1, -1])
 def test_velocity_acceleration_and_jerk_are_derivatives(curve: int, command: str, direction: int) -> None:
     """By differences over 2e-4 s, the master at constant acceleration."""
-    given = known(curve, 90.0 * direction, command, direction)
+    given = ramp_script(curve, 90.0 * direction, command, direction)
     given["master"] |= {"velocity": 40.0 * direction}
     given["master"]["segments"] = [{"duration": 9.0, "acceleration": 20.0 * direction}]
     for time in (5.2, 5.5, 6.0, 6.5):
@@ -519,5 +524,5 @@ def test_a_wrong_script_is_refused() -> None:
 
 def test_the_global_precision_is_left_alone() -> None:
     before = mpmath.mp.dps
-    reference(known(POLYNOMIAL, 90.0, "start"), [5.0])
+    reference(ramp_script(POLYNOMIAL, 90.0, "start"), [5.0])
     assert mpmath.mp.dps == before

@@ -29,13 +29,13 @@ from tests.model.synchronizer.scripted_runs import (
     Scales,
     assert_as_oracle,
     coinciding,
+    compute_expected,
     corners,
     differences,
     every,
     parts,
     play,
     scripts,
-    wanted,
 )
 from tests.oracle.synchronizer import events
 from tests.support.numbers import numbers_in
@@ -52,7 +52,7 @@ def test_with_inputs_of_the_step_s_start_the_block_is_its_oracle(
     times = corners(scenario) | {part * scenario["stop_time"] for part in cuts}
     boundaries = times | every(scenario["stop_time"] / often, scenario)
     rows = play(scenario, sorted(boundaries), START, times)
-    assert_as_oracle(scenario, rows, wanted(scenario, sorted(times)), Scales(scenario).tolerances())
+    assert_as_oracle(scenario, rows, compute_expected(scenario, sorted(times)), Scales(scenario).tolerances())
 
 
 @repeatable
@@ -60,7 +60,7 @@ def test_with_inputs_of_the_step_s_start_the_block_is_its_oracle(
 def test_with_inputs_of_the_step_s_end_the_block_is_its_oracle(scenario: dict[str, Any], cuts: list[float]) -> None:
     times = corners(scenario) | {part * scenario["stop_time"] for part in cuts}
     rows = play(scenario, sorted(times), END, times)
-    assert_as_oracle(scenario, rows, wanted(scenario, sorted(times)), Scales(scenario).tolerances())
+    assert_as_oracle(scenario, rows, compute_expected(scenario, sorted(times)), Scales(scenario).tolerances())
 
 
 @repeatable
@@ -72,10 +72,10 @@ def test_with_positions_only_the_block_is_its_oracle(scenario: dict[str, Any], h
     shortest = min(b - a for a, b in pairwise(boundaries))
     assume(shortest > 1e-3)
     scales = Scales(scenario)
-    velocity = 32 * 2.0**-53 * (scales.place + scales.velocity) / shortest
+    velocity = 32 * 2.0**-53 * (scales.master_position + scales.velocity) / shortest
     tolerances = scales.tolerances(velocity=velocity, acceleration=4 * velocity / shortest)
     rows = play(scenario, boundaries, ONLY, times)
-    assert_as_oracle(scenario, rows, wanted(scenario, sorted(times)), tolerances)
+    assert_as_oracle(scenario, rows, compute_expected(scenario, sorted(times)), tolerances)
 
 
 @settings(repeatable, max_examples=60)
@@ -86,7 +86,7 @@ def test_the_step_size_changes_nothing(scenario: dict[str, Any], cuts: list[floa
     times = sorted({0.0, stop} | {part * stop for part in cuts})
     grids = [every(0.001, scenario), every(0.007, scenario), {part * stop for part in irregular}]
     runs = [play(scenario, sorted(grid | fixed | set(times)), START, set(times)) for grid in grids]
-    expected, scales = wanted(scenario, times), Scales(scenario)
+    expected, scales = compute_expected(scenario, times), Scales(scenario)
     for run in runs:
         assert_as_oracle(scenario, run, expected, scales.tolerances())
     for time in times:
@@ -101,10 +101,10 @@ def test_events_may_coincide_with_steps_and_with_each_other(scenario: dict[str, 
     """Compared in between, where what has happened at such an instant has its consequences."""
     times = {k / 4 + 5 / 512 for k in range(int(4 * scenario["stop_time"]))}
     rows = play(scenario, sorted(corners(scenario) | every(h, scenario) | times), START, times)
-    assert_as_oracle(scenario, rows, wanted(scenario, sorted(times)), Scales(scenario).tolerances())
+    assert_as_oracle(scenario, rows, compute_expected(scenario, sorted(times)), Scales(scenario).tolerances())
 
 
-JOINTS = ("ramp begins", "ramp left backwards", "completed start", "completed stop")
+JOINTS = ("ramp starts", "ramp left backwards", "completed start", "completed stop")
 
 
 @settings(repeatable, max_examples=200)
@@ -115,21 +115,21 @@ def test_position_velocity_and_for_the_polynomial_acceleration_join_at_every_tra
     """Just before and just after; what the next derivative makes of the time between, by the trapezoidal rule, is
     taken off. The master's own acceleration must not jump there."""
     fixed, scales = corners(scenario), Scales(scenario)
-    beside = 1e-7 * scales.length / scales.velocity
+    offset = 1e-7 * scales.length / scales.velocity
     joints = [time for time, name in events(scenario) if name in JOINTS]
     joints = [
-        t for t in joints if min(abs(t - other) for other in fixed) > 4 * beside and t + beside < scenario["stop_time"]
+        t for t in joints if min(abs(t - other) for other in fixed) > 4 * offset and t + offset < scenario["stop_time"]
     ]
     assume(joints)
-    around = {t + side * beside for t in joints for side in (-1, 1)}
+    around = {t + side * offset for t in joints for side in (-1, 1)}
     rows = play(scenario, sorted(fixed | around), START, around)
     tolerances = scales.tolerances(4e-9)
     for t in joints:
-        before, after = rows[t - beside], rows[t + beside]
+        before, after = rows[t - offset], rows[t + offset]
         for name, rate in pairwise(MOTION):
             if name == "slave.acceleration" and scenario["start"]["curve"] == PARABOLA:
                 continue
-            gap = after[name] - before[name] - (after[rate] + before[rate]) * beside
+            gap = after[name] - before[name] - (after[rate] + before[rate]) * offset
             if name == "slave.position" and scales.period > 0.0:
                 gap = math.remainder(gap, scales.period)
             assert abs(gap) <= tolerances[name], (t, name, scenario)
@@ -141,13 +141,13 @@ def test_a_mirrored_master_gives_the_mirrored_slave_bit_for_bit(
     scenario: dict[str, Any], cuts: list[float], mode: MasterInput
 ) -> None:
     scenario["start"]["master.period"] = 0.0
-    turned = deepcopy(scenario)
-    for table in (turned["start"], turned["master"], *turned["master"]["segments"], *turned["set"]):
+    mirrored = deepcopy(scenario)
+    for table in (mirrored["start"], mirrored["master"], *mirrored["master"]["segments"], *mirrored["set"]):
         for name in {"output_phasing", "rest_value", "position", "velocity", "acceleration"} & table.keys():
             table[name] = -table[name]
     times = corners(scenario) | {part * scenario["stop_time"] for part in cuts}
     signs = dict.fromkeys((*MOTION, *WRAPPED), -1.0)
-    ours, theirs = (play(each, sorted(times), mode, times) for each in (scenario, turned))
+    ours, theirs = (play(each, sorted(times), mode, times) for each in (scenario, mirrored))
     for time, row in ours.items():
         assert {name: signs.get(name, 1.0) * value for name, value in row.items()} == theirs[time]
 
@@ -163,7 +163,7 @@ def test_a_mirrored_master_gives_the_mirrored_slave_bit_for_bit(
 def test_the_way_back_retraces_the_way_up(
     curve: Curve, starting: bool, period: float, sign: float, places: list[float]
 ) -> None:
-    """Rest at 50, phasing 10; the master stands at each place, up from 36 and down again, in shares of the ramp."""
+    """Rest at 50, phasing 10; the master rests at each position, up from 36, down again, in shares of the ramp."""
     rig = Harness(30.0 if sign > 0 else 70.0, period=period, curve=curve, output_phasing=sign * 10.0, mode=END)
     if starting:
         rig.rest_at(50.0)

@@ -1,4 +1,4 @@
-"""The Synchronizer's slave on the ramp, and what a master does there that turns round."""
+"""The Synchronizer's slave on the ramp, and what it does where the master reverses."""
 
 import math
 
@@ -6,7 +6,7 @@ import pytest
 
 from motionsync.synchronizer.interface import Curve
 from tests.model.synchronizer.harness import EXECUTING, PARABOLA, POLYNOMIAL, READY, Harness
-from tests.model.synchronizer.known_ramps import KNOWN_RAMPS
+from tests.model.synchronizer.ramp_results import RAMP_RESULTS
 
 
 def test_back_below_the_begin_the_command_waits_again() -> None:
@@ -86,7 +86,7 @@ def test_the_slave_on_the_polynomial_by_the_chain_rule() -> None:
     assert local.peak_jerk_per_v3 == pytest.approx(512 / 225 / 64)
 
 
-@pytest.mark.parametrize(("curve", "phasing", "starting", "begin", "end", "middle"), KNOWN_RAMPS)
+@pytest.mark.parametrize(("curve", "phasing", "starting", "begin", "end", "middle"), RAMP_RESULTS)
 def test_known_results_in_degrees(
     curve: Curve, phasing: float, starting: bool, begin: float, end: float, middle: float
 ) -> None:

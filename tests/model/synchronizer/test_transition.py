@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from motionsync.grid import floor
 from motionsync.synchronizer.interface import Curve
-from motionsync.synchronizer.transition import Transition, half_law
-from tests.model.synchronizer.known_ramps import KNOWN_RAMPS
+from motionsync.synchronizer.transition import PhasingTransition, half_law
+from tests.model.synchronizer.ramp_results import RAMP_RESULTS
 
 settings.register_profile("transition", derandomize=True, deadline=None, max_examples=100)
 repeatable = settings.get_profile("transition")
@@ -46,9 +46,9 @@ def law(curve: Curve, starting: bool, rest: float, size: float, x: Any) -> Any:
     return rest - 2 * mp.mpf(size) * doubled(curve, (end - x) / (2 * (end - begin)))
 
 
-def transition(curve: Curve, starting: bool, phasing: float, rest: float) -> Transition:
+def transition(curve: Curve, starting: bool, phasing: float, rest: float) -> PhasingTransition:
     """A command aimed at without a period, for a master just at its beginning."""
-    made = Transition()
+    made = PhasingTransition()
     made.command(starting, curve, phasing, rest)
     made.aim(-math.inf * made.direction, 0.0)
     return made
@@ -95,12 +95,12 @@ def test_the_slave_follows_the_law_and_its_derivatives(
     assert [it.rest, it.begin, it.end] == pytest.approx([rest, float(begin), float(end)], rel=0.0, abs=limit)
     assert it.distance == pytest.approx(float(end - begin), rel=2 * EPS)
     x = min(max(it.begin + part * (it.end - it.begin), it.begin), it.end)
-    found = it.follow(sign * x)
+    result = it.follow(sign * x)
     rounding = 16 * EPS * (1.0 + abs(rest) / size)
     for order in range(4):
         expected = mp.diff(lambda at: law(curve, starting, rest, size, at), mp.mpf(x), order)
         mirrored = sign ** (order + 1) * float(expected)  # d^n s / d m^n with s = d sigma, x = d m
-        assert found[order] == pytest.approx(mirrored, rel=1e-13, abs=4 * rounding / size ** (order - 1))
+        assert result[order] == pytest.approx(mirrored, rel=1e-13, abs=4 * rounding / size ** (order - 1))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -191,8 +191,8 @@ def test_the_ratio_of_the_peak_accelerations() -> None:
 # --- known results, in degrees ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("curve", "phasing", "starting", "begin", "end", "middle"), KNOWN_RAMPS)
-def test_known_ramps_with_rest_at_180(
+@pytest.mark.parametrize(("curve", "phasing", "starting", "begin", "end", "middle"), RAMP_RESULTS)
+def test_ramp_results_with_rest_at_180(
     curve: Curve, phasing: float, starting: bool, begin: float, end: float, middle: float
 ) -> None:
     it = transition(curve, starting, phasing, 180.0)
@@ -213,7 +213,7 @@ def test_the_occurrence_aimed_at_is_the_first_not_passed(
     curve: Curve, starting: bool, sign: float, size: float, rest: float, x: float
 ) -> None:
     for period in (360.0, 0.1, 7.7):
-        it = Transition()
+        it = PhasingTransition()
         it.command(starting, curve, sign * size, sign * rest)
         it.aim(sign * x, period)
         begin, end = limits(curve, starting, rest, size)
@@ -232,7 +232,7 @@ def test_the_occurrence_aimed_at_is_the_first_not_passed(
     [(-400.0, -270.0), (-270.0, -270.0), (-269.0, 90.0), (0.0, 90.0), (90.0, 90.0), (91.0, 450.0), (810.0, 810.0)],
 )
 def test_the_ramp_from_90_to_270_comes_again_every_turn(x: float, begin: float) -> None:
-    it = Transition()
+    it = PhasingTransition()
     it.command(True, PARABOLA, 90.0, 180.0)
     it.aim(x, 360.0)
     assert (it.begin, it.rest, it.end) == (begin, begin + 90.0, begin + 180.0)
@@ -242,7 +242,7 @@ def test_the_ramp_from_90_to_270_comes_again_every_turn(x: float, begin: float) 
 @pytest.mark.parametrize(("x", "armed"), [(-1e12, True), (90.0, True), (90.0 + 8e-8, True), (90.0 + 1e-7, False)])
 def test_without_a_period_a_command_is_armed_up_to_its_begin(x: float, armed: bool) -> None:
     """The tolerance is 1e-9 of the phasing of 90."""
-    it = Transition()
+    it = PhasingTransition()
     it.command(True, PARABOLA, 90.0, 180.0)
     it.aim(x, 0.0)
     assert (it.begin, it.armed) == (90.0, armed)
@@ -254,7 +254,7 @@ def test_far_out_the_begin_may_be_passed_by_a_few_roundings_of_the_position(
     beyond: float, armed: bool, period: float
 ) -> None:
     """At 1e6 by 1e-15 of it, where 1e-9 of the phasing would be 1e-12; the position itself is rounded to 1.2e-10."""
-    it = Transition()
+    it = PhasingTransition()
     it.command(True, PARABOLA, 0.001, 1e6 + 0.001)
     it.aim(1e6 + beyond, period)
     assert it.begin == pytest.approx(1e6 if armed or period == 0.0 else 1e6 + period, rel=4 * EPS)

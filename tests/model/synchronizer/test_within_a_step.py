@@ -24,8 +24,8 @@ def test_one_giant_step_may_complete_a_start_and_the_stop_stacked_on_it(period: 
     assert local.ramp_end == pytest.approx(210.0 if curve == PARABOLA else 208.75)
 
 
-def test_one_giant_step_without_a_period_misses_a_stop_whose_begin_lies_before_the_start_s_end() -> None:
-    """The stop at 45 begins at 35, the start ends at 40: taken up too late, it waits for the master to come back."""
+def test_one_giant_step_without_a_period_misses_a_stop_whose_begin_is_before_the_start_s_end() -> None:
+    """The stop at 45 starts at 35, the start ends at 40: taken up too late, it waits for the master to come back."""
     rig = Harness(0.0).rest_at(30.0).go(1000.0, start=True, stop=True, rest_value=45.0).shows(EXECUTING, s=True)
     rig.slave(1000.0)
     rig.go(0.0, 45.0).shows(EXECUTING, s=True, ramp=True).slave(42.5)
@@ -37,7 +37,7 @@ def test_one_giant_step_may_end_on_the_stacked_command_s_ramp() -> None:
 
 
 def test_a_step_may_complete_the_first_command_upwards_and_the_stacked_one_downwards() -> None:
-    """Up to 45 and back to 15 in one step: the start from 30 ends at 40, the stop at 30 the other way begins there."""
+    """Up to 45 and back to 15 in one step: the start from 30 ends at 40, the stop at 30 the other way starts there."""
     rig = Harness(15.0).rest_at(30.0).pulse(start=True).pulse(stop=True, rest_value=30.0, output_phasing=-10.0)
     rig.move(60.0, -60.0, 2.0).shows(READY, s=False).slave(30.0)
 
@@ -75,7 +75,7 @@ def test_the_first_step_has_no_input_correction() -> None:
 
 
 def test_with_inputs_of_the_step_s_end_an_edge_acts_at_its_beginning() -> None:
-    """The stop's ramp begins at 20: where the master stood at the call before, or at initialization."""
+    """The stop's ramp starts at 20: where the master was at the call before, or at initialization."""
     rig = Harness(20.0, mode=END).go(25.0, stop=True, rest_value=30.0).shows(EXECUTING, s=True, ramp=True)
     rig.slave(30.0 - 225.0 / 40.0)
     rig = Harness(0.0, mode=END).go(20.0).go(25.0, stop=True, rest_value=30.0).shows(EXECUTING, s=True, ramp=True)

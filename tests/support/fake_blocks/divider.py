@@ -17,7 +17,7 @@ class Answer(Enumeration):
     """What it answers"""
 
     NONE = 0, "done"
-    TOLD = 7, "told to refuse", "mode", "flag", "count"
+    REQUESTED = 7, "asked to refuse", "mode", "flag", "count"
 
 
 @dataclass(slots=True)
@@ -37,7 +37,7 @@ class Divider:
 
     def step(self, h: float) -> Answer:
         if self.mode == Mode.REFUSE:
-            return Answer.TOLD
+            return Answer.REQUESTED
         self.quotient = self.gain / self.divisor
         self.counted = -self.count if self.flag else self.count
         return Answer.NONE

@@ -67,7 +67,7 @@ class Listener:
         share = self.share if self.shifted else 0.0
         time = share * self.task_cycle_time + self.delay_time_offset
         remote = self.remote
-        self.slave.put(remote.position + time * remote.velocity, remote.velocity, remote.acceleration, 0.0)
+        self.slave.set(remote.position + time * remote.velocity, remote.velocity, remote.acceleration, 0.0)
         self.state = Listening.LISTENING
         self.state_code = 2
         self.corrected_cycle_index = remote.cycle_index + share

@@ -26,7 +26,7 @@ class Planner:
     jerk: float = 0.0
 
     def initialize(self) -> Refusal:
-        self.motion.run(self.given[0], self.given[1])
+        self.motion.run_at(self.given[0], self.given[1])
         return Refusal.NONE
 
     def step(self, h: float) -> Refusal:
@@ -47,5 +47,5 @@ class Planner:
         self.velocity = v
         self.acceleration = a
         self.jerk = j
-        self.end = self.motion.end()
+        self.end = self.motion.end_time()
         return Refusal.NONE

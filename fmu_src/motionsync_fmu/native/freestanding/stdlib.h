@@ -3,5 +3,5 @@
 #define STDLIB_H
 #include <stddef.h>
 void *calloc(size_t n, size_t size);
-void free(void *room);
+void free(void *block);
 #endif

@@ -1,19 +1,26 @@
-"""A WebAssembly component of the layered standard fmi-ls-wasm: a block's core module among sections that are always the
-same.
+"""A unit as a WebAssembly component of the layered standard fmi-ls-wasm: a core module, for which zig compiles the same
+text as for the platforms, among sections that are always the same.
 
 `component.bin` has these sections, with an empty core module in the block's place. wasm-tools made it from the draft's
 interface (`wasm-tools component embed wit --world co-simulation-fmu`, `wasm-tools component new`).
 """
 
+from collections.abc import Iterable
 from pathlib import Path
 
-from ...archive import Files
+from ...interface.fingerprint import Files
+from ..libraries import is_shared, make_work_folder, shared_file, zig_cc
 from ..platforms import WASM
-from .core import core_module
 
-HERE = Path(__file__).parent
+FOLDER = Path(__file__).parent
 COMPILED = ("wit.c", "unit.c", "decimal.c", "block.c")  # wit.c includes fmi3.c
 CORE_MODULE = 1  # the kind of section
+TARGET = "wasm32-wasi"  # "freestanding" would turn fabs and sqrt from instructions into unknown functions
+FLAGS = (
+    "-std=c11 -O2 -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize "
+    "-mllvm -inline-threshold=100 -fvisibility=hidden -g0 -s -rtlib=none -nostdlib "
+    "-Wl,--no-entry -Wl,-z,stack-size=65536"
+)
 
 MANIFEST = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiLayeredStandardManifest xmlns="http://fmi-standard.org/fmi-ls-manifest"
@@ -32,35 +39,47 @@ def component_files(name: str, unit: Files) -> Files:
     Raises:
         UserError: zig failed.
     """
-    core = core_module(unit | {"wit.c": (HERE / "wit.c").read_bytes()}, COMPILED)
+    core = core_module(unit | {"wit.c": (FOLDER / "wit.c").read_bytes()}, COMPILED)
     return {
-        f"binaries/{WASM}/{name}.wasm": around(core),
+        f"binaries/{WASM}/{name}.wasm": wrap_in_component(core),
         "extra/org.modelica.fmi-ls-wasm/manifest.xml": MANIFEST.encode(),
     }
 
 
-def around(core: bytes) -> bytes:
+def core_module(files: Files, c_names: Iterable[str]) -> bytes:
+    """The core module of these C files and headers; `c_names`: those that the compiler gets, besides what replaces a C
+    library.
+
+    Raises:
+        UserError: zig failed.
+    """
+    sources = [shared_file(name) if is_shared(name) else name for name in c_names]
+    with make_work_folder(files) as work:
+        return zig_cc(TARGET, [*FLAGS.split(), *sources], "core.wasm", Path(work))
+
+
+def wrap_in_component(core: bytes) -> bytes:
     """The component around a core module."""
-    template = (HERE / "component.bin").read_bytes()
-    whole, at = template[:8], 8
-    while at < len(template):
-        kind, (start, length) = template[at], _number(template, at + 1)
-        at = start + length
-        content = core if kind == CORE_MODULE and not length else template[start:at]
+    template = (FOLDER / "component.bin").read_bytes()
+    whole, position = template[:8], 8
+    while position < len(template):
+        kind, (start, length) = template[position], _number(template, position + 1)
+        position = start + length
+        content = core if kind == CORE_MODULE and not length else template[start:position]
         whole += bytes([kind]) + _packed(len(content)) + content
     return whole
 
 
-def _number(text: bytes, at: int) -> tuple[int, int]:
+def _number(text: bytes, position: int) -> tuple[int, int]:
     """Where a number of WebAssembly (LEB128) ends, and the number."""
     number = shift = 0
     while True:
-        byte = text[at]
+        byte = text[position]
         number |= (byte & 127) << shift
         shift += 7
-        at += 1
+        position += 1
         if byte < 128:
-            return at, number
+            return position, number
 
 
 def _packed(number: int) -> bytes:

@@ -5,85 +5,85 @@
 
 #define IN(package, name) __attribute__((import_module(package), import_name(name)))
 #define OUT(name) __attribute__((export_name(name)))
-#define HERE "fmi:fmi3/co-simulation@3.0.0"
-#define METHOD(name) OUT(HERE "#[method]co-simulation-instance." name)
-#define POST(name) OUT("cabi_post_" HERE "#[method]co-simulation-instance." name) void
+#define INTERFACE "fmi:fmi3/co-simulation@3.0.0"
+#define INSTANCE INTERFACE "#[method]co-simulation-instance."
 
 typedef struct {
     char *bytes;
     size_t length;
 } String;
 
-OUT("_initialize") void initialize_nothing(void) {} /* of a library there would be a C library to start */
+OUT("_initialize") void initialize_nothing(void) {} /* a C library would have to be initialized here; there is none */
 
-/* --- memory: a unit and its states are all that is kept, so that what is freed is soon taken again --- */
+/* --- memory: only a unit and its states live longer than a call, so that released blocks are soon used again --- */
 
-typedef struct Room {
-    struct Room *next; /* of the free ones */
+typedef struct MemoryBlock {
+    struct MemoryBlock *next; /* of the free blocks */
     size_t size;       /* behind this head */
-} Room;
+} MemoryBlock;
 
 enum { PAGE = 65536, ALIGNED = 16 };
-extern uint8_t __heap_base[]; /* where the linker's part of the memory ends */
-static Room *free_rooms;
-static size_t used; /* up to here the memory is taken; 0: nothing is */
+extern uint8_t __heap_base[]; /* the end of the linker's part of the memory */
+static MemoryBlock *free_blocks;
+static size_t used; /* the end of the memory in use; 0: none is */
 
 static void *allocate(size_t n, size_t each) {
     size_t size = (n * each + ALIGNED - 1) & -(size_t)ALIGNED;
-    for (Room **at = &free_rooms; *at; at = &(*at)->next) {
-        Room *room = *at;
-        if (room->size < size || room->size > 2 * size) continue;
-        *at = room->next;
-        return room + 1;
+    for (MemoryBlock **at = &free_blocks; *at; at = &(*at)->next) {
+        MemoryBlock *block = *at;
+        if (block->size < size || block->size > 2 * size) continue;
+        *at = block->next;
+        return block + 1;
     }
     if (!used) used = ((size_t)__heap_base + ALIGNED - 1) & -(size_t)ALIGNED;
-    size_t end = used + ALIGNED + size, there = __builtin_wasm_memory_size(0) * PAGE;
-    if (end > there && __builtin_wasm_memory_grow(0, (end - there + PAGE - 1) / PAGE) == (size_t)-1) return NULL;
-    Room *room = (Room *)(used + ALIGNED - sizeof(Room));
-    room->size = size;
+    size_t end = used + ALIGNED + size, available = __builtin_wasm_memory_size(0) * PAGE;
+    if (end > available && __builtin_wasm_memory_grow(0, (end - available + PAGE - 1) / PAGE) == (size_t)-1) return NULL;
+    MemoryBlock *block = (MemoryBlock *)(used + ALIGNED - sizeof(MemoryBlock));
+    block->size = size;
     used = end;
-    return room + 1;
+    return block + 1;
 }
 
-static void release(void *place) {
-    if (!place) return;
-    Room *room = (Room *)place - 1;
-    room->next = free_rooms;
-    free_rooms = room;
+static void release(void *address) {
+    if (!address) return;
+    MemoryBlock *block = (MemoryBlock *)address - 1;
+    block->next = free_blocks;
+    free_blocks = block;
 }
 
 Memory system_memory(void) { return (Memory){allocate, release}; }
 
-/* Memory for what is passed: taken piece by piece, given back as a whole when the results of a call have been read. */
+/* Memory for arguments and results: allocated piece by piece, released as a whole when the results of a call have been
+ * read. */
 typedef struct Chunk {
     struct Chunk *next;
-    size_t room; /* its head included */
+    size_t size; /* its head included */
 } Chunk;
 static Chunk *chunk;
-static size_t taken;
+static size_t used_in_chunk;
 
-OUT("cabi_realloc") void *give(void *old, size_t size, size_t align, size_t wanted) {
-    taken = (taken + align - 1) & -align;
-    if (!chunk || taken + wanted > chunk->room) { /* what has been given stays where it is */
-        size_t least = sizeof *chunk + align + wanted, all = least > PAGE ? least : PAGE;
-        Chunk *more = allocate(1, all);
-        if (!more) __builtin_trap();
-        *more = (Chunk){chunk, all};
-        chunk = more;
-        taken = (sizeof *chunk + align - 1) & -align;
+OUT("cabi_realloc") void *allocate_for_call(void *old, size_t size, size_t align, size_t new_size) {
+    used_in_chunk = (used_in_chunk + align - 1) & -align;
+    if (!chunk || used_in_chunk + new_size > chunk->size) { /* what has been allocated stays in its chunk */
+        size_t required = sizeof *chunk + align + new_size, all = required > PAGE ? required : PAGE;
+        Chunk *next_chunk = allocate(1, all);
+        if (!next_chunk) __builtin_trap();
+        *next_chunk = (Chunk){chunk, all};
+        chunk = next_chunk;
+        used_in_chunk = (sizeof *chunk + align - 1) & -align;
     }
-    uint8_t *place = (uint8_t *)chunk + taken;
-    taken += wanted;
-    return old ? memcpy(place, old, size < wanted ? size : wanted) : place;
+    uint8_t *address = (uint8_t *)chunk + used_in_chunk;
+    used_in_chunk += new_size;
+    return old ? memcpy(address, old, size < new_size ? size : new_size) : address;
 }
 
-static void give_back(void) {
+static void release_after_call(void) {
     while (chunk && chunk->next) {
         Chunk *next = chunk->next;
         release(chunk);
         chunk = next;
     }
-    taken = sizeof *chunk;
+    used_in_chunk = sizeof *chunk;
 }
 
 /* --- messages: the environment of a unit is its name --- */
@@ -92,7 +92,7 @@ IN("fmi:fmi3/callbacks@3.0.0", "log-message")
 void host_log(const char *name, size_t nName, int32_t status, const char *category, size_t nCategory, const char *text,
               size_t nText);
 
-static void tell_host(fmi3InstanceEnvironment name, fmi3Status status, fmi3String category, fmi3String text) {
+static void log_to_host(fmi3InstanceEnvironment name, fmi3Status status, fmi3String category, fmi3String text) {
     host_log(name, strlen(name), status, category, strlen(category), text, strlen(text));
 }
 
@@ -110,23 +110,25 @@ typedef struct {
 } List;
 static List list;
 
-static List *listed(fmi3Status status, void *values, size_t length) {
+static List *list_result(fmi3Status status, void *values, size_t length) {
     list.failed = status > fmi3Warning;
     if (list.failed) list.is.status = (uint8_t)status;
     else list.is.list.values = values, list.is.list.length = length;
     return &list;
 }
 
-static char *text(const char *bytes, size_t length) { /* with an end, as C has it */
-    char *copy = give(NULL, 0, 1, length + 1);
+static char *to_c_string(const char *bytes, size_t length) { /* with a zero at its end */
+    char *copy = allocate_for_call(NULL, 0, 1, length + 1);
     memcpy(copy, bytes, length);
     copy[length] = 0;
     return copy;
 }
 
-#define STATUS(name, function)                                                \
-    METHOD(name) int32_t wit_##function(Unit *c) { return function(c); } \
-    POST(name) post_##function(int32_t x) { give_back(); }
+/* A method of an instance, whose parameters and body follow, and what is called when its result has been read. */
+#define METHOD(Result, id, name)                                                            \
+    OUT("cabi_post_" INSTANCE name) void post_##id(Result result) { release_after_call(); } \
+    OUT(INSTANCE name) Result wit_##id
+#define STATUS(name, function) METHOD(int32_t, function, name)(Unit *c) { return function(c); }
 
 /* --- life --- */
 
@@ -135,46 +137,45 @@ OUT("fmi:fmi3/common@3.0.0#get-version") String *wit_version(void) {
     version.bytes = (char *)fmi3GetVersion(), version.length = strlen(version.bytes);
     return &version;
 }
-OUT("cabi_post_fmi:fmi3/common@3.0.0#get-version") void post_version(String *x) { give_back(); }
+OUT("cabi_post_fmi:fmi3/common@3.0.0#get-version") void post_version(String *x) { release_after_call(); }
 
-IN("[export]" HERE, "[resource-new]co-simulation-instance") int32_t handle_of(Unit *c);
+IN("[export]" INTERFACE, "[resource-new]co-simulation-instance") int32_t handle_of(Unit *c);
 
-OUT(HERE "#[static]co-simulation-instance.instantiate-co-simulation")
+OUT(INTERFACE "#[static]co-simulation-instance.instantiate-co-simulation")
 void *wit_instantiate(char *name, size_t nName, char *token, size_t nToken, char *resources, size_t nResources,
                       int32_t visible, int32_t logging, int32_t event, int32_t early, uint32_t *intermediate,
                       size_t nIntermediate) {
     static struct {
         uint8_t some;
         int32_t handle;
-    } made_unit;
-    char *called = text(name, nName);
-    Unit *c = fmi3InstantiateCoSimulation(called, text(token, nToken), text(resources, nResources), visible, logging,
-                                          event, early, intermediate, nIntermediate, called, tell_host, NULL);
+    } result;
+    char *instance_name = to_c_string(name, nName);
+    Unit *c = fmi3InstantiateCoSimulation(instance_name, to_c_string(token, nToken), to_c_string(resources, nResources),
+                                          visible, logging, event, early, intermediate, nIntermediate, instance_name,
+                                          log_to_host, NULL);
     if (c) {
-        Importer *importer = unit_importer(c);
+        Importer *importer = unit_importer_data(c);
         importer->environment = importer->name; /* which lives as long as the unit */
-        made_unit.handle = handle_of(c);
+        result.handle = handle_of(c);
     }
-    made_unit.some = c != NULL;
-    return &made_unit;
+    result.some = c != NULL;
+    return &result;
 }
-OUT("cabi_post_" HERE "#[static]co-simulation-instance.instantiate-co-simulation")
-void post_instantiate(void *x) { give_back(); }
+OUT("cabi_post_" INTERFACE "#[static]co-simulation-instance.instantiate-co-simulation")
+void post_instantiate(void *x) { release_after_call(); }
 
-OUT(HERE "#[dtor]co-simulation-instance") void wit_free(Unit *c) { fmi3FreeInstance(c); }
+OUT(INTERFACE "#[dtor]co-simulation-instance") void wit_free(Unit *c) { fmi3FreeInstance(c); }
 
-METHOD("set-debug-logging") int32_t wit_logging(Unit *c, int32_t on, String *categories, size_t n) {
-    const char **known = give(NULL, 0, 4, n * sizeof *known);
-    for (size_t i = 0; i < n; i++) known[i] = text(categories[i].bytes, categories[i].length);
-    return fmi3SetDebugLogging(c, on, n, known);
+METHOD(int32_t, logging, "set-debug-logging")(Unit *c, int32_t on, String *categories, size_t n) {
+    const char **names = allocate_for_call(NULL, 0, 4, n * sizeof *names);
+    for (size_t i = 0; i < n; i++) names[i] = to_c_string(categories[i].bytes, categories[i].length);
+    return fmi3SetDebugLogging(c, on, n, names);
 }
-POST("set-debug-logging") post_logging(int32_t x) { give_back(); }
 
-METHOD("enter-initialization-mode")
-int32_t wit_enter(Unit *c, int32_t hasTolerance, double tolerance, double start, int32_t hasStop, double stop) {
+METHOD(int32_t, enter, "enter-initialization-mode")(Unit *c, int32_t hasTolerance, double tolerance, double start,
+                                                    int32_t hasStop, double stop) {
     return fmi3EnterInitializationMode(c, hasTolerance, tolerance, start, hasStop, stop);
 }
-POST("enter-initialization-mode") post_enter(int32_t x) { give_back(); }
 STATUS("exit-initialization-mode", fmi3ExitInitializationMode)
 STATUS("enter-event-mode", fmi3EnterEventMode)
 STATUS("enter-step-mode", fmi3EnterStepMode)
@@ -184,7 +185,7 @@ STATUS("evaluate-discrete-states", fmi3EvaluateDiscreteStates)
 STATUS("terminate", fmi3Terminate)
 STATUS("reset", fmi3Reset)
 
-METHOD("do-step") void *wit_step(Unit *c, double t, double h, int32_t noSetFMUStatePriorToCurrentPoint) {
+METHOD(void *, step, "do-step")(Unit *c, double t, double h, int32_t noSetFMUStatePriorToCurrentPoint) {
     static struct {
         uint8_t failed;
         struct {
@@ -200,20 +201,17 @@ METHOD("do-step") void *wit_step(Unit *c, double t, double h, int32_t noSetFMUSt
     if (result.failed) *(uint8_t *)&result.is = (uint8_t)status;
     return &result;
 }
-POST("do-step") post_step(void *x) { give_back(); }
 
 /* --- values --- */
 
-#define VALUES(name, Type, Value)                                                                       \
-    METHOD("get-" name) void *wit_get_##Type(Unit *c, uint32_t *r, size_t n) {                      \
-        Value *values = give(NULL, 0, sizeof(Value), n * sizeof(Value));                                \
-        return listed(fmi3Get##Type(c, r, n, values, n), values, n);                                    \
-    }                                                                                                   \
-    POST("get-" name) post_get_##Type(void *x) { give_back(); }                                         \
-    METHOD("set-" name) int32_t wit_set_##Type(Unit *c, uint32_t *r, size_t n, Value *x, size_t m) { \
-        return fmi3Set##Type(c, r, n, x, m);                                                            \
-    }                                                                                                   \
-    POST("set-" name) post_set_##Type(int32_t x) { give_back(); }
+#define VALUES(name, Type, Value)                                                                  \
+    METHOD(void *, get_##Type, "get-" name)(Unit *c, uint32_t *r, size_t n) {                      \
+        Value *values = allocate_for_call(NULL, 0, sizeof(Value), n * sizeof(Value));              \
+        return list_result(fmi3Get##Type(c, r, n, values, n), values, n);                          \
+    }                                                                                              \
+    METHOD(int32_t, set_##Type, "set-" name)(Unit *c, uint32_t *r, size_t n, Value *x, size_t m) { \
+        return fmi3Set##Type(c, r, n, x, m);                                                       \
+    }
 VALUES("float64", Float64, double)
 VALUES("float32", Float32, float)
 VALUES("int8", Int8, int8_t)
@@ -228,69 +226,65 @@ VALUES("boolean", Boolean, bool)
 
 /* --- the FMU state, always as bytes --- */
 
-METHOD("get-fmu-state") void *wit_get_state(Unit *c) {
+METHOD(void *, get_state, "get-fmu-state")(Unit *c) {
     fmi3FMUState state = NULL;
     void *bytes = NULL;
     size_t n = 0;
     fmi3Status status = fmi3GetFMUState(c, &state);
     if (status <= fmi3Warning) status = fmi3SerializedFMUStateSize(c, state, &n);
-    if (status <= fmi3Warning) status = fmi3SerializeFMUState(c, state, bytes = give(NULL, 0, 8, n), n);
+    if (status <= fmi3Warning) status = fmi3SerializeFMUState(c, state, bytes = allocate_for_call(NULL, 0, 8, n), n);
     if (state) fmi3FreeFMUState(c, &state);
-    return listed(status, bytes, n);
+    return list_result(status, bytes, n);
 }
-POST("get-fmu-state") post_get_state(void *x) { give_back(); }
-METHOD("set-fmu-state") int32_t wit_set_state(Unit *c, uint8_t *bytes, size_t n) {
+
+METHOD(int32_t, set_state, "set-fmu-state")(Unit *c, uint8_t *bytes, size_t n) {
     fmi3FMUState state = NULL;
     fmi3Status status = fmi3DeserializeFMUState(c, bytes, n, &state);
     if (status <= fmi3Warning) status = fmi3SetFMUState(c, state);
     if (state) fmi3FreeFMUState(c, &state);
     return status;
 }
-POST("set-fmu-state") post_set_state(int32_t x) { give_back(); }
 
-METHOD("get-output-derivatives") void *wit_derivatives(Unit *c, uint32_t (*asked)[2], size_t n) {
-    uint32_t *r = give(NULL, 0, 4, n * 4);
-    int32_t *orders = give(NULL, 0, 4, n * 4);
-    double *values = give(NULL, 0, 8, n * 8);
-    for (size_t i = 0; i < n; i++) r[i] = asked[i][0], orders[i] = (int32_t)asked[i][1];
-    return listed(fmi3GetOutputDerivatives(c, r, n, orders, values, n), values, n);
+METHOD(void *, derivatives, "get-output-derivatives")(Unit *c, uint32_t (*queries)[2], size_t n) {
+    uint32_t *r = allocate_for_call(NULL, 0, 4, n * 4);
+    int32_t *orders = allocate_for_call(NULL, 0, 4, n * 4);
+    double *values = allocate_for_call(NULL, 0, 8, n * 8);
+    for (size_t i = 0; i < n; i++) r[i] = queries[i][0], orders[i] = (int32_t)queries[i][1];
+    return list_result(fmi3GetOutputDerivatives(c, r, n, orders, values, n), values, n);
 }
-POST("get-output-derivatives") post_derivatives(void *x) { give_back(); }
 
-/* --- not offered; a result's status lies behind its first byte, at the alignment of what it would have held --- */
+/* --- not offered; a result's status is behind its first byte, at the alignment of the value that it would have held --- */
 
-/* `at`: where the status lies in the result. */
-static void *nothing(Unit *c, const char *call, size_t at) {
+/* `at`: the index of the status in the result. */
+static void *refused_result(Unit *c, const char *call, size_t at) {
     static uint64_t result[4];
     memset(result, 0, sizeof result);
     *(uint8_t *)result = 1;
-    ((uint8_t *)result)[at] = (uint8_t)not_offered(c, call);
+    ((uint8_t *)result)[at] = (uint8_t)refuse_call(c, call);
     return result;
 }
-#define NOTHING(id, name, at, ...)                                                               \
-    METHOD(name) void *wit_##id(Unit *c, ##__VA_ARGS__) { return nothing(c, name, at); }     \
-    POST(name) post_##id(void *x) { give_back(); }
-#define NEVER(id, name, ...)                                                                     \
-    METHOD(name) int32_t wit_##id(Unit *c, ##__VA_ARGS__) { return not_offered(c, name); }   \
-    POST(name) post_##id(int32_t x) { give_back(); }
+#define REFUSED_RESULT(id, name, at, ...) \
+    METHOD(void *, id, name)(Unit *c, ##__VA_ARGS__) { return refused_result(c, name, at); }
+#define REFUSED_STATUS(id, name, ...) \
+    METHOD(int32_t, id, name)(Unit *c, ##__VA_ARGS__) { return refuse_call(c, name); }
 #define LIST(x) void *x, size_t n##x
-NOTHING(update, "update-discrete-states", 8)
-NOTHING(get_string, "get-string", 4, LIST(r))
-NOTHING(get_binary, "get-binary", 4, LIST(r))
-NOTHING(get_clock, "get-clock", 4, LIST(r))
-NEVER(set_string, "set-string", LIST(r), LIST(x))
-NEVER(set_binary, "set-binary", LIST(r), LIST(x))
-NEVER(set_clock, "set-clock", LIST(r), LIST(x))
-NOTHING(count, "get-number-of-variable-dependencies", 8, int32_t r)
-NOTHING(dependencies, "get-variable-dependencies", 4, int32_t r)
-NOTHING(directional, "get-directional-derivative", 4, LIST(u), LIST(k), LIST(s))
-NOTHING(adjoint, "get-adjoint-derivative", 4, LIST(u), LIST(k), LIST(s))
-NOTHING(interval, "get-interval-decimal", 4, LIST(r))
-NOTHING(interval_fraction, "get-interval-fraction", 4, LIST(r))
-NOTHING(shift, "get-shift-decimal", 4, LIST(r))
-NOTHING(shift_fraction, "get-shift-fraction", 4, LIST(r))
-NEVER(set_interval, "set-interval-decimal", LIST(r), LIST(x))
-NEVER(set_interval_fraction, "set-interval-fraction", LIST(r), LIST(x))
-NEVER(set_shift, "set-shift-decimal", LIST(r), LIST(x))
-NEVER(set_shift_fraction, "set-shift-fraction", LIST(r), LIST(x))
-NEVER(input_derivatives, "set-input-derivatives", LIST(r), LIST(x))
+REFUSED_RESULT(update, "update-discrete-states", 8)
+REFUSED_RESULT(get_string, "get-string", 4, LIST(r))
+REFUSED_RESULT(get_binary, "get-binary", 4, LIST(r))
+REFUSED_RESULT(get_clock, "get-clock", 4, LIST(r))
+REFUSED_STATUS(set_string, "set-string", LIST(r), LIST(x))
+REFUSED_STATUS(set_binary, "set-binary", LIST(r), LIST(x))
+REFUSED_STATUS(set_clock, "set-clock", LIST(r), LIST(x))
+REFUSED_RESULT(count, "get-number-of-variable-dependencies", 8, int32_t r)
+REFUSED_RESULT(dependencies, "get-variable-dependencies", 4, int32_t r)
+REFUSED_RESULT(directional, "get-directional-derivative", 4, LIST(u), LIST(k), LIST(s))
+REFUSED_RESULT(adjoint, "get-adjoint-derivative", 4, LIST(u), LIST(k), LIST(s))
+REFUSED_RESULT(interval, "get-interval-decimal", 4, LIST(r))
+REFUSED_RESULT(interval_fraction, "get-interval-fraction", 4, LIST(r))
+REFUSED_RESULT(shift, "get-shift-decimal", 4, LIST(r))
+REFUSED_RESULT(shift_fraction, "get-shift-fraction", 4, LIST(r))
+REFUSED_STATUS(set_interval, "set-interval-decimal", LIST(r), LIST(x))
+REFUSED_STATUS(set_interval_fraction, "set-interval-fraction", LIST(r), LIST(x))
+REFUSED_STATUS(set_shift, "set-shift-decimal", LIST(r), LIST(x))
+REFUSED_STATUS(set_shift_fraction, "set-shift-fraction", LIST(r), LIST(x))
+REFUSED_STATUS(input_derivatives, "set-input-derivatives", LIST(r), LIST(x))

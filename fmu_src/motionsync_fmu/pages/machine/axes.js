@@ -1,9 +1,9 @@
-// The scene of two axes that may be coupled: axes.py tells what the data are. A rotary axis is a disc, whose 0 is at the
+// The scene of two axes that may be coupled: axes.py makes the data. A rotary axis is a disc, whose 0 is at the
 // top and which turns clockwise; a linear axis is a rail.
 scenes.axes = () => {
 const FREE = 0, COUPLED = 2;
 const BIGGEST = 84, EDGE = 34, TOP = 26; // px
-const discs = data.axes.some(({period}) => period > 0); // side by side; rails lie one above the other
+const discs = data.axes.some(({period}) => period > 0); // side by side; rails are one above the other
 let width = 600, radius = BIGGEST;
 
 const link = draw(svg, "g", {class: "link"});
@@ -12,14 +12,14 @@ const drawn = data.axes.map((axis, i) => (axis.period ? disc : rail)(axis, i, dr
 
 /** The middle of an axis' place, in px, and the width that it has. */
 function place(i) {
-  if (discs) return {x: width * (i ? 0.73 : 0.27), y: TOP + radius, room: 0.4 * width};
-  return {x: width / 2, y: i ? 150 : 72, room: width - 2 * EDGE};
+  if (discs) return {x: width * (i ? 0.73 : 0.27), y: TOP + radius, length: 0.4 * width};
+  return {x: width / 2, y: i ? 150 : 72, length: width - 2 * EDGE};
 }
 
 /** What an axis shows beside its own hand: marks and stretches, each hidden where its `shown` is 0. */
 function marksOf(axis, layer) {
   return axis.marks.map((mark) => {
-    const colour = mark.at ? "var(--m-soft)" : "var(--m-ok)";
+    const colour = mark.at ? "var(--muted)" : "var(--ok)";
     const line = draw(layer, "path", {fill: "none", stroke: colour, "stroke-width": mark.at ? 2 : 7, opacity: mark.at ? 1 : 0.5});
     return {...mark, line};
   });
@@ -33,10 +33,10 @@ function nameMarks(marks, layer) {
 }
 
 function disc(axis, i, layer) {
-  const colour = `var(--m-${axis.name})`;
-  const rim = draw(layer, "circle", {fill: "var(--m-paper)", stroke: colour, "stroke-width": 3});
+  const colour = `var(--${axis.name})`;
+  const rim = draw(layer, "circle", {fill: "var(--paper)", stroke: colour, "stroke-width": 3});
   const dial = draw(layer, "g"), marks = marksOf(axis, layer), hand = draw(layer, "g", {class: "hand"});
-  const holes = Array.from({length: 6}, () => draw(hand, "circle", {fill: "var(--m-grid)"}));
+  const holes = Array.from({length: 6}, () => draw(hand, "circle", {fill: "var(--grid)"}));
   const pointer = draw(hand, "path", {fill: colour});
   draw(hand, "circle", {r: 9, fill: colour});
   nameMarks(marks, layer);
@@ -53,7 +53,7 @@ function disc(axis, i, layer) {
       holes.forEach((hole, k) => set(hole, {r: radius / 12, transform: `rotate(${60 * k}) translate(0 ${-0.45 * radius})`}));
       dial.replaceChildren();
       for (let k = 0; k < 24; k++) {
-        draw(dial, "line", {y1: -radius, y2: 5 - radius + (k % 6 ? 0 : 5), transform: `rotate(${15 * k})`, stroke: "var(--m-soft)"});
+        draw(dial, "line", {y1: -radius, y2: 5 - radius + (k % 6 ? 0 : 5), transform: `rotate(${15 * k})`, stroke: "var(--muted)"});
       }
       for (let k = 0; k < 4; k++) {
         const [dx, dy] = [[0, -radius - 7], [radius + 7, 4], [0, radius + 17], [-radius - 7, 4]][k];
@@ -80,14 +80,14 @@ function disc(axis, i, layer) {
 }
 
 function rail(axis, i, layer) {
-  const colour = `var(--m-${axis.name})`, scale = draw(layer, "g"), marks = marksOf(axis, layer);
+  const colour = `var(--${axis.name})`, scale = draw(layer, "g"), marks = marksOf(axis, layer);
   const carriage = draw(layer, "g", {class: "hand"});
   draw(carriage, "rect", {x: -29, y: -30, width: 58, height: 22, rx: 4, fill: colour});
   draw(carriage, "path", {d: "M-6 -8H6L0 0Z", fill: colour});
   draw(carriage, "text", {y: -15, class: "plate", text: axis.name});
   nameMarks(marks, layer);
   const [low, high] = axis.range;
-  const at = (position) => place(i).x - place(i).room / 2 + (position - low) / (high - low) * place(i).room;
+  const at = (position) => place(i).x - place(i).length / 2 + (position - low) / (high - low) * place(i).length;
   let x = 0;
   return {
     resize() {
@@ -113,7 +113,7 @@ function rail(axis, i, layer) {
 function showLink(coupling) {
   set(link, {visibility: coupling === FREE ? "hidden" : "visible"});
   const [a, b] = drawn.map((axis) => axis.hold());
-  const style = {stroke: coupling === COUPLED ? "var(--m-ok)" : "var(--m-soft)", "stroke-dasharray": coupling === COUPLED ? "none" : "6 5"};
+  const style = {stroke: coupling === COUPLED ? "var(--ok)" : "var(--muted)", "stroke-dasharray": coupling === COUPLED ? "none" : "6 5"};
   [-1, 1].forEach((side, i) => {
     const d = `M${a.x.toFixed(2)} ${a.y + side * a.r}L${b.x.toFixed(2)} ${b.y + side * b.r}`;
     set(belts[i], {d, ...style});
@@ -135,11 +135,11 @@ function show(t) {
   const layer = svg.querySelector("g.slave");
   Object.assign(layer.dataset, {slavePosition: shownSlave, slaveVelocity: velocity, coupling});
   const fineness = 1e-4 * data.span, [of, to] = data.axes;
-  tell("master", number(shownMaster, of.unit, fineness));
-  tell("slave", number(shownSlave, to.unit, fineness));
-  tell("master velocity", number(masterVelocity, `${of.unit}/s`, fineness));
-  tell("slave velocity", number(velocity, `${to.unit}/s`, fineness));
-  tell("coupling", ["none", "changing", "in step"][coupling]);
+  showReadout("master", number(shownMaster, of.unit, fineness));
+  showReadout("slave", number(shownSlave, to.unit, fineness));
+  showReadout("master velocity", number(masterVelocity, `${of.unit}/s`, fineness));
+  showReadout("slave velocity", number(velocity, `${to.unit}/s`, fineness));
+  showReadout("coupling", ["none", "changing", "in step"][coupling]);
 }
 
 return {resize, show};

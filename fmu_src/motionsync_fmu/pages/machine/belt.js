@@ -1,4 +1,4 @@
-// The scene of a carriage over moving material: belt.py tells what the data are. What lies on the material at m passes
+// The scene of a carriage over moving material: belt.py makes the data. What is on the material at m passes
 // the carriage's position ratio (master - m).
 scenes.belt = () => {
 const SAW = data.tool === "saw";
@@ -16,41 +16,41 @@ let width = 600;
 const at = (position) => EDGE + (position - low) / (high - low) * (width - 2 * EDGE);
 const length = (distance) => distance / (high - low) * (width - 2 * EDGE);
 
-// --- what stands still, and the parts that move ---
+// --- what is at rest, and the parts that move ---
 
 const [ground, rollers, stock, rail, measures, carriage] =
   ["ground", "rollers", "stock", "rail", "measures", "carriage"].map((name) => draw(svg, "g", {class: name}));
 const fixed = draw(ground, "g"), scale = draw(ground, "g");
-const spokes = pool(rollers, "path", {fill: "var(--m-paper)", stroke: "var(--m-soft)"});
-const pieces = pool(stock, "rect", {stroke: "var(--m-edge)", rx: SAW ? 1 : 0});
-const grain = pool(stock, "path", {stroke: "var(--m-grain)", "stroke-width": 1.5, "stroke-linecap": "round"});
+const spokes = pool(rollers, "path", {fill: "var(--paper)", stroke: "var(--muted)"});
+const pieces = pool(stock, "rect", {stroke: "var(--edge)", rx: SAW ? 1 : 0});
+const grain = pool(stock, "path", {stroke: "var(--grain)", "stroke-width": 1.5, "stroke-linecap": "round"});
 const names = pool(stock, "text", {"text-anchor": "middle", class: data.pieces ? "" : "soft"});
 const marks = pool(stock, "path", SAW
-  ? {stroke: "var(--m-ink)", "stroke-width": 1.5, "stroke-dasharray": "4 3", fill: "none"}
-  : {stroke: "var(--m-edge)", fill: "var(--m-wood)"});
+  ? {stroke: "var(--ink)", "stroke-width": 1.5, "stroke-dasharray": "4 3", fill: "none"}
+  : {stroke: "var(--edge)", fill: "var(--wood)"});
 const flags = pool(stock, "text", {"text-anchor": "middle"});
-const kerf = draw(stock, "line", {y1: TOP, stroke: "var(--m-paper)", "stroke-width": 3});
-const lineArrow = draw(ground, "path", {stroke: "var(--m-master)", fill: "var(--m-master)", "stroke-width": 2});
-const dimension = draw(measures, "path", {stroke: "var(--m-soft)", fill: "none"});
+const kerf = draw(stock, "line", {y1: TOP, stroke: "var(--paper)", "stroke-width": 3});
+const lineArrow = draw(ground, "path", {stroke: "var(--master)", fill: "var(--master)", "stroke-width": 2});
+const dimension = draw(measures, "path", {stroke: "var(--muted)", fill: "none"});
 const distance = draw(measures, "text", {y: 96, "text-anchor": "middle", class: "soft"});
 
-const plumb = draw(carriage, "path", {d: `M0 ${TOP}V${RULER}`, stroke: "var(--m-slave)", "stroke-dasharray": "1 3"});
+draw(carriage, "path", {d: `M0 ${TOP}V${RULER}`, stroke: "var(--slave)", "stroke-dasharray": "1 3"});
 const tool = draw(carriage, "g", {class: "tool"});
 if (SAW) {
-  draw(tool, "rect", {x: -5, y: RAIL - 34, width: 10, height: 76, fill: "var(--m-steel)", stroke: "var(--m-soft)"});
+  draw(tool, "rect", {x: -5, y: RAIL - 34, width: 10, height: 76, fill: "var(--steel)", stroke: "var(--muted)"});
   const teeth = `M-1.5 ${RAIL + 42}V${TOP - 18}L0 ${TOP - 11}L1.5 ${TOP - 18}V${RAIL + 42}Z`;
-  draw(tool, "path", {d: teeth, fill: "var(--m-ink)", stroke: "var(--m-ink)"});
+  draw(tool, "path", {d: teeth, fill: "var(--ink)", stroke: "var(--ink)"});
 } else {
-  draw(tool, "rect", {x: -4, y: RAIL - 30, width: 8, height: 64, fill: "var(--m-steel)", stroke: "var(--m-soft)"});
+  draw(tool, "rect", {x: -4, y: RAIL - 30, width: 8, height: 64, fill: "var(--steel)", stroke: "var(--muted)"});
   const jaws = `M-15 ${TOP - 22}V${RAIL + 34}H15V${TOP - 22}`;
-  draw(tool, "path", {d: jaws, fill: "none", stroke: "var(--m-ink)", "stroke-width": 3});
+  draw(tool, "path", {d: jaws, fill: "none", stroke: "var(--ink)", "stroke-width": 3});
 }
-draw(carriage, "rect", {x: -27, y: RAIL - 16, width: 54, height: 30, rx: 5, fill: "var(--m-slave)"});
+draw(carriage, "rect", {x: -27, y: RAIL - 16, width: 54, height: 30, rx: 5, fill: "var(--slave)"});
 for (const x of [-16, 16]) {
-  draw(carriage, "circle", {cx: x, cy: RAIL - 17, r: 5, fill: "var(--m-steel)", stroke: "var(--m-soft)"});
+  draw(carriage, "circle", {cx: x, cy: RAIL - 17, r: 5, fill: "var(--steel)", stroke: "var(--muted)"});
 }
-draw(carriage, "path", {d: `M-5 ${RULER + 8}L0 ${RULER}L5 ${RULER + 8}Z`, fill: "var(--m-slave)"});
-const slaveArrow = draw(carriage, "path", {stroke: "var(--m-slave)", fill: "var(--m-slave)", "stroke-width": 2});
+draw(carriage, "path", {d: `M-5 ${RULER + 8}L0 ${RULER}L5 ${RULER + 8}Z`, fill: "var(--slave)"});
+const slaveArrow = draw(carriage, "path", {stroke: "var(--slave)", fill: "var(--slave)", "stroke-width": 2});
 svg.setAttribute("height", HEIGHT);
 
 /** Draw anew what depends on the width alone. */
@@ -58,26 +58,41 @@ function resize(pixels) {
   width = Math.max(pixels, 200);
   fixed.replaceChildren();
   rail.replaceChildren();
+  const home = at(data.home.at), line = {stroke: "var(--muted)", "stroke-dasharray": "3 4"};
+  const labels = [[home, data.home.label]];
   if (data.zone) {
     const [from, to] = data.zone.map(at);
     const band = {x: from, width: Math.max(to - from, 1), y: 22, height: RULER - 22};
-    draw(fixed, "rect", {...band, fill: "var(--m-ok)", opacity: 0.13});
-    draw(fixed, "text", {x: (from + to) / 2, y: 13, "text-anchor": "middle", text: "in sync"});
+    draw(fixed, "rect", {...band, fill: "var(--ok)", opacity: 0.13});
+    labels.push([(from + to) / 2, "in sync"]);
   }
-  const home = at(data.home.at), line = {stroke: "var(--m-soft)", "stroke-dasharray": "3 4"};
   draw(fixed, "line", {x1: home, x2: home, y1: 22, y2: RULER, ...line});
-  draw(fixed, "text", {x: home, y: 13, "text-anchor": "middle", text: data.home.label});
-  draw(rail, "line", {x1: 0, x2: width, y1: RAIL - 24, y2: RAIL - 24, stroke: "var(--m-steel)", "stroke-width": 5});
-  data.ends.forEach((end, i) => end === null || drawEnd(at(end), i === 0 ? -1 : 1));
+  draw(rail, "line", {x1: 0, x2: width, y1: RAIL - 24, y2: RAIL - 24, stroke: "var(--steel)", "stroke-width": 5});
+  data.ends.forEach((end, i) => {
+    if (end === null) return;
+    drawEnd(at(end), i === 0 ? -1 : 1);
+    labels.push([at(end), "end"]);
+  });
+  writeLabels(labels);
   ruler(scale, RULER, data.window, at, data.slave_unit);
+}
+
+/** Write texts above places, from left to right; one that would touch the one before it is moved on. */
+function writeLabels(labels) {
+  let right = -Infinity;
+  for (const [x, text] of labels.sort(([a], [b]) => a - b)) {
+    const label = draw(fixed, "text", {y: 13, "text-anchor": "middle", text}), half = label.getComputedTextLength() / 2;
+    const middle = Math.max(x, right + 6 + half);
+    set(label, {x: middle});
+    right = middle + half;
+  }
 }
 
 /** An end position: a bumper at the carriage's farther side, and the place that the tool may not pass. */
 function drawEnd(x, side) {
-  draw(fixed, "line", {x1: x, x2: x, y1: 22, y2: RULER, stroke: "var(--m-limit)", "stroke-dasharray": "6 4"});
-  draw(fixed, "text", {x, y: 13, "text-anchor": "middle", text: "end"});
+  draw(fixed, "line", {x1: x, x2: x, y1: 22, y2: RULER, stroke: "var(--limit)", "stroke-dasharray": "6 4"});
   const bumper = {x: x + side * 27 - (side < 0 ? 8 : 0), y: RAIL - 16, width: 8, height: 30, rx: 2};
-  draw(rail, "rect", {...bumper, fill: "var(--m-limit)"});
+  draw(rail, "rect", {...bumper, fill: "var(--limit)"});
 }
 
 // --- the machine at a time ---
@@ -97,20 +112,20 @@ function show(t) {
   Object.assign(carriage.dataset, {slavePosition: slave, slaveVelocity: velocity, x, tool: down ? "down" : "up"});
   Object.assign(stock.dataset, {masterPosition: master, cuts: done.length});
   const slow = 1e-4 * data.fastest || 1e-3;
-  tell(SAW ? "saw" : "slave", number(slave, data.slave_unit));
-  tell("velocity", number(velocity, `${data.slave_unit}/s`, slow));
-  tell(SAW ? "material" : "master velocity", number(lineVelocity, `${data.unit}/s`, slow));
-  if (data.marks) tell(data.pieces ? "saw to next cut" : SAW ? "saw to mark" : "slave to product", nearest);
-  if (data.request) tell("asked of the line", number(held(data.request, t), `${data.unit}/s`, slow));
-  if (data.pieces) tellPieces(done);
-  else if (data.cuts.length) tell("cuts", `${done.length} of ${data.cuts.length}`);
+  showReadout(SAW ? "saw" : "slave", number(slave, data.slave_unit));
+  showReadout("velocity", number(velocity, `${data.slave_unit}/s`, slow));
+  showReadout(SAW ? "material" : "master velocity", number(lineVelocity, `${data.unit}/s`, slow));
+  if (data.marks) showReadout(data.pieces ? "saw to next cut" : SAW ? "saw to mark" : "slave to product", nearest);
+  if (data.request) showReadout("asked of the line", number(held(data.request, t), `${data.unit}/s`, slow));
+  if (data.pieces) showPieces(done);
+  else if (data.cuts.length) showReadout("cuts", `${done.length} of ${data.cuts.length}`);
 }
 
-/** Tell how many pieces have been cut off, and what the last one is. */
-function tellPieces(done) {
-  tell("pieces", `${done.length} of ${data.pieces.length}`);
+/** Show how many pieces have been cut off, and what the last one is. */
+function showPieces(done) {
+  showReadout("pieces", `${done.length} of ${data.pieces.length}`);
   const last = data.pieces[done.length - 1];
-  tell("last piece", last ? `${number(last.length, data.unit, 1e-3)} ${last.name}` : "none");
+  showReadout("last piece", last ? `${number(last.length, data.unit, 1e-3)} ${last.name}` : "none");
 }
 
 /** How far the tool is down: 0 to 1. */
@@ -138,7 +153,7 @@ function bodies(done) {
   return Array.from({length: borders.length + 1}, (_, i) => {
     const [upstream, downstream] = [borders[i - 1] ?? null, borders[i] ?? null];
     const text = i === 0 ? "" : i === borders.length ? "front end" : `piece ${borders.length - i}`;
-    return {upstream, downstream, text, fill: "var(--m-wood)"};
+    return {upstream, downstream, text, fill: "var(--wood)"};
   });
 }
 
@@ -147,9 +162,9 @@ function ownBodies(done) {
   const ready = data.pieces.slice(0, done.length), front = data.pieces[done.length]?.begin ?? ready.at(-1)?.end ?? null;
   const off = ready.map(({number: n, begin, end, kind, name, length: of}) => {
     const text = `${n}: ${name === "PRODUCT" ? "" : `${name} `}${number(of, data.unit, 1e-4 * data.span)}`;
-    return {upstream: end, downstream: begin, text, fill: `var(--m-kind-${kind})`};
+    return {upstream: end, downstream: begin, text, fill: `var(--kind-${kind})`};
   });
-  return [{upstream: null, downstream: front, text: "", fill: "var(--m-wood)"}, ...off.reverse()];
+  return [{upstream: null, downstream: front, text: "", fill: "var(--wood)"}, ...off.reverse()];
 }
 
 function showMaterial(t, master, done) {
@@ -211,11 +226,11 @@ function showRollers(master) {
 function marksIn(t, master, done) {
   if (!data.marks) return [];
   if (data.marks.next) return nextCut(t, done);
-  const edges = [low, high].map((x) => master - x / ratio).sort((a, b) => a - b), room = 0.06 * (edges[1] - edges[0]);
+  const edges = [low, high].map((x) => master - x / ratio).sort((a, b) => a - b), margin = 0.06 * (edges[1] - edges[0]);
   const {offset, length: distance, places} = data.marks;
-  if (places) return places.map((place, i) => [i + 1, place]).filter(([, p]) => edges[0] - room < p && p < edges[1] + room);
-  const first = Math.ceil((edges[0] - room - offset) / distance), final = Math.floor((edges[1] + room - offset) / distance);
-  if (final - first > width / 8) return []; // nobody could tell them apart
+  if (places) return places.map((place, i) => [i + 1, place]).filter(([, p]) => edges[0] - margin < p && p < edges[1] + margin);
+  const first = Math.ceil((edges[0] - margin - offset) / distance), final = Math.floor((edges[1] + margin - offset) / distance);
+  if (final - first > width / 8) return []; // they would run together
   return Array.from({length: final - first + 1}, (_, i) => [first + i, offset + (first + i) * distance]);
 }
 
@@ -226,7 +241,7 @@ function underWay(t) {
 
 /** The next cut, if it is known and the blade is not yet in the material: number and place. */
 function nextCut(t, done) {
-  return held(data.marks.known, t) && !underWay(t) ? [[done.length + 1, held(data.marks.next, t)]] : [];
+  return held(data.marks.shown, t) && !underWay(t) ? [[done.length + 1, held(data.marks.next, t)]] : [];
 }
 
 /** The mark that is nearest to the tool: its number and place; nothing if there are none. */
@@ -241,7 +256,7 @@ function nearestMark(t, master, slave, done) {
   return data.marks ? [n, offset + n * distance] : null;
 }
 
-/** Draw the marks and the distance to the nearest one; the answer tells that distance. */
+/** Draw the marks and the distance to the nearest one; the result is that distance as a text. */
 function showMarks(t, master, slave, done) {
   const cut = new Set(cuts.filter(({begin}) => begin <= t).map(({mark}) => Math.round(mark / data.within)));
   let count = 0;

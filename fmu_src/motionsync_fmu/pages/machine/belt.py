@@ -1,7 +1,6 @@
-"""The machines with moving material and a carriage beside it: a FlyingSaw, a CutToLength, and a Follower whose slave is
-linear.
+"""The machine of a carriage over moving material: a saw, or a gripper that meets products.
 
-What lies on the material at m passes the slave's position ratio (master - m). The slave that keeps this position works
+What is on the material at m passes the slave's position ratio (master - m). The slave that keeps this position works
 on the material there.
 """
 
@@ -11,87 +10,101 @@ import numpy as np
 
 from motionsync.var import Role
 
-from ...interface.roles import with_role
-from ...scenario.cuts import find_cuts
-from ...scenario.pieces import Piece, coupling_factor, find_pieces
+from ...interface.roles import find_by_role, piece_variables
+from ...scenario.evaluate.cuts import Cut, find_cuts
+from ...scenario.evaluate.find_pieces import Piece, coupling_factor, find_pieces
 from ...scenario.recording import Reals
 from ..numbers import rounded
 from .run import Run
 from .signals import DIGITS, Signal, held
 
-ROOM = 0.14  # of the carriage's range, beside it at both ends
+MARGIN = 0.14  # of the carriage's range, beside it at both ends
 OUTFEED = 0.7  # of the carriage's range, the most that is shown of the pieces that have been cut off
 REACH = 1.0  # of the carriage's range, in which an end position is worth showing
-LEAST = 1e-3  # of the master's travel: the least range, for a carriage that stands
+DRAWN = ("number", "begin", "end", "kind", "name", "length")  # what is drawn of a piece
+LEAST = 1e-3  # of the master's travel: the least range, for a carriage at rest
 
 
-def flying_saw(run: Run) -> dict[str, Any]:
-    """A saw, down while the Boolean of the table [cuts] is true, or while it is in sync."""
-    spec = run.scenario.cuts
-    down = run.values(spec.name if spec else "in_sync") != 0.0
-    factors = run.values("coupling_factor")
-    coupled = factors[factors != 0.0]
-    cuts = find_cuts(spec, run.recording) if spec else []
-    homed = bool(np.any(run.values("move_absolute.busy")))
-    home = run.start("move_absolute.position") if homed else float(run.values("slave.position")[0])
-    ratio = spec.ratio if spec else float(coupled[0]) if len(coupled) else 1.0
-    return _belt(run, down, ratio, spec.length if spec else 0.0) | {
-        "tool": "saw",
-        "marks": {"offset": spec.offset, "length": spec.length} if spec else None,
-        "cuts": [{"begin": c.begin, "end": c.end, "place": c.mark + c.error, "mark": c.mark} for c in cuts],
-        "home": {"at": home, "label": "home" if homed else "start"},
-        "zone": _zone(run.values("slave.position"), down),
-    }
-
-
-def cut_to_length(run: Run) -> dict[str, Any]:
-    """A saw that knows its next cut alone; each piece that it has cut off has the colour of its kind."""
+def belt(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
+    """The material with its marks, cuts and pieces, and the carriage over it."""
+    spec, positions = run.scenario.cuts, run.values("slave.position")
+    names = piece_variables(run.scenario.recipe.variables.values())
     pieces = find_pieces(run.scenario, run.recording)
-    ratio = coupling_factor(run.scenario, run.recording)
     pitches = [piece.end - piece.begin for piece in pieces]
-    drawn = ("number", "begin", "end", "kind", "name", "length")
-    cuts = [(*(piece.cut or (piece.told, piece.told)), piece.end) for piece in pieces]
-    belt = _belt(run, run.values("tool.blade_down") != 0.0, ratio, float(np.median(pitches)) if pitches else 0.0)
-    return belt | {
-        "tool": "saw",
-        "marks": {"next": _next_cut(run, pieces), "known": run.held("next_cut.known")},
+    down = run.values(spec.name) != 0.0 if spec else run.where(picture["down"])
+    length = spec.length if spec else float(np.median(pitches)) if pitches else 0.0
+    ratio = _ratio(run, picture)
+    carriage = _carriage(run, down, ratio, length)
+    data = carriage | {
+        "tool": picture["tool"],
+        "marks": _marks(run, picture, pieces, carriage["span"]),
+        "cuts": [{"begin": c.begin, "end": c.end, "place": c.mark + c.error, "mark": c.mark} for c in _cuts(run)],
+        "home": _home(run, picture),
+        "zone": [run.start(name) for name in picture["zone"]]
+        if "zone" in picture
+        else _zone(positions, run.where(picture["in_sync"]) if "in_sync" in picture else down),
+    }
+    if not names:
+        return data
+    cuts = [(*(piece.cut or (piece.reported_at, piece.reported_at)), piece.end) for piece in pieces]
+    return data | {
         "cuts": [{"begin": begin, "end": end, "place": place, "mark": place} for begin, end, place in cuts],
-        "pieces": [{name: getattr(piece, name) for name in drawn} for piece in pieces],
-        "request": run.held("line.velocity_request"),
-        "home": {"at": run.start("home_position"), "label": "home"},
-        "zone": _zone(run.values("slave.position"), run.values("in_sync") != 0.0),
+        "pieces": [{name: getattr(piece, name) for name in DRAWN} for piece in pieces],
+        "request": run.held(names.request),
     }
 
 
-def _next_cut(run: Run, pieces: list[Piece]) -> Signal:
-    """Where on the material the next cut is due: in the turn in which it is made, or else in that of the master."""
-    time, places = run.recording.time, run.values("next_cut.position")
-    if period := run.scenario.period:
-        ends = np.array([piece.end for piece in pieces] + [np.nan])
-        near = ends[np.searchsorted([piece.told for piece in pieces], time, side="right")]
-        near = np.where(np.isnan(near), run.recording.master[:, 0], near)
-        places = places + period * np.round((near - places) / period)
-    return held(time, np.where(run.values("next_cut.known") != 0.0, places, 0.0))
+def _cuts(run: Run) -> list[Cut]:
+    return find_cuts(run.scenario.cuts, run.recording) if run.scenario.cuts else []
 
 
-def follower(run: Run) -> dict[str, Any]:
-    """A slave that leaves its park, and runs beside the meeting from sync_slave to sync_out."""
-    ratio, sync, out = (run.start(name) for name in ("k_slave_master", "sync_slave", "sync_out"))
-    missing = run.values("master_to_sync")
+def _ratio(run: Run, picture: dict[str, Any]) -> float:
+    """The slave's travel over the master's: that of the marks, of the pieces, or of the block's first coupling."""
+    if run.scenario.cuts:
+        return run.scenario.cuts.ratio
+    if "ratio" not in picture:
+        return coupling_factor(run.scenario, run.recording)
+    if run.scenario.recipe.variables[picture["ratio"]].settable:
+        return run.start(picture["ratio"])
+    return next((float(x) for x in run.values(picture["ratio"]) if x), 1.0)
+
+
+def _home(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
+    if "home_used" in picture and not run.values(picture["home_used"]).any():
+        return {"at": float(run.values("slave.position")[0]), "label": "start"}
+    return {"at": run.start(picture["home"]), "label": picture.get("home_label", "home")}
+
+
+def _marks(run: Run, picture: dict[str, Any], pieces: list[Piece], span: float) -> dict[str, Any] | None:
+    """The marks of the scenario, the block's next cut, or where the products are."""
+    if run.scenario.cuts:
+        return {"offset": run.scenario.cuts.offset, "length": run.scenario.cuts.length}
+    if "next_cut" in picture:
+        return {"next": _next_cut(run, picture, pieces), "shown": run.held(picture["next_cut_shown"])}
+    return {"places": _products(run, picture, span)} if "product_distance" in picture else None
+
+
+def _products(run: Run, picture: dict[str, Any], span: float) -> list[float]:
+    """Where the products are: the slave meets each at the beginning of its zone."""
+    missing = run.values(picture["product_distance"])
     ahead = missing > 0.0
     meetings = run.recording.master[ahead, 0] + missing[ahead]
-    places = np.unique(np.round(meetings, 6)) - sync / ratio
-    belt = _belt(run, run.is_member("state", "M_SYNCHRONIZED"), ratio)
-    return belt | {
-        "tool": "gripper",
-        "marks": {"places": rounded(places[np.diff(places, prepend=-np.inf) > 1e-6 * belt["span"]], DIGITS)},
-        "cuts": [],
-        "home": {"at": run.start("park_slave"), "label": "park"},
-        "zone": [sync, out],
-    }
+    places = np.unique(np.round(meetings, 6)) - run.start(picture["zone"][0]) / run.start(picture["ratio"])
+    return rounded(places[np.diff(places, prepend=-np.inf) > 1e-6 * span], DIGITS)
 
 
-def _belt(run: Run, down: Any, ratio: float, length: float = 0.0) -> dict[str, Any]:
+def _next_cut(run: Run, picture: dict[str, Any], pieces: list[Piece]) -> Signal:
+    """Where on the material the next cut is due: in the turn in which it is made, or else in that of the master."""
+    time, places = run.recording.time, run.values(picture["next_cut"])
+    if period := run.scenario.period:
+        ends = np.array([piece.end for piece in pieces] + [np.nan])
+        near = ends[np.searchsorted([piece.reported_at for piece in pieces], time, side="right")]
+        near = np.where(np.isnan(near), run.recording.master[:, 0], near)
+        places = places + period * np.round((near - places) / period)
+    return held(time, np.where(run.values(picture["next_cut_shown"]) != 0.0, places, 0.0))
+
+
+def _carriage(run: Run, down: Any, ratio: float, length: float = 0.0) -> dict[str, Any]:
     """The carriage and its window, `length` being that of the pieces that are cut, in units of the master."""
     positions, master = run.values("slave.position"), run.recording.master[:, 0]
     low, high = float(positions.min()), float(positions.max())
@@ -99,10 +112,10 @@ def _belt(run: Run, down: Any, ratio: float, length: float = 0.0) -> dict[str, A
     ends = [_end(run, Role.MIN_POSITION, low, reach), _end(run, Role.MAX_POSITION, high, reach)]
     low = min(low, *(e for e in ends if e is not None), high - reach)
     high = max(high, *(e for e in ends if e is not None), low + reach)
-    room = ROOM * (high - low)
+    margin = MARGIN * (high - low)
     outfeed = min(abs(ratio) * length, OUTFEED * (high - low))
     flows_down = ratio * (master[-1] - master[0]) < 0.0
-    window = [low - room - outfeed * flows_down, high + room + outfeed * (not flows_down)]
+    window = [low - margin - outfeed * flows_down, high + margin + outfeed * (not flows_down)]
     return run.axes(positions, window[1] - window[0]) | {
         "scene": "belt",
         "ratio": ratio,
@@ -115,7 +128,7 @@ def _belt(run: Run, down: Any, ratio: float, length: float = 0.0) -> dict[str, A
 
 def _end(run: Run, role: Role, nearest: float, reach: float) -> float | None:
     """An end position, if there is one and the carriage comes near it."""
-    variable = with_role(run.scenario.recipe.variables.values(), role)
+    variable = find_by_role(run.scenario.recipe.variables.values(), role)
     position = run.start(variable.name) if variable else np.inf
     return position if abs(position - nearest) <= REACH * reach else None
 

@@ -1,10 +1,9 @@
-"""The animated picture of a run's machine, as one self-contained part of a page: it needs no other file and no library.
+"""The animated picture of a run's machine, as one part of a page. It needs no library; its colours are in colours.css.
 
 Where a page has plots, too, both share their time by the event `motionsync:time` of the document, whose detail has the
 `time` in s and the `source`: "machine" or "plots".
 """
 
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,14 +12,17 @@ from markupsafe import Markup
 
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
-from ..style import TEMPLATES
-from . import axes, belt
+from ..style import TEMPLATES, load_template
+from .axes import axes
+from .belt import belt
+from .description import pictures_of
 from .remote_axis import remote_axis
 from .run import Run
 
-HERE = Path(__file__).parent
-SCENES = "/* the scenes */\n"  # where machine.js takes up the code of the scenes
-NAMES = ("axes", "belt", "window")
+FOLDER = Path(__file__).parent
+PLACEHOLDER = "/* fragment.py puts the scenes here: axes.js, belt.js, window.js */\n"  # in machine.js
+SCENES = {"axes": axes, "belt": belt}
+NAMES = (*SCENES, "window")
 
 
 def machine(scenario: Scenario, recording: Recording) -> Markup:
@@ -37,8 +39,8 @@ def live_machine() -> Markup:
 
 
 def _rendered(data: dict[str, Any] | None, *scenes: str) -> Markup:
-    code = _text("machine.js").replace(SCENES, "\n".join(_text(f"{name}.js") for name in scenes))
-    page = TEMPLATES.get_template("machine.html.j2")
+    code = _text("machine.js").replace(PLACEHOLDER, "\n".join(_text(f"{name}.js") for name in scenes))
+    page = load_template(TEMPLATES, "machine.html.j2")
     return Markup(page.render(data=data, style=Markup(_text("machine.css")), code=Markup(code)))
 
 
@@ -47,21 +49,10 @@ def scene_data(scenario: Scenario, recording: Recording) -> dict[str, Any] | Non
     run = Run(scenario, recording)
     if run.scenario.remote:
         return remote_axis(run, run.scenario.remote)
-    scenes: dict[str, Callable[[Run], dict[str, Any]]] = {
-        "CutToLength": belt.cut_to_length,
-        "FlyingSaw": belt.flying_saw,
-        "Follower": _follower,
-        "Gearing": axes.gearing,
-        "Synchronizer": axes.synchronizer,
-    }
-    make = scenes.get(run.scenario.recipe.name)
-    return make(run) if make else None
-
-
-def _follower(run: Run) -> dict[str, Any]:
-    return axes.follower(run) if run.start("slave_cycle") else belt.follower(run)
+    picture = next((p for p in pictures_of(scenario.recipe) if "where" not in p or run.start(p["where"])), None)
+    return SCENES[picture["scene"]](run, picture) if picture else None
 
 
 @cache
 def _text(name: str) -> str:
-    return (HERE / name).read_text("utf-8")
+    return (FOLDER / name).read_text("utf-8")

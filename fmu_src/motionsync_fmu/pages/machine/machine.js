@@ -1,13 +1,14 @@
 "use strict";
-// The animated picture of a run's machine. The data beside this script, or those given to `load`, are those of signals.py;
-// a scene below draws them at a time. `window.motionsyncMachine.show(t)` shows the machine at t, in s.
+// The animated picture of a run's machine. Its data are next to this script, from fragment.py, or given to `load`; they have
+// signals as signals.py writes them. A scene below draws them at a time.
+// `window.motionsyncMachine.show(t)` shows the machine at t, in s.
 (() => {
 const root = document.currentScript.closest(".motionsync-machine");
 const given = root.querySelector("script[type='application/json']");
 const svg = root.querySelector("svg");
 const [button, slider, clock, speed] =
   ["button", "input", "output", "select"].map((name) => root.querySelector(`.controls ${name}`));
-const calm = matchMedia("(prefers-reduced-motion: reduce)"); // whoever wants less motion sees a few pictures a second
+const calm = matchMedia("(prefers-reduced-motion: reduce)"); // a few pictures a second for those who prefer less motion
 
 let data, scene; // what is drawn, and what draws it
 const scenes = {}; // by name: each makes a scene of the present data
@@ -70,7 +71,7 @@ function pool(parent, name, attributes = {}) {
   };
 }
 
-/** A number that tells `unit` to what the picture can be trusted in, without a negative zero. */
+/** A number with its `unit`, with as many digits as the picture is exact, without a negative zero. */
 function number(value, unit, fineness = data.within) {
   const decimals = Math.min(Math.max(-Math.floor(Math.log10(fineness) + 1e-9) - 1, 0), 6);
   const text = value.toFixed(decimals);
@@ -88,10 +89,10 @@ function ruler(parent, y, [low, high], at, unit) {
   parent.replaceChildren();
   const distance = tick(high - low, Math.abs(at(high) - at(low)), 70);
   const decimals = Math.max(0, -Math.floor(Math.log10(distance) + 1e-9));
-  draw(parent, "line", {x1: at(low), x2: at(high), y1: y, y2: y, stroke: "var(--m-soft)"});
+  draw(parent, "line", {x1: at(low), x2: at(high), y1: y, y2: y, stroke: "var(--muted)"});
   for (let n = Math.ceil(low / distance); n * distance <= high; n++) {
     const x = at(n * distance);
-    draw(parent, "line", {x1: x, x2: x, y1: y, y2: y + 5, stroke: "var(--m-soft)"});
+    draw(parent, "line", {x1: x, x2: x, y1: y, y2: y + 5, stroke: "var(--muted)"});
     const text = (n * distance).toFixed(decimals).replace("-", "\u2212");
     draw(parent, "text", {x, y: y + 18, class: "soft", "text-anchor": "middle", text});
   }
@@ -108,7 +109,7 @@ function arrow(x, y, length) {
 const readouts = new Map();
 
 /** Show a value under its name. */
-function tell(name, value, title = "") {
+function showReadout(name, value, title = "") {
   if (!readouts.has(name)) {
     const row = document.createElement("div"), dt = document.createElement("dt"), dd = document.createElement("dd");
     if (name === "state") row.className = "wide";
@@ -123,21 +124,26 @@ function tell(name, value, title = "") {
 }
 
 /** Show the state: its name, and what it means. */
-function tellState(t) {
+function showState(t) {
   const [name, meaning] = data.states[held(data.state, t)] ?? ["", ""];
   root.dataset.state = name;
-  tell("state", `${name} \u2013 ${meaning}`, meaning);
+  showReadout("state", `${name} \u2013 ${meaning}`, meaning);
 }
 
-/* the scenes */
+/* fragment.py puts the scenes here: axes.js, belt.js, window.js */
 
 // --- time ---
 
 let now = 0, playing = false, before = 0, waited = 0;
 
-/** Draw another run from now on, at the time that is shown. */
+/** Draw another run from now on, at the time that is shown; null: no machine. */
 function load(run) {
   data = run;
+  root.hidden = !run;
+  if (!run) {
+    play(false);
+    return;
+  }
   svg.replaceChildren();
   readouts.clear();
   root.querySelector(".readouts").replaceChildren();
@@ -147,14 +153,14 @@ function load(run) {
   show(now, "beginning");
 }
 
-/** Show the machine at t, and tell the rest of the page, unless it is the page that told it. */
+/** Show the machine at t, and notify the rest of the page, unless the time comes from there. */
 function show(t, source = "machine") {
   now = Math.min(Math.max(t, 0), data.stop);
   slider.value = now;
   clock.textContent = `${now.toFixed(3)} s`;
   slider.setAttribute("aria-valuetext", clock.textContent);
   root.dataset.time = now;
-  tellState(now);
+  showState(now);
   scene.show(now);
   if (source === "machine") {
     document.dispatchEvent(new CustomEvent("motionsync:time", {detail: {time: now, source}}));
@@ -207,12 +213,12 @@ slider.addEventListener("input", () => {
 });
 root.addEventListener("keydown", key);
 document.addEventListener("motionsync:time", ({detail}) => {
-  if (detail.source === "machine") return;
+  if (!data || detail.source === "machine") return;
   play(false);
   show(detail.time, detail.source);
 });
 new ResizeObserver(() => {
-  if (!scene) return;
+  if (!data) return;
   scene.resize(svg.clientWidth);
   scene.show(now);
 }).observe(svg);

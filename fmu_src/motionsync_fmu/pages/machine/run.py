@@ -1,5 +1,6 @@
 """What the machines of all blocks are drawn from: a scenario and its recording, asked for signals and values."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,10 +37,29 @@ class Run:
         """An output or local at the communication points, shape (points,)."""
         return self.recording.values[name]
 
-    def is_member(self, name: str, *members: str) -> Any:
-        """Where an enumeration has one of these members, shape (points,)."""
-        numbers = [int(m) for m in self.scenario.recipe.variables[name].choices if m.name in members]
-        return np.isin(self.values(name), numbers)
+    def where(self, conditions: Sequence[str]) -> Any:
+        """Where one of these conditions holds, shape (points,); see `description`."""
+        never = np.zeros(len(self.recording.time), bool)
+        return np.logical_or.reduce([never, *(self._holds(condition) for condition in conditions)])
+
+    def _holds(self, condition: str) -> Any:
+        name, _, member = condition.partition(" == ")
+        choices = self.scenario.recipe.variables[name].choices
+        return (
+            self.values(name) == next(int(m) for m in choices if m.name == member) if member else self.values(name) != 0
+        )
+
+    def shown(self, conditions: Sequence[str]) -> Signal:
+        """Whether one of these conditions holds, over time."""
+        return held(self.recording.time, self.where(conditions).astype(float))
+
+    def period(self, names: Sequence[str]) -> float:
+        """The first of these start values that is not 0; see `description`."""
+        values = (self._unless(*name.split(" unless ")) for name in names)
+        return next(filter(None, values), 0.0)
+
+    def _unless(self, name: str, other: str = "") -> float:
+        return 0.0 if other and self.start(other) else self.start(name)
 
     def start(self, name: str) -> float:
         """The start value of a parameter or input."""
@@ -50,6 +70,10 @@ class Run:
         """A parameter or input over time: its start value, and what the run set it to."""
         given = [(s.at, float(s.values[name])) for s in self.recording.settings if name in s.values]
         return {"t": [0.0, *(at for at, _ in given)], "x": [self.start(name), *(value for _, value in given)]}
+
+    def signal(self, name: str) -> Signal:
+        """Any variable over time."""
+        return self.setting(name) if self.scenario.recipe.variables[name].settable else self.held(name)
 
     def held(self, name: str) -> Signal:
         """A discrete output or local over time."""

@@ -16,7 +16,7 @@ Signal = dict[str, list[float]]
 """The columns of a signal, as JSON has them: `t`, s, and `x`, u; of a smooth one also `v`, u/s."""
 
 MOST_KNOTS = 4000  # of a smooth signal; with more of them the tolerance is doubled
-MOST_HELD = 6000  # of a held signal; with more of them only every n-th is kept
+MOST_HELD = 6000  # of a held signal; with more of them only every n-th remains
 CORNER = 0.25  # of a step's change of velocity: so far is its mean velocity from that of both ends, and more
 ROUNDED = 0.98  # of the tolerance; the rest is for the rounding of the knots
 DIGITS = 9  # of slopes, and of held values; times are exact, so that each point has its own value
@@ -34,41 +34,41 @@ def smooth(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple
         tolerance: how far the signal may be from the values, in u; it is doubled until the signal is short enough.
     """
     while True:
-        chosen, straight = _chosen(time, values, slopes, tolerance)
-        if len(chosen) <= MOST_KNOTS:
-            return _signal(time, values, slopes, (chosen, straight), tolerance), tolerance
+        points, straight = _choose_points(time, values, slopes, tolerance)
+        if len(points) <= MOST_KNOTS:
+            return _signal(time, values, slopes, (points, straight), tolerance), tolerance
         tolerance *= 2.0
 
 
-def _chosen(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple[list[int], NDArray[np.bool_]]:
+def _choose_points(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple[list[int], NDArray[np.bool_]]:
     """The points that become knots, up to one too many of them, and for each step whether it is a straight line."""
     steps, means = np.diff(time), 0.5 * (slopes[:-1] + slopes[1:])
     missed = np.abs(np.diff(values) - steps * means)
     straight = (missed > tolerance) & (missed > CORNER * steps * np.abs(np.diff(slopes)))
     borders = np.append(np.flatnonzero(straight), len(time) - 1)
-    chosen = [0]
-    while chosen[-1] < len(time) - 1 and len(chosen) <= MOST_KNOTS:
-        first = chosen[-1]
+    points = [0]
+    while points[-1] < len(time) - 1 and len(points) <= MOST_KNOTS:
+        first = points[-1]
         limit = int(borders[np.searchsorted(borders, first)])
-        chosen.append(first + 1 if limit == first else _farthest(time, values, slopes, (first, limit), tolerance))
-    return chosen, straight
+        points.append(first + 1 if limit == first else _farthest(time, values, slopes, (first, limit), tolerance))
+    return points, straight
 
 
-def _farthest(time: Reals, values: Reals, slopes: Reals, within: tuple[int, int], tolerance: float) -> int:
-    """The last point of the longest cubic found that begins at the first of these two points and passes all between."""
-    first, limit = within
-    good, step = first + 1, 2
-    while good < limit and _fits(time, values, slopes, (first, min(first + step, limit)), tolerance):
-        good = min(first + step, limit)
+def _farthest(time: Reals, values: Reals, slopes: Reals, ends: tuple[int, int], tolerance: float) -> int:
+    """The last point of the longest cubic found that starts at the first of these two points and passes all between."""
+    first, limit = ends
+    fitting, step = first + 1, 2
+    while fitting < limit and _fits(time, values, slopes, (first, min(first + step, limit)), tolerance):
+        fitting = min(first + step, limit)
         step *= 2
     bad = min(first + step, limit)
-    while bad - good > 1:
-        middle = (good + bad) // 2
+    while bad - fitting > 1:
+        middle = (fitting + bad) // 2
         if _fits(time, values, slopes, (first, middle), tolerance):
-            good = middle
+            fitting = middle
         else:
             bad = middle
-    return good
+    return fitting
 
 
 def _fits(time: Reals, values: Reals, slopes: Reals, ends: tuple[int, int], tolerance: float) -> bool:
@@ -86,9 +86,9 @@ def _signal(
     time: Reals, values: Reals, slopes: Reals, knots: tuple[list[int], NDArray[np.bool_]], tolerance: float
 ) -> Signal:
     """The columns of the knots; a straight step has two knots of its own."""
-    chosen, straight = knots
+    points, straight = knots
     rows = [(0, slopes[0])]
-    for first, last in pairwise(chosen):
+    for first, last in pairwise(points):
         if straight[first]:
             secant = (values[last] - values[first]) / (time[last] - time[first])
             rows += [(first, secant), (last, secant)]

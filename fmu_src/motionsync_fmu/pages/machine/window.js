@@ -1,5 +1,5 @@
-// The scene of an axis on another controller: remote_axis.py tells what the data are. A magnified window moves with the
-// true axis; in it stand where the telegram has the axis, and where the block has it. Below is what has just been.
+// The scene of an axis on another controller: remote_axis.py makes the data. A magnified window moves with the
+// true axis; in it are the axis of the telegram, and that of the block. Below is what has just been.
 scenes.window = () => {
 const HEIGHT = 252, EDGE = 34, RULER = 92, PAST_TOP = 150, PAST_BOTTOM = 238; // px
 const PAST = 1; // s, as much as is drawn of the past
@@ -8,14 +8,14 @@ let width = 600;
 const at = (error) => width / 2 + Math.max(-1, Math.min(1, error / data.half)) * (width / 2 - EDGE);
 
 const scale = draw(svg, "g"), past = draw(svg, "g"), markers = draw(svg, "g");
-const ticks = pool(scale, "line", {stroke: "var(--m-grid)"});
-const frame = draw(scale, "rect", {fill: "none", stroke: "var(--m-grid)"});
-const truth = draw(scale, "line", {y1: 24, y2: PAST_BOTTOM, stroke: "var(--m-ink)", "stroke-dasharray": "2 3"});
+const ticks = pool(scale, "line", {stroke: "var(--grid)"});
+const frame = draw(scale, "rect", {fill: "none", stroke: "var(--grid)"});
+const truth = draw(scale, "line", {y1: 24, y2: PAST_BOTTOM, stroke: "var(--ink)", "stroke-dasharray": "2 3"});
 const zero = draw(scale, "text", {y: 16, "text-anchor": "middle", text: "true axis"});
 const rulerLayer = draw(scale, "g");
 const title = draw(scale, "text", {y: PAST_TOP - 8, class: "soft", text: `the last ${PAST} s`});
-const traces = {telegram: trace("var(--m-master)", 1), corrected: trace("var(--m-slave)", 2)};
-const telegram = marker("telegram", "var(--m-master)", 36), corrected = marker("slave", "var(--m-slave)", 62);
+const traces = {telegram: trace("var(--master)", 1), corrected: trace("var(--slave)", 2)};
+const telegram = marker("telegram", "var(--master)", 36), corrected = marker("slave", "var(--slave)", 62);
 svg.setAttribute("height", HEIGHT);
 
 function trace(stroke, thick) {
@@ -62,12 +62,12 @@ function show(t) {
   Object.assign(corrected.dataset, {slavePosition: slave, error: errors.corrected, x: at(errors.corrected)});
   Object.assign(telegram.dataset, {error: errors.telegram, x: at(errors.telegram)});
   const fine = data.half * 1e-3;
-  tell("true axis", number(position, data.unit, fine));
-  tell("velocity", number(velocity, `${data.unit}/s`, fine));
-  tell("telegram is off by", number(errors.telegram, data.unit, fine));
-  tell("slave is off by", number(errors.corrected, data.unit, fine));
-  tell("index off, telegram", number(held(data.telegram_index, t), "cycles", 1e-3));
-  tell("index off, slave", number(held(data.corrected_index, t), "cycles", 1e-3));
+  showReadout("true axis", number(position, data.unit, fine));
+  showReadout("velocity", number(velocity, `${data.unit}/s`, fine));
+  showReadout("telegram is off by", number(errors.telegram, data.unit, fine));
+  showReadout("slave is off by", number(errors.corrected, data.unit, fine));
+  showReadout("index off, telegram", number(held(data.telegram_index, t), "cycles", 1e-3));
+  showReadout("index off, slave", number(held(data.corrected_index, t), "cycles", 1e-3));
 }
 
 return {resize, show};

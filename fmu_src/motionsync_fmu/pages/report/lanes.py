@@ -1,4 +1,4 @@
-"""What is discrete, over time: a lane for the state, each other enumeration and each Boolean, and for what was set."""
+"""Discrete values over time: a lane for the state, each other enumeration, each Boolean, and for the settings."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from markupsafe import escape
 
-from ...interface.roles import books
+from ...interface.roles import piece_variables
 from ...interface.variables import Variable
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
@@ -17,9 +17,9 @@ from .chart import INK, Chart, kind_colour
 
 LANE = 36  # the height of a lane, in px
 BAR = 0.5  # the height of a bar, of its lane
-BETWEEN = "from %{base:.6~f} s to %{x:.6~f} s"
+PERIOD = "from %{base:.6~f} s to %{x:.6~f} s"
 HUES, TONES = 8, 4  # colours of states, and of other enumerations
-MOST_STRETCHES = 1000  # of a lane; of more, those that lie close together are joined
+MOST_STRETCHES = 1000  # of a lane; of more, those that are close together are joined
 MOST_SHADES = 500  # stretches that are shaded behind the positions
 
 
@@ -34,11 +34,11 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Lane:
-    """A variable and its values, one after the other.
+    """A variable, and the stretches of time in which it has a value.
 
     Attributes:
         names: all variables with these very values.
-        joined: whether stretches that lie close together have become one.
+        joined: whether stretches that are close together are drawn as one.
         kinds: whether the values are kinds of pieces, which have the same colours everywhere.
     """
 
@@ -49,7 +49,7 @@ class Lane:
     kinds: bool = False
 
     @property
-    def state(self) -> bool:
+    def is_state(self) -> bool:
         return self.variable.name == "state"
 
     @property
@@ -61,9 +61,9 @@ class Lane:
 
     @property
     def values(self) -> list[int]:
-        """What is drawn: the members of an enumeration that occur, or true."""
-        found = {s.value for s in self.stretches}
-        return [int(m) for m in self.variable.choices if m in found] if self.variable.choices else [1]
+        """The values that are drawn: the members of an enumeration that occur, or true."""
+        occurring = {s.value for s in self.stretches}
+        return [int(m) for m in self.variable.choices if m in occurring] if self.variable.choices else [1]
 
     def colour(self, value: int) -> str:
         """The colour of a value; those that occur differ as long as there are colours."""
@@ -72,7 +72,7 @@ class Lane:
         if self.kinds:
             return kind_colour(value)
         i = self.values.index(value)
-        return f"--band-{i % HUES}" if self.state else f"--tone-{i % TONES}"
+        return f"--band-{i % HUES}" if self.is_state else f"--tone-{i % TONES}"
 
     def key(self) -> list[tuple[str, str, str]]:
         """The colours of an enumeration: of each its CSS property, the member's name and description."""
@@ -81,13 +81,13 @@ class Lane:
 
 
 def find_lanes(scenario: Scenario, recording: Recording) -> list[Lane]:
-    """The state, then whatever else changes in the run: enumerations, then Booleans. Variables that are the same all
-    the time share a lane."""
-    found: list[Lane] = []
+    """Make a lane for the state, then for each other enumeration and each Boolean that changes in the run. Variables
+    with equal values share a lane."""
+    lanes: list[Lane] = []
     first: dict[tuple[type, bytes], Lane] = {}
     by_name = scenario.recipe.variables
-    told = books(by_name.values())
-    kinds = by_name[told.kind].cell.type if told else None
+    pieces = piece_variables(by_name.values())
+    kinds = by_name[pieces.kind].cell.type if pieces else None
     for kind in ("Enumeration", "Boolean"):
         for v in (by_name[name] for name in recording.values if by_name[name].kind == kind):
             values = recording.values[v.name].astype(int)
@@ -98,10 +98,12 @@ def find_lanes(scenario: Scenario, recording: Recording) -> list[Lane]:
                 first[same].names.append(v.name)
                 continue
             stretches = list(_stretches(recording, v.name))
-            drawn = _joined(stretches, scenario.stop_time) if len(stretches) > MOST_STRETCHES else stretches
-            found.append(Lane(v, [v.name], drawn, drawn is not stretches, v.cell.type is kinds))
-            first[same] = found[-1]
-    return sorted(found, key=lambda lane: not lane.state)
+            joined = len(stretches) > MOST_STRETCHES
+            if joined:
+                stretches = _join(stretches, scenario.stop_time)
+            lanes.append(Lane(v, [v.name], stretches, joined, v.cell.type is kinds))
+            first[same] = lanes[-1]
+    return sorted(lanes, key=lambda lane: not lane.is_state)
 
 
 def _stretches(recording: Recording, name: str) -> Iterator[Stretch]:
@@ -112,60 +114,52 @@ def _stretches(recording: Recording, name: str) -> Iterator[Stretch]:
             yield Stretch(float(recording.time[first]), float(recording.time[last]), int(values[first]))
 
 
-def _joined(stretches: list[Stretch], stop_time: float) -> list[Stretch]:
-    """Stretches of a value, those joined that are less than a column of the screen apart."""
+def _join(stretches: list[Stretch], stop_time: float) -> list[Stretch]:
+    """Join stretches of the same value that are less than a column of the screen apart."""
     column = stop_time / MOST_STRETCHES
     last: dict[int, Stretch] = {}
-    found: list[Stretch] = []
+    complete: list[Stretch] = []
     for s in stretches:
         before = last.get(s.value)
         if before and s.begin - before.end < column:
             last[s.value] = Stretch(before.begin, s.end, s.value)
             continue
-        found += [before] if before else []
+        complete += [before] if before else []
         last[s.value] = s
-    return sorted([*found, *last.values()], key=lambda s: s.begin)
+    return sorted([*complete, *last.values()], key=lambda s: s.begin)
 
 
-def changes(recording: Recording, lanes: Sequence[Lane], times: Sequence[float]) -> Indices:
-    """The points at which something discrete changes or is set, each with the one before it; none where there are more
-    than a curve has points on the screen."""
+def find_changes(recording: Recording, lanes: Sequence[Lane], times: Sequence[float]) -> Indices:
+    """Find the points at which a discrete value changes or an input is set, and the points before; none if there are
+    more than a curve has points on the screen."""
     at = [np.searchsorted(recording.time, times)]
     for lane in lanes:
         at.append(np.flatnonzero(np.diff(recording.values[lane.variable.name])) + 1)
-    found = np.concatenate(at)
-    both = np.union1d(found, found - 1)
+    points = np.concatenate(at)
+    both = np.union1d(points, points - 1)
     inside = both[(both >= 0) & (both < len(recording.time))].astype(np.int64)
     return inside if len(inside) <= 2 * BUCKETS else NONE
 
 
-def shades(lanes: Sequence[Lane]) -> Iterator[tuple[str, list[tuple[float, float]]]]:
-    """What is shaded behind the position: the stretches of each state, with its colour."""
+def state_stretches(lanes: Sequence[Lane]) -> Iterator[tuple[str, list[tuple[float, float]]]]:
+    """The stretches of each state, with its colour, which are shaded behind the position."""
     for lane in lanes:
-        if lane.state and len(lane.stretches) <= MOST_SHADES:
+        if lane.is_state and len(lane.stretches) <= MOST_SHADES:
             for value in lane.values:
                 yield lane.colour(value), [(s.begin, s.end) for s in lane.stretches if s.value == value]
 
 
-def lane_chart(lanes: list[Lane], stop_time: float, times: list[float], texts: list[str]) -> Chart:
-    """A lane for each variable, the state at the top; at the bottom, marks of what was set, and when."""
+def chart_lanes(lanes: list[Lane], stop_time: float, times: list[float], texts: list[str]) -> Chart:
+    """Draw a lane for each variable, the state at the top; at the bottom, a marker for each setting."""
     rows = len(lanes) + (1 if times else 0)
     name = "States, other discrete values, and what was set, over time"
     chart = Chart(name, [LANE * rows], "time in s", (0.0, stop_time), hover="closest")
-    chart.axis(1).update(
-        {
-            "range": [len(lanes) - rows + 0.5, len(lanes) + 0.6],
-            "fixedrange": True,
-            "showticklabels": False,
-            "showgrid": False,
-            "zeroline": False,
-            "ticks": "",
-        }
-    )
+    chart.axis(1).update({"range": [len(lanes) - rows + 0.5, len(lanes) + 0.6], "fixedrange": True, "ticks": ""})
+    chart.axis(1).update({"showticklabels": False, "showgrid": False, "zeroline": False})
     for i, lane in enumerate(reversed(lanes), 1):
-        _title(chart, i, lane.title)
+        _write_title(chart, i, lane.title)
         for value in lane.values:
-            _bars(chart, i, lane, value)
+            _draw_bars(chart, i, lane, value)
     if times:
         _draw_settings(chart, times, texts)
     chart.layout["margin"]["t"] = 24
@@ -174,37 +168,37 @@ def lane_chart(lanes: list[Lane], stop_time: float, times: list[float], texts: l
 
 
 def _draw_settings(chart: Chart, times: list[float], texts: list[str]) -> None:
-    _title(chart, 0, "what was set")
+    _write_title(chart, 0, "what was set")
     marks = {"color": INK, "size": 9, "symbol": "triangle-up"}
     trace = {"type": "scatter", "mode": "markers", "x": rounded(times, TIME_DIGITS), "y": [0] * len(times)}
-    said = "%{x:.6~f} s: %{customdata}<extra></extra>"
+    template = "%{x:.6~f} s: %{customdata}<extra></extra>"
     labels = [f"{escape(text)} ({i})" for i, text in enumerate(texts, 1)]
-    chart.add(1, "set", trace | {"marker": marks, "customdata": labels, "hovertemplate": said}, legend=False)
+    chart.add_trace(1, "set", trace | {"marker": marks, "customdata": labels, "hovertemplate": template}, legend=False)
 
 
-def _title(chart: Chart, lane: int, text: str) -> None:
+def _write_title(chart: Chart, lane: int, text: str) -> None:
     where = {"x": 0, "xanchor": "left", "y": lane + 0.5 * BAR, "yref": "y", "yanchor": "bottom"}
-    chart.note(str(escape(text)), font={"size": 11}, **where)
+    chart.annotate(str(escape(text)), font={"size": 11}, **where)
 
 
-def _bars(chart: Chart, i: int, lane: Lane, value: int) -> None:
-    """Bars with the name of an enumeration's member, plain ones where a Boolean is true."""
-    chosen = [s for s in lane.stretches if s.value == value]
-    if not chosen:
+def _draw_bars(chart: Chart, i: int, lane: Lane, value: int) -> None:
+    """Draw bars with the name of an enumeration's member, plain ones where a Boolean is true."""
+    selected = [s for s in lane.stretches if s.value == value]
+    if not selected:
         return
     text = next((str(m.name) for m in lane.variable.choices if m == value), "true")
     trace: dict[str, Any] = {
         "type": "bar",
         "orientation": "h",
-        "base": rounded((s.begin for s in chosen), TIME_DIGITS),
-        "x": rounded((s.end - s.begin for s in chosen), TIME_DIGITS),
-        "y": [i] * len(chosen),
+        "base": rounded((s.begin for s in selected), TIME_DIGITS),
+        "x": rounded((s.end - s.begin for s in selected), TIME_DIGITS),
+        "y": [i] * len(selected),
         "width": BAR,
         "marker": {"color": lane.colour(value), "line": {"width": 0}},
-        "hovertemplate": f"{escape(lane.title)}: <b>{text}</b><br>{BETWEEN}<extra></extra>",
+        "hovertemplate": f"{escape(lane.title)}: <b>{text}</b><br>{PERIOD}<extra></extra>",
     }
     if lane.variable.choices:
         inside = {"text": text, "textposition": "inside", "insidetextanchor": "middle", "textangle": 0}
         trace |= inside | {"textfont": {"color": INK}}
-    chart.add(1, text, trace, legend=False)
+    chart.add_trace(1, text, trace, legend=False)
     chart.layout |= {"barmode": "overlay", "uniformtext": {"mode": "hide", "minsize": 9}}

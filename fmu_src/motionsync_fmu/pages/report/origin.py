@@ -1,44 +1,41 @@
-"""Where a result comes from: what a reader needs to get it again."""
+"""Where a result comes from: what a reader needs to reproduce it."""
 
 import platform
 import zipfile
-from dataclasses import dataclass
+from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
+from markupsafe import Markup
 
-@dataclass(frozen=True)
-class Origin:
-    """A run, or one FMU in it.
-
-    Attributes:
-        fmu: the file name of the FMU.
-        flavour: "native" or "python".
-        fmi: the version of FMI: "2.0" or "3.0".
-        guid: the FMU's GUID, a hash of its variables and its source; in FMI 3.0 it is the instantiation token.
-    """
-
-    fmu: str
-    flavour: str
-    fmi: str
-    guid: str
+from ... import __version__
 
 
-def origin(fmu: Path) -> Origin:
-    """What an FMU says of itself."""
+def origin_rows(sources: Mapping[str, str], more: Mapping[str, str]) -> dict[str, str]:
+    """The table "Where this comes from" of a page, by the names of its rows.
+
+    `sources`: what was run; `more`: rows at the end."""
+    program = {"date": current_time(), "motionsync": __version__}
+    return {**program, **sources, "platform": describe_platform(), **more}
+
+
+def describe_fmu(fmu: Path) -> Markup:
+    """An FMU by its file name, version of FMI, flavour and GUID: a hash of its variables and its source, in FMI 3.0 the
+    instantiation token."""
     with zipfile.ZipFile(fmu) as z:
         root = fromstring(z.read("modelDescription.xml"))
         flavour = "python" if "resources/slavemodule.txt" in z.namelist() else "native"
     guid = root.get("guid", root.get("instantiationToken", ""))
-    return Origin(fmu.name, flavour, root.get("fmiVersion", ""), guid)
+    text = Markup("{}, FMI {}, {} flavour, GUID <code>{}</code>")
+    return text.format(fmu.name, root.get("fmiVersion", ""), flavour, guid)
 
 
-def now() -> str:
+def current_time() -> str:
     """The date and time, with the distance to UTC."""
     return datetime.now().astimezone().isoformat(" ", "seconds")
 
 
-def here() -> str:
+def describe_platform() -> str:
     """The platform of this process."""
     return f"{platform.system()} {platform.release()}, {platform.machine()}, Python {platform.python_version()}"

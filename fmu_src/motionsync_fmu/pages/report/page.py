@@ -1,4 +1,4 @@
-"""One self-contained HTML page a run: its figures, its cuts, interactive plots over time, and what was expected."""
+"""The report of a run: a self-contained HTML page with its figures, cuts, interactive plots and expectations."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -7,38 +7,38 @@ from markupsafe import Markup
 
 from motionsync.var import Unit
 
-from ... import __version__
-from ...archive import HERE
+from ...interface.fingerprint import PACKAGE
 from ...interface.units import unit_name
-from ...scenario.amounts import ROUNDING, engineering
-from ...scenario.figures import Figures, figures
-from ...scenario.judge import Check, Deviation
-from ...scenario.pieces import Piece
-from ...scenario.production import Production
+from ...scenario.engineering import ROUNDING, engineering
+from ...scenario.evaluate.expectations import Check
+from ...scenario.evaluate.find_pieces import Piece
+from ...scenario.evaluate.key_figures import KeyFigures, compute_key_figures
+from ...scenario.evaluate.production import Production
+from ...scenario.evaluate.reference_comparison import Deviation
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ...scenario.settings import Reaction
 from ..machine.fragment import machine
-from ..style import TEMPLATES
-from .chart import Chart, align, kind_colour
-from .cutting import cut_chart
-from .lanes import Lane, changes, find_lanes, lane_chart
-from .motion import error_chart, motion_chart
-from .origin import here, now, origin
-from .pieces import kinds_of, list_chart, piece_chart
+from ..style import TEMPLATES, load_template
+from .chart import Chart, align_charts, kind_colour
+from .cutting import chart_cuts
+from .lanes import Lane, chart_lanes, find_changes, find_lanes
+from .motion import chart_motion, chart_remote_errors
+from .origin import describe_fmu, origin_rows
+from .piece_charts import chart_piece_list, chart_pieces, kind_key
 
 Settings = list[tuple[float, list[tuple[str, str]]]]
 """What is set during a run: times, each with names and values as texts."""
 
-AS_FILED: Mapping[str, str] = {}
+NO_CHANGES: Mapping[str, str] = {}
 """Nothing in place of the values in a scenario's file."""
 
-BUNDLE = HERE / "pages" / "vendor" / "plotly-basic.min.js"
+PLOTLY = PACKAGE / "pages" / "vendor" / "plotly-basic.min.js"
 
 
-def bundle() -> Markup:
-    """plotly.js, which every page with charts contains."""
-    return Markup(BUNDLE.read_text("utf-8"))
+def plotly_script() -> Markup:
+    """The text of plotly.js, which every page with charts contains."""
+    return Markup(PLOTLY.read_text("utf-8"))
 
 
 def write_report(
@@ -50,108 +50,115 @@ def write_report(
     step_size: float,
     fmu: Path | None = None,
     results: Path | None = None,
-    instead: Mapping[str, str] = AS_FILED,
+    changes_to_file: Mapping[str, str] = NO_CHANGES,
 ) -> None:
     """Write the page; it loads nothing from elsewhere.
 
     `fmu`: the FMU that was run, None: the block ran in this process; `results`: the file with the outputs, which the
-    page links to; `instead`: what the scenario has in place of its file's values."""
-    scenario, asked = happened(scenario, recording), scenario
-    found = figures(scenario, recording)
+    page links to; `changes_to_file`: values in place of those in the scenario's file, as texts by name."""
+    scenario, filed = with_recorded_settings(scenario, recording), scenario
+    figures = compute_key_figures(scenario, recording)
     lanes = find_lanes(scenario, recording)
-    given = settings(scenario)
-    charts = {name: chart.html() for name, chart in _charts(scenario, recording, found, lanes, given).items()}
-    text = TEMPLATES.get_template("report.html.j2").render(
+    settings = list_settings(scenario)
+    charts = {name: chart.html() for name, chart in _charts(scenario, recording, figures, lanes, settings).items()}
+    text = load_template(TEMPLATES, "report.html.j2").render(
         scenario=scenario,
-        instead=instead,
+        changes_to_file=changes_to_file,
         script=scenario.file.read_text("utf-8"),
-        found=found,
+        figures=figures,
         checks=checks,
         deviations=deviations,
         messages=recording.messages,
-        reactions=[_told(reaction, scenario) for reaction in asked.reactions],
-        drive=asked.drive,
+        reactions=[_describe_reaction(reaction, scenario) for reaction in filed.reactions],
+        drive=filed.drive,
         unmet=recording.unmet,
         passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
         machine=machine(scenario, recording),
-        keys=keys_of(lanes),
-        kinds=[("kind", kinds_of(scenario, found.production))] if found.production else [],
+        keys=colour_keys(lanes),
+        kinds=[("kind", kind_key(scenario, figures.production))] if figures.production else [],
         unit=unit_name(Unit.POSITION, scenario.unit),
         by_name=scenario.recipe.variables,
-        settings=given,
-        step_size=step_size,
-        points=len(recording.time),
-        version=__version__,
-        origin=origin(fmu) if fmu else None,
-        date=now(),
-        platform=here(),
-        axis=list(zip(asked.master.breaks, asked.master.motions, strict=True)),
+        settings=settings,
+        origin=_origin(scenario, recording, step_size, fmu, results),
+        axis=list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
         kind_colour=kind_colour,
         measured=_measured,
-        results=results.name if results else None,
-        bundle=bundle(),
+        bundle=plotly_script(),
     )
     file.write_text(text, "utf-8")
 
 
-def _measured(piece: Piece, made: Production) -> str:
-    """The length of a piece by the positions of slave and material: `as told`, or the length; empty if not known."""
+def _origin(
+    scenario: Scenario, recording: Recording, step_size: float, fmu: Path | None, results: Path | None
+) -> dict[str, str]:
+    """The table "Where this comes from", by the names of its rows."""
+    points = f"{len(recording.time)} communication points up to {scenario.stop_time:.10g} s"
+    rows = {"step size": f"{step_size:.10g} s, {points}", "scenario": str(scenario.file)}
+    if results:
+        digits = "all outputs with all digits; a curve of the charts has about as many points as a screen"
+        rows["outputs"] = Markup('<a href="{0}">{0}</a>, {1}').format(results.name, digits)
+    in_process = f"none: the block {scenario.recipe.name} ran in this process"
+    return origin_rows({"FMU": describe_fmu(fmu) if fmu else in_process}, rows)
+
+
+def _measured(piece: Piece, production: Production) -> str:
+    """The length of a piece by the positions of slave and material; `as reported` if it is equal."""
     if piece.measured is None:
         return ""
-    exact = abs(piece.measured - piece.length) <= ROUNDING * made.scale
-    return "as told" if exact else engineering(piece.measured, made.unit, digits=7)
+    exact = abs(piece.measured - piece.length) <= ROUNDING * production.scale
+    return "as reported" if exact else engineering(piece.measured, production.unit, digits=7)
 
 
-def happened(scenario: Scenario, recording: Recording) -> Scenario:
-    """The scenario with all that was set in a run of it, each at its time, and with the master's motion in it."""
-    return scenario.settled(recording.settings or scenario.settings, recording.script or scenario.master)
+def with_recorded_settings(scenario: Scenario, recording: Recording) -> Scenario:
+    """The scenario with all settings of a run of it, each at its time, and with the master's motion in it."""
+    return scenario.with_recorded_inputs(recording.settings or scenario.settings, recording.script or scenario.master)
 
 
-def _told(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
+def _describe_reaction(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
     """A reaction in words: its condition, how long after it, what it sets and adds, and how often."""
     by_name = scenario.recipe.variables
-    given = [f"{name} = {by_name[name].text(value)}" for name, value in reaction.set.items()]
-    given += [f"{name} + {value:.10g}" for name, value in reaction.add.items()]
+    changes = [f"{name} = {by_name[name].text(value)}" for name, value in reaction.set.items()]
+    changes += [f"{name} + {value:.10g}" for name, value in reaction.add.items()]
     often = "each time" if reaction.times is None else "once" if reaction.times == 1 else f"{reaction.times} times"
     after = engineering(reaction.after, "s") if reaction.after else "at once"
-    return reaction.condition.text, after, ", ".join(given), often
+    return reaction.condition.text, after, ", ".join(changes), often
 
 
-def settings(scenario: Scenario) -> Settings:
-    """What was set during the run."""
+def list_settings(scenario: Scenario) -> Settings:
+    """The settings of a run, with their values as texts."""
     by_name = scenario.recipe.variables
     return [(s.at, [(n, by_name[n].text(value)) for n, value in s.values.items()]) for s in scenario.settings]
 
 
-def keys_of(lanes: list[Lane]) -> list[tuple[str, list[tuple[str, str, str]]]]:
+def colour_keys(lanes: list[Lane]) -> list[tuple[str, list[tuple[str, str, str]]]]:
     """The colours of each enumeration that is shown, the state first: of each the CSS property, name, description."""
     return [(lane.title, lane.key()) for lane in lanes if lane.variable.choices]
 
 
 def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
-    """The charts of a run: "cuts" (if there is a table [cuts]), "list" and "pieces" (of a block that tells its pieces),
+    """The charts of a run: "cuts" (if there is a table [cuts]), "list" and "pieces" (of a block that reports pieces),
     "errors" (of a remote axis), "motion" and "lanes"."""
-    scenario = happened(scenario, recording)
+    scenario = with_recorded_settings(scenario, recording)
     lanes = find_lanes(scenario, recording)
-    return _charts(scenario, recording, figures(scenario, recording), lanes, settings(scenario))
+    return _charts(scenario, recording, compute_key_figures(scenario, recording), lanes, list_settings(scenario))
 
 
 def _charts(
-    scenario: Scenario, recording: Recording, found: Figures, lanes: list[Lane], given: Settings
+    scenario: Scenario, recording: Recording, figures: KeyFigures, lanes: list[Lane], settings: Settings
 ) -> dict[str, Chart]:
-    """The same of a scenario with all that was set in its run, `given`, whose figures and lanes are known."""
-    times = [at for at, _ in given]
-    texts = [", ".join(f"{name} = {text}" for name, text in values) for _, values in given]
-    kept = changes(recording, lanes, times)
-    charts = {"cuts": cut_chart(scenario.cuts, scenario, recording, found, kept)} if scenario.cuts else {}
-    if found.production:
-        charts |= {"list": list_chart(scenario, found.production)} if found.production.pieces else {}
-        charts["pieces"] = piece_chart(scenario, recording, found, found.production, kept)
+    """The charts of a scenario that has the settings of its run; `settings`: the same as texts."""
+    times = [at for at, _ in settings]
+    texts = [", ".join(f"{name} = {text}" for name, text in values) for _, values in settings]
+    required = find_changes(recording, lanes, times)
+    charts = {"cuts": chart_cuts(scenario.cuts, scenario, recording, figures, required)} if scenario.cuts else {}
+    if figures.production:
+        charts |= {"list": chart_piece_list(scenario, figures.production)} if figures.production.pieces else {}
+        charts["pieces"] = chart_pieces(scenario, recording, figures, figures.production, required)
     if scenario.remote:
-        charts["errors"] = error_chart(scenario.remote, scenario, recording, kept)
-    charts["motion"] = motion_chart(scenario, recording, found, lanes, times, kept)
-    charts["lanes"] = lane_chart(lanes, scenario.stop_time, times, texts)
-    align(charts.values())
+        charts["errors"] = chart_remote_errors(scenario.remote, scenario, recording, required)
+    charts["motion"] = chart_motion(scenario, recording, figures, lanes, times, required)
+    charts["lanes"] = chart_lanes(lanes, scenario.stop_time, times, texts)
+    align_charts(charts.values())
     return charts

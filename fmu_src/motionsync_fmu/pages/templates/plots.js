@@ -11,14 +11,14 @@
   const isTimed = (frame) => frame.layout.meta.timed;
   let busy = false;
 
-  // The figure of a chart; a text that is the name of a CSS property stands for the colour.
+  // The figure of a chart; the name of a CSS property is replaced by its colour.
   function figure(text) {
     const style = getComputedStyle(document.documentElement);
     return JSON.parse(text, (_, value) =>
       typeof value === "string" && /^--[a-z0-9-]+$/.test(value) ? style.getPropertyValue(value).trim() || value : value);
   }
 
-  // Draw a chart with the colours of now; what is zoomed stays as it is.
+  // Draw a chart with the current colours; its zoom stays as it is.
   function draw(frame, text) {
     const { data, layout } = figure(text);
     if (document.documentElement.classList.contains("printed")) layout.width = PAPER;
@@ -29,7 +29,7 @@
     return Plotly.react(frame, data, layout, config);
   }
 
-  // The range that a vertical axis needs for what is to be seen between two times; limits count where they are near.
+  // The range that a vertical axis needs for the points between two times; limits count where they are near.
   function needed(frame, axis, begin, end) {
     const name = axis.replace("axis", "");
     const traces = frame.data.filter((trace) => trace.yaxis === name && trace.visible !== "legendonly");
@@ -47,8 +47,8 @@
       low = Math.min(low, limit);
       high = Math.max(high, limit);
     }
-    const room = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
-    return [low - room, high + room];
+    const margin = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
+    return [low - margin, high + margin];
   }
 
   // Show a stretch of time in a chart, and fit its vertical axes, but for those that were zoomed themselves.

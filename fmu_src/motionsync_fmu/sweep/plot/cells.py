@@ -7,7 +7,7 @@ import numpy as np
 
 from ...errors import UserError
 from ...scenario.recording import Reals
-from .database import Answer, Column, Database, Kind
+from .database import Answer, Column, ColumnKind, Database
 
 DISTINCT = 4000  # a column with more values than this is divided evenly, whatever its values are
 RUNS_A_CELL = 8  # on average, of a plane that is divided evenly
@@ -46,7 +46,7 @@ class Axis:
         return np.asarray(0.5 * (self.low + self.high))
 
 
-def divided(db: Database, column: Column, role: str, most: int, fewer: int = 0) -> Axis:
+def divide_into_cells(db: Database, column: Column, role: str, most: int, fewer: int = 0) -> Axis:
     """Divide a column into at most so many cells.
 
     Few values have a cell each, more of them are put together one after the other, and a column with a great many is
@@ -56,39 +56,42 @@ def divided(db: Database, column: Column, role: str, most: int, fewer: int = 0) 
     Raises:
         UserError: no run has a value, or they are too many texts.
     """
-    value = column.number if column.kind is Kind.NUMBER else column.sql
+    value = column.number if column.kind is ColumnKind.NUMBER else column.sql
     many = db.one(f"SELECT approx_count_distinct({value}) AS n, count({value}) AS runs FROM runs")
     if not many["runs"]:
         raise UserError(f"{column.name} has no value in any run")
     if many["n"] > 1.5 * DISTINCT:
         return _evenly(db, column, min(fewer or most, max(FEWEST, int(np.sqrt(many["runs"] / RUNS_A_CELL)))))
-    found = db.ask(f"SELECT DISTINCT {value} AS value FROM runs WHERE value IS NOT NULL ORDER BY value")["value"]
-    if column.kind is not Kind.NUMBER:
-        return _named(db, column, role, [str(v).lower() if column.kind is Kind.TRUTH else str(v) for v in found], most)
-    together = 1 if len(found) <= most else -(-len(found) // (fewer or most))
+    distinct = db.ask(f"SELECT DISTINCT {value} AS value FROM runs WHERE value IS NOT NULL ORDER BY value")["value"]
+    if column.kind is not ColumnKind.NUMBER:
+        return _named(
+            db, column, role, [str(v).lower() if column.kind is ColumnKind.TRUTH else str(v) for v in distinct], most
+        )
+    together = 1 if len(distinct) <= most else -(-len(distinct) // (fewer or most))
+    low, high = (
+        distinct[::together],
+        np.append(distinct[together - 1 :: together], distinct[-1:])[: -(-len(distinct) // together)],
+    )
+    return Axis(column, _edges(low, high), low, high, _number_cells(db, role, value, together))
+
+
+def _number_cells(db: Database, role: str, value: str, together: int) -> str:
+    """Make a table with the cell of each value, so many values together; return the cell of a run, in a query."""
     db.do(
         f"CREATE OR REPLACE TEMP TABLE cells_{role} AS SELECT value, ((row_number() OVER (ORDER BY value)) - 1) //"
         f" {together} AS cell FROM (SELECT DISTINCT {value} AS value FROM runs) WHERE value IS NOT NULL"
     )
-    low, high = found[::together], np.append(found[together - 1 :: together], found[-1:])[: -(-len(found) // together)]
-    return Axis(column, _edges(low, high), low, high, _looked_up(role, value))
-
-
-def _looked_up(role: str, value: str) -> str:
     return f"(SELECT cell FROM cells_{role} AS c WHERE c.value = {value})"
 
 
 def _named(db: Database, column: Column, role: str, names: list[str], most: int) -> Axis:
     if len(names) > most:
-        raise UserError(f"{column.name} has {len(names)} different texts, more than the {most} that can be told apart")
-    db.do(
-        f"CREATE OR REPLACE TEMP TABLE cells_{role} AS SELECT value, (row_number() OVER (ORDER BY value)) - 1 AS cell"
-        f" FROM (SELECT DISTINCT {column.sql} AS value FROM runs) WHERE value IS NOT NULL"
-    )
-    places = np.arange(len(names), dtype=float)
-    return Axis(
-        column, np.arange(len(names) + 1, dtype=float) - 0.5, places, places, _looked_up(role, column.sql), names
-    )
+        raise UserError(
+            f"{column.name} has {len(names)} different texts, more than the {most} that can be distinguished"
+        )
+    positions = np.arange(len(names), dtype=float)
+    edges = np.arange(len(names) + 1, dtype=float) - 0.5
+    return Axis(column, edges, positions, positions, _number_cells(db, role, column.sql, 1), names)
 
 
 def _evenly(db: Database, column: Column, cells: int) -> Axis:
@@ -103,16 +106,16 @@ def _evenly(db: Database, column: Column, cells: int) -> Axis:
 def _edges(low: Reals, high: Reals) -> Reals:
     """Cells meet in the middle between their values; the outer ones are as wide outwards as inwards."""
     if len(low) == 1:
-        room = 0.5 * float(high[0] - low[0]) or 0.5 * abs(float(low[0])) or 0.5
-        return np.array([float(low[0]) - room, float(high[0]) + room])
+        margin = 0.5 * float(high[0] - low[0]) or 0.5 * abs(float(low[0])) or 0.5
+        return np.array([float(low[0]) - margin, float(high[0]) + margin])
     between = 0.5 * (high[:-1] + low[1:])
     first, last = between[0] - low[0], high[-1] - between[-1]
     return np.concatenate([[low[0] - first], between, [high[-1] + last]])
 
 
 @dataclass(frozen=True)
-class Amount:
-    """What is told of a column's values in a cell.
+class CellStatistic:
+    """The statistic of a column's values in a cell.
 
     Attributes:
         name: mean, min, max, share, count, or the most frequent text ("most").
@@ -127,7 +130,7 @@ class Amount:
         """The value of one run, in a query."""
         if self.column is None:
             return "1.0"
-        return f"nullif({self.column.sql}, '')" if self.column.kind is Kind.TEXT else self.column.number
+        return f"nullif({self.column.sql}, '')" if self.column.kind is ColumnKind.TEXT else self.column.number
 
     @property
     def together(self) -> str:
@@ -139,40 +142,40 @@ class Amount:
         """How far a run with the value v is from the value of its cell, `together`: the nearest one represents it."""
         if self.name == "most":
             return "(v IS DISTINCT FROM together)::INTEGER"
-        if self.name == "share":  # a run that did not pass says more
+        if self.name == "share":  # a run that did not pass is worth more
             return "v"
         return "0" if self.name == "count" else "coalesce(abs(v - together), 'inf'::DOUBLE)"
 
 
-def amount(column: Column | None, asked: str = "") -> Amount:
-    """What is told of a column: what was asked for, else what suits it.
+def choose_statistic(column: Column | None, asked: str = "") -> CellStatistic:
+    """The statistic of a column: the requested one, else the one that suits the column.
 
     Raises:
         UserError: the column has no such amount.
     """
     if column is None or asked == "count":
-        return Amount("count", None)
-    usual = {Kind.NUMBER: "mean", Kind.TRUTH: "share", Kind.TEXT: "most"}[column.kind]
-    if asked and column.kind is not Kind.NUMBER:
+        return CellStatistic("count", None)
+    usual = {ColumnKind.NUMBER: "mean", ColumnKind.TRUTH: "share", ColumnKind.TEXT: "most"}[column.kind]
+    if asked and column.kind is not ColumnKind.NUMBER:
         raise UserError(f"{column.name} has {column.kind.value}, which have no {asked}")
-    return Amount(asked or usual, column)
+    return CellStatistic(asked or usual, column)
 
 
-def plane(db: Database, x: Axis, y: Axis, told: Amount) -> Answer:
+def plane(db: Database, x: Axis, y: Axis, statistic: CellStatistic) -> Answer:
     """The cells of a plane in which there are runs.
 
     The answer has for each cell: its numbers `cx` and `cy`, how many `runs` are in it, its `value`, the `least` and the
     `greatest` value (NaN for texts), and `pick`, the number of the run that represents it."""
     extremes = (
         "NULL::DOUBLE AS least, NULL::DOUBLE AS greatest"
-        if told.name == "most"
+        if statistic.name == "most"
         else ("min(v) AS least, max(v) AS greatest")
     )
     return db.ask(f"""
-        WITH placed AS (SELECT run, {x.cell} AS cx, {y.cell} AS cy, {told.value} AS v FROM runs),
+        WITH placed AS (SELECT run, {x.cell} AS cx, {y.cell} AS cy, {statistic.value} AS v FROM runs),
         cells AS (
-            SELECT cx, cy, count(*) AS runs, {told.together} AS together, {extremes} FROM placed
+            SELECT cx, cy, count(*) AS runs, {statistic.together} AS together, {extremes} FROM placed
             WHERE cx IS NOT NULL AND cy IS NOT NULL GROUP BY cx, cy)
         SELECT cx, cy, any_value(runs) AS runs, any_value(together) AS value, any_value(least) AS least,
-            any_value(greatest) AS greatest, arg_min(run, ({told.away}, run)) AS pick
+            any_value(greatest) AS greatest, arg_min(run, ({statistic.away}, run)) AS pick
         FROM placed JOIN cells USING (cx, cy) GROUP BY cx, cy ORDER BY cx, cy""")

@@ -7,26 +7,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...pages.numbers import rounded
+from ...pages.numbers import rounded, true_stretches
 from ...pages.report.chart import INK, PAPER, Chart, Style
 from ...pages.style import typeset
 from ...scenario.recording import Reals
-from .cells import Amount, Axis
+from .cells import Axis, CellStatistic
 from .curves import Boundary
 from .database import Answer, Column
-from .picks import Picks
+from .example_runs import ExampleRuns
 
 SHARE = ((0.0, "--share-0"), (0.5, "--share-1"), (1.0, "--share-2"))
 HEAT = tuple((i / 8, f"--heat-{i}") for i in range(9))
-TEXTS = (
-    "--band-1",
-    "--band-5",
-    "--band-3",
-    "--band-2",
-    "--band-4",
-    "--band-6",
-    "--band-7",
-)  # of the most frequent ones
+TEXTS = tuple(f"--band-{i}" for i in (1, 5, 3, 2, 4, 6, 7))  # of the most frequent ones
 OTHER, NO_VALUE = "--muted", "--band-0"
 MARKED = 40  # points of a line at most that have markers
 LINES = 8  # colours of lines
@@ -36,52 +28,49 @@ TOP, ABOVE = 100, 64  # px above a map with its scale of colours, and to what is
 DECADES = 3.0  # values > 0 over more decades are drawn by their logarithms
 
 
-def titled(column: Column) -> str:
-    """The name of a column, with its unit."""
-    return f"{column.name} in {typeset(column.unit)}" if column.unit else column.name
-
-
 def spread(values: Reals) -> bool:
     """Whether values are drawn by their logarithms."""
-    known = values[np.isfinite(values)]
-    return bool(len(known) and known.min() > 0.0 and np.log10(known.max() / known.min()) > DECADES)
+    finite = values[np.isfinite(values)]
+    return bool(len(finite) and finite.min() > 0.0 and np.log10(finite.max() / finite.min()) > DECADES)
 
 
 def map_chart(
-    name: str, x: Axis, y: Axis, cells: Answer, told: Amount, scale_title: str
+    name: str, x: Axis, y: Axis, cells: Answer, statistic: CellStatistic, scale_title: str
 ) -> tuple[Chart, dict[str, Any]]:
     """The map without its cells, which the page's script paints, and how it paints them: the least and the greatest
     value, whether by logarithms; of texts, the texts that have colours of their own."""
     chart = Chart(name, [HEIGHT], "", (float(x.edges[0]), float(x.edges[-1])), "closest", timed=False)
     below = {"x": 0.5, "y": 0, "xanchor": "center", "yanchor": "top", "yshift": BELOW, "font": {"size": 14}}
-    chart.note(titled(x.column), yref="paper", **below)  # plotly.js puts a title amiss if there is a scale of colours
+    chart.annotate(x.column.title, yref="paper", **below)  # plotly.js misplaces a title next to a scale of colours
     chart.axis(1).update({"range": [float(y.edges[0]), float(y.edges[-1])]})
-    chart.head(1, titled(y.column))
+    chart.write_title(1, y.column.title)
     chart.layout["showlegend"] = False
     for axis, given in (("xaxis", x), ("yaxis", y)):
         chart.layout[axis].update({"showgrid": False, "zeroline": False, "ticks": "outside"})
         if given.names:
             chart.layout[axis] |= {"tickvals": given.low.tolist(), "ticktext": list(given.names)}
-    if told.name == "most":
+    if statistic.name == "most":
         texts, counts = np.unique([t for t in cells["value"].tolist() if t], return_counts=True)
         listed = [str(t) for t in texts[np.argsort(-counts, kind="stable")]][: len(TEXTS)]
         chart.layout["meta"] |= {"role": "map", "texts": list(TEXTS), "other": OTHER, "none": NO_VALUE}
         return chart, {"texts": listed}
     values = cells["value"].astype(float)
-    logarithmic = told.name != "share" and spread(values)
-    low, high = (0.0, 1.0) if told.name == "share" else _ends(values)
-    scale = SHARE if told.name == "share" else HEAT
+    logarithmic = statistic.name != "share" and spread(values)
+    low, high = (0.0, 1.0) if statistic.name == "share" else _ends(values)
+    scale = SHARE if statistic.name == "share" else HEAT
     chart.layout["meta"] |= {"role": "map", "scale": [list(stop) for stop in scale], "none": NO_VALUE}
     chart.layout["height"] += TOP - chart.layout["margin"]["t"]
-    chart.layout["margin"] |= {"t": TOP, "autoexpand": False}  # the scale would make room for itself a second time
-    chart.add(1, "scale", _scale(low, high, scale, logarithmic=logarithmic, share=told.name == "share"))
-    chart.note(scale_title, yref="paper", x=0, y=1, xanchor="left", yanchor="bottom", yshift=ABOVE, font={"size": 13})
+    chart.layout["margin"] |= {"t": TOP, "autoexpand": False}  # the scale would reserve its margin a second time
+    chart.add_trace(1, "scale", _scale(low, high, scale, logarithmic=logarithmic, share=statistic.name == "share"))
+    chart.annotate(
+        scale_title, yref="paper", x=0, y=1, xanchor="left", yanchor="bottom", yshift=ABOVE, font={"size": 13}
+    )
     return chart, {"low": low, "high": high, "logarithmic": logarithmic}
 
 
 def _ends(values: Reals) -> tuple[float, float]:
-    known = values[np.isfinite(values)]
-    low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
     return (low, high) if high > low else (low - 0.5 * abs(low) - 0.5, high + 0.5 * abs(high) + 0.5)
 
 
@@ -98,65 +87,62 @@ def _scale(
         bar |= {"tickformat": ".0%", "tickvals": [0, 0.25, 0.5, 0.75, 1], "ticklabeloverflow": "allow"}
     if logarithmic:
         decades = np.arange(np.ceil(ends[0]), np.floor(ends[1]) + 1)
-        chosen = decades[:: max(1, -(-len(decades) // 8))]
-        bar |= {"tickvals": chosen.tolist(), "ticktext": [f"{10.0**d:g}" for d in chosen.tolist()]}
+        shown = decades[:: max(1, -(-len(decades) // 8))]
+        bar |= {"tickvals": shown.tolist(), "ticktext": [f"{10.0**d:g}" for d in shown.tolist()]}
     marker = {"color": [ends[0]], "cmin": ends[0], "cmax": ends[1], "showscale": True, "size": 0.1, "opacity": 0}
     marker |= {"colorscale": [list(stop) for stop in scale], "colorbar": bar}
     return {"type": "scatter", "mode": "markers", "x": [None], "y": [None], "hoverinfo": "skip", "marker": marker}
 
 
-def boundary_line(chart: Chart, x: Axis, found: Boundary) -> None:
+def boundary_line(chart: Chart, x: Axis, answer: Boundary) -> None:
     """Draw, on a map, from where on every run passed."""
-    middle, surely = x.middle[found.points["cx"].astype(int)], found.points["surely"]
+    middle, surely = x.middle[answer.points["cx"].astype(int)], answer.points["surely"]
     for colour, width in ((PAPER, 6.0), (INK, 2.5)):
-        chart.curve(1, "boundary", middle, surely, Style(colour, width))
+        chart.draw_curve(1, "boundary", middle, surely, Style(colour, width))
         chart.traces[-1] |= {"hoverinfo": "skip", "hovertemplate": ""}
 
 
-def beside_lines(chart: Chart, x: Axis, lines: Sequence[tuple[Column, Answer]], groups: Axis | None) -> None:
+def comparison_lines(chart: Chart, x: Axis, lines: Sequence[tuple[Column, Answer]], groups: Axis | None) -> None:
     """Draw the means of further columns over x beside what the chart shows, in the colours of the same groups."""
-    for i, (column, found) in enumerate(lines):
-        for line in _lines(x, found, groups):
+    for i, (column, answer) in enumerate(lines):
+        for line in _lines(x, answer, groups):
             style = Style(f"--line-{line.colour}", 2.0, ("dash", "dot", "dashdot")[i % 3])
-            said = f"{line.label}, {column.name}" if line.label else column.name
-            chart.curve(1, column.name, line.x, line.of("mean"), style, said, column.unit)
+            label = f"{line.label}, {column.name}" if line.label else column.name
+            chart.draw_curve(1, column.name, line.x, line.of("mean"), style, label, column.unit)
 
 
-def front_line(chart: Chart, points: Answer, picks: Picks) -> None:
+def front_line(chart: Chart, points: Answer, examples: ExampleRuns) -> None:
     """Draw the Pareto front on a map."""
     trace = {"type": "scatter", "mode": "lines+markers", "x": rounded(points["x"], 9), "y": rounded(points["y"], 9)}
-    look = {"color": PAPER, "size": 9, "line": {"color": INK, "width": 2}}
-    chart.add(1, "Pareto front", trace | {"line": {"color": INK, "width": 2, "dash": "dot"}, "marker": look})
-    chart.traces[-1] |= {"hoverinfo": "none", "customdata": picks.places(points["run"])}
+    marker = {"color": PAPER, "size": 9, "line": {"color": INK, "width": 2}}
+    chart.add_trace(1, "Pareto front", trace | {"line": {"color": INK, "width": 2, "dash": "dot"}, "marker": marker})
+    chart.traces[-1] |= {"hoverinfo": "none", "customdata": examples.indices_of(points["run"])}
 
 
-def boundary_chart(name: str, x: Axis, y: Column, found: Boundary, groups: Axis | None, picks: Picks) -> Chart:
+def boundary_chart(
+    name: str, x: Axis, y: Column, answer: Boundary, groups: Axis | None, examples: ExampleRuns
+) -> Chart:
     """The boundary over x: a line for each group, from where on every run passed, and the band in which some did."""
     chart = _over(name, x, y, groups)
-    for line in _lines(x, found.points, groups):
+    for line in _lines(x, answer.points, groups):
         _band(chart, line, line.of("partly"), line.of("surely"))
         at_line = np.where(line.of("pick") >= 0, line.of("pick"), line.of("failed"))
-        _draw(chart, line, line.of("surely"), y.unit, picks.places(at_line))
+        _draw(chart, line, line.of("surely"), y.unit, examples.indices_of(at_line))
     return chart
 
 
-def curves_chart(name: str, x: Axis, y: Column, found: Answer, groups: Axis | None, picks: Picks) -> Chart:
+def curves_chart(name: str, x: Axis, y: Column, answer: Answer, groups: Axis | None, examples: ExampleRuns) -> Chart:
     """A result over x: a line for the mean of each group, and the band from the least to the greatest of its runs."""
     chart = _over(name, x, y, groups)
-    if spread(np.concatenate([found["least"], found["greatest"]])):
+    if spread(np.concatenate([answer["least"], answer["greatest"]])):
         chart.axis(1).update({"type": "log", "tickformat": ".3~e"})
-    for line in _lines(x, found, groups):
+    for line in _lines(x, answer, groups):
         _band(chart, line, line.of("least"), line.of("greatest"))
         for key in ("least", "greatest"):
-            _draw(chart, line, line.of(key), y.unit, picks.places(line.of(f"pick_{key}")))
-            chart.traces[-1] |= {
-                "mode": "lines",
-                "line": {"width": 0},
-                "hoverinfo": "skip",
-                "hovertemplate": "",
-                "showlegend": False,
-            }
-        _draw(chart, line, line.of("mean"), y.unit, picks.places(line.of("pick")))
+            _draw(chart, line, line.of(key), y.unit, examples.indices_of(line.of(f"pick_{key}")))
+            hidden = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip", "hovertemplate": ""}
+            chart.traces[-1] |= hidden | {"showlegend": False}
+        _draw(chart, line, line.of("mean"), y.unit, examples.indices_of(line.of("pick")))
     return chart
 
 
@@ -172,11 +158,11 @@ def labels(groups: Axis | None) -> list[str]:
 
 
 def _over(name: str, x: Axis, y: Column, groups: Axis | None) -> Chart:
-    chart = Chart(name, [HEIGHT], titled(x.column), (float(x.edges[0]), float(x.edges[-1])), timed=False)
+    chart = Chart(name, [HEIGHT], x.column.title, (float(x.edges[0]), float(x.edges[-1])), timed=False)
     chart.layout["meta"] |= {"role": "curves", "groups": groups.column.name if groups else ""}
     if groups:
         chart.layout["legend"]["title"] = {"text": groups.column.name, "side": "top"}
-    chart.head(1, titled(y))
+    chart.write_title(1, y.title)
     if x.names:
         chart.layout["xaxis"] |= {"tickvals": x.low.tolist(), "ticktext": list(x.names)}
     return chart
@@ -189,46 +175,42 @@ class _Line:
     label: str
     colour: int
     points: Answer
-    mine: NDArray[np.bool_]
+    selected: NDArray[np.bool_]
     x: Reals
 
     def of(self, key: str) -> NDArray[Any]:
         """A column of the group's points."""
-        return np.asarray(self.points[key][self.mine])
+        return np.asarray(self.points[key][self.selected])
 
 
 def _lines(x: Axis, points: Answer, groups: Axis | None) -> Iterator[_Line]:
     """The groups in their order; their colours are as far apart as they can be."""
     names = labels(groups)
     for group, label in enumerate(names):
-        mine = points["group"] == group
+        selected = points["group"] == group
         colour = round(group * (LINES - 1) / (len(names) - 1)) if len(names) > 1 else 0
-        yield _Line(label, colour, points, mine, x.middle[points["cx"][mine].astype(int)])
+        yield _Line(label, colour, points, selected, x.middle[points["cx"][selected].astype(int)])
 
 
 def _band(chart: Chart, line: _Line, low: Reals, high: Reals) -> None:
     """Shade between two lines wherever both have a value."""
-    known = np.isfinite(low) & np.isfinite(high)
-    if not np.any(low[known] != high[known]):
+    is_finite = np.isfinite(low) & np.isfinite(high)
+    if not np.any(low[is_finite] != high[is_finite]):
         return
     x: list[Any] = []
     y: list[Any] = []
-    ends = np.flatnonzero(np.diff(np.concatenate([[0], known.astype(int), [0]])))
-    for begin, end in zip(ends[::2], ends[1::2], strict=True):
-        part = slice(int(begin), int(end))
+    for begin, end in true_stretches(is_finite):
+        part = slice(begin, end)
         x += [*rounded(line.x[part], 9), *rounded(line.x[part][::-1], 9), None]
         y += [*rounded(low[part]), *rounded(high[part][::-1]), None]
-    area = {"type": "scatter", "mode": "lines", "x": x, "y": y, "fill": "toself", "hoverinfo": "skip"}
-    chart.add(
-        1, line.label, area | {"fillcolor": f"--shade-{line.colour}", "line": {"width": 0}}, legend=bool(line.label)
-    )
+    chart.draw_area(1, line.label, x, y, f"--shade-{line.colour}", {"width": 0}, legend=bool(line.label))
     chart.traces[-1]["showlegend"] = False
 
 
-def _draw(chart: Chart, line: _Line, values: Reals, unit: str, places: Sequence[int]) -> None:
-    """Draw a line whose points tell how many runs they are of, and which run stands for them."""
-    chart.curve(1, line.label, line.x, values, Style(f"--line-{line.colour}", 2.5), unit=unit)
+def _draw(chart: Chart, line: _Line, values: Reals, unit: str, indices: Sequence[int]) -> None:
+    """Draw a line; each point carries its number of runs and the number of an example run."""
+    chart.draw_curve(1, line.label, line.x, values, Style(f"--line-{line.colour}", 2.5), unit=unit)
     if len(line.x) <= MARKED:
         chart.traces[-1] |= {"mode": "lines+markers", "marker": {"size": 5, "color": f"--line-{line.colour}"}}
-    told = zip(line.of("runs").tolist(), places, strict=True)
-    chart.traces[-1] |= {"customdata": [list(t) for t in told], "showlegend": bool(line.label)}
+    custom_data = zip(line.of("runs").tolist(), indices, strict=True)
+    chart.traces[-1] |= {"customdata": [list(t) for t in custom_data], "showlegend": bool(line.label)}

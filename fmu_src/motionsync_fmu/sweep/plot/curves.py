@@ -7,7 +7,7 @@ import numpy as np
 from .cells import Axis
 from .database import Answer, Column, Database
 
-PASSED = "passed"  # the column that says whether a run was as expected
+PASSED = "passed"  # the column with whether a run was as expected
 
 
 @dataclass(frozen=True)
@@ -34,24 +34,20 @@ def curves(db: Database, x: Axis, y: Column, groups: Axis | None) -> Answer:
 
     The answer has `cx`, `group`, `runs`, `mean`, `least`, `greatest`, and the runs that represent these three: the
     nearest one to the mean, `pick`, and `pick_least`, `pick_greatest`."""
-    return db.ask(
-        f"""
+    return db.ask(f"""
         WITH placed AS (SELECT run, {x.cell} AS cx, {_group(groups)} AS g, {y.number} AS v FROM runs),
         cells AS (SELECT cx, g, avg(v) AS mean FROM placed WHERE cx IS NOT NULL AND g IS NOT NULL AND v IS NOT NULL
             GROUP BY cx, g)
-        SELECT cx, g AS group, count(*) AS runs, any_value(mean) AS mean, min(v) AS least, max(v) AS greatest,
+        SELECT cx, g AS "group", count(*) AS runs, any_value(mean) AS mean, min(v) AS least, max(v) AS greatest,
             arg_min(run, (abs(v - mean), run)) AS pick, arg_min(run, (v, run)) AS pick_least,
             arg_min(run, (-v, run)) AS pick_greatest
-        FROM placed JOIN cells USING (cx, g) WHERE v IS NOT NULL GROUP BY cx, g ORDER BY g, cx""".replace(
-            " AS group", ' AS "group"'
-        )
-    )
+        FROM placed JOIN cells USING (cx, g) WHERE v IS NOT NULL GROUP BY cx, g ORDER BY g, cx""")
 
 
 def boundary(db: Database, x: Axis, y: Column, groups: Axis | None) -> Boundary | None:
-    """Where, over x, the runs begin to pass; None if all of them did, or none.
+    """Where, over x, the runs start to pass; None if all of them did, or none.
 
-    Runs pass above the boundary if those that passed lie above the others on average, cell by cell."""
+    Runs pass above the boundary if those that passed are above the others on average, cell by cell."""
     placed = f"""SELECT run, {x.cell} AS cx, {_group(groups)} AS g, {y.number} AS v, {PASSED} AS ok FROM runs"""
     rise = db.one(f"""
         WITH placed AS ({placed})

@@ -1,6 +1,8 @@
 """The rows of a sweep in its part files, asked by SQL: DuckDB reads them, so memory does not grow with the rows."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
@@ -12,6 +14,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ...errors import UserError, choose
+from ...pages.style import with_unit
 from ..conditions import Comparison, RowCondition
 
 CODES = ("fault",)  # numbers that are names: nobody asks for their mean; 0 is none
@@ -22,7 +25,7 @@ Answer = dict[str, NDArray[Any]]
 """Columns of an answer by name, with a value for each row."""
 
 
-class Kind(Enum):
+class ColumnKind(Enum):
     """What the values of a column are."""
 
     NUMBER = "numbers"
@@ -40,9 +43,14 @@ class Column:
     """
 
     name: str
-    kind: Kind
+    kind: ColumnKind
     varied: bool
     unit: str = ""
+
+    @property
+    def title(self) -> str:
+        """Its name with its unit."""
+        return with_unit(self.name, self.unit)
 
     @property
     def sql(self) -> str:
@@ -82,13 +90,13 @@ class Database:
         self._codes = {name: _code(column) for name, column in self._written.items() if name in CODES}
         self._view(self.parts, self._codes)
         self.columns = {
-            name: replace(c, kind=Kind.TEXT if name in self._codes else c.kind, unit=units.get(name, ""))
+            name: replace(c, kind=ColumnKind.TEXT if name in self._codes else c.kind, unit=units.get(name, ""))
             for name, c in self._written.items()
         }
         if missing := [name for name in ("run", *given) if name not in self.columns]:
             raise UserError(f"{parts[0]}: this part has other columns than the sweep: {missing[0]} is missing")
 
-    def judge(self, condition: RowCondition) -> None:
+    def apply_condition(self, condition: RowCondition) -> None:
         """From now on a run passed if this holds for it, in place of its scenario's expectations.
 
         Raises:
@@ -112,11 +120,9 @@ class Database:
         Raises:
             UserError: a part is damaged.
         """
-        try:
-            found = self.connection.execute(query).fetchnumpy()
-        except duckdb.Error as e:
-            raise self._damaged(e) from None
-        return {name: _filled(values) for name, values in found.items()}
+        with self._name_damaged_part():
+            columns = self.connection.execute(query).fetchnumpy()
+        return {name: _filled(values) for name, values in columns.items()}
 
     def do(self, query: str) -> None:
         """Make a table or a view.
@@ -124,35 +130,35 @@ class Database:
         Raises:
             UserError: a part is damaged.
         """
-        try:
+        with self._name_damaged_part():
             self.connection.execute(query)
-        except duckdb.Error as e:
-            raise self._damaged(e) from None
 
     def one(self, query: str) -> dict[str, Any]:
         """The only row of an answer."""
         return {name: values[0] for name, values in self.ask(query).items()}
 
     def _rows(self, query: str) -> list[tuple[Any, ...]]:
-        try:
+        with self._name_damaged_part():
             return list(self.connection.execute(query).fetchall())
+
+    @contextmanager
+    def _name_damaged_part(self) -> Iterator[None]:
+        try:
+            yield
         except duckdb.Error as e:
             raise self._damaged(e) from None
 
     def _view(self, parts: Sequence[str], instead: Mapping[str, str] = NOTHING) -> None:
-        """Make the view of all rows; `instead`: what stands in some columns, by their names."""
-        files = ", ".join(map(_text, parts))
+        """Make the view of all rows; `instead`: what replaces some columns, by their names."""
+        files = ", ".join(map(_file, parts))
         columns = f"* REPLACE ({', '.join(f'{v} AS {name}' for name, v in instead.items())})" if instead else "*"
-        try:
-            self.connection.execute(f"CREATE OR REPLACE VIEW runs AS SELECT {columns} FROM read_parquet([{files}])")
-        except duckdb.Error as e:
-            raise self._damaged(e) from None
+        self.do(f"CREATE OR REPLACE VIEW runs AS SELECT {columns} FROM read_parquet([{files}])")
 
     def _damaged(self, error: "duckdb.Error") -> UserError:
-        """What is said of an error: the part that cannot be read alone, or that has other columns than the first."""
+        """The message for an error: the part that cannot be read alone, or that has other columns than the first."""
         first = None
         for part in self.parts:
-            file = _text(part)
+            file = _file(part)
             try:
                 self.connection.execute(f"SELECT bit_xor(hash(COLUMNS(*))) FROM read_parquet({file})").fetchall()
                 columns = self.connection.execute(f"DESCRIBE SELECT * FROM read_parquet({file})").fetchall()
@@ -172,7 +178,7 @@ def _holds(comparison: Comparison, column: Column) -> str:
     literal = (
         _text(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else f"{value!r}"
     )
-    if column.kind is Kind.NUMBER:
+    if column.kind is ColumnKind.NUMBER:
         sides = f"{column.sql}::DOUBLE {comparison.sign} '{literal}'::DOUBLE"
         return f"coalesce(NOT isnan({column.sql}::DOUBLE) AND {sides}, false)"
     return f"coalesce({column.sql} {comparison.sign} {literal}, false)"
@@ -183,21 +189,26 @@ def _code(column: Column) -> str:
     return f"CASE {column.sql} WHEN 0 THEN '' ELSE {column.sql}::VARCHAR END"
 
 
+def _file(path: str) -> str:
+    """A file in a query: DuckDB would take the characters `*`, `?` and `[` of its path for a pattern."""
+    return _text(re.sub(r"([*?[])", r"[\1]", path))
+
+
 def _text(text: str) -> str:
     """A text in a query."""
     return "'" + text.replace("'", "''") + "'"
 
 
-def _kind(declared: str) -> Kind:
-    return {TRUTH: Kind.TRUTH, TEXT: Kind.TEXT}.get(declared, Kind.NUMBER)
+def _kind(declared: str) -> ColumnKind:
+    return {TRUTH: ColumnKind.TRUTH, TEXT: ColumnKind.TEXT}.get(declared, ColumnKind.NUMBER)
 
 
 def _filled(values: Any) -> NDArray[Any]:
     """The values without a mask: NaN or None in its place."""
     if not isinstance(values, np.ma.MaskedArray):
         return np.asarray(values)
-    kept: NDArray[Any] = np.array(values.data, object if values.dtype == object else float)
+    filled: NDArray[Any] = np.array(values.data, object if values.dtype == object else float)
     if not np.any(values.mask):
         return np.asarray(values.data)
-    kept[values.mask] = None if values.dtype == object else np.nan
-    return kept
+    filled[values.mask] = None if values.dtype == object else np.nan
+    return filled

@@ -1,7 +1,6 @@
 """Columns as the script of a page takes them: numbers as bytes, texts as places in a list of the different ones."""
 
 import base64
-import json
 from typing import Any
 
 import numpy as np
@@ -23,17 +22,17 @@ def numbers_packed(values: NDArray[Any]) -> dict[str, Any]:
 
 
 def texts_packed(values: NDArray[Any]) -> dict[str, Any]:
-    """Texts as places in a list of the different ones; the rarest are left out if all together are too long."""
+    """Texts as indices in a list of the different ones; the rarest are left out if all together are too long."""
     texts = [str(v).lower() if isinstance(v, (bool, np.bool_)) else _shortened(v) for v in values.tolist()]
     few, counts = np.unique(np.array(texts, object), return_counts=True)
-    kept: dict[str, int] = {"": 0}
-    room = MOST_TEXT
+    numbers: dict[str, int] = {"": 0}
+    remaining = MOST_TEXT
     for text in few[np.argsort(-counts, kind="stable")].tolist():
-        room -= len(text)
-        if room >= 0:
-            kept.setdefault(text, len(kept))
-    places = np.array([kept.get(text, 0) for text in texts])
-    return {"list": list(kept), "places": bytes_packed(places, "<u2" if len(kept) <= 65536 else "<u4")}
+        remaining -= len(text)
+        if remaining >= 0:
+            numbers.setdefault(text, len(numbers))
+    indices = np.array([numbers.get(text, 0) for text in texts])
+    return {"list": list(numbers), "places": bytes_packed(indices, "<u2" if len(numbers) <= 65536 else "<u4")}
 
 
 def bytes_packed(values: NDArray[Any], kind: str) -> dict[str, str]:
@@ -43,10 +42,5 @@ def bytes_packed(values: NDArray[Any], kind: str) -> dict[str, str]:
 
 
 def _shortened(text: object) -> str:
-    told = "" if text is None else str(text)
-    return told if len(told) <= LONGEST else told[: LONGEST - 2] + " …"
-
-
-def dumped(values: Any, **options: Any) -> str:
-    """The values as JSON without spaces."""
-    return json.dumps(values, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    shown = "" if text is None else str(text)
+    return shown if len(shown) <= LONGEST else shown[: LONGEST - 2] + " …"

@@ -10,28 +10,22 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
 from ...errors import UserError
-from ...pages.report.chart import Chart
-from ...pages.report.page import bundle
-from ...pages.style import TEMPLATES, typeset
-from ...scenario.shipped import called
-from ..plan import SCENARIO, SweepPlan
+from ...pages.numbers import evenly_spaced
+from ...pages.report.chart import Chart, to_compact_json
+from ...pages.report.page import plotly_script
+from ...pages.style import load_template, typeset
+from ...scenario.files.shipped import scenario_name
+from ..sweep_plan import SCENARIO, SweepPlan
 from ..table import Rows
-from . import words
+from . import texts
 from .cells import Axis
-from .charts import (
-    beside_lines,
-    boundary_chart,
-    boundary_line,
-    curves_chart,
-    front_line,
-    map_chart,
-    titled,
-)
+from .charts import boundary_chart, boundary_line, comparison_lines, curves_chart, front_line, map_chart
 from .database import Database
-from .packing import bytes_packed, dumped, texts_packed
+from .packing import bytes_packed, texts_packed
 from .units import units
-from .view import Question, View, look
+from .view import Question, View, build_view
 
+TEMPLATES = Path(__file__).parent / "templates"
 LINES = (  # colours of lines, on a light page and on a dark one
     ("440154", "46327e", "365c8d", "277f8e", "1a8a6b", "3f9b3a", "a07c00", "c8451b"),
     ("c792ea", "8f9bff", "5aa9e6", "4fc3c9", "4fd69c", "a3d95a", "f2c14e", "ff7a4a"),
@@ -61,28 +55,28 @@ def make_page(folder: Path, question: Question, file: Path | None = None) -> Pat
     plan = rows.plan
     db = Database(folder, rows.files, [factor.name for factor in plan.factors], units(plan))
     page = file or folder / "plot.html"
-    write_page(page, folder, plan, db, look(db, question))
+    write_page(page, folder, plan, db, build_view(db, question))
     return page
 
 
 def write_page(file: Path, folder: Path, plan: SweepPlan, db: Database, view: View) -> None:
     """Write the page; it loads nothing from elsewhere. `folder`: that of the sweep."""
-    scenario = plan.varied.scenario
+    scenario = plan.variation.scenario
     sections, paint = _sections(view)
-    text = TEMPLATES.get_template("sweep.html.j2").render(
-        title=words.title(view),
-        lead=f"A sweep of {words.counted(view.runs['runs'])} of {scenario.recipe.name}: {scenario.title}.",
-        passing=words.passing(view),
-        figures=words.figures(view),
+    text = load_template(TEMPLATES, "sweep.html.j2").render(
+        title=texts.title(view),
+        lead=f"A sweep of {texts.counted(view.runs['runs'])} of {scenario.recipe.name}: {scenario.title}.",
+        passing=texts.passing(view),
+        figures=texts.figures(view),
         sections=sections,
         front=_front_rows(view),
-        front_columns=[titled(view.x.column), titled(view.y)],
+        front_columns=[view.x.column.title, view.y.title],
         varied=[(factor.name, factor.text) for factor in plan.factors],
-        origin=words.origin(plan, repeated(folder, plan)),
-        left_out=words.left_out(plan, view),
+        origin=texts.origin(plan, repeated(folder, plan)),
+        left_out=texts.left_out(plan, view),
         lines=LINES,
-        data=htmlsafe_json_dumps(_data(folder, plan, db, view) | {"paint": paint}, dumps=dumped),
-        bundle=bundle(),
+        data=htmlsafe_json_dumps(_data(folder, plan, db, view) | {"paint": paint}, dumps=to_compact_json),
+        bundle=plotly_script(),
     )
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, "utf-8")
@@ -94,47 +88,47 @@ def repeated(folder: Path, plan: SweepPlan) -> str:
         same = plan.file.read_text("utf-8-sig") == plan.text
     except (OSError, UnicodeDecodeError):
         same = False
-    return called(plan.file.resolve()) if same else str(folder.resolve() / SCENARIO)
+    return scenario_name(plan.file.resolve()) if same else str(folder.resolve() / SCENARIO)
 
 
 def _sections(view: View) -> tuple[list[Section], dict[str, Any]]:
     """The charts, and how the script paints the map."""
-    made: list[Section] = []
+    sections: list[Section] = []
     paint: dict[str, Any] = {}
     x, y = view.x, view.y
     if view.boundary:
-        title, text, what = words.of_boundary(view)
-        chart = boundary_chart(title, x, y, view.boundary, view.groups, view.picks)
-        beside_lines(chart, x, view.lines, view.groups)
-        made.append(_section(chart, title, text, what, y.unit))
+        title, text, what = texts.of_boundary(view)
+        chart = boundary_chart(title, x, y, view.boundary, view.groups, view.examples)
+        comparison_lines(chart, x, view.lines, view.groups)
+        sections.append(_section(chart, title, text, what, y.unit))
     if view.curves and view.curved:
-        title, text, what = words.of_curves(view)
-        chart = curves_chart(title, x, view.curved, view.curves, view.curve_groups, view.picks)
+        title, text, what = texts.of_curves(view)
+        chart = curves_chart(title, x, view.curved, view.curves, view.curve_groups, view.examples)
         if view.curved == y:
-            beside_lines(chart, x, view.lines, view.groups)
-        made.append(_section(chart, title, text, what, view.curved.unit))
+            comparison_lines(chart, x, view.lines, view.groups)
+        sections.append(_section(chart, title, text, what, view.curved.unit))
     if view.cells and view.map_y:
-        title, text = words.of_map(view)
-        chart, paint = map_chart(title, x, view.map_y, view.cells, view.told, words.scale(view))
+        title, text = texts.of_map(view)
+        chart, paint = map_chart(title, x, view.map_y, view.cells, view.statistic, texts.scale(view))
         if view.overall:
             boundary_line(chart, x, view.overall)
         if view.front:
-            front_line(chart, view.front, view.picks)
-        made.append(Section(title, text, chart.html(), words.map_key(view, paint)))
-    return made, paint
+            front_line(chart, view.front, view.examples)
+        sections.append(Section(title, text, chart.html(), texts.map_key(view, paint)))
+    return sections, paint
 
 
 def _data(folder: Path, plan: SweepPlan, db: Database, view: View) -> dict[str, Any]:
-    told = view.told.column
+    column = view.statistic.column
     return {
         "command": f"motionsync run {shlex.quote(repeated(folder, plan))}",
         "x": _packed_axis(view.x),
-        "runs": view.picks.packed(db, view.columns),
-        "judged": not view.judging,
-        "told": {
-            "name": words.LONG.get(view.told.name, view.told.name),
-            "column": told.name if told else "",
-            "unit": typeset(told.unit) if told else "",
+        "runs": view.examples.packed(db, view.columns),
+        "by_expectations": not view.condition_columns,
+        "statistic": {
+            "name": texts.LONG.get(view.statistic.name, view.statistic.name),
+            "column": column.name if column else "",
+            "unit": typeset(column.unit) if column else "",
         },
         "map": _packed_cells(view),
     }
@@ -149,13 +143,13 @@ def _packed_cells(view: View) -> dict[str, Any] | None:
     cells, y = view.cells, view.map_y
     if cells is None or y is None:
         return None
-    text = view.told.name == "most"
+    text = view.statistic.name == "most"
     return {
         "y": _packed_axis(y),
         "cx": bytes_packed(cells["cx"], "<u2"),
         "cy": bytes_packed(cells["cy"], "<u2"),
         "runs": bytes_packed(np.minimum(cells["runs"], 2**32 - 1), "<u4"),
-        "pick": bytes_packed(np.array(view.picks.places(cells["pick"])), "<u4"),
+        "pick": bytes_packed(np.array(view.examples.indices_of(cells["pick"])), "<u4"),
         "value": texts_packed(cells["value"]) if text else bytes_packed(cells["value"], "<f4"),
         "least": None if text else bytes_packed(cells["least"], "<f4"),
         "greatest": None if text else bytes_packed(cells["greatest"], "<f4"),
@@ -163,19 +157,18 @@ def _packed_cells(view: View) -> dict[str, Any] | None:
 
 
 def _front_rows(view: View) -> list[tuple[int, int, str, str]]:
-    """Some runs of the front, evenly chosen: the place among the picks, the number, x and y."""
+    """Some runs of the front, evenly chosen: the place among the examples, the number, x and y."""
     if view.front is None:
         return []
     size = len(view.front["run"])
-    chosen = np.unique(np.linspace(0, size - 1, min(ROWS, size)).round().astype(int))
-    places = view.picks.places(view.front["run"])
+    indices = view.examples.indices_of(view.front["run"])
     return [
-        (places[i], int(view.front["run"][i]), f"{view.front['x'][i]:.7g}", f"{view.front['y'][i]:.7g}")
-        for i in chosen.tolist()
+        (indices[i], int(view.front["run"][i]), f"{view.front['x'][i]:.7g}", f"{view.front['y'][i]:.7g}")
+        for i in evenly_spaced(size, ROWS).tolist()
     ]
 
 
 def _section(chart: Chart, title: str, text: str, what: str, unit: str) -> Section:
-    """`what`: what a point of the chart is, as the script tells it before the value."""
+    """`what`: what a point of the chart is, as the script shows it before the value."""
     chart.layout["meta"]["shows"] = {"what": what, "unit": typeset(unit)}
     return Section(title, text, chart.html())

@@ -6,7 +6,7 @@ from motionsync.var import Unit
 
 from ...interface.units import unit_name
 from ...scenario.scenario import Scenario
-from ..plan import SweepPlan
+from ..sweep_plan import SweepPlan
 
 RESULTS = {"cut_error": Unit.POSITION, "length_error": Unit.POSITION, "refused_at": Unit.TIME, "faulted_at": Unit.TIME}
 KEYS = {  # of a scenario's file
@@ -19,10 +19,10 @@ COUNTS = ("rises",)
 
 def units(plan: SweepPlan) -> dict[str, str]:
     """The unit of each column that has one."""
-    scenario = plan.varied.scenario
+    scenario = plan.variation.scenario
     kinds: dict[str, Unit] = dict(RESULTS)
     for factor in plan.factors:
-        variable = plan.varied.target(factor.name).variable
+        variable = plan.variation.target(factor.name).variable
         key = KEYS.get(factor.name.rpartition(".")[2], Unit.NONE)
         kinds[factor.name] = variable.declaration.unit if variable else key
     kinds |= _measures(plan.measures, scenario)
@@ -30,10 +30,10 @@ def units(plan: SweepPlan) -> dict[str, str]:
 
 
 def _measures(measures: Mapping[str, tuple[str, ...]], scenario: Scenario) -> dict[str, Unit]:
-    found = {}
+    units_by_column = {}
     for name, kinds in measures.items():
         own = scenario.recipe.variables[name].declaration.unit
         for kind in kinds:
             time = kind.endswith("_time") or kind.startswith("above:")
-            found[f"{name}.{kind}"] = Unit.TIME if time else Unit.NONE if kind in COUNTS else own
-    return found
+            units_by_column[f"{name}.{kind}"] = Unit.TIME if time else Unit.NONE if kind in COUNTS else own
+    return units_by_column

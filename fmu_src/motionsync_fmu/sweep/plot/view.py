@@ -4,16 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
 
-import numpy as np
-
 from ...errors import UserError
+from ...pages.numbers import evenly_spaced
 from ..conditions import RowCondition
-from .cells import FEWEST, Amount, Axis, amount, divided, plane
+from .cells import FEWEST, Axis, CellStatistic, choose_statistic, divide_into_cells, plane
 from .curves import PASSED, Boundary, boundary, curves
-from .database import Answer, Column, Database, Kind
-from .front import better, front
+from .database import Answer, Column, ColumnKind, Database
+from .example_runs import ExampleRuns
 from .packing import SEVERAL
-from .picks import Picks
+from .pareto_front import better, front
 
 MOST_X, MOST_Y = 160, 120  # cells of a map
 MOST_BYTES = 1_500_000  # of the runs and cells of a page
@@ -26,11 +25,11 @@ MOST_FRONT = 400  # points of a front that are drawn
 
 @dataclass(frozen=True)
 class Question:
-    """What a user wants to see, as the names of columns.
+    """What a user asks for, as the names of columns.
 
     Attributes:
-        colour: what the colours of the map tell, or what the lines are for; empty: whether runs passed.
-        amount: what is told of the runs in a cell: mean, min, max or count; empty: what suits the column.
+        colour: what the colours of the map show, or what the lines are for; empty: whether runs passed.
+        amount: what is statistic of the runs in a cell: mean, min, max or count; empty: what suits the column.
         better: whether less or more of x and y is better: `x=min,y=max`; empty: less.
         beside: further results, drawn over x beside y.
         passed: the condition for a run to count as passed; empty: it met its scenario's expectations.
@@ -41,7 +40,7 @@ class Question:
     colour: str = ""
     amount: str = ""
     better: str = ""
-    beside: Sequence[str] = ()
+    comparisons: Sequence[str] = ()
     passed: str = ""
 
 
@@ -51,24 +50,24 @@ class View:
 
     Attributes:
         groups: what the lines of the boundary or of the curves are for.
-        told: what the colours of the map tell.
+        statistic: what the colours of the map show.
         boundary: a line for each group; `overall`: one for all runs together.
         curves: y over x; or, where y is varied, the coloured result over x.
         curved: the column that `curves` show.
         curve_groups: what the lines of `curves` are for.
         lines: results that are drawn beside y over x, as `curves` are.
         runs: how many `runs` there are; how many of them `passed`, are `refused`, have `no_x`, `no_y`, `no_value`.
-        condition: what makes a run pass, None: the scenario's expectations; `judging`: the columns in it.
-        picks: the runs that stand for cells and points.
+        condition: what makes a run pass, None: the scenario's expectations; `condition_columns`: the columns in it.
+        examples: the runs that stand for cells and points.
     """
 
     x: Axis
     y: Column
     groups: Axis | None
-    told: Amount
+    statistic: CellStatistic
     runs: Mapping[str, int]
     condition: RowCondition | None = None
-    judging: Sequence[Column] = ()
+    condition_columns: Sequence[Column] = ()
     map_y: Axis | None = None
     cells: Answer | None = None
     boundary: Boundary | None = None
@@ -80,15 +79,15 @@ class View:
     front_size: int = 0
     better: Mapping[str, str] = field(default_factory=dict)
     lines: list[tuple[Column, Answer]] = field(default_factory=list)
-    picks: Picks = field(default_factory=Picks)
+    examples: ExampleRuns = field(default_factory=ExampleRuns)
 
     @property
     def columns(self) -> list[Column]:
         """The columns that the page speaks of."""
-        return [c for c in (self.x.column, self.y, self.told.column, self.curved, *self.judging) if c]
+        return [c for c in (self.x.column, self.y, self.statistic.column, self.curved, *self.condition_columns) if c]
 
 
-def look(db: Database, question: Question) -> View:
+def build_view(db: Database, question: Question) -> View:
     """Answer a question with figures.
 
     Raises:
@@ -96,29 +95,29 @@ def look(db: Database, question: Question) -> View:
     """
     condition = RowCondition.read(question.passed) if question.passed else None
     if condition:
-        db.judge(condition)
+        db.apply_condition(condition)
     x, y = _number(db, "--x", question.x), _number(db, "--y", question.y)
     if x == y:
         raise UserError(f"--x and --y are both {x.name}: choose two columns")
     colour = db.column("--colour", question.colour or PASSED)
     most_x, most_y = _most(db)
-    along = divided(db, x, "x", most_x)
+    along = divide_into_cells(db, x, "x", most_x)
     grouping = colour if colour.varied else _few(db, (x, y)) if y.varied else None
-    groups = divided(db, grouping, "groups", MOST_GROUPS, CLASSES) if grouping else None
-    told = amount(db.columns[PASSED] if colour.varied else colour, question.amount)
-    view = View(along, y, groups, told, _counts(db, x, y, told.column), condition)
-    view.judging = [db.columns[name] for name in condition.columns] if condition else []
-    if y.kind is Kind.NUMBER:
-        view.map_y = divided(db, y, "y", most_y)
-        view.cells = plane(db, along, view.map_y, told)
-        view.picks.add(view.cells["pick"])
-    if x.varied and y.varied and y.kind is Kind.NUMBER:
+    groups = divide_into_cells(db, grouping, "groups", MOST_GROUPS, CLASSES) if grouping else None
+    statistic = choose_statistic(db.columns[PASSED] if colour.varied else colour, question.amount)
+    view = View(along, y, groups, statistic, _counts(db, x, y, statistic.column), condition)
+    view.condition_columns = [db.columns[name] for name in condition.columns] if condition else []
+    if y.kind is ColumnKind.NUMBER:
+        view.map_y = divide_into_cells(db, y, "y", most_y)
+        view.cells = plane(db, along, view.map_y, statistic)
+        view.examples.add(view.cells["pick"])
+    if x.varied and y.varied and y.kind is ColumnKind.NUMBER:
         _bound(db, view)
     if x.varied:
         _curve(db, view, colour)
     if question.better or not (x.varied or y.varied):
         _front(db, view, question.better)
-    for name in question.beside:
+    for name in question.comparisons:
         column = _number(db, "--beside", name)
         view.lines.append((column, curves(db, along, column, groups)))
     return view
@@ -126,7 +125,7 @@ def look(db: Database, question: Question) -> View:
 
 def _number(db: Database, option: str, name: str) -> Column:
     column = db.column(option, name)
-    if column.kind is Kind.TEXT or (option != "--y" and column.kind is not Kind.NUMBER):
+    if column.kind is ColumnKind.TEXT or (option != "--y" and column.kind is not ColumnKind.NUMBER):
         raise UserError(f"{option} {name}: this column has {column.kind.value}; {option} takes one with numbers")
     return column
 
@@ -156,42 +155,42 @@ def _most(db: Database) -> tuple[int, int]:
     return max(FEWEST, int(MOST_X * min(1.0, share))), max(FEWEST, int(MOST_Y * min(1.0, share)))
 
 
-def _counts(db: Database, x: Column, y: Column, told: Column | None) -> dict[str, int]:
+def _counts(db: Database, x: Column, y: Column, statistic: Column | None) -> dict[str, int]:
     refused = "refusal <> ''" if "refusal" in db.columns else "false"
-    known = f"({told.number})" if told and told.kind is Kind.NUMBER else "1"
-    found = db.one(
+    has_number = f"({statistic.number})" if statistic and statistic.kind is ColumnKind.NUMBER else "1"
+    counts = db.one(
         f"SELECT count(*) AS runs, count(*) FILTER ({PASSED}) AS passed, count(*) FILTER ({refused}) AS refused,"
-        f" count(*) - count({x.number if x.kind is Kind.NUMBER else x.sql}) AS no_x,"
-        f" count(*) - count({y.number}) AS no_y, count(*) - count({known}) AS no_value FROM runs"
+        f" count(*) - count({x.number if x.kind is ColumnKind.NUMBER else x.sql}) AS no_x,"
+        f" count(*) - count({y.number}) AS no_y, count(*) - count({has_number}) AS no_value FROM runs"
     )
-    return {name: int(value) for name, value in found.items()}
+    return {name: int(value) for name, value in counts.items()}
 
 
 def _bound(db: Database, view: View) -> None:
     view.boundary = boundary(db, view.x, view.y, view.groups)
     view.overall = boundary(db, view.x, view.y, None) if view.groups else view.boundary
     if view.boundary:
-        view.picks.add(view.boundary.points["pick"], view.boundary.points["failed"])
+        view.examples.add(view.boundary.points["pick"], view.boundary.points["failed"])
 
 
 def _curve(db: Database, view: View, colour: Column) -> None:
     """A result over x: y, or what the map is coloured by, if y is varied."""
     if not view.y.varied:
         view.curved, view.curve_groups = view.y, view.groups
-    elif colour.kind is Kind.NUMBER and not colour.varied:
-        view.curved, view.curve_groups = colour, divided(db, view.y, "sections", MOST_SECTIONS, CLASSES)
+    elif colour.kind is ColumnKind.NUMBER and not colour.varied:
+        view.curved, view.curve_groups = colour, divide_into_cells(db, view.y, "sections", MOST_SECTIONS, CLASSES)
     else:
         return
-    found = curves(db, view.x, view.curved, view.curve_groups)
-    if len(found["cx"]):
-        view.curves = found
-        view.picks.add(*(found[name] for name in ("pick", "pick_least", "pick_greatest")))
+    answer = curves(db, view.x, view.curved, view.curve_groups)
+    if len(answer["cx"]):
+        view.curves = answer
+        view.examples.add(*(answer[name] for name in ("pick", "pick_least", "pick_greatest")))
 
 
 def _front(db: Database, view: View, option: str) -> None:
     view.better = better(option, view.x.column.name, view.y.name)
-    found = front(db, view.x.column, view.y, view.better)
-    view.front_size = len(found["run"])
-    chosen = np.unique(np.linspace(0, view.front_size - 1, min(MOST_FRONT, view.front_size)).round().astype(int))
-    view.front = {name: values[chosen] for name, values in found.items()}
-    view.picks.add(view.front["run"])
+    answer = front(db, view.x.column, view.y, view.better)
+    view.front_size = len(answer["run"])
+    drawn = evenly_spaced(view.front_size, MOST_FRONT)
+    view.front = {name: values[drawn] for name, values in answer.items()}
+    view.examples.add(view.front["run"])

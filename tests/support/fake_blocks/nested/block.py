@@ -40,7 +40,7 @@ class Nested:
     state_code: int = var.output(0, "the state as a plain integer")
     power: float = var.output(0.0, "the slave's velocity times its acceleration", Unit.MOMENTUM)
     age: float = var.output(0.0, "time since the beginning", Unit.TIME)
-    turned: float = var.output(0.0, "the angle", Unit.ANGLE, discrete=True, depends=("angle",))
+    rotated: float = var.output(0.0, "the angle", Unit.ANGLE, discrete=True, depends=("angle",))
     factor: float = 1.0
     limit: float = 1e9
 
@@ -48,7 +48,7 @@ class Nested:
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
         self.factor = slanted(self.angle)
-        self.turned = self.angle
+        self.rotated = self.angle
         self.keep.edge.before = self.keep.execute
         self.slave.position = limited(self.factor * self.master.end, self.limit)
         return Refusal.NONE
@@ -61,7 +61,7 @@ class Nested:
         self.age += h
         velocity = self.factor * self.master.end_velocity
         acceleration = self.factor * self.master.end_acceleration
-        self.slave.put(limited(self.factor * self.master.end, self.limit), velocity, acceleration, 0.0)
+        self.slave.set(limited(self.factor * self.master.end, self.limit), velocity, acceleration, 0.0)
         self.power = velocity * acceleration
         self.state_code = self.state
         return Refusal.NONE

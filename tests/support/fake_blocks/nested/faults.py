@@ -1,6 +1,6 @@
 """Why the small block refuses a command."""
 
-from ..master import TURNS
+from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 LIMITS = (".limit", ".missing", "angle")
@@ -17,4 +17,4 @@ class Refusal(Enumeration):
     """Why a call of the small block fails"""
 
     NONE = 0, "done"
-    MASTER_TURNS = 1, *TURNS
+    MASTER_TURNS = 1, *TOO_MANY_TURNS

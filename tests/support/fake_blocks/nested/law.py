@@ -1,7 +1,7 @@
 """How far the slave may go: a module that imports from the packages around it."""
 
+from ..computable_range import clamp
 from ..cosine import cosine
-from ..limits import clamp
 
 FARTHEST = 1e9
 

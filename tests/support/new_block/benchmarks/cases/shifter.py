@@ -4,5 +4,5 @@ from cases.measured import Cases, Steady, Worst
 
 CASES = Cases(
     steady=(Steady("ahead of the master", begin={"offset": 50.0, "apply": True}, holds={"error": False}),),
-    worst=(Worst("an edge", ("apply",), watch=("error_id",)),),
+    worst=(Worst("an edge", ("apply",), watch=("error_id",), planned=((0,),)),),
 )

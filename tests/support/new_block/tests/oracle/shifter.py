@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-COLUMNS = ("slave.position",)
+COLUMNS = ("slave.position", "slave.velocity", "slave.acceleration")
 
 
 def slave_position(master: float, offset: float, period: float) -> float:
@@ -12,12 +12,13 @@ def slave_position(master: float, offset: float, period: float) -> float:
 
 
 def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[str, float]]:
-    """The slave's position at these times, for a master of constant velocity; at the time of a command, before it."""
+    """The slave's motion at these times, for a master of constant velocity; at the time of a command, before it."""
     rows = []
     for time in times:
         master = script["master"].get("position", 0.0) + script["master"]["velocity"] * time
         position = slave_position(master, offset_at(script, time), script["start"].get("master.period", 0.0))
-        rows.append({"time": time, "slave.position": position})
+        velocity = script["master"]["velocity"]
+        rows.append({"time": time, **dict(zip(COLUMNS, (position, velocity, 0.0), strict=True))})
     return rows
 
 

@@ -31,7 +31,7 @@ class Shifter(ShifterInterface):
             return Refusal.RANGE
         if not self.master.try_initialize():
             return Refusal.MASTER_TURNS
-        self.apply_edge.hold(self.apply)
+        self.apply_edge.take_level(self.apply)
         self.enter_following()
         self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
         self.show()
@@ -69,9 +69,9 @@ class Shifter(ShifterInterface):
         self.stage = Stage.SHIFTED
         self.shift = self.offset
 
-    def set_slave_at(self, place: float, velocity: float, acceleration: float) -> None:
+    def set_slave_at(self, position: float, velocity: float, acceleration: float) -> None:
         """The setpoint that belongs to this motion of the master, whose jerk is taken as 0."""
-        self.slave.put(wrap(place + self.shift, self.master.period), velocity, acceleration, 0.0)
+        self.slave.set(wrap(position + self.shift, self.master.period), velocity, acceleration, 0.0)
 
     def show(self) -> None:
         """Everything that is put out but the slave's setpoint, at the step's end."""

@@ -1,6 +1,6 @@
 """Why the Shifter refuses a command, and why a call fails."""
 
-from ..master import TURNS
+from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 
@@ -21,5 +21,5 @@ class Refusal(Enumeration):
     """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
 
     NONE = 0, "done"
-    MASTER_TURNS = 1, *TURNS
+    MASTER_TURNS = 1, *TOO_MANY_TURNS
     RANGE = 2, "least_offset must not be greater than greatest_offset", "least_offset", "greatest_offset"

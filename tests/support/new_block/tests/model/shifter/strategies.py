@@ -9,27 +9,27 @@ from motionsync.shifter.block import Shifter
 from motionsync.shifter.faults import Fault
 from motionsync.shifter.interface import State
 from motionsync_fmu.interface.roles import MOTION
-from tests.support.runs import EXTREMES, Run, Strategy
+from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 
 @st.composite
-def runs(draw: st.DrawFn, steps: int) -> Run:
+def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     """A master that moves with changing velocity, and offsets of which some are too great."""
     r = Random(draw(st.integers(0, 2**32 - 1)))
     period = draw(st.sampled_from((0.0, 360.0)))
     start: dict[str, Any] = {"master.period": period, "master.input_mode": draw(st.sampled_from((1, 2, 3)))}
     start |= {f"master.{name}": draw(st.floats(-1e3, 1e3)) for name in MOTION}
     position = start["master.position"]
-    made: list[tuple[float, dict[str, Any]]] = []
+    run_steps: list[tuple[float, dict[str, Any]]] = []
     for _ in range(steps):
         h, velocity = r.uniform(1e-3, 0.1), r.gauss(0.0, 100.0)
         values = {"master.position": position, "master.velocity": velocity, "apply": r.random() < 0.5}
         values["offset"] = r.choice((0.0, r.uniform(-150.0, 150.0)))
         if r.random() < 0.02:
             values["master.velocity"] = r.choice(EXTREMES)
-        made.append((h, values))
+        run_steps.append((h, values))
         position += velocity * h
-    return Run(start, made)
+    return BlockRun(start, run_steps)
 
 
 def watch(block: Shifter) -> set[Any]:

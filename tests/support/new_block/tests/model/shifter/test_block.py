@@ -29,5 +29,5 @@ def test_limits_in_the_wrong_order_are_refused() -> None:
 
 @given(st.floats(0.0, 359.0), st.floats(-100.0, 100.0), st.sampled_from((0.0, 360.0)))
 def test_the_slave_is_where_the_oracle_says(position: float, offset: float, period: float) -> None:
-    found = shifted(position, offset, period).slave.position
-    assert abs(found - slave_position(position, offset, period)) % (period or 1e9) < 1e-9
+    slave = shifted(position, offset, period).slave.position
+    assert abs(slave - slave_position(position, offset, period)) % (period or 1e9) < 1e-9

@@ -1,0 +1,275 @@
+"""Builds the FMUs of recipes, and finds out whether a built FMU is up to date."""
+
+import zipfile
+import zlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from importlib import metadata
+from importlib.resources import files as package_files
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import ParseError, fromstring
+
+from ..compiler.subset.module_rules import check
+from ..errors import UserError
+from ..interface.build_time import build_time
+from ..interface.fingerprint import Files, collect_sources, digest
+from ..interface.fmi2_xml import OWN_MEMORY, SOURCES, complete, content, describe
+from ..interface.fmi3_xml import build_description, translated
+from ..interface.recipe import Fmi, Recipe
+from ..interface.terminals import FOLDER, terminals
+from ..interface.variables import variables
+from ..native.platforms import OF_VERSION, WASM, Platform
+from ..optional_dependencies import how_to_install
+from .guid import compute_guid, python_runtime
+from .zip import write_zip
+
+SCRIPT = """from motionsync_fmu_{tag}.python import slave
+
+slave.add_references(globals())
+if "{name}Slave" in globals():  # PythonFMU runs this script at each instantiation, and keeps each class that it finds
+    {name}Slave = globals()["{name}Slave"]
+else:
+    from {package}_{tag}.{module} import {name}
+
+    class {name}Slave(slave.BlockSlave):
+        block_type = {name}
+        build = "{tag}"
+        starts = {starts!r}
+        causality_overrides = {overrides!r}
+"""
+
+Progress = Callable[[str], None]  # gets lines of text if a build takes long
+Finish = Callable[[Path, Progress], Path]  # completes a build that has been started: writes the FMU to a path
+
+LICENCE = "documentation/licenses/license.txt"  # FMI 3.0 demands this name
+NO_COMPONENT = "--wasm: only an FMU of FMI 3.0 can have a WebAssembly component; add --fmi 3"
+NO_PYTHON = "the python flavour is of FMI 2.0 only: for --fmi 3 take --flavour native"
+
+
+class Flavour(StrEnum):
+    """How the block gets into the FMU."""
+
+    NATIVE = "native"
+    PYTHON = "python"
+
+
+@dataclass(frozen=True)
+class BuildOptions:
+    """What an FMU holds for the same recipe.
+
+    Attributes:
+        flavour: how the block gets into the FMU; what follows applies to the native flavour only.
+        platforms: those for which the FMU has a library; none: all.
+        with_sources: whether the C that the libraries are compiled from is in the FMU, too.
+        with_component: whether a WebAssembly component is in it, of FMI 3.0 only.
+    """
+
+    flavour: Flavour = Flavour.NATIVE
+    platforms: Sequence[Platform] = ()
+    with_sources: bool = False
+    with_component: bool = False
+
+
+NATIVE = BuildOptions()
+
+
+def ignore(text: str) -> None:
+    """Progress that nobody is shown."""
+
+
+def build(recipe: Recipe, target: Path, options: BuildOptions = NATIVE, progress: Progress = ignore) -> Path:
+    """Build the FMU of a recipe.
+
+    Raises:
+        UserError: the errors of `NativeBuild` and of `build_python`.
+    """
+    return start_build(recipe, options)(target, progress)
+
+
+def start_build(recipe: Recipe, options: BuildOptions = NATIVE) -> Finish:
+    """Start to build the FMU of a recipe: zig compiles until the returned function is called, which completes it.
+
+    Raises:
+        UserError: the errors of `NativeBuild`.
+    """
+    if options.flavour == Flavour.NATIVE:
+        return NativeBuild(recipe, options).finish
+    return lambda target, progress: build_python(recipe, target)
+
+
+def build_python(recipe: Recipe, target: Path) -> Path:
+    """Build the FMU with PythonFMU's library, PythonFMU itself and motionsync's sources.
+
+    All FMUs of a process share one interpreter, and therefore one `sys.modules`. For this reason the names of
+    motionsync's modules in the FMU contain the hash of their sources.
+
+    Raises:
+        UserError: the recipe is for another version of FMI than PythonFMU supports.
+    """
+    if recipe.fmi != Fmi.TWO:
+        raise UserError(NO_PYTHON)
+    block, guid, name = recipe.block(), compute_guid(recipe), recipe.name
+    tag = guid[1:9] + guid[10:14]
+    package, _, module = type(block).__module__.partition(".")
+    starts = {v.name: plain_value(v.start) for v in variables(block) if v.name in recipe.starts}
+    overrides = dict(recipe.causality_overrides)
+    script = SCRIPT.format(name=name, tag=tag, package=package, module=module, starts=starts, overrides=overrides)
+    files: Files = {
+        f"resources/{name.lower()}_{tag}.py": script.encode(),
+        "resources/slavemodule.txt": f"{name.lower()}_{tag}".encode(),
+        **{f"resources/motionsync_fmu_{tag}/{folder}__init__.py": b"" for folder in ("", "interface/", "python/")},
+    }
+    files |= {f"resources/{package}_{tag}/{n}": text for n, text in collect_sources(type(block).__module__).items()}
+    files |= {f"resources/motionsync_fmu_{tag}/{n}": text for n, text in python_runtime().items()}
+    pythonfmu = Path(str(package_files("pythonfmu")))
+    files |= {f"resources/pythonfmu/{p.name}": p.read_bytes() for p in pythonfmu.glob("*.py")}
+    libraries = list((pythonfmu / "resources" / "binaries").glob("*/*"))
+    for library in libraries:
+        files[f"binaries/{library.parent.name}/{name}{library.suffix}"] = library.read_bytes()
+    files[LICENCE] = join_in_sections(licences("motionsync", "pythonfmu"))
+    files |= _documents(recipe, Flavour.PYTHON, (library.parent.name for library in libraries), ())
+    return write_zip(target, files | _descriptions(recipe, OWN_MEMORY, ()))
+
+
+class NativeBuild:
+    """The build of an FMU with a library for each platform; zig's processes compile while the program goes on.
+
+    Raises:
+        UserError: what builds it is not installed, the block is outside the kernel subset, or an FMU of this version
+            has no component.
+    """
+
+    def __init__(self, recipe: Recipe, options: BuildOptions = NATIVE) -> None:
+        block, fmi = recipe.block(), recipe.fmi
+        if options.with_component and fmi != Fmi.THREE:
+            raise UserError(NO_COMPONENT)
+        check_kernel(type(block).__module__)
+        try:
+            from ..native import libraries, unit_sources  # noqa: PLC0415 (it looks for zig)
+        except ModuleNotFoundError as e:
+            other = "; or take --flavour python" if fmi == Fmi.TWO else ""
+            raise UserError(
+                f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
+            ) from None
+        self.recipe, self.options = recipe, options
+        self.platforms = options.platforms or OF_VERSION[fmi]
+        self.unit = unit_sources.c_sources(block, compute_guid(recipe), recipe.causality_overrides, fmi)
+        self.compilation = libraries.Compilation(recipe.name, self.unit, self.platforms)
+
+    def finish(self, target: Path, progress: Progress = ignore) -> Path:
+        """Write the FMU.
+
+        Raises:
+            UserError: zig failed.
+        """
+        from ..native import libraries, tables, unit_sources  # noqa: PLC0415
+        from ..native.wasm import component  # noqa: PLC0415
+
+        recipe, options, block = self.recipe, self.options, self.recipe.block()
+        c_files = unit_sources.c_names(self.unit) if options.with_sources else ()
+        folders = [*(platform.folder for platform in self.platforms), *([WASM] if options.with_component else [])]
+        files = _documents(recipe, Flavour.NATIVE, folders, c_files) | self.compilation.libraries(progress)
+        if options.with_component:
+            files |= component.component_files(recipe.name, self.unit)
+        files[LICENCE] = join_in_sections(licences("motionsync") | libraries.linked_licences(recipe.fmi))
+        if options.with_sources:
+            files |= unit_sources.sources_folder(block, self.unit, recipe.fmi)
+        memory = {} if options.with_sources else OWN_MEMORY
+        return write_zip(target, files | _descriptions(recipe, tables.abilities(block) | memory, c_files))
+
+
+def check_kernel(module: str) -> None:
+    """Refuse a block outside the kernel subset, since its compiled code might differ from its behaviour in Python.
+
+    Raises:
+        UserError: the block violates the subset; the message has file, line and rule of each violation.
+    """
+    package = module.partition(".")[0]
+    if violations := check({name: text.decode() for name, text in collect_sources(module).items()}):
+        raise UserError("\n".join(f"{package}/{violation}" for violation in violations))
+
+
+def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_files: Sequence[str]) -> Files:
+    """What both flavours hold besides libraries, licences and modelDescription: documentation, picture, example.
+
+    `platforms`: the names of the libraries' folders; `c_files`: the C files among the sources in the FMU."""
+    from ..pages.block_page import FmuContents, make_pages  # noqa: PLC0415 (Matplotlib: it takes long to load)
+    from ..pages.pictures import draw_icon  # noqa: PLC0415
+    from ..pages.related_files import related_files  # noqa: PLC0415
+    from ..scenario.files.example import load_example  # noqa: PLC0415 (NumPy)
+
+    build_time()  # refuses an invalid SOURCE_DATE_EPOCH first: Matplotlib's message about it is not clear
+    example, overrides = load_example(recipe.name), recipe.causality_overrides
+    related = {} if recipe.starts or overrides else related_files(example)  # of the block as it is declared
+    contents = FmuContents(recipe, flavour, sorted(platforms), bool(related), bool(c_files))
+    pages, picture = make_pages(contents, example), draw_icon(example)
+    files = related | {f"documentation/{name}": page for name, page in pages.items()}
+    files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(recipe.block(), overrides)}
+    return files if recipe.fmi == Fmi.THREE else files | {"model.png": picture}
+
+
+def _descriptions(recipe: Recipe, abilities: Mapping[str, str], c_files: Sequence[str]) -> Files:
+    """modelDescription.xml and, of FMI 3.0 with sources, their buildDescription.xml."""
+    root = describe(recipe.block(), recipe.unit, recipe.slave_unit, recipe.causality_overrides)
+    complete(root, compute_guid(recipe), abilities, c_files)
+    if recipe.fmi == Fmi.TWO:
+        return {"modelDescription.xml": content(root)}
+    files = {"modelDescription.xml": content(translated(root))}
+    if c_files:
+        files[f"{SOURCES}buildDescription.xml"] = content(build_description(recipe.name, c_files))
+    return files
+
+
+def plain_value(value: Any) -> Any:
+    """A value as the script in the FMU contains it: a member of an enumeration is written as its number."""
+    return int(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def licences(*distributions: str) -> Files:
+    """The licence text of each installed distribution, by its name, without those of bundled software."""
+    texts: Files = {}
+    for name in distributions:
+        licence_files = [file for file in metadata.files(name) or [] if "LICEN" in file.name.upper()]
+        if not licence_files:
+            raise UserError(f"the licence of {name} is not installed: install motionsync with pip")
+        texts[name] = min(licence_files, key=lambda file: len(str(file))).read_binary()
+    return texts
+
+
+def join_in_sections(texts: Files) -> bytes:
+    """One text of several, each below its name."""
+    sections = (f"{name}\n{'=' * len(name)}\n\n".encode() + text.rstrip() for name, text in texts.items())
+    return b"\n\n".join(sections) + b"\n"
+
+
+def fmu_path(recipe: Recipe, folder: Path, flavour: Flavour) -> Path:
+    """<folder>/<flavour>/<FMU>.fmu, of FMI 3.0 <folder>/fmi3/<FMU>.fmu; an FMU with causality overrides has a name of
+    its own, <FMU>-<hash of these>.fmu."""
+    kind = "fmi3" if recipe.fmi == Fmi.THREE else flavour.value
+    overrides = {name: causality.encode() for name, causality in recipe.causality_overrides.items()}
+    suffix = f"-{digest(overrides)[:8]}" if overrides else ""
+    return folder / kind / f"{recipe.name}{suffix}.fmu"
+
+
+def optional_contents(fmu: Path) -> tuple[bool, bool]:
+    """Whether an FMU holds its C, and whether it has the unit as a WebAssembly component."""
+    with zipfile.ZipFile(fmu) as z:
+        names = z.namelist()
+    return any(n.startswith(SOURCES) for n in names), any(n.startswith(f"binaries/{WASM}/") for n in names)
+
+
+def why_outdated(fmu: Path, recipe: Recipe) -> str:
+    """Why a built FMU cannot be used as it is: "missing" or "stale"; empty if it can be used.
+
+    An FMU is stale if its sources have changed. A damaged file, or one that is no FMU of this block, is stale too."""
+    if not fmu.exists():
+        return "missing"
+    token = "instantiationToken" if recipe.fmi == Fmi.THREE else "guid"
+    try:
+        with zipfile.ZipFile(fmu) as z:
+            guid = None if z.testzip() else fromstring(z.read("modelDescription.xml")).get(token)
+    except (zipfile.BadZipFile, zlib.error, EOFError, KeyError, ParseError):
+        guid = None
+    return "" if guid == compute_guid(recipe) else "stale"

@@ -1,0 +1,23 @@
+"""A block as readable C99: the kernel subset, translated with its names, comments and docstrings.
+
+The translator uses what the checker of the subset has determined (the kind of each expression, the fields that each
+function changes); the descriptions of fields and the start values come from the classes as Python runs them.
+"""
+
+from typing import Any
+
+from ...interface.fingerprint import Files
+from .program import Program
+
+
+def c_source(block: Any) -> Files:
+    """The C of a block: block.h, with its memory and its two functions, and block.c.
+
+    The text is the same in every process. It needs of a C library sqrt, floor, rint, fmod and fabs only.
+
+    Raises:
+        UserError: the block is outside the kernel subset; the message has file, line and rule of each violation.
+    """
+    program = Program(block)
+    source = program.source()
+    return {"block.h": program.header().encode(), "block.c": source.encode()}

@@ -1,7 +1,0 @@
-"""The kernel subset: the small, plain Python of the model that is also compiled to native code.
-
-`modules.check` walks the syntax trees of the model's modules and returns what is outside the subset: file, line and
-rule. Visiting an expression applies its rules and returns the kind of its value; visiting a statement keeps `bound`,
-the locals that certainly have a value at that place. What a type checker finds anyway (a field that does not exist, a
-wrong argument) is not checked here.
-"""

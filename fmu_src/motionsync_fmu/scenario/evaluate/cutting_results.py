@@ -1,0 +1,27 @@
+"""The cuts or pieces of a run: of a saw whose marks the scenario gives, or of a block that reports its pieces."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from ..recording import Recording
+from ..scenario import Scenario
+from .cuts import Cut, find_cuts
+from .production import Production, evaluate_production
+
+
+@dataclass(frozen=True)
+class CuttingResults:
+    """The cuts and pieces of a run of a scenario, computed at the first access."""
+
+    scenario: Scenario
+    recording: Recording
+
+    @cached_property
+    def cuts(self) -> tuple[Cut, ...]:
+        """The cuts in the order of time; empty if the scenario has no marks."""
+        return tuple(find_cuts(self.scenario.cuts, self.recording)) if self.scenario.cuts else ()
+
+    @cached_property
+    def production(self) -> Production | None:
+        """What was made by a block that reports its pieces; None: it does not."""
+        return evaluate_production(self.scenario, self.recording)

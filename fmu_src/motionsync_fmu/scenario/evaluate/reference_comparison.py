@@ -1,0 +1,120 @@
+"""Compares a run with the reference next to the scenario's file."""
+
+import csv
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...errors import UserError
+from ..engineering import engineering
+from ..recording import Recording
+from ..scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far a variable is from the reference.
+
+    Attributes:
+        greatest: the greatest |difference|, in the variable's unit.
+        at: the time of it, in s.
+        allowed: how great it may be.
+        points: at how many times both were compared.
+        scale: the greatest magnitude in the reference, at least 1.
+    """
+
+    name: str
+    greatest: float
+    at: float
+    allowed: float
+    points: int
+    scale: float
+
+    @property
+    def passed(self) -> bool:
+        return self.greatest <= self.allowed
+
+    @property
+    def text(self) -> str:
+        """The deviation in one sentence."""
+        if not self.points:
+            return f"{self.name}: the reference has no time in common with the run"
+        difference = engineering(self.greatest, scale=self.scale)
+        allowed = engineering(self.allowed)
+        return f"{self.name}: {difference} from the reference at {engineering(self.at)} s, {allowed} allowed"
+
+
+def read_reference(scenario: Scenario) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]], float] | None:
+    """Names, rows of shape (points, 1 + names) and relative tolerance of the scenario's reference; None without one.
+
+    Raises:
+        UserError: a reference that cannot be read or names an unknown variable.
+    """
+    file = scenario.file.parent / f"{scenario.recipe.name}_ref.csv"
+    options = file.with_suffix(".opt")
+    if not file.exists():
+        return None
+    try:
+        with file.open(newline="") as lines:
+            header, *rows = list(csv.reader(lines))
+        settings = dict(line.split(",") for line in options.read_text().splitlines() if line.strip())
+        tolerance = float(settings["RelTol"])
+        table = np.array(rows, float)
+        if why := _find_mistake(header, table, tolerance):
+            raise ValueError(why)
+    except (OSError, ValueError, KeyError, IndexError) as error:
+        raise UserError(f"{file}: not a reference: {error}") from None
+    return header[1:], table, tolerance
+
+
+def _find_mistake(header: list[str], table: np.ndarray[Any, np.dtype[np.float64]], tolerance: float) -> str:
+    """Why these are no reference; empty if they are one."""
+    if len(table) < 3:  # two rows are start and end, and nothing of the run
+        return f"{len(table)} rows, fewer than 3"
+    if table.shape[1] != len(header):
+        return "rows of different lengths"
+    if len(header) < 2:
+        return "no column but the time"
+    if not np.isfinite(table).all():
+        row, column = np.argwhere(~np.isfinite(table))[0]
+        return f"{header[column]} is {table[row, column]} in row {row + 1}"
+    if (falls := np.diff(table[:, 0]) < 0.0).any():
+        row = int(np.argmax(falls)) + 1
+        return f"the time falls from {table[row - 1, 0]} to {table[row, 0]} s in row {row + 1}"
+    return "" if 0.0 < tolerance < math.inf else f"the relative tolerance is {tolerance}"
+
+
+def compare_with_reference(scenario: Scenario, recording: Recording) -> list[Deviation]:
+    """Compare a recording with the reference at their common times.
+
+    Two rows of the reference at one time are the values before and after a jump; any value between them agrees. The
+    tolerance is relative to the greatest magnitude of the variable in the reference, at least 1.
+    """
+    reference = read_reference(scenario)
+    if reference is None:
+        return []
+    names, table, tolerance = reference
+    if unknown := [n for n in names if n not in recording.values]:
+        raise UserError(f"{scenario.file.parent}: the reference has {unknown[0]!r}, the FMU has not")
+    times = np.unique(table[:, 0])
+    at = np.searchsorted(recording.time, times - 1e-9)
+    common = (at < len(recording.time)) & (
+        np.abs(recording.time[np.minimum(at, len(recording.time) - 1)] - times) <= 1e-9
+    )
+    first = np.searchsorted(table[:, 0], times[common], "left")
+    last = np.searchsorted(table[:, 0], times[common], "right") - 1
+    deviations = []
+    for column, name in enumerate(names, 1):
+        before, after = table[first, column], table[last, column]
+        values = recording.values[name][at[common]]
+        beyond = np.maximum(np.minimum(before, after) - values, values - np.maximum(before, after))
+        differences = np.maximum(beyond, 0.0)
+        worst = int(np.argmax(differences)) if len(differences) else 0
+        scale = max(1.0, float(np.abs(table[:, column]).max()))
+        greatest, time = (
+            (float(differences[worst]), float(times[common][worst])) if len(differences) else (math.inf, 0.0)
+        )
+        deviations.append(Deviation(name, greatest, time, tolerance * scale, int(common.sum()), scale))
+    return deviations

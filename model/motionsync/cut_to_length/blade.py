@@ -1,0 +1,97 @@
+"""The blade: its command, where it is, and when a stage ends in which it acts."""
+
+from dataclasses import dataclass
+
+from .. import var
+from ..clock import Clock
+from ..cutting.piece import PieceInProgress
+from ..master import Master
+from .carriage import Carriage, Stage
+from .instants import NEVER, Condition, due_instant, first_instant
+from .interface import Tool, ToolMode
+from .machine_limits import Machine
+
+
+@dataclass(slots=True)
+class Blade:
+    """What is modelled of the blade besides `tool.command` and `tool.blade_down`.
+
+    Attributes:
+        command_clock: the time since its command has changed.
+        is_early: in this cycle it has touched before sync.
+    """
+
+    command_clock: Clock = var.part(Clock)
+    is_early: bool = False
+
+    def command(self, tool: Tool, down: bool, now: float, block_time: float) -> None:
+        """Set the tool's command at a time since the step's beginning, which has this time of the block."""
+        if tool.command != down:
+            tool.command = down
+            tool.command_time = block_time + now
+            self.command_clock.start(now)
+
+    def update(self, tool: Tool, retract_time: float) -> None:
+        """The blade is clear some time after its command has ended, wherever the carriage is."""
+        if tool.blade_down and not tool.command:
+            tool.blade_down = self.command_clock.time < retract_time
+
+    def instant_before_sync(
+        self, tool: Tool, master: Master, carriage: Carriage, piece: PieceInProgress, now: float, until: float
+    ) -> float:
+        """When the tool is commanded, or the blade touches, in s since the step's beginning; NEVER: not before sync, or
+        not before the line goes back."""
+        cycle = carriage.cycle_machine
+        time = NEVER
+        if not tool.command:
+            if cycle.on_delay > cycle.settle_time:
+                time = first_instant(Condition.COMMAND, master, carriage, piece, now, until)
+        elif not tool.blade_down:
+            time = due_instant(self.command_clock, cycle.on_delay, now, until)
+        if time == NEVER:
+            return NEVER
+        if first_instant(Condition.SYNC, master, carriage, piece, now, time) < time:
+            return NEVER
+        if first_instant(Condition.BACK, master, carriage, piece, now, time) < time:
+            return NEVER
+        if tool.command and carriage.is_nearly_in_sync(master, time):
+            return NEVER  # the blade touches in sync
+        return time
+
+    def instant_in_sync(self, tool: Tool, cycle: Machine, sync_clock: Clock, now: float, until: float) -> float:
+        """When the next event in sync is due: the tool is commanded, the blade touches, or the cut starts.
+
+        `sync_clock`: the time since sync."""
+        if not tool.command:
+            return due_instant(sync_clock, max(cycle.settle_time - cycle.on_delay, 0.0), now, until)
+        touch = due_instant(self.command_clock, cycle.on_delay, now, until)
+        settled = due_instant(sync_clock, cycle.settle_time, now, until)
+        if not tool.blade_down and touch < settled:
+            return touch
+        return max(touch, settled)
+
+
+def stage_end(
+    carriage: Carriage, blade: Blade, tool: Tool, master: Master, piece: PieceInProgress, now: float, until: float
+) -> float:
+    """When the next event of a stage on the curve is due, in s since the step's beginning; NEVER: not up to `until`.
+
+    SYNCHRONOUS: the tool is commanded, the blade touches, or the cut starts. CUTTING: the cut is through, or the tool
+    does not answer. PULLING: the gap is open. CLEARING: the blade is clear."""
+    clock = carriage.stage_clock
+    time = NEVER
+    match carriage.stage:
+        case Stage.SYNCHRONOUS:
+            time = blade.instant_in_sync(tool, carriage.cycle_machine, clock, now, until)
+        case Stage.CUTTING:
+            if tool.mode == ToolMode.DISTANCE:
+                time = first_instant(Condition.THROUGH, master, carriage, piece, now, until)
+            elif tool.mode == ToolMode.TIME:
+                time = due_instant(clock, carriage.cycle_machine.cut_time, now, until)
+            elif carriage.cut_timeout > 0.0:
+                time = due_instant(clock, carriage.cut_timeout, now, until)
+        case Stage.PULLING:
+            time = first_instant(Condition.GAP_OPEN, master, carriage, piece, now, until)
+        case _:
+            time = due_instant(clock, carriage.clearing_time, now, until)
+    return time

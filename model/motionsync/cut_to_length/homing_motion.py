@@ -1,0 +1,98 @@
+"""The carriage's motion home: as fast as the limits allow, or eased, so that it arrives just in time."""
+
+from dataclasses import dataclass
+
+from .. import var
+from ..master import Master
+from ..motion import Motion
+from .machine_limits import Machine, change_time, return_time
+
+FASTER = 1e-9  # of a velocity: by so much the line has become faster
+
+
+@dataclass(slots=True)
+class HomingMotion:
+    """A motion that ends at rest at home.
+
+    Attributes:
+        end: where it ends, and where the carriage rests afterwards, u.
+        is_eased: it uses a `share` of the limits.
+        is_halting: its first part, in which the carriage halts, is under way.
+        eased_velocity, eased_cut: the line's velocity, u/s, and the next cut's position, u, for which it was planned.
+    """
+
+    motion: Motion = var.part(Motion)
+    end: float = 0.0
+    is_eased: bool = False
+    is_halting: bool = False
+    share: float = 1.0
+    eased_velocity: float = 0.0
+    eased_cut: float = 0.0
+
+    def rest_at(self, position: float) -> None:
+        """The carriage rests."""
+        self.end = position
+        self.is_eased = False
+        self.share = 1.0
+
+    def plan(self, machine: Machine, now: float, position: float, velocity: float, acceleration: float) -> None:
+        """Plan it as fast as the limits of homing allow; it starts this time after the step's beginning, s."""
+        self.rest_at(machine.home_position)
+        self.is_halting = False
+        speed = machine.homing_velocity
+        up = machine.homing_acceleration
+        down = machine.homing_deceleration
+        self.motion.move(position, velocity, acceleration, self.end, speed, up, down, machine.homing_jerk)
+        self.motion.clock.start(now)
+
+    def plan_eased(
+        self,
+        machine: Machine,
+        slowest: float,
+        now: float,
+        position: float,
+        velocity: float,
+        acceleration: float,
+        time: float,
+    ) -> None:
+        """If the motion may take this time, s, halt first; from there use the share of the limits that is needed."""
+        down = machine.homing_deceleration
+        jerk = machine.homing_jerk
+        halt = change_time(velocity, down, jerk)
+        distance = position - machine.home_position + 0.5 * velocity * halt
+        if not (distance > 0.0 and velocity >= 0.0):
+            return
+        fast = return_time(0.0, distance, machine.homing_acceleration, down, jerk, machine.homing_velocity)
+        if time - halt > fast:
+            self.is_eased = True
+            self.is_halting = True
+            self.share = max(slowest, fast / (time - halt))
+            self.motion.halt(position, velocity, acceleration, down, jerk)
+            self.motion.clock.start(now)
+
+    def continue_home(self, machine: Machine, now: float) -> None:
+        """Move home from where the carriage has halted."""
+        share = self.share
+        position, _, _, _ = self.motion.at(self.motion.end_time())
+        self.is_halting = False
+        speed = share * machine.homing_velocity
+        up = share * share * machine.homing_acceleration
+        down = share * share * machine.homing_deceleration
+        jerk = share * share * share * machine.homing_jerk
+        self.motion.move(position, 0.0, 0.0, self.end, speed, up, down, jerk)
+        self.motion.clock.start(now)
+
+    def can_stay_eased(self, master: Master, cut: float) -> bool:
+        """Whether the motion still is in time for the next cut: this has not changed, nor is the line faster."""
+        is_faster = is_accelerating(master) or master.begin_velocity > self.eased_velocity * (1.0 + FASTER)
+        return not is_faster and cut == self.eased_cut
+
+    def at(self, time: float) -> tuple[float, float, float, float]:
+        """Position, velocity, acceleration and jerk at a time since the step's beginning."""
+        return self.motion.at(self.motion.clock.time + time)
+
+
+def is_accelerating(master: Master) -> bool:
+    """Whether the line gets faster in the present step."""
+    begin = master.begin_velocity
+    return master.end_velocity - begin > FASTER * abs(begin)

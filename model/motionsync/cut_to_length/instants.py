@@ -1,0 +1,97 @@
+"""The instants of events inside a step: when a clock has reached a time, or from when on a condition holds."""
+
+from ..clock import Clock
+from ..cutting.piece import PieceInProgress
+from ..master import Master
+from ..motion import SAME_TIME
+from ..var import Enumeration
+from .carriage import Carriage, distance_beyond
+from .machine_limits import approach_distance, is_admissible
+
+NEVER = 1e300  # s since the step's beginning
+BISECTIONS = 200  # this many halve any time down to neighbouring numbers
+
+
+class Condition(Enumeration):
+    """What an event waits for"""
+
+    START = 0, "an approach to the next cut has to start"
+    ADMISSIBLE = 1, "the line does not go back, and the carriage can follow it"
+    SYNC = 2, "the approach is over"
+    BACK = 3, "the line has gone back to before the approach"
+    COMMAND = 4, "the tool has to be commanded before sync"
+    THROUGH = 5, "the cut's distance is travelled"
+    GAP_OPEN = 6, "the gap is open"
+    STROKE_END = 7, "the carriage has to stop before an end of its stroke"
+
+
+def due_instant(clock: Clock, time: float, now: float, until: float) -> float:
+    """When a clock reaches a time, in s since the step's beginning, not before `now`; NEVER: not up to `until`."""
+    if clock.time + until < time * SAME_TIME:
+        return NEVER
+    return max(now, min(time - clock.time, until))
+
+
+def first_instant(
+    condition: Condition, master: Master, carriage: Carriage, piece: PieceInProgress, now: float, until: float
+) -> float:
+    """The first instant from `now` on at which a condition holds, in s since the step's beginning.
+
+    It is bisected down to rounding. NEVER: there is none up to `until`."""
+    if holds(condition, master, carriage, piece, now):
+        return now
+    if until <= now or not holds(condition, master, carriage, piece, until):
+        return NEVER
+    low = now
+    high = until
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high:
+            break
+        if holds(condition, master, carriage, piece, middle):
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def holds(condition: Condition, master: Master, carriage: Carriage, piece: PieceInProgress, time: float) -> bool:
+    """Whether a condition holds at a time since the step's beginning."""
+    velocity = master.velocity_at(time)
+    beyond_cut = distance_beyond(master, carriage.cut, time)
+    curve = carriage.curve
+    cycle = carriage.cycle_machine
+    is_met = False
+    match condition:
+        case Condition.START:
+            is_met = is_start_due(master, carriage, piece, velocity, time)
+        case Condition.ADMISSIBLE:
+            is_met = velocity >= 0.0 and is_admissible(carriage.machine, velocity)
+        case Condition.SYNC:
+            is_met = beyond_cut >= curve.sync
+        case Condition.BACK:
+            is_met = velocity < 0.0 and beyond_cut < curve.start
+        case Condition.COMMAND:
+            is_met = beyond_cut + velocity * (cycle.on_delay - cycle.settle_time) >= curve.sync
+        case Condition.THROUGH:
+            is_met = curve.coupling * (beyond_cut - carriage.cut_begin) >= cycle.cut_distance
+        case Condition.GAP_OPEN:
+            is_met = beyond_cut >= curve.gap_end
+        case Condition.STROKE_END:
+            is_met = carriage.has_to_stop(master, time)
+    return is_met
+
+
+def is_start_due(master: Master, carriage: Carriage, piece: PieceInProgress, velocity: float, time: float) -> bool:
+    """Whether the line moves on, and the next cut is where the approach to it starts."""
+    if velocity < 0.0 or (velocity == 0.0 and master.mean_acceleration() <= 0.0):
+        return False
+    if not has_reached_start(master, carriage, piece, velocity, time):
+        return False
+    return not piece.waits_for_line() or is_admissible(carriage.machine, velocity)
+
+
+def has_reached_start(master: Master, carriage: Carriage, piece: PieceInProgress, velocity: float, time: float) -> bool:
+    """Whether the next cut is where an approach to it starts, or beyond that."""
+    travel = carriage.machine.coupling * distance_beyond(master, piece.end, time)
+    return travel >= carriage.homing.end - approach_distance(carriage.machine, velocity)

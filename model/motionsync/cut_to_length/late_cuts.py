@@ -1,0 +1,68 @@
+"""Late cuts: whether the next cut can still be made where it is due, and what happens if it cannot."""
+
+from ..cutting.interface import LateMode, Source, Statistics
+from ..cutting.material import Material
+from ..cutting.piece import PieceInProgress
+from ..cutting.records import increased
+from ..grid import floor
+from ..master import Master
+from ..var import Enumeration
+from .carriage import Carriage, distance_beyond
+from .machine_limits import Machine, is_admissible, lead
+
+IN_TIME = 1.0 - 1e-9  # of the least way of an approach: with less, a start is late
+WHOLE = 1e-12  # of a pitch: what a number of pitches may lack to be whole
+
+
+class CutDecision(Enumeration):
+    """What happens to the next cut where its approach has to start"""
+
+    MAKE = 0, "its approach starts"
+    MAKE_LATE = 1, "it is late: it is made as soon as possible"
+    SKIP = 2, "it is late: it is left out"
+    STOP_LINE = 3, "it is late: a fault asks the line to stop"
+    SKIP_UNTIL_ADMISSIBLE = 4, "the line is too fast: all cuts are left out that are due until it is slow enough"
+    STOP_FAST_LINE = 5, "the line is too fast: a fault asks it to stop"
+
+
+def decide_cut(
+    late_mode: LateMode, piece: PieceInProgress, machine: Machine, velocity: float, distance: float
+) -> CutDecision:
+    """Decide about the next cut at a line velocity, u/s, if `distance`, u, is left for the carriage's way into sync.
+
+    A trimming or short cut is never skipped, but waits for a line that is slow enough."""
+    waits = piece.waits_for_line()
+    if not (waits or is_admissible(machine, velocity)):
+        return CutDecision.STOP_FAST_LINE if late_mode == LateMode.STOP_LINE else CutDecision.SKIP_UNTIL_ADMISSIBLE
+    if distance >= lead(machine, velocity) * IN_TIME:
+        return CutDecision.MAKE
+    if waits or late_mode == LateMode.LATE:
+        return CutDecision.MAKE_LATE
+    return CutDecision.STOP_LINE if late_mode == LateMode.STOP_LINE else CutDecision.SKIP
+
+
+def delay_cut(piece: PieceInProgress, carriage: Carriage, master: Master, now: float, distance: float) -> None:
+    """Move the cut to where an approach over a distance starts now."""
+    start = (carriage.homing.end - distance) / carriage.machine.coupling
+    piece.end += distance_beyond(master, piece.end, now) - start
+
+
+def skip_late_cuts(
+    material: Material, statistics: Statistics, carriage: Carriage, master: Master, now: float, distance: float
+) -> None:
+    """Leave out the next cut, and all others that are beyond where an approach over a distance starts."""
+    k = carriage.machine.coupling
+    start = carriage.homing.end - distance
+    if material.demand.source == Source.MARK:
+        for _ in range(material.marks.waiting):
+            material.marks.drop()
+            statistics.skipped = increased(statistics.skipped, 1.0)
+            if material.marks.waiting > 0:
+                beyond_cut = distance_beyond(master, material.marks.position(0), now)
+                if k * beyond_cut <= carriage.homing.end - distance * IN_TIME:
+                    break
+        material.merge_to_next_mark()
+    else:
+        beyond_cut = distance_beyond(master, material.piece.end, now)
+        number = max(1.0, -floor(WHOLE - (k * beyond_cut - start) / (k * material.piece.pitch)))
+        material.skip_pitches(number, statistics)

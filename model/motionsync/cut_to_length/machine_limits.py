@@ -1,0 +1,270 @@
+"""What a machine can do, at a line velocity and for a pitch of the cuts: pure functions, computed before any cut.
+
+A cycle leads from the start of one approach to the earliest start of the next: approach, cut, way home, rest at home.
+Below, v is the line's velocity, k the coupling, V = k v the carriage's velocity in sync, D the way of the approach.
+All functions are finite for limits and inputs from 1e-12 to 1e12.
+"""
+
+from dataclasses import dataclass
+from math import sqrt
+
+from ..computable_range import clamp
+
+LEAST = 1e-100  # a line velocity below it counts as this one, a pitch below it as none: no quotient overflows
+ROOT_TOLERANCE = 1e-13  # relative width of the bracket that is left of the greatest line velocity
+ITERATIONS = 200  # a bound that no search comes near: about 10 steps are usual, 30 the most
+
+
+@dataclass(slots=True)
+class Machine:
+    """What a cycle is computed from: the block's parameters, with the limits that are in use: none is 0.
+
+    The parameters of axis, approach, homing, tool and gap are described where they are declared (`interface.py`).
+
+    Attributes:
+        coupling: k, carriage velocity per line velocity in sync.
+        home_position: h, where the carriage waits, u.
+        by_distance: the cut lasts for the carriage's travel cut_distance, u; else for the time cut_time, s.
+    """
+
+    coupling: float = 1.0
+    home_position: float = 0.0
+    min_position: float = -1e9
+    max_position: float = 1e9
+    max_velocity: float = 2000.0
+    approach_distance: float = 0.0
+    approach_reserve: float = 0.02
+    approach_acceleration: float = 10000.0
+    approach_jerk: float = 100000.0
+    homing_velocity: float = 2000.0
+    homing_acceleration: float = 10000.0
+    homing_deceleration: float = 10000.0
+    homing_jerk: float = 100000.0
+    homing_settle_time: float = 0.0
+    by_distance: bool = False
+    cut_time: float = 0.25
+    cut_distance: float = 100.0
+    settle_time: float = 0.0
+    on_delay: float = 0.0
+    retract_time: float = 0.0
+    gap_distance: float = 0.0
+    gap_travel: float = 100.0
+
+
+def change_time(speed: float, acceleration: float, jerk: float) -> float:
+    """R: least time, in s, in which a velocity changes by `speed`, from and to states without acceleration.
+
+    The acceleration is a trapezium of height a: x/a + a/j; where x < a2/j it is a triangle of height sqrt(x j)."""
+    if speed >= acceleration * acceleration / jerk:
+        return speed / acceleration + acceleration / jerk
+    return 2.0 * sqrt(max(speed, 0.0) / jerk)
+
+
+def lead(machine: Machine, velocity: float) -> float:
+    """The shortest way of an approach, in u, that keeps its limits at the line velocity v, in u/s.
+
+    The ramp over the master has the peak acceleration 0.75 V2/D and the peak jerk 1.5 V3/D2; each gives a least D."""
+    v = machine.coupling * max(velocity, 0.0)
+    by_acceleration = 0.75 * v * v / machine.approach_acceleration
+    by_jerk = v * sqrt(1.5 * v / machine.approach_jerk)
+    return max(by_acceleration, by_jerk)
+
+
+def approach_distance(machine: Machine, velocity: float) -> float:
+    """D: the way of the approach, in u: that of a line which is faster by the reserve, or the least one that is set."""
+    return max(machine.approach_distance, lead(machine, velocity * (1.0 + machine.approach_reserve)))
+
+
+def tool_time(machine: Machine, carriage: float, approach: float) -> float:
+    """t_s: the time in sync, in s, without that of the gap: settling, cut, retracting. The carriage has the velocity
+    V > 0 in sync, and its approach takes so long, in s.
+
+    A delay of the tool that is longer than the approach keeps the carriage waiting in sync."""
+    cut = machine.cut_distance / carriage if machine.by_distance else machine.cut_time
+    return max(machine.settle_time, machine.on_delay - approach, 0.0) + cut + machine.retract_time
+
+
+def gap_time(machine: Machine, carriage: float) -> float:
+    """The time in which the gap is opened at the carriage's velocity V > 0, in s: gap_travel/V, or 0 without a gap."""
+    return machine.gap_travel / carriage if machine.gap_distance > 0.0 else 0.0
+
+
+def way_out(machine: Machine, velocity: float) -> tuple[float, float, float]:
+    """S, D and t_s: the way from home, in u, at which the carriage starts to return, which is made of approach, time in
+    sync and gap; the way of the approach, in u; the time in sync without that of the gap, in s. For v <= 0 the carriage
+    returns from the end of the approach."""
+    distance = approach_distance(machine, velocity)
+    if velocity <= 0.0:
+        return distance, distance, 0.0
+    carriage = machine.coupling * max(velocity, LEAST)
+    time = tool_time(machine, carriage, 2.0 * distance / carriage)
+    gap_way = machine.gap_travel + machine.gap_distance if machine.gap_distance > 0.0 else 0.0
+    return distance + gap_way + machine.coupling * velocity * time, distance, time
+
+
+def change(speed: float, acceleration: float, jerk: float) -> tuple[float, float]:
+    """R and dR/dx, in s and s2/u: `change_time`, and how it rises with the speed > 0."""
+    if speed >= acceleration * acceleration / jerk:
+        return speed / acceleration + acceleration / jerk, 1.0 / acceleration
+    return 2.0 * sqrt(speed / jerk), 1.0 / sqrt(speed * jerk)
+
+
+def return_way(velocity: float, peak: float, turn: float, stop: float) -> float:
+    """G(w): the way back, in u, of a return from the velocity V to -w, the peak, and to rest, which take these times.
+
+    Each change of velocity is symmetric in time: it covers its mean velocity times its time. G rises and is convex."""
+    return 0.5 * (peak - velocity) * turn + 0.5 * peak * stop
+
+
+def return_time(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
+    """T_r: time-optimal way home, in s, over `distance` >= 0, from the velocity V >= 0 that leads away from home.
+
+    `up` limits the acceleration while the carriage reverses and speeds up, `down` while it stops, `speed` its
+    velocity. Where the peak G(speed) leaves a rest of the way, it is covered at `speed`."""
+    turn = change_time(velocity + speed, up, jerk)
+    stop = change_time(speed, down, jerk)
+    cruise = distance - return_way(velocity, speed, turn, stop)
+    if cruise < 0.0:
+        return short_return_time(velocity, distance, up, down, jerk, speed)
+    return turn + stop + cruise / speed
+
+
+def short_return_time(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
+    """T_r where the way is too short for `speed`: G(speed) > distance. Its peak is the w with G(w) = distance.
+
+    Newton's method from above: G is convex and rises, so no step passes the solution. The last part of the way is at
+    most the distance and the overshoot, hence w2/(2 down) <= distance + V R(V)/2. Without either there is no way."""
+    way = distance + 0.5 * velocity * change_time(velocity, up, jerk)
+    peak = min(speed, sqrt(2.0 * down * way))
+    turn = 0.0
+    stop = 0.0
+    for _ in range(ITERATIONS):
+        if peak <= 0.0:
+            break
+        turn, turn_rate = change(velocity + peak, up, jerk)
+        stop, stop_rate = change(peak, down, jerk)
+        beyond = return_way(velocity, peak, turn, stop) - distance
+        step = 2.0 * beyond / (turn + (peak - velocity) * turn_rate + stop + peak * stop_rate)
+        if step <= 1e-16 * peak:
+            break
+        peak -= step
+    return turn + stop
+
+
+def turning_acceleration(machine: Machine) -> float:
+    """The limit while the carriage reverses: it brakes and accelerates in one, with the smaller of both limits."""
+    return min(machine.homing_acceleration, machine.homing_deceleration)
+
+
+def overshoot(machine: Machine, carriage: float) -> float:
+    """The way in which the carriage stops, in u, from its velocity V >= 0 in sync."""
+    return 0.5 * carriage * change_time(carriage, turning_acceleration(machine), machine.homing_jerk)
+
+
+def cycle(machine: Machine, velocity: float) -> tuple[float, float, float]:
+    """T_c, D and the stroke: `cycle_time`, `approach_distance` and `stroke` at a line velocity v > 0."""
+    carriage = machine.coupling * velocity
+    travel, distance, tool = way_out(machine, velocity)
+    up = turning_acceleration(machine)
+    home = return_time(carriage, travel, up, machine.homing_deceleration, machine.homing_jerk, machine.homing_velocity)
+    sync = tool + gap_time(machine, carriage)
+    time = 2.0 * distance / carriage + sync + home + machine.homing_settle_time
+    return time, distance, travel + overshoot(machine, carriage)
+
+
+def cycle_time(machine: Machine, velocity: float) -> float:
+    """T_c: the shortest time from start to start, in s, at the line velocity v; 0 for v <= 0."""
+    if velocity <= 0.0:
+        return 0.0
+    time, _, _ = cycle(machine, max(velocity, LEAST))
+    return time
+
+
+def shortest_pitch(machine: Machine, velocity: float) -> float:
+    """p_min: the shortest distance of two cuts, in u of the master, at the line velocity v; 0 for v <= 0."""
+    return max(velocity, 0.0) * cycle_time(machine, velocity)
+
+
+def stroke(machine: Machine, velocity: float) -> float:
+    """The farthest that a cycle takes the carriage from home, in u: S, and the way in which it stops."""
+    travel, _, _ = way_out(machine, velocity)
+    return travel + overshoot(machine, machine.coupling * max(velocity, 0.0))
+
+
+def is_admissible(machine: Machine, velocity: float) -> bool:
+    """Whether the carriage is fast enough for the line velocity v, and its way from home long enough."""
+    if machine.coupling * velocity > machine.max_velocity:
+        return False
+    return machine.home_position + stroke(machine, velocity) <= machine.max_position
+
+
+def excess(machine: Machine, velocity: float, pitch: float) -> float:
+    """By what share the line velocity v asks too much of stroke or pitch; at most 0 where neither. Rises with v."""
+    time, _, way = cycle(machine, velocity)
+    end = machine.home_position + way - machine.max_position
+    of_stroke = end / max(machine.max_position - machine.home_position, LEAST)
+    return max(of_stroke, (velocity * time - pitch) / pitch)
+
+
+def next_try(low: float, below: float, high: float, above: float) -> float:
+    """Where a bracket of a root is cut, not nearer to its ends than half of what it may be wide at last.
+
+    A wide bracket is halved in its logarithm, a narrow one by the chord between its values (`below` <= 0 < `above`)."""
+    if high > 4.0 * low:
+        return sqrt(low) * sqrt(high)
+    chord = low - (high - low) * below / (above - below)
+    margin = 0.5 * ROOT_TOLERANCE * high
+    return clamp(chord, low + margin, high - margin)
+
+
+def root_of_excess(machine: Machine, pitch: float, low: float, below: float, high: float, above: float) -> float:
+    """The root of `excess` in a bracket with these values at its ends; its lower end, at which nothing is exceeded.
+
+    Regula falsi in the Illinois form: the value of an end that stays twice in succession is halved."""
+    side = 0
+    for _ in range(ITERATIONS):
+        if high - low <= ROOT_TOLERANCE * high:
+            break
+        wide = high > 4.0 * low
+        middle = next_try(low, below, high, above)
+        value = excess(machine, middle, pitch)
+        if value > 0.0:
+            high = middle
+            above = value
+            if side == 1:
+                below *= 0.5
+            side = 1
+        else:
+            low = middle
+            below = value
+            if side == -1:
+                above *= 0.5
+            side = -1
+        if wide:
+            side = 0
+    return low
+
+
+def max_line_velocity(machine: Machine, pitch: float) -> float:
+    """The greatest admissible line velocity, in u/s, at which cuts of that pitch, in u, are reached; 0: there is none.
+
+    Stroke and shortest pitch rise with v, so what is admissible is one interval. It is searched from the velocity of
+    the carriage's limit downwards."""
+    high = machine.max_velocity / machine.coupling
+    if machine.coupling * high > machine.max_velocity:
+        high *= 1.0 - 2.3e-16
+    if pitch < LEAST:
+        return 0.0
+    above = excess(machine, high, pitch)
+    if above <= 0.0:
+        return high
+    low = 0.25 * high
+    below = excess(machine, low, pitch)
+    if below > 0.0:
+        high = low
+        above = below
+        low = LEAST
+        below = excess(machine, low, pitch)
+        if below > 0.0:
+            return 0.0
+    return root_of_excess(machine, pitch, low, below, high, above)

@@ -1,0 +1,330 @@
+"""The material: where its cuts are. What is ordered and what the marks demand determine the piece in progress.
+
+Positions are unwrapped positions of the master at which a cut passes slave position 0, u.
+"""
+
+from dataclasses import dataclass
+
+from .. import var
+from ..grid import nearest_on_grid
+from .faults import PieceFault
+from .interface import Mark, PieceKind, Source, StartMode, Statistics
+from .marks import MarkQueue
+from .orders import OrderQueue
+from .piece import LEAST_MATERIAL, NO_ORDER, UNLIMITED, PieceInProgress
+from .records import increased
+from .settings import PieceSettings
+
+
+@dataclass(slots=True)
+class Demand:
+    """The values of the inputs and of two parameters in the present step.
+
+    Attributes:
+        source: what decides where the cuts are.
+        length: of a piece while no order waits, u.
+        length_correction: is added to every piece's measured length, u.
+        waste: pieces that start now are waste.
+        repeat: a completed order is appended anew.
+    """
+
+    source: Source = Source.LENGTH
+    length: float = 0.0
+    length_correction: float = 0.0
+    waste: bool = False
+    repeat: bool = False
+
+    def correction(self) -> float:
+        """The length correction, u; pieces between marks have none."""
+        return self.length_correction if self.source == Source.LENGTH else 0.0
+
+
+@dataclass(slots=True)
+class Material:
+    """The piece in progress and all that waits behind it.
+
+    Attributes:
+        is_sample_pending: a sample is to be cut after the next cut.
+        has_cut: a cut has been made, at `last_cut`, with this kerf and length correction.
+        mark_fault: what is wrong with the marks that were watched last.
+        is_mark_missing, is_mark_outside: since the last accepted mark one did not come, or an edge was no mark.
+        queue_pitch: the least pitch of all that waits, with this allowance of kerf and correction, u, and this factor.
+    """
+
+    settings: PieceSettings = var.part(PieceSettings, hidden=True)
+    demand: Demand = var.part(Demand)
+    piece: PieceInProgress = var.part(PieceInProgress)
+    orders: OrderQueue = var.part(OrderQueue)
+    marks: MarkQueue = var.part(MarkQueue)
+    is_sample_pending: bool = False
+    has_cut: bool = False
+    last_cut: float = 0.0
+    last_kerf: float = 0.0
+    last_correction: float = 0.0
+    mark_fault: PieceFault = PieceFault.NONE
+    is_mark_missing: bool = False
+    is_mark_outside: bool = False
+    queue_allowance: float = 0.0
+    queue_factor: float = 0.0
+    queue_pitch: float = UNLIMITED
+
+    # --- the piece ---
+
+    def start(self, start_mode: StartMode, master: float, front: float) -> None:
+        """Fix the first piece after a start, at which the master is at this position.
+
+        `front`: the master's travel from the material's front end to slave position 0, u."""
+        self.piece.begin = self.last_cut
+        if start_mode != StartMode.CONTINUE:
+            self.marks.clear()
+            self.piece.begin = master - (front + 0.5 * self.settings.kerf / self.settings.factor)
+        if start_mode == StartMode.TRIM:
+            self.fix_trim()
+        else:
+            self.fix_piece()
+
+    def measure_piece(self) -> None:
+        """The piece is measured with the present settings."""
+        self.piece.factor = self.settings.factor
+        self.piece.kerf = self.settings.kerf
+        self.piece.correction = self.demand.correction()
+
+    def fix_trim(self) -> None:
+        """The piece is what is cropped from the front end; its pitch is no limit for the line."""
+        self.measure_piece()
+        self.piece.fix(PieceKind.TRIM, self.settings.trim_length, NO_ORDER)
+        self.piece.pitch = UNLIMITED
+
+    def fix_piece(self) -> None:
+        """Fix the piece that starts at the last cut, if its length is determined."""
+        self.piece.reset()
+        self.measure_piece()
+        if self.demand.source == Source.MARK:
+            self.fix_marked()
+        elif self.demand.waste:
+            self.fix_length(PieceKind.WASTE, self.settings.waste_length, NO_ORDER)
+        elif self.is_sample_pending:
+            self.fix_length(PieceKind.SAMPLE, self.settings.sample_length, NO_ORDER)
+            self.is_sample_pending = not self.piece.is_fixed
+        else:
+            self.fix_product()
+
+    def fix_open_piece(self) -> None:
+        """Fix a piece that had no length, if there is one now. A mark fixes its piece when it comes."""
+        if self.demand.source == Source.MARK:
+            self.measure_piece()
+        else:
+            self.fix_piece()
+
+    def fix_product(self) -> None:
+        """The piece is of the active order, or of the input length."""
+        length, order = self.next_product()
+        self.fix_length(PieceKind.PRODUCT, length, order)
+
+    def change_product(self) -> None:
+        """Fix the product in progress anew."""
+        self.piece.reset()
+        self.measure_piece()
+        self.fix_product()
+
+    def fix_length(self, kind: PieceKind, length: float, order: int) -> None:
+        """Give the piece this length, if a piece can have it."""
+        if length > 0.0 and self.piece.material_of(length) > LEAST_MATERIAL:
+            self.piece.fix(kind, length, order)
+
+    def fix_marked(self) -> None:
+        """The piece ends at the next mark that is cut. Without their spacing marks do not determine its length."""
+        piece = self.piece
+        mark = self.settings.mark
+        piece.has_ordered_length = mark.spacing > 0.0
+        if self.marks.waiting > 0:
+            piece.is_fixed = True
+            piece.kind = PieceKind.PRODUCT
+            if piece.has_ordered_length:
+                piece.ordered = mark.spacing * float(mark.every) - piece.kerf
+            piece.end = self.marks.position(0)
+            piece.pitch = limiting_distance(piece.end - piece.begin)
+
+    def fix_short(self, end: float) -> None:
+        """The piece ends with a cut out of turn, at this position."""
+        if not self.piece.is_fixed:
+            self.measure_piece()
+        self.piece.is_fixed = True
+        self.piece.kind = PieceKind.SHORT
+        self.piece.end = end
+
+    def next_product(self) -> tuple[float, int]:
+        """Length of the product that is due, and the number of its order."""
+        if self.orders.waiting > 0:
+            return self.orders.length(0), self.orders.first
+        return self.demand.length, NO_ORDER
+
+    def has_changed(self) -> bool:
+        """Whether the product in progress would be another one if it were fixed now."""
+        piece = self.piece
+        length, order = self.next_product()
+        return (
+            length != piece.ordered
+            or order != piece.order
+            or self.demand.length_correction != piece.correction
+            or self.settings.kerf != piece.kerf
+            or self.settings.factor != piece.factor
+        )
+
+    def skip_pitches(self, number: float, statistics: Statistics) -> None:
+        """Leave out so many cuts: the piece ends with the one after them."""
+        self.piece.kind = PieceKind.MERGED
+        self.piece.end += number * self.piece.pitch
+        statistics.skipped = increased(statistics.skipped, number)
+
+    def end_piece(self, end: float) -> None:
+        """The piece has been cut at this position; the next one starts, and is not fixed yet."""
+        piece = self.piece
+        self.has_cut = True
+        self.last_cut = end
+        self.last_kerf = piece.kerf
+        self.last_correction = piece.correction
+        if self.demand.source == Source.MARK and not piece.waits_for_line() and self.marks.waiting > 0:
+            self.marks.drop()
+        piece.reset()
+        piece.begin = end
+
+    # --- the marks ---
+
+    def watch_marks(
+        self, mark: Mark, detected: bool, master: float, velocity: float, period: float, statistics: Statistics
+    ) -> None:
+        """Take a mark that the sensor has seen, and count those that should have come; `mark_fault` is the result.
+
+        The master has this position and velocity at the beginning of the step; `period` is that of its turns."""
+        self.mark_fault = PieceFault.NONE
+        settings = self.settings.mark
+        delayed = master - velocity * settings.delay
+        position = delayed
+        if detected and mark.latched:
+            position = nearest_on_grid(mark.position, period, master)
+        is_expected = settings.spacing > 0.0 and settings.window > 0.0
+        if is_expected:
+            self.count_missing_marks(position if detected else delayed, mark.substitute, statistics)
+        if detected and self.mark_fault == PieceFault.NONE:
+            if is_expected and self.is_before_window(position):
+                statistics.marks_outside += 1
+                self.is_mark_outside = True
+            else:
+                statistics.marks += 1
+                self.is_mark_missing = False
+                self.is_mark_outside = False
+                self.marks.missing = 0
+                self.add_mark(position)
+
+    def is_before_window(self, position: float) -> bool:
+        """Whether a position is before the window in which the next mark is expected."""
+        window_start = (self.settings.mark.spacing - self.settings.mark.window) / self.settings.factor
+        return self.marks.has_last and position < self.marks.last + window_start
+
+    def count_missing_marks(self, position: float, substitute: bool, statistics: Statistics) -> None:
+        """Count the marks that should have come before a position; `substitute`: add a mark for each of them."""
+        spacing = self.settings.mark.spacing / self.settings.factor
+        window = self.settings.mark.window / self.settings.factor
+        while (
+            self.mark_fault == PieceFault.NONE and self.marks.has_last and position > self.marks.last + spacing + window
+        ):
+            self.marks.missing += 1
+            statistics.marks_missing += 1
+            self.is_mark_missing = True
+            if self.marks.missing > self.settings.mark.max_missing:
+                self.mark_fault = PieceFault.MARKS_MISSING
+            elif substitute:
+                self.add_mark(self.marks.last + spacing)
+            else:
+                self.marks.last += spacing
+
+    def add_mark(self, position: float) -> None:
+        """Take a mark at this position of the master."""
+        mark = self.settings.mark
+        self.marks.has_last = True
+        self.marks.last = position
+        if not self.marks.try_select(mark.every):
+            return
+        if self.marks.is_full():
+            self.mark_fault = PieceFault.MARKS_FULL
+            return
+        self.marks.append(position + (mark.sensor_distance + mark.cut_offset) / self.settings.factor)
+        if not self.piece.is_fixed:
+            is_merged = self.piece.kind == PieceKind.MERGED
+            self.fix_piece()
+            if is_merged:
+                self.piece.kind = PieceKind.MERGED
+
+    def merge_to_next_mark(self) -> None:
+        """The piece, of which a cut was left out, ends at the next mark, if there is one."""
+        piece = self.piece
+        piece.kind = PieceKind.MERGED
+        piece.is_fixed = self.marks.waiting > 0
+        if piece.is_fixed:
+            piece.end = self.marks.position(0)
+        else:
+            piece.pitch = UNLIMITED
+
+    # --- pitches ---
+
+    def limiting_pitch(self, running: bool) -> float:
+        """The smaller of the pitch in progress, as it was fixed, and the one that is expected after it."""
+        expected = self.expected_pitch(running)
+        return min(self.piece.pitch, expected) if running else expected
+
+    def expected_pitch(self, running: bool) -> float:
+        """The pitch of the piece after the one in progress; UNLIMITED: it is not determined."""
+        if self.demand.source == Source.MARK:
+            if self.marks.waiting > 1:
+                return limiting_distance(self.marks.position(1) - self.marks.position(0))
+            spacing = self.settings.mark.spacing * float(self.settings.mark.every)
+            return spacing / self.settings.factor if spacing > 0.0 else UNLIMITED
+        return self.pitch_of(self.expected_length(running))
+
+    def expected_length(self, running: bool) -> float:
+        """The length of the piece after the one in progress."""
+        if self.demand.waste:
+            return self.settings.waste_length
+        if self.is_sample_pending:
+            return self.settings.sample_length
+        counts = running and self.piece.kind == PieceKind.PRODUCT
+        index = self.orders.next_index(self.piece.order if counts else NO_ORDER, self.demand.repeat)
+        return self.demand.length if index < 0 else self.orders.length(index)
+
+    def pitch_of(self, length: float) -> float:
+        """The pitch of a piece of that length; UNLIMITED: a piece cannot have it."""
+        material = length + self.demand.length_correction + self.settings.kerf
+        return material / self.settings.factor if length > 0.0 and material > LEAST_MATERIAL else UNLIMITED
+
+    def shortest_pitch(self) -> float:
+        """The least pitch of all orders that wait, or of all marks; UNLIMITED without any."""
+        allowance = self.settings.kerf + self.demand.length_correction
+        if (
+            self.orders.has_changed
+            or self.marks.has_changed
+            or self.queue_allowance != allowance
+            or self.queue_factor != self.settings.factor
+        ):
+            self.orders.has_changed = False
+            self.marks.has_changed = False
+            self.queue_allowance = allowance
+            self.queue_factor = self.settings.factor
+            if self.demand.source == Source.MARK:
+                self.queue_pitch = self.marks.shortest_pitch()
+            else:
+                shortest = self.orders.shortest_length()
+                self.queue_pitch = self.pitch_of(shortest) if shortest < UNLIMITED else UNLIMITED
+        return self.queue_pitch
+
+    def rebase(self, distance: float) -> None:
+        """Reduce all positions by a distance, u: whole turns are dropped."""
+        self.piece.begin -= distance
+        self.piece.end -= distance
+        self.last_cut -= distance
+        self.marks.rebase(distance)
+
+
+def limiting_distance(distance: float) -> float:
+    """The pitch of two cuts at marks, u; a cut that is not beyond the other one is no limit: it will be late."""
+    return distance if distance > 0.0 else UNLIMITED

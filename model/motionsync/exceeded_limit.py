@@ -1,0 +1,108 @@
+"""Which limit of the axis a motion exceeds.
+
+A command may have limits of its own, a check may be off, and a coupled slave follows its master, whatever that does: so
+a motion can ask for more than the axis can do. The block outputs it all the same, and reports the limit.
+"""
+
+from dataclasses import dataclass
+
+from .axis_limits import AxisLimits
+from .computable_range import clamp
+from .slave import Slave
+from .var import Enumeration
+
+PLAN_TOLERANCE = 1e-9  # of a limit: rounding of a plan
+SETPOINT_TOLERANCE = 1e-6  # of a limit: rounding of a setpoint, whose acceleration loses digits far from position 0
+END_POSITION_TOLERANCE = 1e-9  # of an end position, and of the travel in 1 s at the greatest velocity: rounding
+LARGEST_SHOWN_VALUE = 1e100  # a greater value is shown as this one
+VALUE = ("local.exceeded_value",)
+
+
+class Limit(Enumeration):
+    """Which limit of the axis the motion under way exceeds"""
+
+    NONE = 0, "none"
+    MIN_POSITION = 1, "limit exceeded: the slave goes below the software end position", *VALUE, "axis.min_position"
+    MAX_POSITION = 2, "limit exceeded: the slave goes above the software end position", *VALUE, "axis.max_position"
+    MAX_VELOCITY = 3, "limit exceeded: the slave is faster than its axis can be", *VALUE, "axis.max_velocity"
+    MAX_ACCELERATION = (
+        4,
+        "limit exceeded: the slave's acceleration is beyond its axis's",
+        *VALUE,
+        "axis.max_acceleration",
+    )
+    MAX_DECELERATION = (
+        5,
+        "limit exceeded: the slave's deceleration is beyond its axis's (0: as the acceleration)",
+        *VALUE,
+        "axis.max_deceleration",
+        "axis.max_acceleration",
+    )
+    MAX_JERK = 6, "limit exceeded: the slave's jerk is beyond its axis's", *VALUE, "axis.max_jerk"
+    INSTANT_STOP = 7, "limit exceeded: the slave stops at once, from a velocity", *VALUE
+
+
+@dataclass(slots=True)
+class ExceededLimit:
+    """The first limit, in the order of `Limit`, that a motion exceeds, and the exceeding value, in the limit's unit."""
+
+    limit: Limit = Limit.NONE
+    value: float = 0.0
+
+    def set(self, limit: Limit, value: float) -> None:
+        self.limit = limit
+        self.value = clamp(value, -LARGEST_SHOWN_VALUE, LARGEST_SHOWN_VALUE)
+
+    def clear(self) -> None:
+        self.set(Limit.NONE, 0.0)
+
+    def check_setpoint(self, axis: AxisLimits, slave: Slave) -> None:
+        """Check the setpoint of an instant. Nearly at standstill, the greater limit of acceleration counts."""
+        speed = abs(slave.velocity)
+        acceleration = abs(slave.acceleration)
+        deceleration = acceleration
+        if speed <= SETPOINT_TOLERANCE * axis.max_velocity:
+            if acceleration <= max(axis.max_acceleration, axis.deceleration()):
+                acceleration = 0.0
+            deceleration = 0.0
+        elif slave.velocity * slave.acceleration > 0.0:
+            deceleration = 0.0
+        else:
+            acceleration = 0.0
+        position = slave.position
+        self.check_extremes(
+            axis, SETPOINT_TOLERANCE, position, position, speed, acceleration, deceleration, abs(slave.jerk)
+        )
+
+    def check_extremes(
+        self,
+        axis: AxisLimits,
+        tolerance: float,
+        lowest: float,
+        highest: float,
+        speed: float,
+        acceleration: float,
+        deceleration: float,
+        jerk: float,
+    ) -> None:
+        """Find the first limit that these extreme values exceed, u, u/s, u/s2 and u/s3."""
+        factor = 1.0 + tolerance
+        if lowest < axis.min_position - END_POSITION_TOLERANCE * (abs(axis.min_position) + axis.max_velocity):
+            self.set(Limit.MIN_POSITION, lowest)
+        elif highest > axis.max_position + END_POSITION_TOLERANCE * (abs(axis.max_position) + axis.max_velocity):
+            self.set(Limit.MAX_POSITION, highest)
+        elif exceeds(speed, axis.max_velocity * factor):
+            self.set(Limit.MAX_VELOCITY, speed)
+        elif exceeds(acceleration, axis.max_acceleration * factor):
+            self.set(Limit.MAX_ACCELERATION, acceleration)
+        elif exceeds(deceleration, axis.deceleration() * factor):
+            self.set(Limit.MAX_DECELERATION, deceleration)
+        elif exceeds(jerk, axis.max_jerk * factor):
+            self.set(Limit.MAX_JERK, jerk)
+        else:
+            self.clear()
+
+
+def exceeds(magnitude: float, limit: float) -> bool:
+    """Whether a magnitude exceeds a limit; a limit that is not a number above 0 limits nothing."""
+    return 0.0 < limit < magnitude

@@ -1,0 +1,98 @@
+"""The console script: help, version, wrong usage, exit status and streams."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from motionsync_fmu import __version__, cli
+from motionsync_fmu.scenario.files.shipped import LINE_FILES, SCENARIO_FILE, find_files
+from tests import ROOT
+from tests.support.command_line import Command, assert_one_line
+from tests.support.workshop import STOP, process, scenario, without_progress
+
+COMMANDS = tuple(cli.COMMANDS)
+
+
+def test_an_unknown_command_is_one_line(motionsync: Command) -> None:
+    assert_one_line(motionsync("runn"), "No such command 'runn'", "describe", "new")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_each_command_has_an_example_that_works(command: str) -> None:
+    text = CliRunner().invoke(cli.app, [command, "--help"]).output
+    _, _, examples = text.partition("Example")
+    assert f"motionsync {command}" in examples
+    for name in re.findall(r"motionsync (?:run|line) ([^-\s]\S*)", examples.partition("Options:")[0]):
+        assert find_files(Path(name), LINE_FILES if command == "line" else SCENARIO_FILE)
+
+
+def test_help_lists_the_commands() -> None:
+    text = CliRunner().invoke(cli.app, ["--help"]).output
+    for command in COMMANDS:
+        assert re.search(rf"^ +{command} .*\.$", text, re.MULTILINE)
+    assert "..." not in text.partition("Commands:")[2]
+
+
+@pytest.mark.parametrize("arguments", [("list",), ("--help",), ("run", "--help")])
+def test_a_command_without_runs_loads_no_library_of_runs_and_pictures(arguments: tuple[str, ...]) -> None:
+    """They take a second to load; a fresh interpreter shows what a command has loaded."""
+    script = (
+        f"import sys\nfrom motionsync_fmu import cli\nsys.argv = ['motionsync', *{arguments!r}]\n"
+        "try:\n    cli.main()\nexcept SystemExit as exit_:\n    assert not exit_.code, exit_.code\n"
+        "print('loaded:', *sorted({name.partition('.')[0] for name in sys.modules}))"
+    )
+    outcome = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded = set(outcome.stdout.splitlines()[-1].split())
+    assert {"motionsync", "motionsync_fmu", "typer"} <= loaded
+    assert not loaded & {"matplotlib", "plotly", "ziglang", "fmpy", "PIL"}
+
+
+def test_the_console_script_passes_exit_status_and_streams_on(built: Path, tmp_path: Path) -> None:
+    shutil.copytree(built, tmp_path / "build")
+    scenario(str(tmp_path / "stop"))
+    scenario(str(tmp_path / "wrong"), STOP.replace("= 27.5", "= 27.6"))
+    passing = process(tmp_path, "run", "stop", "--no-report", "--json", **without_progress(tmp_path / "quiet"))
+    assert (passing.status, passing.err) == (0, "")
+    assert json.loads(passing.out)[0]["passed"] is True
+    assert process(tmp_path, "run", "wrong", "--no-report").status == 1
+    assert_one_line(process(tmp_path, "run", "nowhere"), "nowhere")
+
+
+def test_a_terminal_that_cannot_show_a_sign_is_no_reason_to_fail(built: Path, tmp_path: Path) -> None:
+    shutil.copytree(built, tmp_path / "build")
+    scenario(str(tmp_path / "stop"), STOP.replace("A stop", "90° → a stop"))
+    environment = without_progress(tmp_path / "quiet") | {"PYTHONIOENCODING": "ascii"}
+    outcome = process(tmp_path, "run", "stop", "--no-report", **environment)
+    assert (outcome.status, outcome.err) == (0, "")
+    assert "as expected" in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (["run"], "path"),
+        (["run", "x", "--step-size", "abc"], "--step-size"),
+        (["run", "x", "--flavour", "cobol"], "cobol"),
+        (["build", "--start"], "--start"),
+        (["bild"], "bild"),
+        (["build", "--colour"], "--colour"),
+    ],
+)
+def test_wrong_usage_is_one_line(arguments: list[str], part: str, tmp_path: Path) -> None:
+    assert_one_line(process(tmp_path, *arguments), part)
+
+
+def test_the_version_is_printed(motionsync: Command) -> None:
+    outcome = motionsync("--version")
+    assert (outcome.status, outcome.out, outcome.err) == (0, f"motionsync {__version__}\n", "")
+
+
+def test_without_arguments_the_help_is_shown(tmp_path: Path) -> None:
+    outcome = process(tmp_path)
+    assert "Commands:" in outcome.out + outcome.err

@@ -1,0 +1,159 @@
+"""`motionsync plan-line`: its tables, its page, and its messages about mistakes."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from motionsync_fmu.plan import confirmation
+from tests.plan.machines import REFERENCE
+from tests.support.command_line import Command, assert_one_line
+
+SAW = """\
+title = "Saw 3"
+lengths = [1500, 500]
+velocities = "500,1000"
+
+[start]
+"axis.max_velocity" = 1500.0
+"axis.max_jerk" = 200000.0
+"axis.min_position" = -250.0
+"axis.max_position" = 650.0
+"approach.reserve" = 0.0
+"""
+SETTINGS = [option for name, value in REFERENCE.items() for option in ("--set", f"{name}={value}")]
+
+
+def saw(text: str = SAW) -> Path:
+    file = Path("saw.toml")
+    file.write_text(text, "utf-8")
+    return file
+
+
+def rows(out: str, heading: str) -> list[list[str]]:
+    """The cells of the table below a heading of the console, without the names of its columns."""
+    _, _, rest = out.partition(f"{heading}")
+    lines = [line.strip() for line in rest.splitlines()[2:]]
+    end = next((i for i, line in enumerate(lines) if not line or line.startswith("report:")), len(lines))
+    return [re.split(r"\s{2,}", line) for line in lines[:end]]
+
+
+def test_a_file_is_planned(motionsync: Command) -> None:
+    """Known: 619.646 for 500, 1297.29 for 1500; 372.937 at 500, 997.607 at 1000."""
+    outcome = motionsync("plan-line", saw())
+    assert (outcome.status, outcome.err) == (0, "")
+    head, top, *_ = outcome.out.splitlines()
+    assert head == "Saw 3 (saw.toml): confirmed by 12 runs of the block"
+    assert top == "  greatest line velocity, for any length: 1431.8 mm/s, limited by the carriage's stroke"
+    fastest = rows(outcome.out, "The greatest line velocity, over the length of the pieces")
+    assert [row[:4] for row in fastest] == [
+        ["500", "619.646", "619.646", "cycle time: acceleration"],
+        ["1500", "1297.29", "1297.29", "cycle time: acceleration"],
+    ]
+    shortest = rows(outcome.out, "The shortest length, over the line velocity")
+    assert [row[:2] for row in shortest] == [["500", "372.937"], ["1000", "997.607"]]
+    assert all(row[-1] == "yes" for row in (*fastest, *shortest))
+    page = Path("build/reports/plan/saw/report.html").resolve()
+    assert outcome.out.splitlines()[-1] == f"report: {page.as_uri()}"
+    text = page.read_text("utf-8")
+    assert "<h1>Saw 3</h1>" in text
+    assert "1297.29" in text
+    assert not re.search(r"<(script|link|img|iframe)[^>]+(src|href)=", text)
+
+
+def test_options_are_a_machine_too(motionsync: Command) -> None:
+    """Relaxing the stroke by 1 % is worth 0.72 % where the stroke limits."""
+    outcome = motionsync("plan-line", *SETTINGS, "--length", "2000", "--velocity", "1400,1480", "--no-report")
+    assert (outcome.status, outcome.err) == (0, "")
+    assert rows(outcome.out, "over the length of the pieces")[0][:4] == ["2000", "1431.8", "1431.8", "stroke"]
+    assert [row[1] for row in rows(outcome.out, "over the line velocity")] == ["1708", "none"]
+    assert "stroke 0.72 %" in outcome.out
+    assert not Path("build/reports/plan/machine").exists()
+
+
+def test_options_take_precedence_over_the_file(motionsync: Command) -> None:
+    """Without the end of the stroke the axis's velocity of 1500 is the end."""
+    outcome = motionsync("plan-line", saw(), "--set", "axis.max_position=1e9", "--length", "3000", "--no-report")
+    assert rows(outcome.out, "over the length of the pieces")[0][:4] == ["3000", "1500", "1500", "velocity"]
+
+
+def test_json_has_all_digits(motionsync: Command) -> None:
+    outcome = motionsync("plan-line", saw(), "--json", "--no-report")
+    assert outcome.status == 0
+    plan = json.loads(outcome.out)
+    assert plan["confirmed"] is True
+    assert [point["velocity"] for point in plan["over_length"]] == pytest.approx([619.645830, 1297.293509], abs=5e-7)
+    assert plan["over_velocity"][1]["cycle_time"] == pytest.approx(0.997606774, abs=5e-10)
+    assert plan["over_velocity"][1]["cycle"]["way_home"] == pytest.approx(0.574401694, abs=5e-10)
+    assert plan["over_length"][0]["gains"]["cut"] > 0.0
+
+
+def test_the_machine_of_a_scenario_is_planned(motionsync: Command) -> None:
+    """The scenario basic_cut runs the reference machine with a kerf of 4: 1504 of material for 1500."""
+    outcome = motionsync("plan-line", "CutToLength/basic_cut", "--length", "1500", "--velocity", "1000", "--no-report")
+    assert (outcome.status, outcome.err) == (0, "")
+    assert rows(outcome.out, "over the length of the pieces")[0][:2] == ["1500", "1299.44"]
+    assert rows(outcome.out, "over the line velocity")[0][:2] == ["1000", "993.607"]
+
+
+def test_what_the_block_does_not_confirm_is_reported(motionsync: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The runs below and above a prediction are taken for one another."""
+    monkeypatch.setattr(confirmation, "OFFSET", -1e-3)
+    outcome = motionsync("plan-line", saw(), "--no-report")
+    assert outcome.status == 1
+    assert ": NOT confirmed by" in outcome.out
+    assert "not met  pieces of 1500 mm at 1298.5908 mm/s: every cut is made: found" in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--set", "axis.max_velocity=-5"], ("axis.max_velocity = -5 is not allowed", "1e-12 to 1e+12")),
+        (["--set", "tool.cut_time=soon"], ("tool.cut_time = soon is no Real",)),
+        (["--set", "tool.mode=SAW"], ("tool.mode = SAW", "1 TIME, 2 DISTANCE, 3 FEEDBACK")),
+        (["--set", "axis.max_velocity"], ("--set axis.max_velocity", "NAME=VALUE")),
+        (["--set", "kerf=1", "--set", "kerf=2"], ("--set kerf is given twice",)),
+        (["--set", "axis.max_velocty=5"], ("'axis.max_velocty'", "axis.max_velocity")),
+        (["--set", "master.velocity=5"], ("--set master.velocity", "line velocities of the plan")),
+        (["--set", "length=800"], ("--set length", "--length 800")),
+        (["--set", "axis.max_position=-5"], ("home_position must be between", "axis.max_position = -5")),
+        (["--set", "axis.max_position=0"], ("axis.max_position = 0 is too near",)),
+        (["--set", "kerf=1", "--set", "length_correction=-20", "--length", "5"], ("length 5 is not allowed", "> 19")),
+        (["--length", "long"], ("--length long", "'long' is no number", "100..1200")),
+        (["--length", "-5"], ("--length -5", "> 0")),
+        (["--velocity", "0"], ("--velocity 0", "> 0")),
+        (["--velocity", "9..3"], ("--velocity 9..3", "greater than the first")),
+        (["--unit", "inch"], ("no unit is named 'inch'", "mm")),
+        (["--open", "--no-report"], ("--open", "--no-report")),
+        (["nothing.toml"], ("nothing.toml", "no such file")),
+        (["CutToLength"], ("CutToLength", "name one of them")),
+        (["FlyingSaw/cyclic_cut"], ("scenario.toml:", "fmu: FlyingSaw", "CutToLength")),
+    ],
+)
+def test_a_mistake_is_one_line(motionsync: Command, arguments: list[str], parts: tuple[str, ...]) -> None:
+    assert_one_line(motionsync("plan-line", *arguments), *parts)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [
+        ("lengths = [1500, 500]", 'lengths = ["a"]', ("saw.toml:2: lengths", "neither a list of numbers nor a text")),
+        ("lengths = [1500, 500]", "lengths = [-1]", ("saw.toml:2: lengths: -1 is not allowed",)),
+        ("lengths = [1500, 500]", "stop_time = 3", ("saw.toml:2: stop_time: unknown key",)),
+        (
+            '"axis.max_jerk" = 200000.0',
+            '"axis.max_jerk" = 0.0',
+            ("saw.toml:7: axis.max_jerk: ", "= 0 is not allowed"),
+        ),
+        ('"axis.max_jerk" = 200000.0', "axis.max_jerk = 1.0", ("saw.toml:7: axis", "quotes")),
+        ('"axis.max_jerk" = 200000.0', '"master.position" = 1.0', ("saw.toml:7: master.position", "the plan")),
+        ('"axis.max_jerk" = 200000.0', '"in_sync" = true', ("saw.toml:7: in_sync", "a parameter or input")),
+        ("[start]", "[begin]", ("saw.toml:5: begin: unknown key",)),
+        ("[start]", "[start", ("saw.toml:5: not TOML",)),
+    ],
+)
+def test_a_mistake_in_the_file_has_file_line_and_key(
+    motionsync: Command, old: str, new: str, parts: tuple[str, ...]
+) -> None:
+    assert_one_line(motionsync("plan-line", saw(SAW.replace(old, new))), *parts)
