@@ -1,0 +1,244 @@
+"""Measures what the tests prove: small changes of the sources, and how many of them a test notices.
+
+    python -m tools.mutation measure             which test runs which line, and how long it takes: once, half an hour
+    python -m tools.mutation run --sample 600    tries mutants until so many of the seed's sequence are done
+    python -m tools.mutation report              the score of each package, and the mutants that survived
+
+A mutant is run against the tests that run its line, the shortest first, until one fails. All results are in
+build/mutation; `run` goes on where it was broken off. A mutant of C is run against the tests of its folder.
+"""
+
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Annotated, Any
+
+import typer
+from coverage import CoverageData
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from tools.mutants import Mutant, find_mutants
+
+ROOT = Path(__file__).parents[1]
+FOLDER = Path("build", "mutation")
+SOURCES = (
+    "model/motionsync",
+    *(f"fmu_src/motionsync_fmu/{name}" for name in ("compiler", "native", "batch", "interface", "scenario")),
+)
+TESTS_OF_C = {  # the folders of tests that run C which is no block's
+    "fmu_src/motionsync_fmu/native": ("tests/native/", "tests/fmu/", "tests/fmi3/"),
+    "fmu_src/motionsync_fmu/batch": ("tests/batch/", "tests/native/"),
+}
+LEFT_OUT = ("tests/pages/test_contributing.py", "tests/install/")  # they run other tests, or none of the project's code
+app = typer.Typer(help=__doc__, no_args_is_help=True, add_completion=False)
+console = Console()
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Which tests run which line, and how long each of them takes."""
+
+    seconds: dict[str, float]
+    tests: dict[str, dict[str, list[int]]]  # by file and line: numbers of the tests in `seconds`
+
+    def tests_of(self, mutant: Mutant) -> list[str]:
+        """The tests that run a mutant's statement, the shortest first."""
+        names = list(self.seconds)
+        if mutant.path.endswith(".py"):
+            lines = self.tests.get(mutant.path, {})
+            numbers = {i for line in range(mutant.lines[0], mutant.lines[1] + 1) for i in lines.get(str(line), ())}
+            reached = {names[i] for i in numbers}
+        else:
+            folders = next(tests for folder, tests in TESTS_OF_C.items() if mutant.path.startswith(folder))
+            reached = {name for name in names if name.startswith(folders)}
+        return sorted((n for n in reached if not n.startswith(LEFT_OUT)), key=lambda name: self.seconds[name])
+
+
+@app.command()
+def measure(jobs: Annotated[int, typer.Option(help="processes of the tests")] = 2) -> None:
+    """Run all tests once and record which lines each of them runs."""
+    folder = ROOT / FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    data, times = folder / "coverage", folder / "times.xml"
+    config = folder / "coveragerc"
+    config.write_text(f"[run]\ndata_file = {data}\nrelative_files = true\n")
+    cover = ["--cov=model", "--cov=fmu_src", "--cov-context=test", "--cov-report=", f"--cov-config={config}"]
+    skip = [f"--ignore={path}" for path in LEFT_OUT]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        f"-n{jobs}",
+        "--dist=worksteal",
+        *cover,
+        *skip,
+        f"--junitxml={times}",
+    ]
+    subprocess.run(command, cwd=ROOT, check=False)
+    write_reach(data, times, folder / "reach.json")
+
+
+def write_reach(data: Path, times: Path, path: Path) -> None:
+    """Join what the coverage and the times of the tests that passed say."""
+    passed = [case for case in ET.parse(times).iter("testcase") if not len(case)]
+    seconds = {node_id(case): float(case.get("time", 0.0)) for case in passed}
+    numbers = {name: i for i, name in enumerate(seconds)}
+    coverage = CoverageData(str(data))
+    coverage.read()
+    tests: dict[str, dict[str, list[int]]] = {}
+    for file in coverage.measured_files():
+        lines: dict[str, set[int]] = defaultdict(set)
+        for line, contexts in coverage.contexts_by_lineno(file).items():
+            names = (context.split("|")[0] for context in contexts)
+            lines[str(line)] |= {numbers[name] for name in names if name in numbers}
+        tests[file] = {line: sorted(reached) for line, reached in lines.items() if reached}
+    path.write_text(json.dumps({"seconds": seconds, "tests": tests}))
+
+
+def node_id(case: ET.Element) -> str:
+    """pytest's name of a test, from the class and the name in its report."""
+    module, name = case.get("classname", ""), case.get("name", "")
+    return f"{module.replace('.', '/')}.py::{name}"
+
+
+@app.command()
+def run(
+    sample: Annotated[int, typer.Option(help="how many mutants of the seed's sequence")] = 600,
+    seed: Annotated[int, typer.Option(help="of the sequence")] = 0,
+    jobs: Annotated[int, typer.Option(help="mutants tried at once")] = 2,
+    budget: Annotated[float, typer.Option(help="s; the shortest tests of a mutant, up to so long in all")] = 120.0,
+) -> None:
+    """Try mutants; those that were tried before are not tried again."""
+    reach = Reach(**json.loads((ROOT / FOLDER / "reach.json").read_text()))
+    results = ROOT / FOLDER / "results.jsonl"
+    done = {result["name"] for result in read_results(results)}
+    open_mutants = [mutant for mutant in draw(ROOT, seed, sample) if mutant.name not in done]
+    console.print(f"{sample - len(open_mutants)} of {sample} are done; results: {results}")
+    trees: SimpleQueue[Path] = SimpleQueue()
+    for i in range(jobs):
+        trees.put(copy_tree(ROOT, ROOT / FOLDER / f"tree-{i}"))
+    with Progress(console=console) as progress, ThreadPoolExecutor(jobs) as pool, results.open("a") as file:
+        task = progress.add_task("mutants", total=len(open_mutants))
+        for future in as_completed([pool.submit(try_mutant, mutant, reach, trees, budget) for mutant in open_mutants]):
+            result = future.result()
+            print(json.dumps(result), file=file, flush=True)
+            if result["result"] == "survived":
+                console.print(result["name"], markup=False)
+            progress.advance(task)
+    report()
+
+
+@app.command()
+def report() -> None:
+    """Print the score of each package and the survivors."""
+    results = read_results(ROOT / FOLDER / "results.jsonl")
+    table = Table("package", "mutants", "killed", "survived", "no test runs it", "score")
+    packages = sorted({package_of(result["name"]) for result in results})
+    for package in [*packages, ""]:
+        own = [result["result"] for result in results if package in ("", package_of(result["name"]))]
+        counts = [own.count(name) for name in ("killed", "survived", "not reached")]
+        table.add_row(package or "all", str(len(own)), *map(str, counts), f"{counts[0] / max(len(own), 1):.1%}")
+    console.print(table)
+    for result in results:
+        if result["result"] != "killed":
+            console.print(f"{result['result']}: {result['name']} ({result['tests']} tests)", markup=False)
+
+
+def package_of(name: str) -> str:
+    return "/".join(name.split(":", 1)[0].split("/")[1:3])
+
+
+def read_results(path: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def draw(root: Path, seed: int, sample: int) -> list[Mutant]:
+    """The first `sample` mutants of a seed's sequence of all mutants in SOURCES."""
+    files = subprocess.run(["git", "ls-files", *SOURCES], cwd=root, check=True, capture_output=True, text=True).stdout
+    paths = [path for path in files.split() if path.endswith((".py", ".c", ".h"))]
+    mutants = [mutant for path in paths for mutant in find_mutants(root, path)]
+    random.Random(seed).shuffle(mutants)
+    return mutants[:sample]
+
+
+def copy_tree(root: Path, tree: Path) -> Path:
+    """A copy of the files under version control, as they are now."""
+    shutil.rmtree(tree, ignore_errors=True)
+    files = subprocess.run(["git", "ls-files", "-z"], cwd=root, check=True, capture_output=True, text=True).stdout
+    for path in filter(None, files.split("\0")):
+        if (root / path).is_file():
+            (tree / path).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(root / path, tree / path)
+    return tree
+
+
+def try_mutant(mutant: Mutant, reach: Reach, trees: SimpleQueue[Path], budget: float) -> dict[str, Any]:
+    """Run a mutant's tests in one of the trees, which has the mutant meanwhile."""
+    tests = list(within_budget(reach, reach.tests_of(mutant), budget))
+    tree = trees.get()
+    source = (tree / mutant.path).read_text("utf-8")
+    try:
+        while tests:
+            (tree / mutant.path).write_text(mutant.apply(source), "utf-8")
+            failed = first_failure(tree, tests, 60.0 + 4.0 * sum(reach.seconds[test] for test in tests))
+            (tree / mutant.path).write_text(source, "utf-8")
+            if failed not in tests:
+                return {
+                    "name": mutant.name,
+                    "result": "killed" if failed else "survived",
+                    "by": failed,
+                    "tests": len(tests),
+                }
+            if not first_failure(tree, [failed], 60.0 + 4.0 * reach.seconds[failed]):
+                return {"name": mutant.name, "result": "killed", "by": failed, "tests": len(tests)}
+            tests.remove(failed)  # it fails in a copy of the sources, whatever these are
+    finally:
+        (tree / mutant.path).write_text(source, "utf-8")
+        trees.put(tree)
+    return {"name": mutant.name, "result": "not reached", "by": "", "tests": 0}
+
+
+def within_budget(reach: Reach, tests: Sequence[str], budget: float) -> Iterator[str]:
+    """The first tests that take no longer in all; at least one."""
+    total = 0.0
+    for i, test in enumerate(tests):
+        total += reach.seconds[test]
+        if i and total > budget:
+            return
+        yield test
+
+
+def first_failure(tree: Path, tests: Sequence[str], timeout: float) -> str:
+    """The first of these tests that fails in a tree, or what else went wrong; empty if all pass."""
+    names = tree / "build" / "tests.txt"
+    names.parent.mkdir(exist_ok=True)
+    names.write_text("\n".join(tests))
+    path = os.pathsep.join(str(tree / part) for part in ("model", "fmu_src"))
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "--tb=no", "-p", "no:cacheprovider", f"@{names}"]
+    environment = os.environ | {"PYTHONPATH": path}
+    try:
+        done = subprocess.run(
+            command, cwd=tree, check=False, capture_output=True, text=True, timeout=timeout, env=environment
+        )
+    except subprocess.TimeoutExpired:
+        return "no end"
+    failures = re.findall(r"^(?:FAILED|ERROR) (.*?)(?: - .*)?$", done.stdout, re.M)
+    return failures[0] if failures else f"exit status {done.returncode}" if done.returncode else ""
+
+
+if __name__ == "__main__":
+    app()
