@@ -155,7 +155,7 @@ def test_the_reference_moves(block_fmu: Path) -> None:
         Recipe("Synchronizer", starts={"output_phasing": "45"}),
         Recipe("Synchronizer", interface=Interface(local=("status",))),
     ],
-    ids=["baked start value", "turned variable"],
+    ids=["baked start value", "another causality"],
 )
 def test_an_fmu_that_the_example_is_not_of_has_no_such_run(recipe: Recipe, tmp_path: Path) -> None:
     fmu = build_python(recipe, tmp_path / "Synchronizer.fmu")

@@ -167,14 +167,14 @@ master_marks = [{ label = "ramp", at = "local.ramp_begin", shown = ["syn_ramp_on
 @pytest.mark.parametrize(
     ("before", "after", "message"),
     [
-        ('scene = "axes"', "", "scene is missing"),
-        ('scene = "axes"', 'scene = "axis"', "scene = 'axis' is none of axes, belt"),
-        ('changing = ["syn_ramp_on"]', "", "changing is missing"),
-        ('label = "ramp", ', "", "label is missing"),
-        ("ramp_begin", "ramp_beginning", "at: there is no variable 'local.ramp_beginning'"),
-        ("EXECUTING", "RUNNING", "coupled: state has no member 'RUNNING'"),
-        ('"master.period"', '"master.period unless cyclic"', "master_period: there is no variable 'cyclic'"),
-        ('scene = "axes"', 'scene = "belt"', "tool is missing"),
+        ('scene = "axes"', "", "2: scene: is missing"),
+        ('scene = "axes"', 'scene = "axis"', "3: scene: 'axis' is none of axes, belt"),
+        ('changing = ["syn_ramp_on"]', "", "2: changing: is missing"),
+        ('label = "ramp", ', "", "8: label: is missing"),
+        ("ramp_begin", "ramp_start", "8: at: Synchronizer has no variable 'local.ramp_start'; do you mean"),
+        ("EXECUTING", "RUNNING", "6: coupled: 'RUNNING' is no Enumeration: it must be 0 READY,"),
+        ('"master.period"', '"master.period unless cyclic"', "4: master_period: Synchronizer has no variable"),
+        ('scene = "axes"', 'scene = "belt"', "2: tool: is missing"),
     ],
 )
 def test_a_mistake_in_a_description_is_named(
@@ -183,11 +183,12 @@ def test_a_mistake_in_a_description_is_named(
     file = tmp_path / "machine.toml"
     monkeypatch.setattr(description, "block_file", lambda *_: file)
     file.write_text(AXES)
-    assert [picture["scene"] for picture in description.pictures_of("Synchronizer")] == ["axes"]
+    block = Recipe("Synchronizer")
+    assert [picture["scene"] for picture in description.pictures_of(block)] == ["axes"]
     file.write_text(AXES.replace(before, after))
-    with pytest.raises(UserError, match=rf"machine\.toml: \[\[picture\]\]: {message}$"):
-        description.pictures_of("Synchronizer")
+    with pytest.raises(UserError, match=re.escape(f"machine.toml:{message}")):
+        description.pictures_of(block)
 
 
 def test_the_description_of_every_block_has_no_mistake(block: str) -> None:
-    description.pictures_of(block)
+    description.pictures_of(Recipe(block))
