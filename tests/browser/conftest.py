@@ -2,17 +2,30 @@
 
 import shutil
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.browser.visit import Visit
+from motionsync_fmu.pages.report.page import write_report
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
+from tests.browser.runs import run
+from tests.browser.visit import Visit, choose
+from tests.support.explored import explored
+from tests.support.fmus import Fmus
 
 SWITCHES = ["--no-sandbox", "--disable-gpu", "--force-color-profile=srgb", "--font-render-hinting=none"]
 
 Open = Callable[..., Visit]
 """Opens a page: `open_page(file, width=1100, **options)`, the options being those of a Playwright context."""
+
+OpenReport = Callable[..., Visit]
+"""Opens the report of a scenario: `open_report(name, ...)`, the rest as for `open_page`."""
+
+OpenBlock = Callable[..., Visit]
+"""Opens the page of a block: `open_block(name, scenario, ...)`, the rest as for `open_page`."""
 
 
 @pytest.fixture(scope="session")
@@ -44,3 +57,50 @@ def open_page(chromium: Any) -> Iterator[Open]:
         visit.context.close()
     assert messages == [[] for _ in visits]
     assert strange == []
+
+
+@pytest.fixture(scope="session")
+def report_file(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Writes the report of a scenario, once."""
+    folder = tmp_path_factory.mktemp("reports")
+
+    @cache
+    def write(name: str) -> Path:
+        s, recording = run(name)
+        file = folder / name.replace("/", "_") / "report.html"
+        file.parent.mkdir()
+        results = file.parent / "out.csv"
+        write_report(
+            file,
+            s,
+            recording,
+            check_expectations(s, recording),
+            compare_with_reference(s, recording),
+            s.step_size,
+            results=results,
+        )
+        return file
+
+    return write
+
+
+@pytest.fixture
+def open_report(open_page: Open, report_file: Callable[[str], Path]) -> OpenReport:
+    def opened(name: str, **options: Any) -> Visit:
+        visit = open_page(report_file(name), **options)
+        visit.page.locator(".plot .main-svg").last.wait_for()
+        return visit
+
+    return opened
+
+
+@pytest.fixture
+def open_block(open_page: Open, fmus: Fmus) -> OpenBlock:
+    def opened(name: str, scenario: str = "", width: int = 1100, **options: Any) -> Visit:
+        visit = open_page(explored(fmus, name).file, width, **options)
+        visit.page.wait_for_selector("html[data-ready]")
+        if scenario:
+            choose(visit, scenario)
+        return visit
+
+    return opened

@@ -6,7 +6,6 @@ import random
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,40 +19,15 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests import ROOT
-from tests.browser.conftest import Open
+from tests.browser.conftest import Open, OpenBlock
 from tests.browser.scenes import assert_same_scene
-from tests.browser.visit import Visit, contrast
+from tests.browser.visit import Visit, choose, contrast, settle
 from tests.support.explored import explored
 from tests.support.fmus import Fmus
 from tests.support.recordings import run_compiled
 
 TABLES_JS = Path(explore_page.__file__).with_name("tables.js")
 CUTS = "[...document.querySelectorAll('.motionsync-machine .stock')].map(e => +e.dataset.cuts)[0]"
-OpenBlock = Callable[..., Visit]
-
-
-@pytest.fixture
-def open_block(open_page: Open, fmus: Fmus) -> OpenBlock:
-    """Opens the page of a block: `open_block(name, scenario, ...)`, the rest as for `open_page`."""
-
-    def opened(name: str, scenario: str = "", width: int = 1100, **options: Any) -> Visit:
-        visit = open_page(explored(fmus, name).file, width, **options)
-        visit.page.wait_for_selector("html[data-ready]")
-        if scenario:
-            choose(visit, scenario)
-        return visit
-
-    return opened
-
-
-def choose(visit: Visit, scenario: str) -> None:
-    visit.page.get_by_label("Run", exact=True).select_option(scenario)
-    settle(visit)
-
-
-def settle(visit: Visit) -> None:
-    """Wait until what was changed has been run and drawn."""
-    visit.page.evaluate("new Promise(done => requestAnimationFrame(() => setTimeout(done, 0)))")
 
 
 def slide(visit: Visit, name: str, value: float) -> None:

@@ -2,7 +2,6 @@
 
 import random
 from collections.abc import Callable
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,12 +12,9 @@ from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.pages.style import TEMPLATES
 from motionsync_fmu.scenario.evaluate.cuts import find_cuts
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
-from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run.simulation import run_in_process
-from motionsync_fmu.scenario.scenario import Scenario
-from tests import ROOT
 from tests.browser.conftest import Open
+from tests.browser.runs import run
 from tests.browser.visit import Visit
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
@@ -28,12 +24,6 @@ HEAD = "<!doctype html><html lang=en><meta charset=utf-8><title>machine</title>"
 COLOURS = (TEMPLATES / "colours.css").read_text("utf-8")
 
 OpenRun = Callable[..., Visit]
-
-
-@cache
-def run(name: str) -> tuple[Scenario, Recording]:
-    scenario = load_scenario(ROOT / "scenarios" / name / "scenario.toml")
-    return scenario, run_in_process(scenario, scenario.step_size)
 
 
 @pytest.fixture

@@ -1,24 +1,15 @@
 """The report of a run in a browser: plots and machine show what the recording has, and share their time."""
 
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
-from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
-from motionsync_fmu.scenario.files.reader import load_scenario
-from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run.simulation import run_in_process
-from motionsync_fmu.scenario.scenario import Scenario
-from tests import ROOT
 from tests.browser.charts import ChartView
-from tests.browser.conftest import Open
-from tests.browser.visit import Visit, contrast
+from tests.browser.conftest import OpenReport
+from tests.browser.runs import run
+from tests.browser.visit import contrast
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 PIECES = "CutToLength/cyclic_orders"
@@ -33,52 +24,6 @@ ALL = (
     "Synchronizer/polynomial",
 )
 MOTION, CUTS, LANES = "Motion of the slave", "The saw and the passing marks", "States"
-
-OpenReport = Callable[..., Visit]
-
-
-@cache
-def run(name: str) -> tuple[Scenario, Recording]:
-    scenario = load_scenario(ROOT / "scenarios" / name / "scenario.toml")
-    return scenario, run_in_process(scenario, scenario.step_size)
-
-
-@pytest.fixture(scope="module")
-def report_file(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """Writes the report of a scenario, once."""
-    folder = tmp_path_factory.mktemp("reports")
-
-    @cache
-    def write(name: str) -> Path:
-        s, recording = run(name)
-        file = folder / name.replace("/", "_") / "report.html"
-        file.parent.mkdir()
-        results = file.parent / "out.csv"
-        write_report(
-            file,
-            s,
-            recording,
-            check_expectations(s, recording),
-            compare_with_reference(s, recording),
-            s.step_size,
-            results=results,
-        )
-        return file
-
-    return write
-
-
-@pytest.fixture
-def open_report(open_page: Open, report_file: Callable[[str], Path]) -> OpenReport:
-    """Opens the report of a scenario: `open_report(name, ...)`, the rest as for `open_page`."""
-
-    def opened(name: str, **options: Any) -> Visit:
-        visit = open_page(report_file(name), **options)
-        visit.page.locator(".plot .main-svg").last.wait_for()
-        return visit
-
-    return opened
-
 
 DRAWN = "new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)))"  # all that has been asked for
 

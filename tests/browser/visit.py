@@ -74,6 +74,17 @@ class Visit:
         return float(self.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))
 
 
+def choose(visit: Visit, scenario: str) -> None:
+    """Choose a scenario on the page of a block."""
+    visit.page.get_by_label("Run", exact=True).select_option(scenario)
+    settle(visit)
+
+
+def settle(visit: Visit) -> None:
+    """Wait until what was changed on the page of a block has been run and drawn."""
+    visit.page.evaluate("new Promise(done => requestAnimationFrame(() => setTimeout(done, 0)))")
+
+
 def contrast(text: str, ground: str) -> float:
     """The contrast of two colours, 1 to 21, as WCAG 2 has it."""
 

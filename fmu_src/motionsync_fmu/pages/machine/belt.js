@@ -170,7 +170,8 @@ function ownBodies(done) {
 function showMaterial(t, master, done) {
   const where = (place) => at(ratio * (master - place));
   const endless = flow > 0 ? [-GAP, width + GAP] : [width + GAP, -GAP];
-  let count = 0, named = 0;
+  const shown = [];
+  let named = 0;
   for (const {upstream, downstream, text, fill} of bodies(done)) {
     const inside = upstream === null ? downstream + flow * ratio
       : downstream === null ? upstream - flow * ratio : (upstream + downstream) / 2;
@@ -179,15 +180,16 @@ function showMaterial(t, master, done) {
     const to = downstream === null ? endless[1] : where(downstream) + shift;
     const x = Math.max(Math.min(from, to), -GAP), end = Math.min(Math.max(from, to), width + GAP);
     if (end <= x) continue;
-    pieces.use(count++, {x, width: end - x, y: SAW ? TOP : BOTTOM - 8, height: SAW ? BOTTOM - TOP : 8, fill});
+    pieces.use(shown.length, {x, width: end - x, y: SAW ? TOP : BOTTOM - 8, height: SAW ? BOTTOM - TOP : 8, fill});
+    shown.push([x, end]);
     if (text && end - x > Math.max(80, 7.5 * text.length)) {
       names.use(named++, {x: (x + end) / 2, y: (TOP + BOTTOM) / 2 + 4, text});
     }
   }
-  pieces.end(count);
+  pieces.end(shown.length);
   names.end(named);
   showKerf(t, where);
-  showGrain(master, where, done);
+  showGrain(master, where, done, shown);
   showRollers(master);
 }
 
@@ -197,14 +199,14 @@ function showKerf(t, where) {
   set(kerf, {visibility: cut ? "visible" : "hidden"});
 }
 
-/** Short lines, fixed on the material. */
-function showGrain(master, where, done) {
+/** Short lines, fixed on the material; `shown`: the ends of the bodies that are seen, in px. */
+function showGrain(master, where, done, shown) {
   const distance = GRAIN / Math.abs(length(ratio));
   const edges = [low - 0.05 * (high - low), high + 0.05 * (high - low)].map((x) => master - x / ratio).sort((a, b) => a - b);
   let count = 0;
   for (let n = Math.floor(edges[0] / distance); n * distance <= edges[1]; n++) {
-    if (done.some(({place}) => Math.abs(length(ratio * (place - n * distance))) < 9)) continue; // it would stick out
     const x = where(n * distance) + taken(n * distance, master, done), y = SAW ? TOP + 6 + (n * 7919 & 3) * 7 : BOTTOM - 4;
+    if (!shown.some(([from, to]) => from <= x - 8 && x + 8 <= to)) continue; // it would stick out
     grain.use(count++, {d: `M${(x - 7).toFixed(2)} ${y}h${SAW ? 14 : 8}`});
   }
   grain.end(count);
