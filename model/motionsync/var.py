@@ -67,9 +67,10 @@ class Role(Enum):
 
     The last ones belong to a block that records the pieces which it cuts off the master's material. The part with
     PIECES counts: it also has `skipped` and `late`. That of LAST_LENGTH describes the piece: it also has
-    `error`, `kind` (an enumeration with the member PRODUCT), `good`, `time` and `reserve`. That of MAX_MASTER_VELOCITY
-    also has the `reserve` at the present velocity. A tool measures each piece once more, from the positions of slave
-    and master while CUTTING: it is as long as the material's travel between two cuts, less KERF and LENGTH_CORRECTION.
+    `error`, `kind` (an enumeration with the members PRODUCT and MERGED), `good`, `time` and `reserve`. That of
+    MAX_MASTER_VELOCITY also has the `reserve` at the present velocity. A tool measures each piece once more, from the
+    positions of slave and master while CUTTING: it is as long as the material's travel between two cuts, less KERF and
+    LENGTH_CORRECTION.
     """
 
     TASK_CYCLE = "the length of the block's own cycles, s"

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 import psutil
@@ -30,6 +31,10 @@ def test_the_summary_counts_what_the_rows_say(motionsync: Command) -> None:
     lines = outcome.out.splitlines()
     assert lines[0] == "42 runs of Synchronizer/polynomial"
     assert [line.split()[-2:] for line in lines[1:4]] == [["1", "2.38%"], ["20", "47.62%"], ["21", "50.00%"]]
+    reasons = [line.removeprefix("  first not met in ") for line in lines if "first not met" in line]
+    unmet = Counter(text.partition(": found ")[0] for text in table(Path("out"))["first_broken"].to_pylist() if text)
+    assert unmet.total() == 20
+    assert reasons == [f"{n} run{'s' * (n > 1)}: {text}" for text, n in unmet.most_common(3)]
     assert lines[-3].startswith("42 of them now, ")
     assert lines[-2:] == [
         "rows: out",

@@ -183,6 +183,7 @@ MISTAKES = {  # the old text, the new text, the message
         "lengths: in a line each product is compared with its ordered",
     ),
     "kinds": ("tolerance = 0.05", 'kinds = ["PRODUCT"]', "kinds: in a line each product is compared with its ordered"),
+    "skipped": ("tolerance = 0.05", "skipped = 1", "skipped: 1 is not allowed: in a line no cut may be skipped"),
     "the kind": ("error = { max = 0.0 }", '"last.kind" = { max = 1 }', "last.kind: is an enumeration"),
 }
 

@@ -167,7 +167,7 @@ def test_errors_are_stems_and_the_tolerance_a_band(run: Run) -> None:
     trace = named(chart, "length error")
     assert trace["y"] == pytest.approx([0.0, 0.0, 0.05, 0.0, 1.05, 0.7])
     assert trace["marker"]["symbol"] == ["circle"] * 4 + ["triangle-up", "circle"]
-    assert trace["marker"]["color"] == ["--muted", "--ok", "--ok", "--muted", "--muted", "--bad"]
+    assert trace["marker"]["color"] == ["--muted", "--ok", "--ok", "--muted", "--bad", "--bad"]
     assert trace["customdata"][4].endswith(error_text(1504.0))
     assert trace["customdata"][5].endswith(error_text(0.7))
     times = [(end + APPROACH) / 1000.0 + CUT for end in ENDS]
@@ -239,7 +239,7 @@ def test_the_page_lists_the_pieces(run: Run, tmp_path: Path) -> None:
     figures = text[: text.index("Pieces The block reports")]
     for part in (
         "pieces 6 1 TRIM, 3 PRODUCT, 1 SAMPLE, 1 MERGED; 2 good",
-        "worst length error 0.7 mm (piece 6) of 3 products, tolerance 0.1 mm",
+        "worst length error 0.7 mm (piece 6) of 3 products, 1 merged piece not included, tolerance 0.1 mm",
         "cuts skipped or late 1 skipped",
         "least reserve of a cycle 0 % (piece 6)",
         "greatest velocity of the line 1000 mm/s above its limit for 7.01 s, most at 5 s: 1000 of 950 mm/s",
@@ -251,7 +251,17 @@ def test_the_page_lists_the_pieces(run: Run, tmp_path: Path) -> None:
         "1 TRIM 500 mm 500 mm 0 mm - 100 % 0.788603 s 2 PRODUCT 1500 mm 1500 mm 0 mm yes as reported 50 % 2.2926 s "
         "3 PRODUCT 1499.95 mm 1500 mm 0.05 mm yes as reported 40 % 3.7966 s"
     )
+    assert "5 MERGED 1500 mm 3004 mm 1504 mm no as reported 60 % " in table
     assert "6 PRODUCT 1499.3 mm 1500 mm 0.7 mm no as reported 0 % 9.3126 s" in table
+
+
+def test_a_merged_piece_without_an_ordered_length_has_no_error(run: Run, tmp_path: Path) -> None:
+    """Between marks without a spacing the block knows no ordered length, and reports the error 0."""
+    s, recording = run
+    merged = recording.values["last.kind"] == PieceKind.MERGED
+    errors = np.where(merged, 0.0, recording.values["last.error"])
+    text = words(page((s, replace(recording, values=recording.values | {"last.error": errors})), tmp_path))
+    assert "5 MERGED 3004 mm 3004 mm unknown no as reported" in text
 
 
 def test_a_length_that_is_measured_otherwise_is_shown(run: Run, tmp_path: Path) -> None:

@@ -71,8 +71,13 @@ def production_of(s: Scenario, recording: Recording) -> Production:
 
 
 def verdicts(s: Scenario, recording: Recording) -> dict[str, tuple[str, bool]]:
-    """What is found of each expectation, by its first two words."""
-    return {" ".join(c.expected.split()[:2]): (c.actual, c.passed) for c in check_expectations(s, recording)}
+    """What is found of each expectation."""
+    return {_key(c.expected): (c.actual, c.passed) for c in check_expectations(s, recording)}
+
+
+def _key(expected: str) -> str:
+    """The first two words, or what is counted."""
+    return expected.partition(" =")[0] if expected.startswith("number of") else " ".join(expected.split()[:2])
 
 
 # --- what is found ---
@@ -188,7 +193,7 @@ def test_what_was_made_is_reported_in_words(tmp_path: Path) -> None:
     assert production.worst_text == "0 mm"
     assert (production.skipped, production.late, production.missed_text) == (1, 0, "1 skipped")
     assert production.reserve_text == "20 % (piece 4)"
-    assert production.short_text == "4 pieces, worst error 0 mm, 1 skipped"
+    assert production.short_text == "4 pieces, worst error 0 mm (2 products, 1 merged piece not included), 1 skipped"
     assert production.tolerance == 0.5  # the block's own
     assert production.line
     assert production.line.greatest_text == "1000 mm/s"
@@ -201,7 +206,10 @@ def test_the_worst_product_is_reported_with_its_number(tmp_path: Path) -> None:
     s = scenario(tmp_path)
     production = production_of(s, run(s, pieces=[(P, 1500.0, 0.1), (P, 1500.0, -0.25), *FOUR[2:]]))
     assert production.worst_text == "0.25 mm (piece 2)"
-    assert production.short_text == "4 pieces, worst error 0.25 mm (piece 2), 1 skipped"
+    assert (
+        production.short_text
+        == "4 pieces, worst error 0.25 mm (piece 2) (2 products, 1 merged piece not included), 1 skipped"
+    )
 
 
 def test_a_line_that_is_too_fast_is_reported_and_a_remark_where_cuts_were_missed(tmp_path: Path) -> None:
@@ -224,8 +232,9 @@ def test_without_a_piece_there_is_little_to_show(tmp_path: Path) -> None:
     production = production_of(s, nothing)
     assert (production.pieces_text, production.worst_text, production.reserve_text) == ("no piece", "", "")
     assert production.short_text == "no piece"
-    assert verdicts(s, nothing) == {"products as": ("no piece", False)}
-    assert verdicts(scenario(tmp_path, "[cuts]\ncount = 0\n"), nothing) == {"number of": ("0", True)}
+    skipped = {"number of skipped cuts": ("0", True)}
+    assert verdicts(s, nothing) == skipped | {"products as": ("no piece", False)}
+    assert verdicts(scenario(tmp_path, "[cuts]\ncount = 0\n"), nothing) == skipped | {"number of pieces": ("0", True)}
 
 
 def test_the_outcome_shows_the_pieces(tmp_path: Path) -> None:
@@ -249,26 +258,46 @@ def test_the_console_shows_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixt
     begin = next(i for i, line in enumerate(lines) if line.startswith("made "))
     assert lines[begin : begin + 5] == [
         "made 4 pieces: 2 PRODUCT, 1 SAMPLE, 1 MERGED; 2 good",
-        "length error 0 mm 0.5 mm allowed",
+        "length error 0 mm (2 products, 1 merged piece not included) 0.5 mm allowed",
         "not on time 1 skipped",
         "reserve at least 20 % (piece 4) of a cycle",
         "line 1000 mm/s nearest to its limit at 0.21 s: 1000 of 1250 mm/s",
     ]
     print_row(outcome, 3)
-    assert "4 pieces, worst error 0 mm, 1 skipped; v " in capsys.readouterr().out
+    assert (
+        "4 pieces, worst error 0 mm (2 products, 1 merged piece not included), 1 skipped; v " in capsys.readouterr().out
+    )
 
 
 # --- how it is evaluated ---
 
 
 def test_pieces_are_evaluated_by_their_table(tmp_path: Path) -> None:
-    s = scenario(tmp_path, "[cuts]\ntolerance = 1e-9\ncount = 4\n")
+    s = scenario(tmp_path, "[cuts]\ntolerance = 1e-9\ncount = 4\nskipped = 1\n")
     result = verdicts(s, run(s))
-    assert result["number of"] == ("4", True)
+    assert result["number of pieces"] == ("4", True)
     assert result["products as"] == ("at most 0 mm off", True)
     assert result["cuts within"][1]
-    assert verdicts(scenario(tmp_path, "[cuts]\ncount = 5\n"), run(s))["number of"] == ("4", False)
-    assert check_expectations(scenario(tmp_path), run(s)) == []
+    assert verdicts(scenario(tmp_path, "[cuts]\ncount = 5\n"), run(s))["number of pieces"] == ("4", False)
+    (skipped,) = check_expectations(scenario(tmp_path), run(s))
+    assert skipped.expected == "number of skipped cuts = 0"
+
+
+def test_a_skipped_cut_is_not_as_expected_unless_the_scenario_says_so(tmp_path: Path) -> None:
+    """One cut is skipped before the fourth piece, which is merged."""
+    cases = (
+        ("", 0, False),
+        ("[cuts]\n", 0, False),
+        ("[cuts]\nskipped = 1\n", 1, True),
+        ("[cuts]\nskipped = 2\n", 2, False),
+    )
+    for table, number, passed in cases:
+        s = scenario(tmp_path, table)
+        assert verdicts(s, run(s))["number of skipped cuts"] == ("1", passed)
+        (check,) = (c for c in check_expectations(s, run(s)) if "skipped" in c.expected)
+        assert check.expected == f"number of skipped cuts = {number}"
+    s = scenario(tmp_path, "[cuts]\n")
+    assert verdicts(s, run(s, skipped_with=[]))["number of skipped cuts"] == ("0", True)
 
 
 def test_lengths_and_kinds_are_compared_one_by_one(tmp_path: Path) -> None:
@@ -320,10 +349,13 @@ def test_a_saw_that_does_not_stay_at_its_place_is_found(tmp_path: Path) -> None:
 
 
 def test_the_table_is_read(tmp_path: Path) -> None:
-    s = scenario(tmp_path, '[cuts]\ntolerance = 0.25\ncount = 2\nlengths = [5, 6.5]\nkinds = ["TRIM", "SHORT"]\n')
+    s = scenario(
+        tmp_path, '[cuts]\ntolerance = 0.25\ncount = 2\nskipped = 3\nlengths = [5, 6.5]\nkinds = ["TRIM", "SHORT"]\n'
+    )
     assert s.cuts is None
     assert s.pieces
     assert (s.pieces.tolerance, s.pieces.count, s.pieces.lengths) == (0.25, 2, (5.0, 6.5))
+    assert s.pieces.skipped == 3
     assert s.pieces.kinds == ("TRIM", "SHORT")
     plain = scenario(tmp_path, "[cuts]\n").pieces
     assert plain
@@ -347,6 +379,9 @@ def test_the_table_is_read(tmp_path: Path) -> None:
         ('kinds = ["PRODUKT"]', "kinds", ("'PRODUKT'", "PRODUCT, SAMPLE")),
         ("kinds = [1]", "kinds", ("neither a text",)),
         ("count = -1", "count", ("-1",)),
+        ("skipped = -1", "skipped", ("-1", ">= 0")),
+        ("skipped = 1.5", "skipped", ("1.5", "whole number")),
+        ("skipped = true", "skipped", ("True", "number")),
         ("tolerance = -0.1", "tolerance", ("-0.1", ">= 0")),
     ],
 )

@@ -102,6 +102,41 @@ def test_the_shortest_length_is_that_of_the_oracle(velocity: float, acceleration
     assert row["limits.min_length.last"] == pytest.approx(expected, rel=1e-9)
 
 
+TUBE = """
+title = "Tubes of 6 m"
+fmu = "CutToLength"
+stop_time = 60.0
+step_size = 0.01
+[start]
+auto_start = true
+length = 6000.0
+kerf = 3.0
+"axis.max_position" = 5000.0
+"axis.max_velocity" = 2000.0
+"axis.max_acceleration" = 4000.0
+"axis.max_deceleration" = 4000.0
+"tool.cut_time" = 1.0
+[master]
+velocity = 667.0
+[cuts]
+tolerance = 0.1
+"""
+
+
+def test_a_line_at_which_cuts_are_skipped_does_not_pass(tmp_path: Path) -> None:
+    """The scenario does not expect a number of pieces, but that none is lost.
+
+    The first cycles have the approach's reserve, so that in a minute up to 0.5 % more than the limit does no harm."""
+    file = write_scenario(TUBE, tmp_path)
+    (row,) = search_rows(file, "master.velocity=300..1990", "passed")
+    given = {name: v.start for name, v in Recipe("CutToLength").variables.items()} | load_scenario(file).start
+    limit = Saw.of(given, 1.0).max_line_velocity(6003.0)
+    assert row["holds"] == "below"
+    assert limit <= row["master.velocity"] <= 1.005 * limit
+    (run,) = search_rows(file, "master.velocity=300..1990", "skipped == 0")
+    assert run["master.velocity"] == row["master.velocity"]
+
+
 def machine(acceleration: float) -> Saw:
     """The machine of CutToLength/any_length with another limit of the acceleration, in the words of the oracle."""
     given = {name: v.start for name, v in Recipe("CutToLength").variables.items()} | load_scenario(MACHINES).start

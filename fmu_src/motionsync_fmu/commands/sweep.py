@@ -136,6 +136,8 @@ def _print_summary(totals: "Summary", plan: "SweepPlan", folder: Path, rate: _Ru
     out.print(f"{totals.runs:,} runs of {escape(scenario_name(plan.file))}")
     for name, number in totals.counts().items():
         out.print(f"  {name:24}{number:>14,}  {number / totals.runs:7.2%}")
+    for line in totals.reason_lines:
+        out.print(f"  first not met in {escape(line)}")
     if rate.runs:
         out.print(f"{rate.runs:,} of them now, {rate.runs_per_second:,.4g} runs/s")
     out.print(f"rows: {escape(str(folder))}")

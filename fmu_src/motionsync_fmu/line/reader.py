@@ -70,6 +70,8 @@ def _read_pieces(reader: BlockReader, unit: str) -> PieceSpec:
     spec, table = reader.pieces(unit), reader.top.table("cuts")
     if refused := [key for key in ("lengths", "kinds") if key in table]:
         table.fail(refused[0], "in a line each product is compared with its ordered length: give tolerance and count")
+    if spec.skipped:
+        table.fail("skipped", f"{spec.skipped} is not allowed: in a line no cut may be skipped")
     return spec
 
 

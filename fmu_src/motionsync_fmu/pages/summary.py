@@ -90,7 +90,8 @@ def _production_figures(production: Production) -> Iterator[tuple[str, str]]:
     yield "made", production.pieces_text
     if production.worst:
         allowed = engineering(production.tolerance, production.unit)
-        yield "length error", f"{production.worst_text:<22}  {allowed} allowed"
+        worst = production.worst_text + (f" ({production.products_text})" if production.merged else "")
+        yield "length error", f"{worst:<22}  {allowed} allowed"
     if production.tightest:
         yield "not on time", production.missed_text or "no cut"
         yield "reserve", f"at least {production.reserve_text} of a cycle"

@@ -48,11 +48,13 @@ class PieceSpec:
     Attributes:
         tolerance: how far a length may be off, and a cut from where the block reports it, in u.
         count: how many pieces there have to be; None: any number.
+        skipped: how many cuts have to be skipped; a run in which more or fewer are is not as expected.
         lengths: the lengths that they have to have, in u; None: a product has to have its ordered length.
         kinds: the names of the kinds that they have to be of; None: any.
     """
 
     tolerance: float
     count: int | None = None
+    skipped: int = 0
     lengths: tuple[float, ...] | None = None
     kinds: tuple[str, ...] | None = None

@@ -1,12 +1,16 @@
 """Counts the runs of a sweep by their results."""
 
-from dataclasses import asdict, dataclass
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import pyarrow.compute as pc
 
 from .table import Rows
 
-PASSED, REFUSED, LIMITS, FAULT = "passed", "refusal", "limits_broken", "fault"
+PASSED, REFUSED, LIMITS, FAULT, UNMET = "passed", "refusal", "limits_broken", "fault", "first_broken"
+SHOWN = 3  # reasons why runs are not as expected
+MOST_REASONS = 1000  # that are counted; expectations with a number that varies are different ones
 
 
 @dataclass
@@ -19,6 +23,7 @@ class Summary:
         refused: a start value or a step was refused.
         limits_broken: the slave exceeded a limit of its axis; None: the block has none.
         faults: the block showed a fault; None: it shows none.
+        reasons: the expectations that were not met, each with the number of runs in which it was the first of them.
     """
 
     runs: int = 0
@@ -27,10 +32,17 @@ class Summary:
     refused: int = 0
     limits_broken: int | None = None
     faults: int | None = None
+    reasons: dict[str, int] = field(default_factory=dict)
 
-    def as_json(self) -> dict[str, int | None]:
+    def as_json(self) -> dict[str, Any]:
         """All of it, by its names."""
         return asdict(self)
+
+    @property
+    def reason_lines(self) -> list[str]:
+        """The most frequent reasons why runs are not as expected: `18 runs: number of pieces = 6`."""
+        first = Counter(self.reasons).most_common(SHOWN)
+        return [f"{number:,} run{'s' * (number != 1)}: {reason}" for reason, number in first]
 
     def counts(self) -> dict[str, int]:
         """The numbers of runs by what happened to them, in words; without what does not apply."""
@@ -50,19 +62,29 @@ def summarize(rows: Rows) -> Summary:
     Raises:
         UserError: a part file is damaged.
     """
-    names = [name for name in (PASSED, REFUSED, LIMITS, FAULT) if name in rows.schema.names]
+    names = [name for name in (PASSED, REFUSED, LIMITS, FAULT, UNMET) if name in rows.schema.names]
     result = Summary(limits_broken=0 if LIMITS in names else None, faults=0 if FAULT in names else None)
     for batch in rows.batches(names):
         refused = pc.not_equal(batch[REFUSED], "")
         result.runs += batch.num_rows
         result.refused += _count(refused)
         result.passed += _count(batch[PASSED])
+        for reason, number in _reasons(batch[UNMET]).items():
+            if reason in result.reasons or len(result.reasons) < MOST_REASONS:
+                result.reasons[reason] = result.reasons.get(reason, 0) + number
         if result.limits_broken is not None:
             result.limits_broken += _count(pc.not_equal(batch[LIMITS], ""))
         if result.faults is not None:
             result.faults += _count(pc.not_equal(batch[FAULT], 0))
     result.unexpected = result.runs - result.passed - result.refused
     return result
+
+
+def _reasons(unmet: object) -> dict[str, int]:
+    """The expectations, without what was found, and how often each is there; without empty and missing texts."""
+    expected = pc.replace_substring_regex(unmet, pattern=": found .*", replacement="")
+    counted = pc.value_counts(expected).to_pylist()
+    return {c["values"]: c["counts"] for c in counted if c["values"]}
 
 
 def _count(true: object) -> int:

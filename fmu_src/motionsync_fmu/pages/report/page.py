@@ -25,7 +25,7 @@ from .cutting import chart_cuts
 from .lanes import Lane, chart_lanes, find_changes, find_lanes
 from .motion import chart_motion, chart_remote_errors
 from .origin import describe_fmu, origin_rows
-from .piece_charts import chart_piece_list, chart_pieces, kind_key
+from .piece_charts import chart_piece_list, chart_pieces, error_text, kind_key
 
 Settings = list[tuple[float, list[tuple[str, str]]]]
 """What is set during a run: times, each with names and values as texts."""
@@ -85,6 +85,7 @@ def write_report(
         engineering=engineering,
         kind_colour=kind_colour,
         measured=_measured,
+        error_text=error_text,
         bundle=plotly_script(),
     )
     file.write_text(text, "utf-8")

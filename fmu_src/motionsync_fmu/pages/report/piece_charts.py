@@ -57,7 +57,7 @@ def chart_piece_list(scenario: Scenario, production: Production) -> Chart:
             "width": 0.8,
             "marker": {
                 "color": kind_colour(selected[0].kind),
-                "line": {"width": 1.5, "color": [BAD if p.product and not p.good else INK for p in selected]},
+                "line": {"width": 1.5, "color": [BAD if p.bad else INK for p in selected]},
             },
             "text": [f"{p.number}<br>{engineering(p.length, digits=7)}" for p in selected],
             "textposition": "inside",
@@ -96,8 +96,14 @@ def chart_pieces(
 def _describe_piece(piece: Piece, production: Production) -> str:
     """A piece in words, shown next to the pointer."""
     length = engineering(piece.length, production.unit, digits=7)
-    error = engineering(piece.error, production.unit, scale=production.scale)
-    return f"piece {piece.number}, {escape(piece.name)}: {length}, error {error}"
+    return f"piece {piece.number}, {escape(piece.name)}: {length}, error {error_text(piece, production)}"
+
+
+def error_text(piece: Piece, production: Production) -> str:
+    """The length error: `0.25 mm`; `unknown` of a merged piece between marks, whose length was not ordered."""
+    if piece.merged and piece.error == 0.0:
+        return "unknown"
+    return engineering(piece.error, production.unit, scale=production.scale)
 
 
 # --- the material ---
@@ -270,7 +276,7 @@ def _draw_stems(chart: Chart, production: Production, most: float) -> None:
         "marker": {
             "size": 8,
             "symbol": [s if far else "circle" for s, far in zip(up, beyond, strict=True)],
-            "color": [(OK if p.good else BAD) if p.product else MUTED for p in production.pieces],
+            "color": [OK if p.good else BAD if p.bad else MUTED for p in production.pieces],
         },
         "hovertemplate": "%{customdata}<extra></extra>",
     }

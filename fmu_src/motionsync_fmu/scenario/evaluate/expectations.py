@@ -69,8 +69,9 @@ def check_expectations(scenario: Scenario, recording: Recording, results: Cuttin
     unit = unit_name(Unit.POSITION, scenario.unit)
     if scenario.cuts:
         checks += _check_cuts(scenario.cuts, results.cuts, recording, unit)
-    if scenario.pieces and results.production:
-        checks += _check_pieces(scenario.pieces, results.production)
+    if results.production:
+        checks.append(_check_skipped(scenario.pieces.skipped if scenario.pieces else 0, results.production.skipped))
+        checks += _check_pieces(scenario.pieces, results.production) if scenario.pieces else ()
     if scenario.remote:
         checks += _check_accuracy(scenario.remote, recording, unit)
     return checks
@@ -126,6 +127,11 @@ def _check_cuts(spec: CutSpec, cuts: Sequence[Cut], recording: Recording, unit: 
         distance = f"at most {engineering(worst, unit, scale=greatest_position(recording), digits=3)} away"
         expected = f"cuts within {allowed} of a mark, one mark each {length}"
         yield Check(expected, distance if cuts else "no cut", worst <= spec.tolerance)
+
+
+def _check_skipped(expected: int, skipped: int) -> Check:
+    """Whether so many cuts were skipped. Each piece of the kind MERGED lacks one at least."""
+    return Check(f"number of skipped cuts = {expected}", f"{skipped}", skipped == expected)
 
 
 def _check_pieces(spec: PieceSpec, production: Production) -> Iterator[Check]:

@@ -14,6 +14,7 @@ from ..scenario import Scenario
 from .time_series import time_series
 
 PRODUCT = "PRODUCT"  # the kind of a piece as it was ordered
+MERGED = "MERGED"  # the kind of a piece in which a cut was skipped
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,16 @@ class Piece:
     def product(self) -> bool:
         """Whether its length was ordered."""
         return self.name == PRODUCT
+
+    @property
+    def merged(self) -> bool:
+        """Whether a cut was skipped in it."""
+        return self.name == MERGED
+
+    @property
+    def bad(self) -> bool:
+        """Whether it is a product out of tolerance, or a merged piece."""
+        return self.merged or (self.product and not self.good)
 
     @property
     def gap(self) -> float | None:

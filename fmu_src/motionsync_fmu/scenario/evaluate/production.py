@@ -120,6 +120,17 @@ class Production:
         return off if exact or len(self.products) == 1 else f"{off} (piece {self.worst.number})"
 
     @property
+    def merged(self) -> int:
+        """How many pieces have a skipped cut in them."""
+        return sum(piece.merged for piece in self.pieces)
+
+    @property
+    def products_text(self) -> str:
+        """How many products there are: `1 product`, or `1 product, 6 merged pieces not included`."""
+        merged = f", {_number_of(self.merged, 'merged piece')} not included" if self.merged else ""
+        return f"{_number_of(len(self.products), 'product')}{merged}"
+
+    @property
     def missed_text(self) -> str:
         """The cuts that did not come on time: `2 skipped, 1 late`; empty if all did."""
         counts = ((self.skipped, "skipped"), (self.late, "late"))
@@ -136,7 +147,9 @@ class Production:
     def short_text(self) -> str:
         """All of it in a few words."""
         parts = [_number_of(self.cuts, "piece") if self.cuts else "no piece"]
-        parts += [f"worst error {self.worst_text}"] if self.worst else []
+        if self.worst:
+            of_products = f" ({self.products_text})" if self.merged else ""
+            parts.append(f"worst error {self.worst_text}{of_products}")
         return ", ".join([*parts, *([self.missed_text] if self.missed_text else [])])
 
     @property

@@ -240,7 +240,7 @@ class BlockReader:
                 needless[0],
                 f"is not needed: {self.block.name} itself reports where it cuts, and how long each piece is",
             )
-        table.allow_only("tolerance", "count", "lengths", "kinds")
+        table.allow_only("tolerance", "count", "skipped", "lengths", "kinds")
         if BASES[unit][0] != "m" and "tolerance" not in table:
             table.fail("tolerance", f"is missing: in {unit} there is no usual one")
         available = [str(member.name) for member in self.recipe.variables[self.piece_variables.kind].choices]
@@ -250,6 +250,7 @@ class BlockReader:
         return PieceSpec(
             table.number("tolerance", default=usual_tolerance(unit, 0.0), least=0.0),
             table.whole("count") if "count" in table else None,
+            table.whole("skipped") if "skipped" in table else 0,
             table.numbers("lengths") if "lengths" in table else None,
             kinds,
         )

@@ -18,8 +18,8 @@ COMMENTS = {
     "# master_sync_position with slave_sync_position cuts at master_sync_position - slave_sync_position / ratio.",
 }
 PIECES = (  # in place of the comment of [cuts], for a block that reports its pieces
-    "# The pieces that there have to be: count = how many, lengths = [...], kinds = [...]. What the block reports of\n"
-    "# them is compared with the positions of slave and master."
+    "# The pieces that there have to be: count = how many, lengths = [...], kinds = [...]. If cuts are meant to be\n"
+    "# skipped: skipped = how many. What the block reports is compared with the positions of slave and master."
 )
 HEAD = """\
 # A scenario of the block {name}. Lengths, speeds and times are yours to change: run it again, and look at the report.
