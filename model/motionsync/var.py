@@ -96,6 +96,7 @@ class Role(Enum):
     LENGTH_TOLERANCE = "the greatest error of a good piece's length"
     MAX_MASTER_VELOCITY = "the greatest velocity of the master at which each cut is reached"
     MASTER_REQUEST = "the velocity that the block requests of the master"
+    WARNING = "whether one of the other Booleans in its group is true: each is a warning to the operator"
 
 
 class Enumeration(IntEnum):

@@ -130,3 +130,17 @@ def test_two_axes_are_drawn_where_the_recording_has_them(open_run: OpenPage) -> 
             (first, left), (last, right) = ruler[0], ruler[-1]
             expected = left + (np.interp(t, recording.time, recorded) - first) * (right - left) / (last - first)
             assert layer.locator(".hand rect").evaluate(middle) == pytest.approx(expected, abs=0.5)
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("name", ["CutToLength/late_skip", "CutToLength/orders_spoilt_piece", CYCLIC_CUT])
+def test_no_readout_is_cut_off(open_run: OpenPage, name: str, width: int) -> None:
+    visit = open_run(name, width=width)
+    readouts = "[...document.querySelectorAll('.motionsync-machine dd')]"
+    texts = f"{readouts}.map(e => [e.textContent, e.scrollWidth - e.clientWidth])"
+    seen = []
+    for t in np.linspace(0.0, run(name)[0].stop_time, 40).tolist():
+        visit.show(t)
+        seen += visit.page.evaluate(texts)
+    assert len(seen) >= 40 * 6
+    assert [text for text, missing in seen if missing > 0] == []

@@ -15,6 +15,7 @@ from motionsync_fmu.explore.data import explored as shown
 from motionsync_fmu.explore.page import scenarios_of
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.machine.fragment import scene_data
+from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process
@@ -182,6 +183,148 @@ def test_what_the_block_refuses_is_shown_in_its_words(open_block: OpenBlock) -> 
     assert visit.page.locator("#problem").inner_text() == ""
 
 
+# --- what the saw cannot do, and what is refused ---
+
+
+def lamps(visit: Visit) -> str:
+    return str(visit.page.locator("#present").inner_text())
+
+
+def log(visit: Visit) -> str:
+    return str(visit.page.locator("#log").inner_text())
+
+
+def fill(visit: Visit, name: str, value: str) -> None:
+    """Type into a field."""
+    visit.page.get_by_label(name, exact=True).fill(value)
+    settle(visit)
+
+
+def test_a_saw_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
+    """Started at 0.2 s, at 1450 mm/s until 20 s, and a cut due each 1504 mm: 28710 / 1504 = 19.1, all are skipped."""
+    visit = open_block("CutToLength", "basic_cut")
+    assert log(visit) == "The block has logged nothing."
+    visit.page.locator("summary", has_text="The run").click()
+    fill(visit, "stop_time", "20")
+    fill(visit, "velocity", "1450")
+    visit.show(0.0)
+    assert "statistics.skipped 0" in lamps(visit)
+    assert "line_too_fast" not in lamps(visit)
+    visit.show(20.0)
+    assert "warning.any: line_too_fast, " in lamps(visit)
+    assert "statistics.skipped 19" in lamps(visit)
+    assert "statistics.late 0" in lamps(visit)
+    assert "warning.line_too_fast: the line is faster than limits.max_line_velocity" in log(visit)
+    assert "statistics.skipped: cuts left out because they could not be reached: 19 in all" in log(visit)
+    assert "nothing" not in log(visit)
+    fill(visit, "velocity", "1000")
+    assert log(visit) == "The block has logged nothing."
+
+
+def test_a_warning_leads_to_its_time(open_block: OpenBlock) -> None:
+    visit = open_block("CutToLength", "late_skip")
+    line = visit.page.get_by_role("button", name="statistics.skipped")
+    at = float(line.inner_text().split()[0])
+    line.click()
+    assert visit.time == pytest.approx(at, abs=1e-3)
+    assert "statistics.skipped 1" in lamps(visit)
+    visit.show(at - 0.02)
+    assert "statistics.skipped 0" in lamps(visit)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        (
+            "axis.max_velocity",
+            "-1",
+            "Refused at 0.000 s: axis.max_velocity = -1 is not allowed: it must be 1e-12 to 1e+12",
+        ),
+        ("kerf", "", "kerf = nothing is not allowed: it must be a number"),
+        ("stop_time", "-1", "stop_time = -1 is not allowed: it must be > 0"),
+        ("step_size", "1e-6", "step_size = 0.000001 is not allowed: it must be >= 0.000025, for at most 200000 steps"),
+        ("time of the setting, in s", "7", "time of the setting = 7 is not allowed: it must be > 0 and < 5"),
+    ],
+)
+def test_what_is_refused_is_shown_and_the_run_before_marked(
+    open_block: OpenBlock, name: str, value: str, message: str
+) -> None:
+    visit = open_block("CutToLength", "basic_cut")
+    visit.page.locator("summary", has_text="The run").click()
+    badge(visit, "same bits")
+    visit.page.get_by_role("button", name="As scenario.toml").click()
+    visit.page.wait_for_function("document.getElementById('toml').value !== ''")
+    field, stale, saved = (
+        visit.page.get_by_label(name, exact=True),
+        visit.page.locator("#stale"),
+        visit.page.locator("#download"),
+    )
+    before = field.input_value()
+    field.fill(value)
+    field.blur()
+    settle(visit)
+    assert visit.page.locator("#problem").inner_text().startswith(message)
+    assert (visit.page.locator("#badge").inner_text(), visit.page.locator("#cost").inner_text()) == ("refused", "")
+    assert visit.colours("#badge")[0] == visit.colours("#problem")[0]
+    assert stale.is_visible()
+    assert float(visit.page.locator("#plots").evaluate("e => getComputedStyle(e).opacity")) < 0.5
+    assert saved.is_hidden()
+    assert saved.get_attribute("href") is None
+    assert field.evaluate("e => getComputedStyle(e).borderColor") == visit.colours("#badge")[0]
+    visit.show(5.0)  # the run before is still whole
+    assert visit.readout("last piece") == "1500.00 mm PRODUCT"
+    field.fill(before)
+    field.blur()
+    settle(visit)
+    badge(visit, "same bits")
+    assert stale.is_hidden()
+    assert saved.is_visible()
+    assert visit.page.locator("#problem").inner_text() == ""
+
+
+def test_another_scenario_is_no_longer_refused(open_block: OpenBlock) -> None:
+    visit = open_block("CutToLength", "basic_cut")
+    fill(visit, "kerf", "-1")
+    assert visit.page.locator("#stale").is_visible()
+    choose(visit, "gap")
+    assert visit.page.locator("#stale").is_hidden()
+    badge(visit, "same bits")
+
+
+def test_the_file_follows_what_is_changed(open_block: OpenBlock) -> None:
+    visit = open_block("CutToLength", "basic_cut")
+    visit.page.get_by_role("button", name="As scenario.toml").click()
+    file, link = visit.page.locator("#toml"), visit.page.locator("#download")
+    visit.page.wait_for_function("document.getElementById('toml').value.includes('velocity = 1000.0')")
+    slide(visit, "velocity", 650.0)
+    visit.page.wait_for_function("document.getElementById('toml').value.includes('velocity = 650.0')")
+    assert link.get_attribute("href") == "data:text/plain;charset=utf-8," + str(
+        file.evaluate("e => encodeURIComponent(e.value)")
+    )
+
+
+def test_a_page_opens_with_the_example_of_its_block(open_block: OpenBlock, block: str) -> None:
+    visit = open_block(block)
+    assert visit.page.get_by_label("Run", exact=True).input_value() == "example"
+    badge(visit, "same bits")
+
+
+def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(open_block: OpenBlock) -> None:
+    """The last point before each of its three cuts: the saw of the example is almost at the line of the next one."""
+    example = shown(load_example("CutToLength"))
+    recording = run_in_process(example, example.step_size)
+    before = np.flatnonzero(np.diff(recording.values["tool.cutting"]) > 0.0)
+    visit = open_block("CutToLength")
+    line = """() => {
+      const [times, slave, other] = motionsyncExplore.plots()[0].data;
+      return Array.from(times, (t, k) => [t, slave[k], other[k]]);
+    }"""
+    rows = visit.page.evaluate(line)
+    assert [rows[k][0] for k in before] == recording.time[before].tolist()
+    assert [rows[k][2] for k in before] == pytest.approx([rows[k][1] for k in before], abs=2.0)
+    assert len(before) == 3
+
+
 # --- the run as a file ---
 
 
@@ -275,11 +418,11 @@ def test_the_machine_is_the_one_of_the_report(open_block: OpenBlock, fmus: Fmus,
     visit, page = open_block(block), explored(fmus, block)
     scene = "motionsyncExplore.scene(motionsyncExplore.run(name))"
     plain = "(_, x) => ArrayBuffer.isView(x) ? [...x] : x"
-    for scenario in map(shown, scenarios_of(block)):
+    names = [s["name"] for s in page.data["scenarios"]]
+    for name, scenario in zip(names, map(shown, scenarios_of(block)), strict=True):
         (run,) = run_compiled(scenario)
         assert run.recording
         expected = scene_data(scenario, run.recording)
-        name = page.scenario(scenario.name)["name"]
         actual = json.loads(visit.page.evaluate(f"name => JSON.stringify({scene}, {plain})", name))
         assert (expected is None) == (actual is None)  # a block without machine.toml has no picture
         if expected:

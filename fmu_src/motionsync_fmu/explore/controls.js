@@ -37,11 +37,13 @@ function sliderRange({min = -Infinity, max = Infinity, kind}, x, usual) {
  * A control of a value in `values[name]`.
  *
  * `about`: what is known of it: `label`, `description`, `kind`, `choices`, `unit`, `range`, `min`, `max`; `first`: the value
- * that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value.
+ * that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value, and when what is in a field
+ * is refused. A value of the block is refused by the block; any other number has to be above `above`, and from `min` to `max`
+ * if `strict`.
  */
 function control(about, values, name, {first, usual, changed}) {
   const label = about.label ?? name, text = newElement("span", {className: "name"}, ...breakable(label));
-  const row = newElement("div", {className: "knob", title: [about.description, about.range].filter(Boolean).join("\n")});
+  const row = newElement("div", {className: "knob", "data-name": label, title: [about.description, about.range].filter(Boolean).join("\n")});
   const show = () => row.classList.toggle("moved", values[name] !== first);
   const put = (x) => {
     values[name] = x;
@@ -50,7 +52,7 @@ function control(about, values, name, {first, usual, changed}) {
   };
   if (about.kind === "Boolean") row.append(text, tick(label, values[name], put));
   else if (about.choices?.length) row.append(text, choice(label, about.choices, values[name], put));
-  else row.append(text, ...number(about, label, {value: values[name], first, usual, put}));
+  else row.append(text, ...number(about, label, {value: values[name], first, usual, put, changed}));
   show();
   return row;
 }
@@ -75,7 +77,21 @@ function choice(label, choices, value, put) {
   return select;
 }
 
-function number(about, label, {value, first, usual, put}) {
+/** Refuse what is in a field, with a reason; "": accept it. */
+const refuse = (field, reason) => field.setCustomValidity(reason);
+
+/** Why a text is not accepted as a number; "": it is. */
+function reasonAgainst({above = -Infinity, min = -Infinity, max = Infinity, strict}, label, text) {
+  const x = Number(text), allowed = [];
+  if (text === "" || !Number.isFinite(x)) return `${label} = ${text || "nothing"} is not allowed: it must be a number`;
+  if (!(x <= above) && !(strict && (x < min || x > max))) return "";
+  if (above > -Infinity) allowed.push(`> ${above}`);
+  if (strict && min > -Infinity) allowed.push(`>= ${min}`);
+  if (strict && max < Infinity) allowed.push(`<= ${max}`);
+  return `${label} = ${x} is not allowed: it must be ${allowed.join(" and ")}`;
+}
+
+function number(about, label, {value, first, usual, put, changed}) {
   const field = newElement("input", {type: "number", step: "any", value, "aria-label": label});
   const parts = [newElement("span", {}, field, newElement("span", {className: "unit"}, about.unit ?? ""))];
   let line = null;
@@ -85,12 +101,17 @@ function number(about, label, {value, first, usual, put}) {
     line.value = value;
     line.oninput = () => {
       field.value = Number(Number(line.value).toPrecision(9));
+      refuse(field, "");
       put(Number(field.value));
     };
     parts.push(line);
   }
   field.oninput = () => {
-    if (field.value === "" || !Number.isFinite(Number(field.value))) return;
+    refuse(field, reasonAgainst(about, label, field.value));
+    if (!field.validity.valid) {
+      changed();
+      return;
+    }
     if (line) line.value = field.value;
     put(Number(field.value));
   };

@@ -2,17 +2,17 @@
 // The page: what can be changed, and what comes of it. Every change runs the whole scenario anew.
 
 const PROGRAM = "program"; // the choice of the block's own program
-const LINES = 100; // of the log, at most
-const WORDS = ["", "warning", "discarded", "error"]; // by status
 const REFRESH = 120; // ms: the table of all values is slow to draw
 
 /** The block: what the page knows of it, its variables by name, the running unit. */
 let block, variables, unit;
 /** The scenario as it was, and as it is now; the program in the editor; the sliders that it makes, by name. */
 let untouched, scenario, program = NO_PROGRAM, sliders = {};
-/** The run, that of the untouched scenario, the plots, the time that is shown. */
+/** The last run that was not refused from the beginning, that of the untouched scenario, the plots, the time that is shown. */
 let course = null, before = null, plots, now = 0;
-let asked = false, latestBadge = 0, listed = 0;
+/** Why what is chosen now is refused; "": it is not. Whether that run could not even start, and another one is shown. */
+let refusal = "", stale = false;
+let asked = false, latestBadge = 0, latestExport = 0, listed = 0;
 
 const copy = (thing) => JSON.parse(JSON.stringify(thing));
 const own = () =>
@@ -78,7 +78,7 @@ function controls() {
   const runs = [
     ["stop_time", "the end of the run"],
     ["step_size", "the step size, and the cycle of the reactions"],
-  ].map(([name, text]) => plainNumber(name, text, [scenario, untouched], name, {of: "s", slider: false}));
+  ].map(([name, text]) => plainNumber(name, text, [scenario, untouched], name, {of: "s", slider: false, above: 0}));
   $("groups").replaceChildren(
     ...group("Marks", marks),
     ...group(scenario.remote ? "The remote axis" : "The master", axisRows()),
@@ -117,7 +117,7 @@ function axisRows() {
     rows.push(plainNumber(name, "at the beginning", [axis, first], name, {of: of[name]}));
   }
   const segments = (axis.segments ?? []).flatMap((segment, i) => {
-    const both = [segment, first.segments[i]], limits = (name) => (name === "duration" ? {min: 0} : {});
+    const both = [segment, first.segments[i]], limits = (name) => (name === "duration" ? {min: 0, above: 0} : {});
     const row = (name) =>
       plainNumber(`${i + 1}: ${name}`, `of segment ${i + 1}`, both, name, {of: of[name], ...limits(name)});
     return Object.keys(segment).map(row);
@@ -129,13 +129,13 @@ function axisRows() {
   const both = [remote, untouched.remote];
   remote.rates.forEach((rate, i) => {
     const was = untouched.remote.rates[i], label = `sender's cycle${i ? ` from ${rate.at} s on` : ""}`;
-    const limits = {min: 0.99 * was.cycle, max: 1.01 * was.cycle}; // two clocks that are meant to be alike
+    const limits = {min: 0.99 * was.cycle, max: 1.01 * was.cycle, strict: true}; // two clocks that are meant to be alike
     rows.push(plainNumber(label, "", [rate, was], "cycle", {of: "s", ...limits}));
   });
   const phase = "how long before 0 the first telegram is sent, as a share of the sender's cycle";
-  rows.push(plainNumber("phase", phase, both, "phase", {min: 0, max: 0.99}));
+  rows.push(plainNumber("phase", phase, both, "phase", {min: 0, max: 0.99, strict: true}));
   const jitter = "of sending and receiving, one sigma as a share of the receiver's cycle";
-  if (block.normals[remote.seed]) rows.push(plainNumber("jitter", jitter, both, "jitter", {min: 0, max: 0.15}));
+  if (block.normals[remote.seed]) rows.push(plainNumber("jitter", jitter, both, "jitter", {min: 0, max: 0.15, strict: true}));
   return rows;
 }
 
@@ -188,11 +188,12 @@ function scripted(name) {
 
 /** A value in the step that starts at the time shown. */
 function at(name) {
-  return course?.count ? course.value(name, Math.min(place(now) + 1, course.count - 1)) : variables.get(name).start;
+  return course ? course.value(name, Math.min(place(now) + 1, course.count - 1)) : variables.get(name).start;
 }
 
 /** One more setting, at the communication point that is shown; the past stays as it is. */
 function give(name, value) {
+  if (!course) return;
   const t = course.time[Math.min(Math.max(place(now), 1), course.count - 2)];
   let setting = scenario.settings.find((s) => s.at === t);
   if (!setting) scenario.settings.push((setting = {at: t, values: {}}));
@@ -205,9 +206,12 @@ function settingRow(s) {
   const first = untouched.settings.find((other) => other.at === s.at)?.values ?? {};
   const moment = newElement("input", {type: "number", step: "any", value: s.at, "aria-label": "time of the setting, in s"});
   moment.onchange = () => {
-    const t = Number(moment.value);
-    if (t > 0 && t < scenario.stop_time) s.at = t;
-    controls();
+    const t = Number(moment.value), allowed = t > 0 && t < scenario.stop_time;
+    refuse(moment, allowed ? "" : `time of the setting = ${moment.value || "nothing"} is not allowed: it must be > 0 and < ${scenario.stop_time}`);
+    if (allowed) {
+      s.at = t;
+      controls();
+    }
     update();
   };
   const remove = newElement("button", {type: "button"}, "Remove");
@@ -255,22 +259,49 @@ function compiled(requested) {
   return (t, u, [position, velocity, acceleration]) => act(t, u, {position, velocity, acceleration});
 }
 
-function compute() {
-  $("problem").textContent = "";
+/** The run of what is chosen now.
+ *
+ * Throws: an Error with the reason, if a field holds what is no value, or the program is wrong.
+ */
+function attempt() {
+  const wrong = document.querySelector("#knobs :invalid");
+  if (wrong) throw new Error(wrong.validationMessage);
   const requested = resolved(scenario), storage = course && course !== before ? course.storage : null;
+  return run(unit, requested, {cycle: compiled(requested), normals: block.normals, storage});
+}
+
+function compute() {
+  let next = null;
+  refusal = "";
   try {
-    course = run(unit, requested, {cycle: compiled(requested), normals: block.normals, storage});
+    next = attempt();
+    if (next.refused) refusal = `Refused at ${seconds(next.time.at(-1) ?? 0)}: ${next.lines.at(-1)?.text ?? ""}`;
   } catch (error) {
-    $("problem").textContent = error.message;
-    return;
+    refusal = error.message;
   } finally {
     showSliders();
   }
-  before ??= course;
-  if (course.refused)
-    $("problem").textContent = `Refused at ${time(course.time.at(-1) ?? 0)}: ${course.lines.at(-1)?.text ?? ""}`;
-  if (course.count > 1) show();
-  showBadge();
+  stale = !(next?.count > 1);
+  if (!stale) {
+    course = next;
+    before ??= course;
+  }
+  showRefusal();
+  show(next?.lines ?? []);
+  showBadge(next);
+  showExport();
+}
+
+/** Show which value is refused and why, and that the run on the page is not of the present values. */
+function showRefusal() {
+  $("problem").textContent = refusal;
+  $("stale").hidden = !(stale && course);
+  document.body.classList.toggle("stale", stale);
+  for (const row of document.querySelectorAll(".knob")) {
+    const at = refusal.indexOf(`${row.dataset.name} = `), whole = at >= 0 && !/[\w.]/.test(refusal[at - 1] ?? " ");
+    row.classList.toggle("refused", whole);
+    for (const field of row.querySelectorAll("input, select")) field.setAttribute("aria-invalid", whole);
+  }
 }
 
 function showSliders() {
@@ -288,11 +319,12 @@ function showSliders() {
 const changed = () => program !== NO_PROGRAM || JSON.stringify(scenario) !== JSON.stringify(untouched);
 const outputs = () => block.variables.filter((v) => v.start === undefined).map((v) => v.name);
 
-/** What the run has cost, and whether its bits are those of the native FMU. */
-async function showBadge() {
-  const mine = ++latestBadge, shown = course;
-  $("cost").textContent = `${shown.count - 1} steps in ${shown.spent.toFixed(1)} ms`;
+/** What the run has cost, and whether its bits are those of the native FMU; null: it could not start. */
+async function showBadge(shown) {
+  const mine = ++latestBadge, steps = (shown?.count ?? 0) - 1;
+  $("cost").textContent = steps > 0 ? `${steps} steps in ${shown.spent.toFixed(1)} ms` : "";
   const badge = (text, kind, title = "") => Object.assign($("badge"), {textContent: text, className: kind, title});
+  if (refusal && (changed() || untouched.sha256)) return badge("refused", "bad", refusal);
   if (changed()) return badge(program === NO_PROGRAM ? "changed" : "driven by a program", "changed");
   if (!untouched.sha256) return badge("refused, as by the native FMU", "changed");
   if (!globalThis.crypto?.subtle)
@@ -307,24 +339,21 @@ async function showBadge() {
 
 // --- what comes of it ---
 
-const time = (t) => `${t.toFixed(3)} s`;
-
 /** The last communication point that is not after t. */
 const place = (t) => Math.max(bisect(course.time, t + block.runner.close, true) - 1, 0);
 
-function show() {
-  window.motionsyncMachine.load(sceneOf(course, block));
-  plots.show(course, before);
-  const lines = course.lines.slice(0, LINES).map(logLine);
-  $("log").replaceChildren(...(lines.length ? lines : [newElement("p", {className: "soft"}, "The block has logged nothing.")]));
+/** Show the last run, if there is one; `lines`: what the block has logged of a run that could not start. */
+function show(lines) {
+  if (!stale || !course) window.motionsyncMachine.load(course && sceneOf(course, block));
+  const none = stale ? "Nothing has run." : "The block has logged nothing.";
+  $("log").replaceChildren(...listOf(stale ? lines : messagesOf(course, block), none, point));
+  if (!course) {
+    $("present").replaceChildren();
+    $("all").replaceChildren();
+    return;
+  }
+  if (!stale) plots.show(course, before);
   present(Math.min(now, course.time.at(-1)));
-}
-
-function logLine({t, status, text}) {
-  const className = status > 1 ? "bad" : "";
-  const line = newElement("button", {type: "button", className}, `${time(t)}  ${WORDS[status]}: ${text}`);
-  line.onclick = () => point(t);
-  return line;
 }
 
 /** Show another time, which the machine takes over. */
@@ -336,11 +365,7 @@ function point(t) {
 function present(t) {
   now = t;
   plots.mark(t);
-  const k = place(t),
-    flags = block.variables.filter((v) => v.start === undefined && v.kind === "Boolean" && !v.name.includes("."));
-  const flag = ({name, description: title}) =>
-    course.value(name, k) ? newElement("span", {title}, newElement("b", {}, name)) : newElement("span", {title, className: "off"}, name);
-  $("present").replaceChildren(...flags.map(flag));
+  $("present").replaceChildren(...lamps(course, block, place(t)));
   for (const button of document.querySelectorAll("[data-command]"))
     button.setAttribute("aria-pressed", at(button.dataset.command) !== 0);
   if ($("values").open && performance.now() - listed > REFRESH) list();
@@ -352,6 +377,7 @@ function textOf(v, x) {
 }
 
 function list() {
+  if (!course) return;
   listed = performance.now();
   const k = place(now), part = $("filter").value.toLowerCase(), names = block.units[scenario.units];
   const cell = (text, className = "") => newElement("td", {className}, text);
@@ -383,12 +409,23 @@ async function exported() {
   return toml(file, block.name, variables, remarks);
 }
 
-async function write() {
+function write() {
   const open = $("exported").hidden;
   $("exported").hidden = !open;
   $("export").setAttribute("aria-expanded", open);
-  if (!open) return;
+  showExport();
+}
+
+/** The file of the run that is shown; a run that could not start has none. */
+async function showExport() {
+  if ($("exported").hidden) return;
+  const mine = ++latestExport;
+  $("download").removeAttribute("href");
+  $("written").hidden = stale;
+  $("unwritten").hidden = !stale;
+  if (stale) return;
   const text = await exported();
+  if (mine !== latestExport) return;
   $("toml").value = text;
   $("download").href = `data:text/plain;charset=utf-8,${encodeURIComponent(text)}`;
 }
@@ -412,13 +449,13 @@ function wire() {
   };
   $("another").onchange = () => {
     plots.renew($("another").value);
-    plots.show(course, before);
+    if (course) plots.show(course, before);
   };
   $("closer").onclick = () => zoom(0.5);
   $("wider").onclick = () => zoom(2);
   $("whole").onclick = () => plots.stretch(null);
   $("filter").oninput = $("values").ontoggle = list;
-  document.addEventListener("motionsync:time", ({detail}) => present(detail.time));
+  document.addEventListener("motionsync:time", ({detail}) => course && present(detail.time));
 }
 
 async function begin() {
@@ -439,6 +476,7 @@ async function begin() {
     run: untouchedRun,
     fingerprint: (one) => fingerprint(one, outputs()),
     scene: (one) => sceneOf(one, block),
+    plots: () => plots.drawn.map(({plot}) => plot),
   };
   document.documentElement.dataset.ready = "true";
 }

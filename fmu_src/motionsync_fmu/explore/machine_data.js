@@ -241,7 +241,7 @@ function homeOf(run, picture) {
 /** The marks of the scenario, the block's next cut, or where the products are. */
 function marksOf(run, picture, {spec, pieces, span: drawn}) {
   if (spec) return {offset: spec.offset ?? 0, length: spec.length};
-  if (picture.next_cut) return {next: nextCuts(run, picture, pieces), shown: run.heldOf(picture.next_cut_shown)};
+  if (picture.next_cut) return {next: run.held(nextCuts(run, picture, pieces)), shown: run.heldOf(picture.next_cut_shown)};
   return picture.product_distance ? {places: productsOf(run, picture, drawn)} : null;
 }
 
@@ -288,33 +288,34 @@ function piecesOf(run) {
   return pieces;
 }
 
-/** Where the next cut is due: in the turn in which it is made, or else in that of the master. */
+/** Where the next cut is due at each point, 0 where it is not determined: in the turn in which it is made, or else in that of
+ * the master. */
 function nextCuts(run, picture, pieces) {
   const period = run.start("master.period"),
     determined = run.values(picture.next_cut_shown),
     reported = pieces.map((piece) => piece.reported);
-  const places = run.values(picture.next_cut).map((place, k) => {
+  return run.values(picture.next_cut).map((place, k) => {
     if (!determined[k] || !period) return determined[k] ? place : 0;
     const near = pieces[bisect(reported, run.time[k], true)]?.end ?? run.master[k];
     return place + period * Math.round((near - place) / period);
   });
-  return run.held(places);
 }
 
 /** The carriage and its window, `length` being that of the pieces that are cut. */
 function carriage(run, down, ratio, length) {
   const positions = run.values("slave.position"), {roles} = run.block;
   let low = least(positions), high = greatest(positions);
-  const reach = Math.max(high - low, LEAST * span(run.master), 1e-6 * Math.max(Math.abs(low), Math.abs(high), 1));
-  const end = (name, nearest) => name && Math.abs(run.start(name) - nearest) <= REACH * reach ? run.start(name) : null;
-  const ends = [end(roles.MIN_POSITION, low), end(roles.MAX_POSITION, high)],
+  const travel = span(run.master), places = [roles.MIN_POSITION, roles.MAX_POSITION].map((name) => (name ? run.start(name) : Infinity));
+  const stroke = furthest(places.map((end) => end - low)), isAtRest = high - low < LEAST * travel;
+  const reach = isAtRest && stroke < travel ? stroke : Math.max(high - low, LEAST * travel, 1e-6 * Math.max(Math.abs(low), Math.abs(high), 1));
+  const ends = places.map((end, i) => (Math.abs(end - [low, high][i]) <= REACH * reach ? end : null)),
     shown = ends.filter((place) => place !== null);
   low = Math.min(low, ...shown, high - reach);
   high = Math.max(high, ...shown, low + reach);
   const margin = BELT_MARGIN * (high - low), outfeed = Math.min(Math.abs(ratio) * length, OUTFEED * (high - low));
   const flowsDown = ratio * (run.master.at(-1) - run.master[0]) < 0;
   const window = [low - margin - (flowsDown ? outfeed : 0), high + margin + (flowsDown ? 0 : outfeed)];
-  const fastest = furthest(run.values("slave.velocity"));
+  const fastest = Math.max(furthest(run.values("slave.velocity")), Math.abs(ratio) * furthest(run.course.axis(1)));
   return {
     ...run.axes(positions, window[1] - window[0]),
     scene: "belt",

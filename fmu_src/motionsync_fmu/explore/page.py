@@ -16,6 +16,7 @@ from ..native.unit_sources import c_names, c_sources
 from ..native.wasm.component import core_module
 from ..pages.machine.fragment import live_machine
 from ..pages.style import load_template
+from ..scenario.files.example import load_example
 from ..scenario.files.reader import load_scenario
 from ..scenario.files.shipped import find_files
 from ..scenario.scenario import Scenario
@@ -33,13 +34,14 @@ SCRIPTS = (
     "programs.js",
     "controls.js",
     "plots.js",
+    "messages.js",
     "explore.js",
 )
 
 
 def scenarios_of(name: str) -> list[Scenario]:
-    """The scenarios of a block that come with motionsync."""
-    return [load_scenario(file) for file in find_files(Path(name))]
+    """The scenarios of a block that come with motionsync, its example first."""
+    return [load_example(name), *(load_scenario(file) for file in find_files(Path(name)))]
 
 
 def write_page(

@@ -58,9 +58,9 @@ function positions(course, block) {
     const {length, offset = 0, ratio = 1} = cuts, first = Math.ceil(low / ratio / length);
     return Array.from(master, (m) => near(ratio * (modulo(m - offset - first * length, length) + first * length)));
   }
-  const {next_cut, next_cut_shown} = block.pictures[0] ?? {};
-  if (next_cut) {
-    const determined = course.column(next_cut_shown), place = course.column(next_cut);
+  const [picture] = block.pictures;
+  if (picture?.next_cut) {
+    const run = new Run(course, block), place = nextCuts(run, picture, piecesOf(run)), determined = course.column(picture.next_cut_shown);
     const factor = course.column(block.piece_variables.coupling_factor);
     return Array.from(master, (m, k) => (determined[k] ? near((factor[k] || 1) * (m - place[k])) : null));
   }

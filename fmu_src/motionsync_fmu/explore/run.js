@@ -67,7 +67,7 @@ class Course {
     this.count = memory.integer("Run", tables.run, "count");
     this.columns = columns;
     const size = (5 + columns.size) * this.count;
-    this.storage = storage?.length >= size ? storage : new Float64Array(size);
+    this.storage = this.count > 1 && storage?.length >= size ? storage : new Float64Array(size); // else that run is still shown
     const copy = (column, source, width = 1) =>
       this.storage.set(memory.reals(first + 8 * source, width * this.count), column * this.count);
     copy(0, 0);
@@ -103,8 +103,8 @@ class Course {
  */
 function run(unit, scenario, {cycle = null, normals = {}, storage = null} = {}) {
   const {step_size: h, stop_time: stop} = scenario;
-  if (!(h > 0 && stop > 0 && stop / h <= MOST_STEPS)) {
-    throw new Error(`step size = ${h} s is not allowed: a run up to ${stop} s has 1 to ${MOST_STEPS} steps`);
+  if (!(stop / h <= MOST_STEPS)) {
+    throw new Error(`step_size = ${h} is not allowed: it must be >= ${stop / MOST_STEPS}, for at most ${MOST_STEPS} steps up to ${stop} s`);
   }
   const begin = performance.now();
   const {position, velocity} = scenario.axis;

@@ -126,7 +126,7 @@ class MachineLimits:
 class Warnings:
     """What the machine's operator should know."""
 
-    any: bool = var.output(False, "one of the warnings is present")
+    any: bool = var.output(False, "one of the warnings is present", role=Role.WARNING)
     line_too_fast: bool = var.output(False, "the line is faster than limits.max_line_velocity")
     limit_exceeded: bool = var.output(False, "the setpoint exceeds a limit or an end position of the axis")
     orders_too_fast: bool = var.local(False, "the line is faster than limits.max_line_velocity_orders")

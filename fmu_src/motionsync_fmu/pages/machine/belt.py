@@ -108,8 +108,12 @@ def _carriage(run: Run, down: Any, ratio: float, length: float = 0.0) -> dict[st
     """The carriage and its window, `length` being that of the pieces that are cut, in units of the master."""
     positions, master = run.values("slave.position"), run.recording.master[:, 0]
     low, high = float(positions.min()), float(positions.max())
-    reach = max(high - low, LEAST * float(np.ptp(master)), 1e-6 * max(abs(low), abs(high), 1.0))
-    ends = [_end(run, Role.MIN_POSITION, low, reach), _end(run, Role.MAX_POSITION, high, reach)]
+    travel = float(np.ptp(master))
+    reach = max(high - low, LEAST * travel, 1e-6 * max(abs(low), abs(high), 1.0))
+    places = [_end(run, Role.MIN_POSITION), _end(run, Role.MAX_POSITION)]
+    if high - low < LEAST * travel and (stroke := max(abs(end - low) for end in places)) < travel:
+        reach = stroke  # the carriage is at rest: there is no other length to show
+    ends = [end if abs(end - near) <= REACH * reach else None for end, near in zip(places, (low, high), strict=True)]
     low = min(low, *(e for e in ends if e is not None), high - reach)
     high = max(high, *(e for e in ends if e is not None), low + reach)
     margin = MARGIN * (high - low)
@@ -122,15 +126,16 @@ def _carriage(run: Run, down: Any, ratio: float, length: float = 0.0) -> dict[st
         "window": window,
         "ends": ends,
         "down": held(run.recording.time, down.astype(float)),
-        "fastest": float(np.abs(run.values("slave.velocity")).max()),
+        "fastest": float(
+            max(np.abs(run.values("slave.velocity")).max(), np.abs(ratio * run.recording.master[:, 1]).max())
+        ),
     }
 
 
-def _end(run: Run, role: Role, nearest: float, reach: float) -> float | None:
-    """An end position, if there is one and the carriage comes near it."""
+def _end(run: Run, role: Role) -> float:
+    """An end position; infinite for a block that has none."""
     variable = find_by_role(run.scenario.recipe.variables.values(), role)
-    position = run.start(variable.name) if variable else np.inf
-    return position if abs(position - nearest) <= REACH * reach else None
+    return run.start(variable.name) if variable else np.inf
 
 
 def _zone(positions: Reals, down: Any) -> list[float] | None:
