@@ -15,7 +15,7 @@ from ..numbers import rounded
 Signal = dict[str, list[float]]
 """The columns of a signal, as JSON has them: `t`, s, and `x`, u; of a smooth one also `v`, u/s."""
 
-MOST_KNOTS = 4000  # of a smooth signal; with more of them the tolerance is doubled
+MOST_KNOTS = 8000  # of a smooth signal; with more of them the tolerance is doubled
 MOST_HELD = 6000  # of a held signal; with more of them only every n-th remains
 CORNER = 0.25  # of a step's change of velocity: so far is its mean velocity from that of both ends, and more
 ROUNDED = 0.98  # of the tolerance; the rest is for the rounding of the knots
@@ -25,7 +25,8 @@ DIGITS = 9  # of slopes, and of held values; times are exact, so that each point
 def smooth(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple[Signal, float]:
     """A smooth signal, and how far it is at most from the values at their times.
 
-    A step whose slopes do not fit its values, as that in which a velocity jumps, becomes a straight line.
+    A stretch that one cubic misses is halved. A step whose slopes do not fit its values, as that in which a velocity
+    jumps, becomes a straight line.
 
     Args:
         time: in s, shape (points,), increasing.
@@ -33,53 +34,56 @@ def smooth(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple
         slopes: in u/s, shape (points,).
         tolerance: how far the signal may be from the values, in u; it is doubled until the signal is short enough.
     """
+    steps = np.diff(time)
+    jumps = np.abs(np.diff(values) - steps * 0.5 * (slopes[:-1] + slopes[1:]))
+    jumps[jumps <= CORNER * steps * np.abs(np.diff(slopes))] = 0.0
+    last, error, before = _halved(time, values, slopes, jumps, ROUNDED * tolerance)
     while True:
-        points, straight = _choose_points(time, values, slopes, tolerance)
-        if len(points) <= MOST_KNOTS:
-            return _signal(time, values, slopes, (points, straight), tolerance), tolerance
+        limit = ROUNDED * tolerance
+        chosen = (error <= limit) & (before > limit)
+        if np.count_nonzero(chosen) < MOST_KNOTS:
+            points = [0, *np.sort(last[chosen]).tolist()]
+            return _signal(time, values, slopes, (points, jumps > limit), tolerance), tolerance
         tolerance *= 2.0
 
 
-def _choose_points(time: Reals, values: Reals, slopes: Reals, tolerance: float) -> tuple[list[int], NDArray[np.bool_]]:
-    """The points that become knots, up to one too many of them, and for each step whether it is a straight line."""
-    steps, means = np.diff(time), 0.5 * (slopes[:-1] + slopes[1:])
-    missed = np.abs(np.diff(values) - steps * means)
-    straight = (missed > tolerance) & (missed > CORNER * steps * np.abs(np.diff(slopes)))
-    borders = np.append(np.flatnonzero(straight), len(time) - 1)
-    points = [0]
-    while points[-1] < len(time) - 1 and len(points) <= MOST_KNOTS:
-        first = points[-1]
-        limit = int(borders[np.searchsorted(borders, first)])
-        points.append(first + 1 if limit == first else _farthest(time, values, slopes, (first, limit), tolerance))
-    return points, straight
+Stretches = tuple[NDArray[np.intp], Reals, Reals]
+"""Stretches of a signal, shape (stretches,): the numbers of their last points; how far their cubics miss it; the
+least miss of the stretches of which they are halves."""
 
 
-def _farthest(time: Reals, values: Reals, slopes: Reals, ends: tuple[int, int], tolerance: float) -> int:
-    """The last point of the longest cubic found that starts at the first of these two points and passes all between."""
-    first, limit = ends
-    fitting, step = first + 1, 2
-    while fitting < limit and _fits(time, values, slopes, (first, min(first + step, limit)), tolerance):
-        fitting = min(first + step, limit)
-        step *= 2
-    bad = min(first + step, limit)
-    while bad - fitting > 1:
-        middle = (fitting + bad) // 2
-        if _fits(time, values, slopes, (first, middle), tolerance):
-            fitting = middle
-        else:
-            bad = middle
-    return fitting
+def _halved(time: Reals, values: Reals, slopes: Reals, jumps: Reals, limit: float) -> Stretches:
+    """The whole signal, and the halves of all stretches that miss it by more than `limit`, in u; see `smooth`."""
+    first, last, before = np.array([0]), np.array([len(time) - 1]), np.array([np.inf])
+    levels: list[Stretches] = []
+    while len(first):
+        error = _misses(time, values, slopes, jumps, first, last)
+        levels.append((last, error, before))
+        split = error > limit
+        before = np.repeat(np.minimum(before[split], error[split]), 2)
+        first, last = first[split], last[split]
+        middle = (first + last) // 2
+        first, last = np.column_stack([first, middle]).ravel(), np.column_stack([middle, last]).ravel()
+    lasts, errors, befores = (np.concatenate(column) for column in zip(*levels, strict=True))
+    return lasts, errors, befores
 
 
-def _fits(time: Reals, values: Reals, slopes: Reals, ends: tuple[int, int], tolerance: float) -> bool:
-    first, last = ends
-    inner = slice(first + 1, last)
-    h = time[last] - time[first]
-    u = (time[inner] - time[first]) / h
+def _misses(
+    time: Reals, values: Reals, slopes: Reals, jumps: Reals, first: NDArray[np.intp], last: NDArray[np.intp]
+) -> Reals:
+    """How far the cubic of each stretch misses a point or a jump in it, in u; a single step misses nothing."""
+    counts = last - first
+    begins = np.cumsum(counts) - counts
+    of = np.repeat(np.arange(len(first)), counts)
+    i = np.arange(len(of)) - begins[of] + first[of]
+    h = (time[last] - time[first])[of]
+    a, b = first[of], last[of]
+    u = (time[i] - time[a]) / h
     w = 1.0 - u
-    cubic = w * w * ((1.0 + 2.0 * u) * values[first] + u * h * slopes[first])
-    cubic += u * u * ((1.0 + 2.0 * w) * values[last] - w * h * slopes[last])
-    return bool(np.all(np.abs(cubic - values[inner]) <= ROUNDED * tolerance))
+    cubic = w * w * ((1.0 + 2.0 * u) * values[a] + u * h * slopes[a])
+    cubic += u * u * ((1.0 + 2.0 * w) * values[b] - w * h * slopes[b])
+    missed = np.maximum.reduceat(np.maximum(np.abs(cubic - values[i]), jumps[i]), begins)
+    return np.asarray(np.where(counts > 1, missed, 0.0))
 
 
 def _signal(
