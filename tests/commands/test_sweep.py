@@ -13,9 +13,11 @@ import psutil
 import pyarrow.parquet as pq
 import pytest
 
+from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.sweep import worker_pool
 from tests import ROOT
 from tests.support.command_line import Command, assert_one_line
+from tests.support.workshop import scenario
 from tests.sweep.test_execution import contents, table
 
 SCENARIO = "Synchronizer/polynomial"  # a stop and a start at 90 deg/s; its expectations hold at that velocity alone
@@ -63,6 +65,22 @@ def test_what_is_there_is_reported_and_not_done_again(motionsync: Command) -> No
     assert "now" not in outcome.out
     other = motionsync("sweep", SCENARIO, "--set", "master.velocity=80:100:11", "--output", "out")
     assert_one_line(other, "out has another sweep: master.velocity is 80:100:11, not 80:100:21")
+
+
+@pytest.mark.parametrize("output", ["out", "."])
+def test_a_sweep_of_the_scenario_in_this_folder_goes_on_and_is_no_second_scenario(
+    motionsync: Command, output: str
+) -> None:
+    scenario(".")
+    own_file = Path("scenario.toml").read_bytes()
+    sweep = ("sweep", ".", "--set", "output_phasing=9:11:3", "--workers", "1", "--chunk", "2", "--json")
+    assert json.loads(motionsync(*sweep, "--output", output).out)["now"] == 3
+    assert Path("scenario.toml").read_bytes() == own_file
+    (Path(output) / "part-000001.parquet").unlink()
+    outcome = motionsync(*sweep, "--output", output)
+    assert (outcome.status, outcome.err) == (0, "")
+    assert json.loads(outcome.out)["now"] == 1
+    assert find_files(Path()) == [Path("scenario.toml")]
 
 
 @pytest.mark.parametrize(

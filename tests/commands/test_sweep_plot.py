@@ -268,7 +268,7 @@ def test_a_changed_scenario_is_repeated_from_the_copy(tmp_path: Path, motionsync
     (tmp_path / "sweep").mkdir()
     plan.write(tmp_path / "sweep")
     example_plans.write(tmp_path / "sweep", example_plans.rows(plan), 500)
-    for file in (own_file.parent, tmp_path / "sweep" / "scenario.toml"):
+    for file in (own_file.parent, tmp_path / "sweep" / "swept_scenario.toml"):
         assert motionsync("sweep-plot", "sweep", "--x", V, "--y", LENGTH).status == 0
         page = (tmp_path / "sweep" / "plot.html").read_text("utf-8")
         assert data(page)["command"] == f"motionsync run {file}"

@@ -216,7 +216,7 @@ def test_a_written_plan_is_read_back(tmp_path: Path) -> None:
         compute_guid(Recipe("FlyingSaw")),
     )
     assert same(result.values(0, 10), plan.values(0, 10))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["plan.toml", "scenario.toml"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["plan.toml", "swept_scenario.toml"]
 
 
 def test_a_damaged_plan_is_reported(tmp_path: Path) -> None:
@@ -235,7 +235,7 @@ def test_a_damaged_plan_is_reported(tmp_path: Path) -> None:
         with pytest.raises(UserError, match=message):
             SweepPlan.read(tmp_path)
     (tmp_path / "plan.toml").write_text(text)
-    (tmp_path / "scenario.toml").write_text("fmu = 5")
+    (tmp_path / "swept_scenario.toml").write_text("fmu = 5")
     with pytest.raises(UserError, match=r"scenario\.toml beside the plan has changed"):
         SweepPlan.read(tmp_path)
 

@@ -30,7 +30,7 @@ from .samples import Method, Samples, sampler
 from .scenario_variation import ScenarioVariation, Target
 
 FILE = "plan.toml"
-SCENARIO = "scenario.toml"  # beside it: the scenario's file as it was
+SCENARIO = "swept_scenario.toml"  # beside it: the scenario's file as it was; no search for scenarios finds this name
 KEYS = ("motionsync", "guid", "scenario", "sha256", "samples", "method", "seed", "sampler", "chunk", "set", "measures")
 SEARCH = "search"  # the table of a plan whose sweep is one round of a search
 MOST_RUNS = 10**9  # that need no confirmation
@@ -43,7 +43,7 @@ WORDS = {  # for the description of a difference
     "measures": "--measure",
 }
 PROBES = 8  # runs whose values are tried before a sweep
-HEAD = "# The plan of a sweep; scenario.toml beside it is the scenario's file as it was. Written by motionsync.\n"
+HEAD = "# The plan of a sweep; swept_scenario.toml beside it is the scenario's file as it was. Written by motionsync.\n"
 
 
 class SamplingOptions(TypedDict, total=False):
