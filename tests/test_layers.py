@@ -20,8 +20,8 @@ SHARED = {"errors", "paths", "optional_dependencies", "__init__", "model"}  # ev
 RUN = {"scenario", "scenario.run"}
 SCENARIO = RUN | {"scenario.files", "scenario.evaluate"}
 TOOL = {
-    "cli": {"commands", "pages"},
-    "commands": {"build", "explore", "export", "interface", "line", "pages", "plan", "sweep", *SCENARIO},
+    "cli": {"commands"},
+    "commands": {"build", "explore", "export", "interface", "line", "native", "pages", "plan", "sweep", *SCENARIO},
     "explore": {"batch", "build", "interface", "native", "pages", "scenario", "scenario.run", "scenario.files"},
     "line": {"build", "interface", "pages", *SCENARIO},
     "sweep": {"batch", "build", "interface", "pages", *SCENARIO},

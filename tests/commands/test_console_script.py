@@ -1,6 +1,7 @@
 """The console script: help, version, wrong usage, exit status and streams."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -10,13 +11,15 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from motionsync_fmu import __version__, cli
+from motionsync_fmu import __version__
+from motionsync_fmu.commands import app as command_line
+from motionsync_fmu.pages.console import PlainConsole
 from motionsync_fmu.scenario.files.shipped import LINE_FILES, SCENARIO_FILE, find_files
 from tests import ROOT
 from tests.support.command_line import Command, assert_one_line
 from tests.support.workshop import STOP, process, scenario, without_progress
 
-COMMANDS = tuple(cli.COMMANDS)
+COMMANDS = tuple(command_line.COMMANDS)
 
 
 def test_an_unknown_command_is_one_line(motionsync: Command) -> None:
@@ -25,7 +28,7 @@ def test_an_unknown_command_is_one_line(motionsync: Command) -> None:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_help_of_each_command_has_an_example_that_works(command: str) -> None:
-    text = CliRunner().invoke(cli.app, [command, "--help"]).output
+    text = CliRunner().invoke(command_line.app, [command, "--help"]).output
     _, _, examples = text.partition("Example")
     assert f"motionsync {command}" in examples
     for name in re.findall(r"motionsync (?:run|line) ([^-\s]\S*)", examples.partition("Options:")[0]):
@@ -33,7 +36,7 @@ def test_the_help_of_each_command_has_an_example_that_works(command: str) -> Non
 
 
 def test_help_lists_the_commands() -> None:
-    text = CliRunner().invoke(cli.app, ["--help"]).output
+    text = CliRunner().invoke(command_line.app, ["--help"]).output
     for command in COMMANDS:
         assert re.search(rf"^ +{command} .*\.$", text, re.MULTILINE)
     assert "..." not in text.partition("Commands:")[2]
@@ -96,3 +99,43 @@ def test_the_version_is_printed(motionsync: Command) -> None:
 def test_without_arguments_the_help_is_shown(tmp_path: Path) -> None:
     outcome = process(tmp_path)
     assert "Commands:" in outcome.out + outcome.err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
+@pytest.mark.parametrize("command", [("run", "--set", "rest_value=20"), ("sweep", "--set", "rest_value=1:2:2")])
+def test_a_folder_whose_name_is_no_text_is_one_line(built: Path, command: tuple[str, ...], motionsync: Command) -> None:
+    folder = os.fsdecode(b"latin\xe9")
+    scenario(folder)
+    shutil.copytree(built, "build")
+    name, *options = command
+    outcome = motionsync(name, folder, *options, "--output", "out")
+    assert_one_line(outcome, r"latin\udce9", "is no text in UTF-8")
+
+
+HOSTILE = "A \x1b[31mred\x1b[0m \x00 \u202e\u2028 stop °"
+SHOWN = r"A \x1b[31mred\x1b[0m \x00 \u202e\u2028 stop °"
+
+
+def test_characters_that_command_a_terminal_are_shown_as_escapes(
+    motionsync: Command, built: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(built, "build")
+    title = HOSTILE.encode("unicode_escape").decode().replace("\\x", "\\u00")
+    scenario("esc\x1b[2J", STOP.replace("A stop", title))
+    outcome = motionsync("run", "esc\x1b[2J", "--no-report")
+    assert (outcome.status, outcome.err) == (0, "")
+    assert SHOWN in outcome.out
+    assert r"(esc\x1b[2J)" in outcome.out
+    assert_one_line(motionsync("run", "no\x1b\u202eway"), r"no\x1b\u202eway")
+    terminal = PlainConsole(force_terminal=True, color_system="standard", highlight=False)
+    terminal.print(f"[red]{HOSTILE}[/]")
+    assert capsys.readouterr().out == f"\x1b[31m{SHOWN}\x1b[0m\n"  # its own colours remain
+
+
+def test_a_long_value_is_shortened_in_a_message(motionsync: Command) -> None:
+    outcome = motionsync("run", "x", "--set", "A" * 200_000)
+    assert_one_line(outcome, "--set AAAA", "AAAA: write NAME=VALUE, as in: --set master.velocity=500")
+    assert len(outcome.err) < 400
+    outcome = motionsync("run", "x", "--set", "A " * 100_000)
+    assert_one_line(outcome, "--set A A", "A : write NAME=VALUE, as in: --set master.velocity=500")
+    assert len(outcome.err) < 8000

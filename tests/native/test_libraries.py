@@ -288,6 +288,15 @@ def test_a_failing_compiler_is_reported_with_the_remedy(monkeypatch: pytest.Monk
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="zig loops below /proc, which other systems do not have")
+def test_a_cache_that_zig_tries_to_make_for_ever_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(libraries, "CACHE_TIME", 2.0)
+    monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", "/proc/motionsync")
+    with pytest.raises(UserError, match=r"^zig cannot make its cache: .*ZIG_GLOBAL_CACHE_DIR.* not ended after 2 s$"):
+        build(RECIPE, tmp_path / "Synchronizer.fmu")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_slow_compilation_is_reported_target_by_target(monkeypatch: pytest.MonkeyPatch) -> None:
     messages: list[str] = []
     monkeypatch.setattr(libraries, "PATIENCE", 0.0)

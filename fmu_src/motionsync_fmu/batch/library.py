@@ -4,10 +4,8 @@ zig compiles it, as it compiles the library in an FMU, if it is installed (the e
 own C compiler does. The libraries of the project's own blocks are stored in the user's cache, so that the next
 process only loads them; of several processes that start at the same time one compiles, and the others wait for it."""
 
-import os
 import platform
 import shutil
-import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -29,6 +27,7 @@ from ..compiler.translator import c_source
 from ..errors import UserError
 from ..interface.fingerprint import Files, digest
 from ..interface.recipe import Fmi
+from ..native.compiler_process import run_compiler
 from ..native.platforms import host_platform
 from ..optional_dependencies import how_to_install
 from .loop_plan import Cause
@@ -95,9 +94,10 @@ def _compile_into_cache(block_type: type[Any], prefix: str) -> CDLL:
         for old in folder.glob(f"{name}-*{SUFFIX}"):
             with suppress(OSError):  # another process has loaded it, on Windows
                 old.unlink()
-        part = folder / f"{name}.{os.getpid()}.part"
-        part.write_bytes(contents)
-        return CDLL(str(part.replace(folder / _file_name(prefix, contents))))
+        target = folder / _file_name(prefix, contents)
+        with paths.replace_file(target) as part:
+            part.write_bytes(contents)
+        return CDLL(str(target))
     return _load(contents)
 
 
@@ -172,7 +172,7 @@ def _compile_with_zig(work: Path) -> bytes:
 
 def _compile_with_machine_compiler(work: Path) -> bytes:
     command = [_compiler(), *FLAGS.split(), *(file.name for file in work.glob("*.c")), "-lm", "-o", f"block{SUFFIX}"]
-    process = subprocess.run(command, cwd=work, capture_output=True, text=True, errors="replace", check=False)
+    process = run_compiler(command, work)
     if process.returncode:
         raise UserError(f"{command[0]} could not compile a batch:\n{process.stderr.strip()[-2000:]}")
     return (work / f"block{SUFFIX}").read_bytes()

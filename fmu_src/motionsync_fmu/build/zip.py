@@ -1,6 +1,5 @@
 """Zip files that are the same for every build."""
 
-import os
 import struct
 import time
 import zlib
@@ -10,6 +9,7 @@ from deflate import deflate_compress
 
 from ..interface.build_time import FIRST_INSTANT, build_time
 from ..interface.fingerprint import Files
+from ..paths import replace_file
 
 SMALLEST = 12  # libdeflate's level
 
@@ -25,10 +25,9 @@ def write_zip(target: Path, files: Files) -> Path:
     Without such a time each file has the first that a zip file can hold. The zip file appears at `target` only when it
     is complete."""
     whole = zip_bytes(files, time.gmtime(build_time() or FIRST_INSTANT))
-    target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_suffix(f".{os.getpid()}.part")
-    part.write_bytes(whole)
-    return part.replace(target)
+    with replace_file(target) as part:
+        part.write_bytes(whole)
+    return target
 
 
 def zip_bytes(files: Files, stamp: time.struct_time) -> bytes:

@@ -10,6 +10,7 @@ from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, resolve_name
 from ..pages.console import out
+from ..paths import replace_file
 from ..scenario.files.shipped import SCENARIO_FILE
 
 
@@ -29,8 +30,8 @@ def new(
     if file.exists():
         raise UserError(f"{file} exists: name another folder")
     text = make_template(name)
-    folder.mkdir(parents=True, exist_ok=True)
-    file.write_text(text, "utf-8")
+    with replace_file(file) as part:
+        part.write_text(text, "utf-8")
     out.print(f"written: {escape(str(file))}")
     out.print(f"run it:  motionsync run {escape(str(folder))} --open")
     out.print(f"names:   motionsync describe {name}")

@@ -16,6 +16,7 @@ from ..native.unit_sources import c_names, c_sources
 from ..native.wasm.component import core_module
 from ..pages.machine.fragment import live_machine
 from ..pages.style import load_template
+from ..paths import replace_file
 from ..scenario.files.example import load_example
 from ..scenario.files.reader import load_scenario
 from ..scenario.files.shipped import find_files
@@ -72,8 +73,8 @@ def write_page(
         bundle=Markup(_text(VENDOR / "uPlot.iife.min.js")),
         scripts=Markup("\n".join(_text(FOLDER / script) for script in SCRIPTS)),
     )
-    target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_bytes(page.encode())
+    with replace_file(target) as part:
+        part.write_bytes(page.encode())
 
 
 def _compile(recipe: Recipe) -> bytes:

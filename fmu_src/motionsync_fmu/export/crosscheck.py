@@ -22,6 +22,7 @@ from ..interface.fingerprint import Files
 from ..interface.recipe import Recipe
 from ..native.platforms import ROWS, Platform
 from ..pages.style import load_template
+from ..paths import replace_files
 from ..scenario.evaluate.reference_comparison import read_reference
 from ..scenario.evaluate.reference_files import csv_text, inputs_csv, options_text
 from ..scenario.files.example import load_example
@@ -157,8 +158,8 @@ def export(
     folders = []
     for platform in (*(row.folder for row in platforms if row.folder in FOLDERS), C_CODE):
         target = folder / LAYOUT.format(platform=platform, version=__version__, model=model.name)
-        target.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            (target / name).write_bytes(text)
+        with replace_files(target) as part:
+            for name, text in texts.items():
+                (part / name).write_bytes(text)
         folders.append(target)
     return folders

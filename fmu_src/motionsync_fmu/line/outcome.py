@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from ..paths import replace_files
 from ..scenario.evaluate.expectations import Check
 from ..scenario.evaluate.reference_files import csv_text
 from .evaluation import Agreement, LineResult, VariantErrors
@@ -52,14 +53,15 @@ def write_outcome(
     line: ProductionLine, package: LinePackage, result: LineResult, folder: Path, *, report: bool
 ) -> LineOutcome:
     """Write the outputs and, if `report` is true, the report into the folder."""
-    folder.mkdir(parents=True, exist_ok=True)
     outputs = {REMOTE: result.remote, line.follower.recipe.name: result.wired.recording.values}
     columns = {f"{component}.{n}": values.tolist() for component, of in outputs.items() for n, values in of.items()}
-    file = folder / f"{line.name}_out.csv"
-    file.write_text(csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True)))
-    page = folder / "report.html"
-    if report:
-        write_line_report(page, line, package, result, file)
+    file, page = folder / f"{line.name}_out.csv", folder / "report.html"
+    with replace_files(folder) as part:
+        (part / file.name).write_text(
+            csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True))
+        )
+        if report:
+            write_line_report(part / page.name, line, package, result, file)
     return LineOutcome(
         str(line.follower.file),
         line.follower.title,

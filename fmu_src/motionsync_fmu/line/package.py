@@ -21,6 +21,7 @@ from ..interface.roles import MOTION
 from ..interface.units import unit_name
 from ..interface.variables import Variable
 from ..pages.style import load_template
+from ..paths import replace_files
 from .line import REMOTE, ProductionLine
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -70,22 +71,20 @@ def write_package(line: ProductionLine, flavour: Flavour, output: Path, progress
     """Build missing and stale FMUs, write OUTPUT/<line>.ssp and OUTPUT/<line>/.
 
     `progress` is called with a line of text before each build."""
-    folder = output / line.name
-    folder.mkdir(parents=True, exist_ok=True)
-    fmus = {}
-    for name, recipe in line.recipes.items():
-        shared = recipe == Recipe(name)  # `motionsync run` uses the same FMU
-        built = fmu_path(recipe, output, flavour) if shared else folder / f"{name}.fmu"
-        if why_outdated(built, recipe):
-            progress(f"building {built}")
-            build(recipe, built, BuildOptions(flavour), progress)
-        fmus[name] = folder / f"{name}.fmu"
-        if shared:
-            copyfile(built, fmus[name])
+    folder, ssp = output / line.name, output / f"{line.name}.ssp"
+    fmus = {name: folder / f"{name}.fmu" for name in line.recipes}
     texts = _render_texts(line)
     osp = folder / STRUCTURE
-    osp.write_bytes(texts.pop(STRUCTURE))
-    ssp = output / f"{line.name}.ssp"
+    with replace_files(folder) as part:
+        for name, recipe in line.recipes.items():
+            shared = recipe == Recipe(name)  # `motionsync run` uses the same FMU
+            built = fmu_path(recipe, output, flavour) if shared else fmus[name]
+            if why_outdated(built, recipe):
+                progress(f"building {built}")
+                built = build(recipe, built if shared else part / built.name, BuildOptions(flavour), progress)
+            if shared:
+                copyfile(built, part / fmus[name].name)
+        (part / STRUCTURE).write_bytes(texts.pop(STRUCTURE))
     write_zip(ssp, texts | {f"resources/{name}.fmu": fmu.read_bytes() for name, fmu in fmus.items()})
     return LinePackage(ssp, osp, fmus)
 

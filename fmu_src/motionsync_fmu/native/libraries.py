@@ -3,17 +3,16 @@
 Python and zig are only needed to build the libraries, not to run them.
 """
 
-import os
-import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, as_completed, wait
+from concurrent.futures import FIRST_EXCEPTION, as_completed, wait
 from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import UserError
 from ..interface.fingerprint import Files
 from ..interface.recipe import Fmi
+from .compiler_process import CompilerPool, run_compiler
 from .platforms import ROWS, Platform
 
 FOLDER = Path(__file__).parent
@@ -30,6 +29,11 @@ COMPACT = (
     "-mllvm -enable-pre=false -mllvm -disable-machine-licm -mllvm -disable-machine-cse -mllvm -disable-lsr "
     "-mllvm -enable-ipra -fno-jump-tables"
 )
+CACHE_NEEDED = (
+    "it needs a folder that can be written (ZIG_GLOBAL_CACHE_DIR; else one in the user's cache) with 1 GB to spare; an "
+    "FMU of --flavour python is built without zig"
+)
+CACHE_TIME = 20.0  # s within which zig has found its cache; it takes 10 ms, and for ever if it cannot be made
 PATIENCE = 15.0  # s
 SLOW = "compiling takes longer than usual"
 
@@ -58,7 +62,7 @@ class Compilation:
         shared = [shared_file(file) for file in unit if is_shared(file) and file.endswith(".c")]
         self.name, self.platforms = name, platforms
         self.folder = make_work_folder(unit)
-        self.pool = ThreadPoolExecutor(os.cpu_count())
+        self.pool = CompilerPool()
         work, submit = Path(self.folder.name), self.pool.submit
         self.jobs = {
             target: submit(compile_library, target, f"{COMPACT} {flags}", f"{target}/{name}.{p.suffix}", work, shared)
@@ -122,23 +126,23 @@ def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> byte
     Raises:
         UserError: zig failed.
     """
+    _check_cache(work)
     command = [str(ZIG / "zig"), "cc", "-target", target]
     command += [f"-I{folder}" for folder in (".", FOLDER, FREESTANDING, HEADERS)]
-    result = subprocess.run(
-        [*command, *arguments, str(FREESTANDING / "freestanding.c"), "-o", path],
-        cwd=work,
-        capture_output=True,
-        text=True,
-        errors="replace",
-        check=False,
-    )
+    result = run_compiler([*command, *arguments, str(FREESTANDING / "freestanding.c"), "-o", path], work)
     if result.returncode:
         raise UserError(
-            f"zig could not compile for {target}: it needs a folder that can be written (ZIG_GLOBAL_CACHE_DIR; else "
-            f"one in the user's cache) with 1 GB to spare; an FMU of --flavour python is built without zig. zig said:\n"
-            f"{result.stderr.strip()[-2000:]}"
+            f"zig could not compile for {target}: {CACHE_NEEDED}. zig said:\n{result.stderr.strip()[-2000:]}"
         )
     return (work / path).read_bytes()
+
+
+def _check_cache(work: Path) -> None:
+    """Refuse to compile if zig does not find its cache: where it cannot be made, zig may try for ever."""
+    try:
+        run_compiler([str(ZIG / "zig"), "env"], work, CACHE_TIME)
+    except UserError as e:
+        raise UserError(f"zig cannot make its cache: {CACHE_NEEDED}; {e}") from None
 
 
 def linked_licences(fmi: Fmi) -> Files:

@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
+from unicodedata import category
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.markup import escape
+from rich.segment import Segment
 
 if TYPE_CHECKING:  # the second one loads NumPy, which `motionsync list` does not need
     from rich.table import Table
@@ -12,9 +14,29 @@ if TYPE_CHECKING:  # the second one loads NumPy, which `motionsync list` does no
     from ..scenario.evaluate.expectations import Check
     from ..scenario.evaluate.reference_comparison import Deviation
 
-out = Console(highlight=False, soft_wrap=True, emoji=False)
-wide = Console(highlight=False, markup=False, emoji=False, width=1000)  # for tables: the terminal wraps long lines
-err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
+
+class PlainConsole(Console):
+    """A console that shows characters which command a terminal, or turn the direction of a line, as escapes: titles and
+    names of files come from anywhere."""
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        for segment in super().render(renderable, options):
+            is_plain = segment.control or segment.text.isprintable()
+            yield segment if is_plain else Segment(show_escapes(segment.text), segment.style)
+
+
+def show_escapes(text: str) -> str:
+    """The text with control and format characters, except line feed and tab, as Python writes them: `\\x1b`."""
+    return "".join(c.encode("unicode_escape").decode() if _commands(c) else c for c in text)
+
+
+def _commands(c: str) -> bool:
+    return (category(c)[0] == "C" and c not in "\n\t") or category(c) in ("Zl", "Zp")
+
+
+out = PlainConsole(highlight=False, soft_wrap=True, emoji=False)
+wide = PlainConsole(highlight=False, markup=False, emoji=False, width=1000)  # for tables: the terminal wraps long lines
+err = PlainConsole(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
 
 
 def print_headline(title: str, source: str, passed: bool, remarks: int = 0) -> None:

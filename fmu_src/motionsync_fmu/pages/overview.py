@@ -4,6 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from ..paths import replace_file
 from ..scenario.evaluate.outcome import ScenarioOutcome
 from .style import TEMPLATES, load_template
 
@@ -15,4 +16,5 @@ def write_overview(file: Path, outcomes: Sequence[ScenarioOutcome], left_out: Ma
     rows = [(o, Path(os.path.relpath(o.report, file.parent)).as_posix()) for o in outcomes if o.report]
     failed = sum(not o.passed for o in outcomes)
     text = load_template(TEMPLATES, "overview.html.j2").render(rows=rows, failed=failed, left_out=left_out)
-    file.write_text(text, "utf-8")
+    with replace_file(file) as part:
+        part.write_text(text, "utf-8")

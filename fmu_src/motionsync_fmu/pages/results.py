@@ -1,10 +1,9 @@
 """Writes the results of a run of a scenario: the outputs, the inputs for FMPy, and the report."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
+from ..paths import replace_files
 from ..scenario.evaluate.expectations import check_expectations
 from ..scenario.evaluate.key_figures import compute_key_figures
 from ..scenario.evaluate.outcome import ScenarioOutcome
@@ -42,7 +41,7 @@ def write_outcome(
     checks = check_expectations(scenario, recording)
     deviations = [] if changes_to_file else compare_with_reference(scenario, recording)
     inputs, results, page = inputs_file(scenario), folder / f"{name}_out.csv", folder / "report.html"
-    with _replace_files(folder) as part:
+    with replace_files(folder) as part:
         (part / results.name).write_text(_outputs_csv(scenario, recording))
         if changes_to_file or not own_step or not inputs.exists():  # a user's own scenario may have no such file
             inputs = folder / inputs.name
@@ -68,17 +67,6 @@ def write_outcome(
         fmpy=command_line(scenario, fmu, inputs),
         overrides=changes_to_file,
     )
-
-
-@contextmanager
-def _replace_files(folder: Path) -> Iterator[Path]:
-    """A folder to write into; its files are moved into `folder` at the end, so that an interruption leaves none."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with TemporaryDirectory(dir=folder.parent, prefix=".part-") as part:
-        yield Path(part)
-        folder.mkdir(exist_ok=True)
-        for file in sorted(Path(part).iterdir()):
-            file.replace(folder / file.name)
 
 
 def _outputs_csv(scenario: Scenario, recording: Recording) -> str:

@@ -6,6 +6,7 @@ from ..interface.units import unit_name
 from ..pages.report.origin import origin_rows
 from ..pages.report.page import plotly_script
 from ..pages.style import load_template
+from ..paths import replace_file
 from .charts import BOUND_COLOURS, STATE_COLOURS, chart_cycle, chart_over_length, chart_over_velocity
 from .console import DIGITS, table_columns, top_text
 from .line_plan import LinePlan
@@ -42,9 +43,9 @@ def write_plan(plan: LinePlan, folder: Path) -> Path:
         digits=DIGITS,
         bundle=plotly_script(),
     )
-    folder.mkdir(parents=True, exist_ok=True)
     page = folder / "report.html"
-    page.write_text(text, "utf-8")
+    with replace_file(page) as part:
+        part.write_text(text, "utf-8")
     return page
 
 

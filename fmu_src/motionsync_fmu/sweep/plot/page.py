@@ -14,6 +14,7 @@ from ...pages.numbers import evenly_spaced
 from ...pages.report.chart import Chart, to_compact_json
 from ...pages.report.page import plotly_script
 from ...pages.style import load_template, typeset
+from ...paths import replace_file
 from ...scenario.files.shipped import scenario_name
 from ..sweep_plan import SCENARIO, SweepPlan
 from ..table import Rows
@@ -78,8 +79,8 @@ def write_page(file: Path, folder: Path, plan: SweepPlan, db: Database, view: Vi
         data=htmlsafe_json_dumps(_data(folder, plan, db, view) | {"paint": paint}, dumps=to_compact_json),
         bundle=plotly_script(),
     )
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(text, "utf-8")
+    with replace_file(file) as part:
+        part.write_text(text, "utf-8")
 
 
 def repeated(folder: Path, plan: SweepPlan) -> str:

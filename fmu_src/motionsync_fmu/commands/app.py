@@ -1,0 +1,129 @@
+"""The command line as a whole: all commands, and how their errors are reported.
+
+A command imports what it needs when it runs, since the libraries of all commands take a second to load.
+"""
+
+import io
+import re
+import sys
+from collections.abc import Callable
+from typing import Annotated, Any
+
+import typer
+
+from .. import __version__
+from ..errors import Interrupted, UserError
+from ..native.compiler_process import end_compilers
+from ..pages.console import err
+from .build import build
+from .describe import describe
+from .error import error
+from .explore import explore
+from .export_crosscheck import export_crosscheck
+from .line import line
+from .list import list_all
+from .new import new
+from .plan_line import plan_line
+from .run import run
+from .search import search
+from .sweep import sweep
+from .sweep_plot import sweep_plot
+
+app = typer.Typer(
+    name="motionsync",
+    help="FMI co-simulation units of master/slave motion synchronisation.",
+    epilog="""Start with:\n
+    motionsync list\n
+    motionsync build Synchronizer\n
+    motionsync run Synchronizer\n
+    motionsync line""",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+COMMANDS: dict[
+    str, tuple[Callable[..., None], str]
+] = {  # each with its line in the help, which typer would cut off at 45 characters
+    "list": (list_all, "List the blocks, and what can be run by name."),
+    "build": (build, "Build FMUs."),
+    "describe": (describe, "Show variables, enumerations, fault codes."),
+    "new": (new, "Write a first scenario of your own."),
+    "run": (run, "Run scenarios, check them, write reports."),
+    "explore": (explore, "Write a page to move a block by hand."),
+    "line": (line, "Run a production line of several FMUs."),
+    "plan-line": (plan_line, "Show how fast a cutting line may run, and why."),
+    "sweep": (sweep, "Run a scenario with many values: a row per run."),
+    "sweep-plot": (sweep_plot, "Write a page about a sweep's rows."),
+    "search": (search, "Find where in a range a run starts to succeed."),
+    "error": (error, "Explain a fault code."),
+    "export-crosscheck": (export_crosscheck, "Write models for the FMI cross-check."),
+}
+for name, (command, help_line) in COMMANDS.items():
+    app.command(name, short_help=help_line)(command)
+
+
+def _print_version(requested: bool) -> None:
+    if requested:
+        print(f"motionsync {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def accept_global_options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Accept the options that need no command."""
+
+
+USAGE: Any = typer.BadParameter.__base__  # what typer raises at wrong usage; it has no public name
+INTERRUPTED = 130  # the exit status after Ctrl-C, of typer and of shells
+LONGEST_WORD, LONGEST_MESSAGE = 200, 6000  # characters of a message that are shown; a value may be a whole file
+
+
+def run_command() -> int:
+    """Run the command of this process's arguments, and return the exit status.
+
+    A mistake of the user is reported in one line, with exit status 2.
+
+    Raises:
+        KeyboardInterrupt: the user interrupted it, and nothing is reported yet.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a console without ± still prints the rest
+    status = 2
+    try:
+        status = app(standalone_mode=False) or 0  # what a command gives to typer.Exit; else None
+        if status == INTERRUPTED:  # typer's, in place of the exception
+            raise KeyboardInterrupt
+        return int(status)
+    except USAGE as e:
+        message = e.format_message().replace("Value error, ", "")  # if no argument was given, this text is the help
+        if len(sys.argv) == 1:
+            err.print(message)
+            return status
+        if message.startswith("No such command"):
+            message += f" There is {', '.join(COMMANDS)}."
+    except UserError as e:
+        message = str(e)
+    except UnicodeEncodeError as e:  # the name of a folder or an argument that is not UTF-8
+        name = next(m[0] for m in re.finditer(r'[^\s"<>]+', e.object) if m.start() <= e.start < m.end())
+        message = f"{name!r} is no text in UTF-8: choose another name"
+    except OSError as e:  # a folder that cannot be written, a full disk
+        message = f"{e.filename}: {e.strerror}" if e.filename else f"a file cannot be written or read: {e}"
+    except Interrupted as e:
+        message, status = str(e), INTERRUPTED
+    except typer.Abort:
+        raise KeyboardInterrupt from None
+    finally:
+        end_compilers()
+    line = " ".join(_shorten(word, LONGEST_WORD) for word in message.split())
+    err.print(f"motionsync: {_shorten(line, LONGEST_MESSAGE)}")
+    return status
+
+
+def _shorten(text: str, longest: int) -> str:
+    """The text, of a long one its begin and its end."""
+    return text if len(text) <= longest else f"{text[: longest // 2]} ... {text[-longest // 4 :]}"

@@ -1,0 +1,71 @@
+"""Ctrl-C: its message at every instant, no traceback, nothing half done, no compiler left behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from tests.support.workshop import STOP, scenario
+
+# A shell that runs the tests in its background has switched the signal off. The line shows that Python has started.
+START = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); print('started', flush=True);"
+    "from motionsync_fmu.cli import main; main()"
+)
+LONG = STOP.replace("stop_time = 0.5", "stop_time = 5000.0")  # a run that takes more than a minute
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="a process of Windows gets no signal of its own")
+
+
+def interrupted(folder: Path, instant: float, *arguments: str, **environment: str) -> tuple[int, str, float]:
+    """Exit status and error stream of a command that gets SIGINT at an instant after its start, and the time that it
+    then takes, both in s. None of the processes that it had at this instant is left."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", START, *arguments],
+        cwd=folder,
+        env=os.environ | environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout
+    assert process.stdout.readline() == "started\n"
+    time.sleep(instant)
+    children = psutil.Process(process.pid).children(recursive=True)
+    begin = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    took = time.monotonic() - begin
+    assert not any(child.is_running() and child.status() != psutil.STATUS_ZOMBIE for child in children)
+    return process.returncode, err, took
+
+
+@pytest.mark.parametrize("instant", [0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.1, 1.5, 2.0, 3.0])
+def test_an_interruption_is_one_message_at_every_instant(built: Path, tmp_path: Path, instant: float) -> None:
+    (tmp_path / "build").symlink_to(built)
+    scenario(str(tmp_path / "long"), LONG)
+    status, err, _ = interrupted(tmp_path, instant, "run", "long", "--output", "out")
+    assert status == 130, err
+    assert err.splitlines()[-1] in ("motionsync: interrupted", "motionsync: interrupted after 0 of 1")
+    assert "Traceback" not in err
+    assert not [file for file in (tmp_path / "out").rglob("*") if file.is_file()]
+
+
+@pytest.mark.parametrize(
+    "command", [("build", "Synchronizer", "--flavour", "native", "--folder"), ("line", "--output")]
+)
+@pytest.mark.parametrize("instant", [2.0, 5.0])
+def test_an_interruption_ends_the_compiler_and_leaves_no_file(
+    tmp_path: Path, instant: float, command: tuple[str, ...]
+) -> None:
+    """An empty cache of zig makes the compilation last."""
+    status, err, took = interrupted(tmp_path, instant, *command, "out", ZIG_GLOBAL_CACHE_DIR=str(tmp_path / "zig"))
+    assert (status, err.splitlines()[-1]) == (130, "motionsync: interrupted")
+    assert "Traceback" not in err
+    assert took < 10.0
+    assert not [path for path in (tmp_path / "out").rglob("*") if path.name != "native"]
