@@ -244,7 +244,7 @@ def test_a_reaction_that_never_happened_is_reported(reacting: Run, tmp_path: Pat
     text = words(page(reacting, tmp_path / "report.html"))
     assert "reactions that did not happen 2 reaction to syn_ramp_on once: never" in text
     assert "when after set how often syn_ramp_on 0.05 s stop = true once" in text
-    assert "slave.position &gt; 1e6 at once rest_value = 5 once" in text
+    assert "slave.position &gt; 1e6 at once rest_value = 5 mm once" in text
 
 
 def test_what_reactions_set_is_listed_with_its_time(cyclic_cut: Run, tmp_path: Path) -> None:
@@ -268,7 +268,7 @@ def test_of_very_many_settings_the_table_lists_the_first_thousand(runs: dict[str
     run = s, replace(recording, settings=given)
     text = words(page(run, tmp_path / "report.html"))
     assert "1501 times at which something was set" in text
-    assert "1000 1 s rest_value 11000 and 501 more times, which the chart shows" in text
+    assert "1000 1 s rest_value 11000 deg and 501 more times, which the chart shows" in text
     (marks,) = named(run_charts(*run)["lanes"], "set")
     assert len(marks["x"]) == 1501
 
@@ -320,6 +320,30 @@ def test_the_limits_of_the_axis_are_dashed_lines(cyclic_cut: Run) -> None:
     assert [t["y"][0] for t in named(charts["cuts"], "limit of the axis")] == [-250.0, 800.0]
     for text in ("max_velocity 1500 mm/s", "max_jerk -200000 mm/s³", "min_position -250 mm"):
         assert text in notes(charts["motion"])
+
+
+def test_the_names_of_limits_are_beyond_all_curves(cyclic_cut: Run) -> None:
+    """An upper limit has its name above its line, a lower one below it, and the axis reaches so far."""
+    motion = run_charts(*cyclic_cut)["motion"]
+    limits = [note for note in motion.layout["annotations"] if str(note["text"]).startswith(("max_", "min_"))]
+    assert len(limits) == 8
+    for note in limits:
+        is_upper = note["y"] > 0.0
+        assert note["yanchor"] == ("bottom" if is_upper else "top")
+        reached = motion.layout[note["yref"].replace("y", "yaxis")]["autorangeoptions"]["include"]
+        assert any(value > 1.05 * note["y"] if is_upper else value < 1.05 * note["y"] for value in reached)
+
+
+def test_values_that_were_set_have_their_units_and_the_file_no_folder_of_this_computer(
+    cyclic_cut: Run, tmp_path: Path
+) -> None:
+    s, recording = cyclic_cut
+    write_report(tmp_path / "report.html", s, recording, [], [], s.step_size)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert '<td class="name">axis.max_velocity</td><td>1500 mm/s</td>' in page
+    assert '<td class="name">gear_in_pos.execute</td><td>true</td>' in page
+    assert str(s.file.parent.parent) not in page.partition("Where this comes from")[2].partition("</table>")[0]
+    assert str(Path("cyclic_cut") / "scenario.toml") in page
 
 
 def test_a_limit_far_from_what_is_shown_is_not_drawn(cyclic_cut: Run) -> None:

@@ -141,6 +141,12 @@ class Chart:
         font = {"size": 10, "color": LIMIT}
         self.annotate(text, x=1, xanchor="right", y=value, yref=axis_id(row), yanchor=anchor, font=font)
 
+    def include(self, row: int, value: float) -> None:
+        """Let the axis with this number reach a value, unless its range is fixed."""
+        axis = self.axis(row)
+        if "range" not in axis:
+            axis.setdefault("autorangeoptions", {}).setdefault("include", []).append(value)
+
     def fit_to_view(self, row: int) -> None:
         """Fit the axis with this number to the visible points whenever the horizontal axis changes."""
         self.layout["meta"]["rescaled"].append(axis_key(row))

@@ -40,7 +40,7 @@ def chart_cuts(
     middle, reach_of_limits = 0.5 * (low + high), NEAR * (high - low)
     for bound in bounds(scenario, figures):
         if bound.row == 1 and abs(bound.value - middle) <= reach_of_limits:
-            draw_bound(chart, bound, unit)
+            draw_bound(chart, bound, unit, high - low)
     _draw_errors(chart, figures, unit)
     return chart
 

@@ -30,6 +30,7 @@ ROWS = (
 ERRORS = (("index error", 190), ("axis error", 190))  # the rows of a remote axis
 MOST_INDEX_ERROR = 10.0  # cycles, shown at first; it grows without end after a fault
 APART = 5.0  # one axis for two positions shows little of one whose span is so many times less
+LABEL = 22  # px, the space for the name of a limit
 NEAR = 2.0  # a limit is drawn up to this multiple of what a row shows
 MOST_MARKERS = 250  # of a reference; of more points only every n-th is drawn
 MOST_LINES = 40  # lines at the times of settings; more could not be distinguished
@@ -37,11 +38,13 @@ MOST_LINES = 40  # lines at the times of settings; more could not be distinguish
 
 @dataclass(frozen=True)
 class Bound:
-    """A limit of the slave's axis: the name of its variable, its value, and the row that it belongs to."""
+    """A limit of the slave's axis: the name of its variable, its value, the row that it belongs to, and whether it is
+    the upper one of the two there."""
 
     name: str
     value: float
     row: int
+    is_upper: bool
 
 
 def chart_motion(
@@ -161,7 +164,7 @@ def bounds(scenario: Scenario, figures: KeyFigures) -> Iterator[Bound]:
     position = peaks["position"]
     for role, value in ((Role.MIN_POSITION, position.lower), (Role.MAX_POSITION, position.limit)):
         if value is not None:
-            yield Bound(names[role], value, 1)
+            yield Bound(names[role], value, 1, role is Role.MAX_POSITION)
     slowing = Role.MAX_DECELERATION if Role.MAX_DECELERATION in names else Role.MAX_ACCELERATION
     rows = (
         ("velocity", Role.MAX_VELOCITY, 2),
@@ -174,7 +177,7 @@ def bounds(scenario: Scenario, figures: KeyFigures) -> Iterator[Bound]:
         limit = peaks[name].limit if name in peaks else None
         if limit is not None and (row, limit) not in yielded:
             yielded.add((row, limit))
-            yield from (Bound(names[role], value, row) for value in (limit, -limit))
+            yield from (Bound(names[role], value, row, value > 0.0) for value in (limit, -limit))
 
 
 def _draw_bounds(chart: Chart, scenario: Scenario, figures: KeyFigures) -> None:
@@ -186,11 +189,16 @@ def _draw_bounds(chart: Chart, scenario: Scenario, figures: KeyFigures) -> None:
         reach = NEAR * (peak.greatest - peak.least) if name == "position" else NEAR * peak.value
         middle = 0.5 * (peak.greatest + peak.least) if name == "position" else 0.0
         if abs(bound.value - middle) <= reach:
-            draw_bound(chart, bound, unit_name(kind, scenario.slave_unit or scenario.unit))
+            span = peak.greatest - peak.least if name == "position" else 2.0 * bound.value
+            draw_bound(chart, bound, unit_name(kind, scenario.slave_unit or scenario.unit), abs(span))
 
 
-def draw_bound(chart: Chart, bound: Bound, unit: str) -> None:
-    """Draw a limit as a dashed line with its name and value."""
+def draw_bound(chart: Chart, bound: Bound, unit: str, span: float) -> None:
+    """Draw a limit as a dashed line with its name and value, these beyond it: all curves are on the other side.
+
+    `span`: about the height of the row, in its own unit."""
     text = f"{bound.name.rpartition('.')[2]} {typeset(engineering(bound.value, unit))}"
     chart.draw_horizontal_line(bound.row, "limit of the axis", bound.value, "dash")
-    chart.write_limit(bound.row, bound.value, text, "bottom" if bound.value < 0.0 else "top")
+    chart.write_limit(bound.row, bound.value, text, "bottom" if bound.is_upper else "top")
+    label = LABEL / chart.heights[bound.row - 1] * span
+    chart.include(bound.row, bound.value + (label if bound.is_upper else -label))

@@ -19,7 +19,7 @@ from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ...scenario.settings import Reaction
 from ..machine.fragment import machine
-from ..style import TEMPLATES, load_template
+from ..style import TEMPLATES, load_template, typeset
 from .chart import Chart, align_charts, kind_colour
 from .cutting import chart_cuts
 from .lanes import Lane, chart_lanes, find_changes, find_lanes
@@ -78,8 +78,8 @@ def write_report(
         keys=colour_keys(lanes),
         kinds=[("kind", kind_key(scenario, figures.production))] if figures.production else [],
         unit=unit_name(Unit.POSITION, scenario.unit),
-        by_name=scenario.recipe.variables,
         settings=settings,
+        starts=_with_units(scenario, scenario.start),
         origin=_origin(scenario, recording, step_size, fmu, results),
         axis=list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
@@ -96,7 +96,7 @@ def _origin(
 ) -> dict[str, str]:
     """The table "Where this comes from", by the names of its rows."""
     points = f"{len(recording.time)} communication points up to {scenario.stop_time:.10g} s"
-    rows = {"step size": f"{step_size:.10g} s, {points}", "scenario": str(scenario.file)}
+    rows = {"step size": f"{step_size:.10g} s, {points}", "scenario": _short(scenario.file)}
     if results:
         digits = "all outputs with all digits; a curve of the charts has about as many points as a screen"
         rows["outputs"] = Markup('<a href="{0}">{0}</a>, {1}').format(results.name, digits)
@@ -119,8 +119,7 @@ def with_recorded_settings(scenario: Scenario, recording: Recording) -> Scenario
 
 def _describe_reaction(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
     """A reaction in words: its condition, how long after it, what it sets and adds, and how often."""
-    by_name = scenario.recipe.variables
-    changes = [f"{name} = {by_name[name].text(value)}" for name, value in reaction.set.items()]
+    changes = [f"{name} = {text}" for name, text in _with_units(scenario, reaction.set)]
     changes += [f"{name} + {value:.10g}" for name, value in reaction.add.items()]
     often = "each time" if reaction.times is None else "once" if reaction.times == 1 else f"{reaction.times} times"
     after = engineering(reaction.after, "s") if reaction.after else "at once"
@@ -129,8 +128,19 @@ def _describe_reaction(reaction: Reaction, scenario: Scenario) -> tuple[str, str
 
 def list_settings(scenario: Scenario) -> Settings:
     """The settings of a run, with their values as texts."""
-    by_name = scenario.recipe.variables
-    return [(s.at, [(n, by_name[n].text(value)) for n, value in s.values.items()]) for s in scenario.settings]
+    return [(s.at, _with_units(scenario, s.values)) for s in scenario.settings]
+
+
+def _with_units(scenario: Scenario, values: Mapping[str, float]) -> list[tuple[str, str]]:
+    """Names of variables, and their values as texts, with units."""
+    declared = [(scenario.recipe.variables[name], value) for name, value in values.items()]
+    units = [typeset(unit_name(v.declaration.unit, scenario.unit, scenario.slave_unit)) for v, _ in declared]
+    return [(v.name, f"{v.text(value)} {unit}".rstrip()) for (v, value), unit in zip(declared, units, strict=True)]
+
+
+def _short(file: Path) -> str:
+    """A file as readers elsewhere may see it: from the current folder on, else with its own folder alone."""
+    return str(file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else Path(file.parent.name) / file.name)
 
 
 def colour_keys(lanes: list[Lane]) -> list[tuple[str, list[tuple[str, str, str]]]]:

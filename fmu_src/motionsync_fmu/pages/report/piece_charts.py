@@ -143,7 +143,7 @@ def _draw_material(
     chart.axis(1)["range"] = [low, high]
     for bound in bounds(scenario, figures):
         if bound.row == 1 and abs(bound.value - 0.5 * (low + high)) <= 0.5 * NEAR * height:
-            draw_bound(chart, bound, unit)
+            draw_bound(chart, bound, unit, height)
 
 
 def _draw_bands(

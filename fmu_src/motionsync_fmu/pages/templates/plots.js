@@ -43,11 +43,12 @@
     }
     if (low > high) return null;
     const span = high - low;
-    for (const limit of limits.filter((y) => y > low - span && y < high + span)) {
+    const near = limits.filter((y) => y > low - span && y < high + span);
+    for (const limit of near) {
       low = Math.min(low, limit);
       high = Math.max(high, limit);
     }
-    const margin = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
+    const margin = (near.length ? 0.16 : 0.06) * (high - low) || 0.1 * Math.abs(high) || 1; // with the names of limits
     return [low - margin, high + margin];
   }
 
