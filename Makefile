@@ -7,6 +7,8 @@ WIRABLE := $(READY) $(VENV)/ready-line
 TESTABLE := $(VENV)/ready-test
 ALIVE = while sleep 1; do printf .; done & dots=$$!; trap "kill $$dots; echo" EXIT;
 FLAGSHIP := CutToLength/cyclic_orders
+# Compiled modules are kept, whatever the environment says: a test run starts hundreds of processes that import them.
+unexport PYTHONDONTWRITEBYTECODE
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
 .PHONY: run line quick check test build lint format references pictures benchmark release clean help

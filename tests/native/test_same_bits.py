@@ -1,4 +1,7 @@
-"""Python and native code give the same bits: in this process, through both FMUs, and on every available platform."""
+"""Python and native code give the same bits: in this process, through both FMUs, and on every available platform.
+
+tests/scenario/test_scenario_files.py compares both FMUs in every scenario.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -12,20 +15,15 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP, variables
-from motionsync_fmu.scenario.files.reader import load_scenario
-from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from motionsync_fmu.scenario.run.simulation import simulate
-from tests import ROOT
 from tests.support.compiled import Compiled, equal
 from tests.support.cosim import cosim
-from tests.support.fmus import Fmus, Shared
+from tests.support.fmus import Shared
 from tests.support.importers import bits
 from tests.support.random_runs import draw_runs, load_strategy
 from tests.support.replay import TARGETS, orders, replayed, tried
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
-SCENARIOS = find_files(ROOT / "scenarios")
 # Long runs: a failing one is reported as generated, since shrinking it would take minutes.
 LONG = settings(deadline=None, phases=[Phase.explicit, Phase.reuse, Phase.generate], print_blob=True)
 
@@ -109,16 +107,6 @@ def test_both_fmus_give_the_same_bits_and_log_the_same(
             assert tried(b.step, h, values) == tried(a.step, h, values)
             assert bits(b.get()) == bits(a.get())
         assert b.messages == [text for text in a.messages if not text.startswith(WRAPPER)]
-
-
-@pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: "/".join(file.parts[-3:-1]))
-def test_both_fmus_give_the_same_bits_in_every_scenario(fmus: Fmus, file: Path) -> None:
-    scenario = load_scenario(file)
-    name = scenario.recipe.name
-    a, b = (simulate(scenario, fmu, scenario.step_size) for fmu in (fmus.python(name), fmus.native(name)))
-    assert a.messages == b.messages
-    for name in a.values:
-        assert a.values[name].tobytes() == b.values[name].tobytes(), name
 
 
 # --- a host in C, without any Python ---

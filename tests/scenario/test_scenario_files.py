@@ -50,12 +50,16 @@ def failed_checks(scenario: Scenario, recording: Recording) -> list[str]:
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_a_scenario_is_kept_by_the_python_flavour(folder: Path, fmus: Fmus) -> None:
+def test_a_scenario_is_kept_by_both_flavours_with_the_same_bits(folder: Path, fmus: Fmus) -> None:
     scenario = load_scenario(folder / "scenario.toml")
     assert scenario.expectations
-    recording = simulate(scenario, fmus.python(scenario.recipe.name), scenario.step_size)
+    name = scenario.recipe.name
+    recording, native = (simulate(scenario, fmu, scenario.step_size) for fmu in (fmus.python(name), fmus.native(name)))
     assert failed_checks(scenario, recording) == []
     assert min(d.points for d in compare_with_reference(scenario, recording)) >= 100
+    assert native.messages == recording.messages
+    for variable, values in recording.values.items():
+        assert native.values[variable].tobytes() == values.tobytes(), variable
 
 
 def late(scenario: Scenario, step_size: float) -> Scenario:
