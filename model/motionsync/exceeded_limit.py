@@ -56,6 +56,11 @@ class ExceededLimit:
     def clear(self) -> None:
         self.set(Limit.NONE, 0.0)
 
+    def include(self, other: "ExceededLimit") -> None:
+        """Take over what another one has found, if that comes before what this one has."""
+        if other.limit != Limit.NONE and (self.limit == Limit.NONE or other.limit < self.limit):
+            self.set(other.limit, other.value)
+
     def check_setpoint(self, axis: AxisLimits, slave: Slave) -> None:
         """Check the setpoint of an instant. Nearly at standstill, the greater limit of acceleration counts."""
         speed = abs(slave.velocity)
@@ -87,9 +92,9 @@ class ExceededLimit:
     ) -> None:
         """Find the first limit that these extreme values exceed, u, u/s, u/s2 and u/s3."""
         factor = 1.0 + tolerance
-        if lowest < axis.min_position - END_POSITION_TOLERANCE * (abs(axis.min_position) + axis.max_velocity):
+        if lowest < axis.min_position - end_tolerance(axis.min_position, axis.max_velocity):
             self.set(Limit.MIN_POSITION, lowest)
-        elif highest > axis.max_position + END_POSITION_TOLERANCE * (abs(axis.max_position) + axis.max_velocity):
+        elif highest > axis.max_position + end_tolerance(axis.max_position, axis.max_velocity):
             self.set(Limit.MAX_POSITION, highest)
         elif exceeds(speed, axis.max_velocity * factor):
             self.set(Limit.MAX_VELOCITY, speed)
@@ -101,6 +106,11 @@ class ExceededLimit:
             self.set(Limit.MAX_JERK, jerk)
         else:
             self.clear()
+
+
+def end_tolerance(end: float, max_velocity: float) -> float:
+    """How far beyond an end position, u, is rounding."""
+    return END_POSITION_TOLERANCE * (abs(end) + max_velocity)
 
 
 def exceeds(magnitude: float, limit: float) -> bool:

@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import TypeAlias
 
-from tests.oracle.cut_to_length_limits import find_root
+from tests.oracle.cut_to_length_limits import Saw, find_root
+from tests.oracle.flying_saw_limits import AxisData
 from tests.oracle.flying_saw_motion import Phases, move, run, stop
 from tests.oracle.master import Motion as Exact
 from tests.oracle.master import Stretch, mp
+from tests.oracle.motion_start import attainable_acceleration, begin_of_own_motion
 
 CarriageState: TypeAlias = tuple[float, float, float, float]
 """Position, velocity, acceleration and jerk of the carriage."""
@@ -179,13 +181,15 @@ def plan_eased_return(
     return _timed_motion(time, start, [*halt, *home], target)
 
 
-def stop_position(state: CarriageState, deceleration: float, jerk: float) -> float:
-    """Where the time-optimal stop from the state ends.
+def stop_position(state: CarriageState, saw: Saw) -> float:
+    """Where the time-optimal stop from the state ends, which begins with an acceleration that the axis can have.
 
     It lets the deceleration rise to its peak, holds it, and lets it fall to 0; an acceleration that is too high, or one
     that would stop the carriage too soon, has the other sign.
     """
-    s, v, a, _ = state
+    s, v, _, _ = state
+    a = attainable_acceleration(v, state[2], *saw.axis[:3])
+    deceleration, jerk = saw.turning_acceleration, saw.homing[3]
     remaining = v + a * abs(a) / (2 * jerk)
     side = 1.0 if remaining > 0 else -1.0  # of the velocity that remains to be taken away
     w, rate = side * v, -side * a
@@ -200,6 +204,14 @@ def stop_position(state: CarriageState, deceleration: float, jerk: float) -> flo
         speed -= time * (slowing + time * growth / 2)
         slowing += time * growth
     return s + side * travel
+
+
+def begin_of_return(state: CarriageState, saw: Saw) -> CarriageState:
+    """What a way home begins with: the state, as far as the axis could have had it."""
+    axis = AxisData(*(mp.mpf(number) for number in (saw.low, saw.high, *saw.axis)))
+    exact = Exact(*(mp.mpf(number) for number in state[:3]))
+    begin, _ = begin_of_own_motion(exact, axis, mp.mpf(saw.turning_acceleration), mp.mpf(saw.homing[3]))
+    return state[0], float(begin.velocity), float(begin.acceleration), state[3]
 
 
 def _relative_state(state: CarriageState, origin: float) -> Exact:

@@ -32,6 +32,7 @@ from tests.oracle.cut_to_length_carriage import (
     Rest,
     TimedMotion,
     approach_curve,
+    begin_of_return,
     gap_curve,
     is_at_target,
     plan_eased_return,
@@ -179,7 +180,7 @@ class MachineRun(MachineState):
     def _next_event(self, until: float) -> Event | None:
         """The first thing that happens until then."""
         events = [event for event in self._events(until) if event[0] <= until]
-        return min(events, key=lambda event: event[0]) if events else None
+        return min(events, key=lambda event: event[0], default=None)
 
     def _events(self, until: float) -> list[Event]:
         events: list[Event] = []
@@ -398,11 +399,10 @@ class MachineRun(MachineState):
 
     def _events_of_stroke_end(self, until: float) -> list[Event]:
         saw, now = self.cycle, self.records.saw()
-        deceleration, jerk = now.turning_acceleration, now.homing[3]
 
         def beyond(time: float) -> float:
             """How far the stop would end beyond the nearer end of the stroke."""
-            position = stop_position(self.carriage(time), deceleration, jerk)
+            position = stop_position(self.carriage(time), now)
             return max(position - saw.high, saw.low - position)
 
         at = find_first_root(beyond, self.time, until)
@@ -413,13 +413,14 @@ class MachineRun(MachineState):
     def _go_home(self) -> None:
         """From the present state; eased if that is set and there is time."""
         self.ease = 1.0
-        state, home = self.carriage(), self.cycle.home
+        saw, home = self.records.saw(), self.cycle.home
+        state = begin_of_return(self.carriage(), saw)
         if is_at_target(state, home):
             self._arrive()
         elif self.state == RETURNING and self._plan_eased_return(state):
             return
         else:
-            self.law = plan_return(self.time, state, home, self.records.saw().homing)
+            self.law = plan_return(self.time, state, home, saw.homing)
 
     def _plan_eased_return(self, state: CarriageState) -> bool:
         """The way home is eased: a halt, then a slower move."""
@@ -452,8 +453,8 @@ class MachineRun(MachineState):
         return piece is None or piece.cut_position != self.ease_cut_position
 
     def _hurry_home(self) -> None:
-        self.ease = 1.0
-        self.law = plan_return(self.time, self.carriage(), self.cycle.home, self.records.saw().homing)
+        self.ease, saw = 1.0, self.records.saw()
+        self.law = plan_return(self.time, begin_of_return(self.carriage(), saw), self.cycle.home, saw.homing)
 
     def _arrive(self) -> None:
         """At rest at home."""

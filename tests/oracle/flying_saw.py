@@ -66,6 +66,7 @@ from tests.oracle.flying_saw_rows import (
 )
 from tests.oracle.flying_saw_time_based import TimeBasedRamp
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.motion_start import begin_of_own_motion
 from tests.oracle.sets import gathered
 
 COLUMNS = (
@@ -239,11 +240,13 @@ class FlyingSawRun:
 
     # --- the slave's own motion -----------------------------------------------------------------------------------
 
-    def _move_by(self, slave: Motion, phases: Phases, end: Motion | None, own_state: int) -> None:
-        """The phases from here on; `end`: the velocity, and for a move the position, to which it comes exactly."""
+    def _move_by(self, slave: Motion, phases: Phases, end: Motion | None, own_state: int, beyond: int) -> None:
+        """The phases from here on; `end`: the velocity, and for a move the position, to which it comes exactly;
+        `beyond`: the limit that the state before was beyond."""
         self.time_based = None
         self.phases, self.own_end, self.own_state = list(phases), end, own_state
-        self.exceeded = by_motion(slave, tuple(phases), AxisData.of(self.inputs))
+        limits = {by_motion(slave, tuple(phases), AxisData.of(self.inputs)), beyond} - {WITHIN_LIMITS}
+        self.exceeded = min(limits, default=WITHIN_LIMITS)
         self._next_phase(slave)
 
     def _next_phase(self, slave: Motion) -> None:
@@ -518,8 +521,9 @@ class FlyingSawRun:
             return
         self._accept(group)
         self.lock = group == "stop"
-        slave = self._uncoupled()
-        self._move_by(slave, motion.plan(slave), motion.end, motion.state)
+        axis = AxisData.of(self.inputs)
+        slave, beyond = begin_of_own_motion(self._uncoupled(), axis, motion.deceleration, motion.jerk)
+        self._move_by(slave, motion.plan(slave), motion.end, motion.state, beyond)
 
     def _gear_in(self, group: str) -> None:
         request, distance = read_request(

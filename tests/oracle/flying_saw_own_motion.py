@@ -19,12 +19,14 @@ class OwnMotion:
     """What a command asks for.
 
     `plan`: the phases from a state of the slave; `end`: the velocity, and for a move the position, that it reaches
-    exactly; `state`: that of PLCopen meanwhile.
+    exactly; `state`: that of PLCopen meanwhile; `deceleration`, `jerk`: the limits of its stop.
     """
 
     plan: Callable[[Motion], Phases]
     end: Motion
     state: int
+    deceleration: Number
+    jerk: Number
 
 
 def read_own_motion(inputs: Mapping[str, Any], group: str) -> OwnMotion | int:
@@ -43,7 +45,8 @@ def _rest(inputs: Mapping[str, Any], group: str) -> OwnMotion | int:
     deceleration, jerk = (command_limit(inputs, group, name) for name in ("deceleration", "jerk"))
     if not are_valid(deceleration, jerk):
         return BAD_LIMIT
-    return OwnMotion(lambda slave: stop(slave, deceleration, jerk), Motion(None, ZERO, ZERO), DISCRETE_MOTION)
+    end = Motion(None, ZERO, ZERO)
+    return OwnMotion(lambda slave: stop(slave, deceleration, jerk), end, DISCRETE_MOTION, deceleration, jerk)
 
 
 def _velocity(inputs: Mapping[str, Any]) -> OwnMotion | int:
@@ -57,7 +60,7 @@ def _velocity(inputs: Mapping[str, Any]) -> OwnMotion | int:
         limit = limit_towards(slave.velocity, target, acceleration, deceleration)
         return ramp(slave.velocity, slave.acceleration, target, limit, jerk)
 
-    return OwnMotion(plan, Motion(None, target, ZERO), CONTINUOUS_MOTION)
+    return OwnMotion(plan, Motion(None, target, ZERO), CONTINUOUS_MOTION, deceleration, jerk)
 
 
 def _position(inputs: Mapping[str, Any]) -> OwnMotion | int:
@@ -69,4 +72,5 @@ def _position(inputs: Mapping[str, Any]) -> OwnMotion | int:
         return BELOW_MINIMUM
     if not target <= mp.mpf(inputs["axis.max_position"]):
         return ABOVE_MAXIMUM
-    return OwnMotion(lambda slave: move(slave, target, *limits), Motion(target, ZERO, ZERO), DISCRETE_MOTION)
+    end = Motion(target, ZERO, ZERO)
+    return OwnMotion(lambda slave: move(slave, target, *limits), end, DISCRETE_MOTION, *limits[2:])

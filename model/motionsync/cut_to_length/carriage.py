@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
+from ..exceeded_limit import end_tolerance
 from ..grid import rounding_tolerance
 from ..laws import chain_rule
 from ..master import Master
 from ..motion import stopping_distance
+from ..motion_start import MotionStart, attainable_acceleration
 from ..var import Enumeration
 from .carriage_curve import CarriageCurve, gap_extremes
 from .homing_motion import HomingMotion
@@ -38,6 +40,7 @@ class Carriage:
     Attributes:
         machine: what it can do with the present settings.
         cycle_machine: the same as it was when this cycle's approach started.
+        homing_start: where the motion home started.
         cut: the cut passes carriage position 0 at this position of the master, u.
         cut_begin: how far the master was beyond `cut` when the blade began to cut, u.
         stage_clock: the time since the stage began; at rest, since the arrival.
@@ -51,6 +54,7 @@ class Carriage:
     cycle_machine: Machine = var.part(Machine)
     curve: CarriageCurve = var.part(CarriageCurve)
     homing: HomingMotion = var.part(HomingMotion)
+    homing_start: MotionStart = var.part(MotionStart)
     cut: float = 0.0
     cut_begin: float = 0.0
     stage_clock: Clock = var.part(Clock)
@@ -66,7 +70,8 @@ class Carriage:
     def enter_homing(self, now: float) -> None:
         """From rest to home."""
         self.stage = Stage.HOMING
-        self.homing.plan(self.machine, now, self.homing.end, 0.0, 0.0)
+        self.homing_start.set(self.homing.end, 0.0, 0.0)
+        self.homing.plan(self.machine, now, self.homing_start)
 
     def enter_pulling(self, master: Master, now: float) -> None:
         """Ahead of the material, to open the gap."""
@@ -93,22 +98,36 @@ class Carriage:
         return position, velocity, acceleration, jerk
 
     def plan_homing(self, master: Master, now: float, is_homing: bool) -> None:
-        """Plan the motion home, as fast as the limits allow, from a motion home or from the curve over the master."""
+        """Plan the motion home, as fast as the limits allow, from a motion home or from the curve over the master.
+
+        Where the line has jumped, in no time, the carriage does not follow it beyond an end of its stroke."""
+        machine = self.machine
         if is_homing:
             position, velocity, acceleration, _ = self.homing.at(now)
         else:
             position, velocity, acceleration, _ = self.setpoint_at(master, now)
-        self.homing.plan(self.machine, now, position, velocity, acceleration)
+        self.homing_start.set(position, velocity, acceleration)
+        if not is_homing:
+            former, _, _, _ = self.curve.at(master.path.positions[0] - self.cut)
+            self.homing_start.limit_position(min(machine.min_position, former), max(machine.max_position, former))
+        self.homing_start.limit_acceleration(machine.max_velocity, machine.max_acceleration, machine.max_deceleration)
+        self.homing_start.limit_way(
+            machine.min_position,
+            machine.max_position,
+            machine.max_velocity,
+            turning_acceleration(machine),
+            machine.homing_jerk,
+        )
+        self.homing.plan(machine, now, self.homing_start)
 
     def ease_homing(self, master: Master, now: float, slowest: float, spare_time: float, cut: float) -> None:
-        """Plan an eased motion home from the curve over the master, if there is time for it before the next cut."""
+        """Ease the motion home that has just been planned, if there is time for it before the next cut."""
         machine = self.machine
         line_velocity = master.velocity_at(now)
         start = (machine.home_position - approach_distance(machine, line_velocity)) / machine.coupling
         until_start = (start - distance_beyond(master, cut, now)) / line_velocity
         time = until_start * PUNCTUAL - machine.homing_settle_time - spare_time
-        position, velocity, acceleration, _ = self.setpoint_at(master, now)
-        self.homing.plan_eased(machine, slowest, now, position, velocity, acceleration, time)
+        self.homing.plan_eased(machine, slowest, now, self.homing_start, time)
         self.homing.eased_velocity = line_velocity
         self.homing.eased_cut = cut
 
@@ -122,10 +141,22 @@ class Carriage:
         """Whether the time-optimal stop from the setpoint at a time ends at an end of the stroke, or beyond it."""
         position, velocity, acceleration, _ = self.setpoint_at(master, time)
         machine = self.machine
+        if self.is_beyond_ends(position):
+            return True  # whatever its direction: the line has jumped there
+        acceleration = attainable_acceleration(
+            velocity, acceleration, machine.max_velocity, machine.max_acceleration, machine.max_deceleration
+        )
         end = position + stopping_distance(velocity, acceleration, turning_acceleration(machine), machine.homing_jerk)
         if velocity > 0.0 or (velocity == 0.0 and acceleration > 0.0):
             return end >= machine.max_position
         return (velocity < 0.0 or acceleration < 0.0) and end <= machine.min_position
+
+    def is_beyond_ends(self, position: float) -> bool:
+        """Whether a position is beyond the stroke."""
+        machine = self.machine
+        low = machine.min_position - end_tolerance(machine.min_position, machine.max_velocity)
+        high = machine.max_position + end_tolerance(machine.max_position, machine.max_velocity)
+        return not low <= position <= high
 
     def is_far_from_ends(self, master: Master, now: float, until: float) -> bool:
         """Whether the carriage, in sync, need not stop for an end of its stroke from now until a time since the step's

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from .. import var
 from ..master import Master
 from ..motion import Motion
+from ..motion_start import MotionStart
 from .machine_limits import Machine, change_time, return_time
 
 FASTER = 1e-9  # of a velocity: by so much the line has become faster
@@ -35,39 +36,31 @@ class HomingMotion:
         self.is_eased = False
         self.share = 1.0
 
-    def plan(self, machine: Machine, now: float, position: float, velocity: float, acceleration: float) -> None:
+    def plan(self, machine: Machine, now: float, start: MotionStart) -> None:
         """Plan it as fast as the limits of homing allow; it starts this time after the step's beginning, s."""
         self.rest_at(machine.home_position)
         self.is_halting = False
         speed = machine.homing_velocity
         up = machine.homing_acceleration
         down = machine.homing_deceleration
-        self.motion.move(position, velocity, acceleration, self.end, speed, up, down, machine.homing_jerk)
+        jerk = machine.homing_jerk
+        self.motion.move(start.position, start.velocity, start.acceleration, self.end, speed, up, down, jerk)
         self.motion.clock.start(now)
 
-    def plan_eased(
-        self,
-        machine: Machine,
-        slowest: float,
-        now: float,
-        position: float,
-        velocity: float,
-        acceleration: float,
-        time: float,
-    ) -> None:
+    def plan_eased(self, machine: Machine, slowest: float, now: float, start: MotionStart, time: float) -> None:
         """If the motion may take this time, s, halt first; from there use the share of the limits that is needed."""
         down = machine.homing_deceleration
         jerk = machine.homing_jerk
-        halt = change_time(velocity, down, jerk)
-        distance = position - machine.home_position + 0.5 * velocity * halt
-        if not (distance > 0.0 and velocity >= 0.0):
+        halt = change_time(start.velocity, down, jerk)
+        distance = start.position - machine.home_position + 0.5 * start.velocity * halt
+        if not (distance > 0.0 and start.velocity >= 0.0):
             return
         fast = return_time(0.0, distance, machine.homing_acceleration, down, jerk, machine.homing_velocity)
         if time - halt > fast:
             self.is_eased = True
             self.is_halting = True
             self.share = max(slowest, fast / (time - halt))
-            self.motion.halt(position, velocity, acceleration, down, jerk)
+            self.motion.halt(start.position, start.velocity, start.acceleration, down, jerk)
             self.motion.clock.start(now)
 
     def continue_home(self, machine: Machine, now: float) -> None:

@@ -32,6 +32,8 @@ class Machine:
     min_position: float = -1e9
     max_position: float = 1e9
     max_velocity: float = 2000.0
+    max_acceleration: float = 10000.0
+    max_deceleration: float = 10000.0
     approach_distance: float = 0.0
     approach_reserve: float = 0.02
     approach_acceleration: float = 10000.0

@@ -118,6 +118,8 @@ def show_warnings(block: CutToLengthInterface, carriage: Carriage, exceeded: Exc
         exceeded.clear()
     else:
         exceeded.check_setpoint(block.axis, block.slave)
+        if carriage.stage in (Stage.HOMING, Stage.RETURNING):
+            exceeded.include(carriage.homing_start.exceeded)
     warning.limit_exceeded = exceeded.limit != Limit.NONE
     block.local.exceeded_limit = exceeded.limit
     block.local.exceeded_value = exceeded.value

@@ -113,6 +113,8 @@ class MachineSettings:
         machine.min_position = axis.min_position
         machine.max_position = axis.max_position
         machine.max_velocity = axis.max_velocity
+        machine.max_acceleration = axis.max_acceleration
+        machine.max_deceleration = deceleration
         machine.approach_distance = self.approach.distance
         machine.approach_reserve = self.approach.reserve
         machine.approach_acceleration = limit_in_use(self.approach.acceleration, axis.max_acceleration)

@@ -146,7 +146,7 @@ class FlyingSaw(FlyingSawInterface):
         self.motion_request.read_halt(command, self.axis)
         fault = Fault.LOCKED if self.locked and owner != Owner.STOP else self.motion_request.find_halt_fault()
         if self.try_accept(command, owner, fault):
-            self.motion_request.plan_halt(self.motion, self.slave)
+            self.motion_request.plan_halt(self.motion, self.slave, self.axis)
             self.enter_discrete_motion()
             self.locked = owner == Owner.STOP
 
@@ -154,14 +154,14 @@ class FlyingSaw(FlyingSawInterface):
         self.motion_request.read_move_velocity(self.move_velocity, self.axis)
         fault = Fault.LOCKED if self.locked else self.motion_request.find_move_velocity_fault(self.axis)
         if self.try_accept(self.move_velocity, Owner.MOVE_VELOCITY, fault):
-            self.motion_request.plan_move_velocity(self.motion, self.slave)
+            self.motion_request.plan_move_velocity(self.motion, self.slave, self.axis)
             self.enter_continuous_motion()
 
     def command_move_absolute(self) -> None:
         self.motion_request.read_move_absolute(self.move_absolute, self.axis)
         fault = Fault.LOCKED if self.locked else self.motion_request.find_move_absolute_fault(self.axis)
         if self.try_accept(self.move_absolute, Owner.MOVE_ABSOLUTE, fault):
-            self.motion_request.plan_move_absolute(self.motion, self.slave)
+            self.motion_request.plan_move_absolute(self.motion, self.slave, self.axis)
             self.enter_discrete_motion()
 
     def command_gear_out(self) -> None:
@@ -286,6 +286,7 @@ class FlyingSaw(FlyingSawInterface):
 
     def run_on(self) -> None:
         """Uncouple: the slave runs on from the state in `slave`, without acceleration."""
+        self.motion_request.start.set(self.slave.position, self.slave.velocity, 0.0)
         self.motion.run_at(self.slave.position, self.slave.velocity)
         self.enter_continuous_motion()
 
@@ -326,11 +327,12 @@ class FlyingSaw(FlyingSawInterface):
         self.stage = Stage.UNCOUPLED_HALT
 
     def check_motion(self) -> None:
-        """Check the motion just planned against the limits, until it is at its velocity or at rest."""
+        """Check the motion just planned, and what it starts from, until it is at its velocity or at rest."""
         if self.plan.try_measure_motion(self.motion):
             self.plan.extremes.check_limits(self.axis, self.planned_exceeded)
         else:
             self.planned_exceeded.clear()
+        self.planned_exceeded.include(self.motion_request.start.exceeded)
 
     def enter_profile(self) -> None:
         """Start the planned profile at the coupling position."""

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
+from .. import var
 from ..axis_limits import AxisLimits, are_ends_finite, limit_in_use
 from ..computable_range import is_usable
 from ..motion import Motion, acceleration_limit
+from ..motion_start import MotionStart
 from ..slave import Slave
 from .commands import Halt, Limited, MoveAbsolute, MoveVelocity
 from .faults import Fault
@@ -15,6 +17,7 @@ class MotionRequest:
     """The command's values; limits in use, the command's own or the axis's, in u/s, u/s2 and u/s3.
 
     `velocity` is the target of move_velocity with its sign, and the limit of move_absolute, whose target is `position`.
+    `start` is the state from which the motion planned last starts.
     """
 
     position: float = 0.0
@@ -22,6 +25,7 @@ class MotionRequest:
     acceleration: float = 0.0
     deceleration: float = 0.0
     jerk: float = 0.0
+    start: MotionStart = var.part(MotionStart)
 
     def read_halt(self, command: Halt, axis: AxisLimits) -> None:
         """Read halt or stop."""
@@ -60,20 +64,33 @@ class MotionRequest:
             return Fault.MIN_POSITION
         return Fault.MAX_POSITION if self.position > axis.max_position else Fault.NONE
 
-    def plan_halt(self, motion: Motion, slave: Slave) -> None:
-        motion.halt(slave.position, slave.velocity, slave.acceleration, self.deceleration, self.jerk)
+    def set_start(self, slave: Slave, axis: AxisLimits) -> None:
+        """The motion starts from the slave's state, as far as the axis could have had it."""
+        start = self.start
+        start.set(slave.position, slave.velocity, slave.acceleration)
+        start.limit_acceleration(axis.max_velocity, axis.max_acceleration, axis.deceleration())
+        start.limit_way(axis.min_position, axis.max_position, axis.max_velocity, self.deceleration, self.jerk)
 
-    def plan_move_velocity(self, motion: Motion, slave: Slave) -> None:
-        limit = acceleration_limit(slave.velocity, self.velocity, self.acceleration, self.deceleration)
+    def plan_halt(self, motion: Motion, slave: Slave, axis: AxisLimits) -> None:
+        self.set_start(slave, axis)
+        start = self.start
+        motion.halt(start.position, start.velocity, start.acceleration, self.deceleration, self.jerk)
+
+    def plan_move_velocity(self, motion: Motion, slave: Slave, axis: AxisLimits) -> None:
+        self.set_start(slave, axis)
+        start = self.start
+        limit = acceleration_limit(start.velocity, self.velocity, self.acceleration, self.deceleration)
         motion.try_change(
-            slave.position, slave.velocity, slave.acceleration, self.velocity, 0.0, -limit, limit, self.jerk
+            start.position, start.velocity, start.acceleration, self.velocity, 0.0, -limit, limit, self.jerk
         )
 
-    def plan_move_absolute(self, motion: Motion, slave: Slave) -> None:
+    def plan_move_absolute(self, motion: Motion, slave: Slave, axis: AxisLimits) -> None:
+        self.set_start(slave, axis)
+        start = self.start
         motion.move(
-            slave.position,
-            slave.velocity,
-            slave.acceleration,
+            start.position,
+            start.velocity,
+            start.acceleration,
             self.position,
             self.velocity,
             self.acceleration,
