@@ -156,6 +156,23 @@ def test_dark_mode_changes_page_plots_and_machine_and_back(open_report: OpenRepo
     assert all(light != dark for light, dark in zip(seen["light"], seen["dark"], strict=True))
 
 
+@pytest.mark.parametrize("width", [1280, 390])
+def test_no_texts_over_the_pieces_touch(open_report: OpenReport, width: int) -> None:
+    """The numbers of the pieces, and the names of the limits; a wide window has each number, a narrow one some."""
+    visit = open_report(PIECES, width=width)
+    frame = visit.page.locator(".plot[aria-label^='Pieces passing']")
+    box = "const b = e.getBoundingClientRect(); return [e.textContent, b.x, b.right, b.y, b.bottom];"
+    notes = f"all => all.map(e => {{ {box} }})"
+    boxes = frame.locator(".annotation-text").evaluate_all(notes)
+    upper = [box for box in boxes if box[0].isdigit() or box[0].startswith(("max_position", "min_position"))]
+    numbers = [int(box[0]) for box in upper if box[0].isdigit()]
+    assert numbers[0] == 1
+    assert len(numbers) >= (15 if width == 1280 else 5)
+    for i, (_, left, right, top, bottom) in enumerate(upper):
+        for _, other_left, other_right, other_top, other_bottom in upper[:i]:
+            assert left >= other_right or other_left >= right or top >= other_bottom or other_top >= bottom
+
+
 def test_the_report_opens_in_a_narrow_window(open_report: OpenReport) -> None:
     visit = open_report(CYCLIC_CUT, width=500)
     assert visit.overflow() <= 0.0

@@ -21,6 +21,7 @@ from ..style import with_unit
 from .chart import BAD, CLEAR, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
 from .motion import NEAR, bounds, draw_bound
 
+LABEL_SPACE = 0.12  # of the saw's range: the space for the name of a limit, or for numbers
 OUTFEED = 0.35  # of the saw's range: how far above it pieces are shown that have been cut off
 MOST_DRAWN = 400  # pieces on the time plot; more could not be distinguished
 APART = 0.018  # of the time axis, the least distance of two numbers of pieces
@@ -125,6 +126,10 @@ def _draw_material(
     low, high = float(saw.min()), float(saw.max())
     height = max(high - low, 1e-9 * max(abs(low), abs(high), 1.0))
     low, high = low - 0.08 * height, high + OUTFEED * height
+    middle, reach = 0.5 * (low + high), 0.5 * NEAR * height
+    limits = [b for b in bounds(scenario, figures) if b.row == 1 and abs(b.value - middle) <= reach]
+    low = min([low, *(b.value - LABEL_SPACE * height for b in limits if not b.is_upper)])
+    high = max([high, *(b.value + 2.0 * LABEL_SPACE * height for b in limits if b.is_upper)])  # and numbers
     factor = coupling_factor(scenario, recording)
     travel = recording.master[:, 0]
     if 0 < len(production.pieces) <= MOST_DRAWN:
@@ -141,9 +146,8 @@ def _draw_material(
     if (cutting := recording.values[names.cutting] != 0.0).any():
         _draw_cutting(chart, recording.time, saw, cutting)
     chart.axis(1)["range"] = [low, high]
-    for bound in bounds(scenario, figures):
-        if bound.row == 1 and abs(bound.value - 0.5 * (low + high)) <= 0.5 * NEAR * height:
-            draw_bound(chart, bound, unit, height)
+    for bound in limits:
+        draw_bound(chart, bound, unit, height)
 
 
 def _draw_bands(
@@ -197,7 +201,8 @@ def _draw_numbers(
     for piece in pieces:
         middle = 0.5 * (piece.begin + piece.end)
         if passing[0] < middle < passing[-1] and (at := float(np.interp(middle, passing, time))) >= after:
-            chart.annotate(str(piece.number), xref="x", x=at, yref="y", y=position, bgcolor=CLEAR, font={"size": 11})
+            place = {"xref": "x", "x": at, "yref": "y", "y": position}
+            chart.annotate(str(piece.number), **place, name="number", bgcolor=CLEAR, font={"size": 11})
             after = at + distance
 
 

@@ -4,6 +4,7 @@
   const frames = [...document.querySelectorAll("div.plot")];
   const texts = frames.map((frame) => frame.nextElementSibling.textContent);
   const PAPER = 680;  // px: the width of a chart on paper
+  const NUMBER = 22;  // px: from the middle of a number to that of the next one, at least
   const config = {
     displaylogo: false, responsive: true, doubleClick: "reset", plotlyServerURL: "",
     modeBarButtons: [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]],  // none that sends data
@@ -18,10 +19,23 @@
       typeof value === "string" && /^--[a-z0-9-]+$/.test(value) ? style.getPropertyValue(value).trim() || value : value);
   }
 
+  // The texts of a chart that is so wide, in px, without numbers that would touch the one before.
+  function apart({ annotations, margin, meta }, width) {
+    const second = (width - margin.l - margin.r) / (meta.span[1] - meta.span[0]);
+    let after = -Infinity;
+    return annotations.filter(({ name, x }) => {
+      if (name !== "number") return true;
+      if (x * second < after) return false;
+      after = x * second + NUMBER;
+      return true;
+    });
+  }
+
   // Draw a chart with the current colours; its zoom stays as it is.
   function draw(frame, text) {
     const { data, layout } = figure(text);
     if (document.documentElement.classList.contains("printed")) layout.width = PAPER;
+    layout.annotations = apart(layout, layout.width || frame.clientWidth);
     for (const axis of Object.keys(layout).filter((key) => /^[xy]axis/.test(key) && frame.layout)) {
       layout[axis].autorange = frame.layout[axis].autorange;
       layout[axis].range = frame.layout[axis].range;
