@@ -140,10 +140,10 @@ def test_an_interruption_keeps_what_is_finished(
 
     def interrupted(s: Any, *arguments: Any, **options: Any) -> Any:
         if s.name == "b":
-            monkeypatch.setattr(results, "inputs_csv", interrupted_too)
+            monkeypatch.setattr(results, "write_inputs", interrupted_too)
         return write(s, *arguments, **options)
 
-    def interrupted_too(_: Any) -> str:
+    def interrupted_too(*_: Any) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(results, "write_outcome", interrupted)

@@ -1,20 +1,22 @@
 """Writes the results of a run of a scenario: the outputs, the inputs for FMPy, and the report."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TextIO
 
 from ..paths import replace_files
 from ..scenario.evaluate.expectations import check_expectations
 from ..scenario.evaluate.key_figures import compute_key_figures
 from ..scenario.evaluate.outcome import ScenarioOutcome
 from ..scenario.evaluate.reference_comparison import compare_with_reference
-from ..scenario.evaluate.reference_files import command_line, csv_text, inputs_csv, inputs_file
+from ..scenario.evaluate.reference_files import command_line, inputs_file, write_csv, write_inputs
 from ..scenario.files.shipped import scenario_name
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
 from .report.page import NO_CHANGES, with_recorded_settings, write_report
 
 FIRST = ("state", "in_sync")  # columns of the CSV file, after time, master and slave
+ROWS = 1000  # of the CSV file, that are made at a time: as Python's numbers they need a multiple of the memory
 MASTER = ("position", "velocity", "acceleration", "jerk")
 
 
@@ -42,10 +44,12 @@ def write_outcome(
     deviations = [] if changes_to_file else compare_with_reference(scenario, recording)
     inputs, results, page = inputs_file(scenario), folder / f"{name}_out.csv", folder / "report.html"
     with replace_files(folder) as part:
-        (part / results.name).write_text(_outputs_csv(scenario, recording))
+        with (part / results.name).open("w") as out:
+            write_outputs(out, scenario, recording)
         if changes_to_file or not own_step or not inputs.exists():  # a user's own scenario may have no such file
             inputs = folder / inputs.name
-            (part / inputs.name).write_text(inputs_csv(with_recorded_settings(scenario, recording)))
+            with (part / inputs.name).open("w") as out:
+                write_inputs(out, with_recorded_settings(scenario, recording))
         if report:
             step_size = scenario.step_size
             write_report(
@@ -69,13 +73,19 @@ def write_outcome(
     )
 
 
-def _outputs_csv(scenario: Scenario, recording: Recording) -> str:
-    """Time, the scripted axis, the slave, state and in_sync, then the other variables; only Reals have a point."""
+def write_outputs(out: TextIO, scenario: Scenario, recording: Recording) -> None:
+    """Write time, the scripted axis, the slave, state, in_sync, then the other variables; only Reals have a point."""
     kinds = {name: v.kind for name, v in scenario.recipe.variables.items()}
     slave = [name for name in recording.values if name.startswith("slave.")]
     names = [*slave, *(name for name in FIRST if name in recording.values)]
     names += [name for name in recording.values if name not in names]
     axis = "true_axis" if scenario.remote else "master"
-    columns = [recording.time.tolist(), *recording.master.T.tolist()]
-    columns += [(v if kinds[n] == "Real" else v.astype(int)).tolist() for n in names for v in [recording.values[n]]]
-    return csv_text(["time", *(f"{axis}.{n}" for n in MASTER), *names], zip(*columns, strict=True))
+    types = [float] * (1 + len(MASTER)) + [float if kinds[n] == "Real" else int for n in names]
+    columns = [recording.time, *recording.master.T, *(recording.values[n] for n in names)]
+
+    def rows() -> Iterator[tuple[float, ...]]:
+        for i in range(0, len(recording.time), ROWS):
+            parts = (column[i : i + ROWS] for column in columns)
+            yield from zip(*(part.astype(t).tolist() for part, t in zip(parts, types, strict=True)), strict=True)
+
+    write_csv(out, ["time", *(f"{axis}.{n}" for n in MASTER), *names], rows())

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 REACH_TIME = 10.0  # s within which a scheduler has to answer
 POLL_TIME = 0.2  # s after which waiting looks up
 CHECK_INTERVAL = 2.0  # s between two checks of which workers there are
+STALL_TIME = 30.0  # s without a finished chunk after which that is reported; then after twice as long, and so on
 CHUNKS_PER_THREAD = 2  # chunks that a thread of a worker has at a time: one that it works on, one that waits
 LOCALHOST = "127.0.0.1"
 MOTIONSYNC = "motionsync_fmu:__version__"
@@ -155,6 +156,17 @@ class Workers:
         lines = self._log().read_text("utf-8", "replace").splitlines()
         return next((line.strip() for line in reversed(lines) if line.strip()), "nothing")
 
+    def describe_stopped(self) -> str:
+        """The workers that a signal has stopped, as the end of a sentence; empty if there are none."""
+        import psutil  # noqa: PLC0415 (it comes with Dask)
+
+        stopped = []
+        for process in self.running:
+            with suppress(psutil.NoSuchProcess):
+                if psutil.Process(process.pid).status() == psutil.STATUS_STOPPED:
+                    stopped.append(str(process.pid))
+        return f"; stopped, by a signal: process {', '.join(stopped)}" if stopped else ""
+
     def end(self) -> None:
         """End them at once, and what they have started; what they were working on is lost."""
         for process in self.running:
@@ -180,6 +192,8 @@ class Cluster:
         self.checked_workers: set[str] = set()
         self.threads = 0
         self.looked = -CHECK_INTERVAL
+        self.latest = monotonic()  # when a chunk was done, or the first one given
+        self.patience = STALL_TIME
         self.batch = uuid4().hex
         self.task = task
         self.packed = pickle.loads, pickle.dumps(task)
@@ -191,6 +205,8 @@ class Cluster:
         return CHUNKS_PER_THREAD * self.threads
 
     def give_chunk(self, number: int) -> None:
+        if not self.numbers:
+            self.latest = monotonic()
         key = f"chunk-{self.batch}-{number}"
         (future,) = self.client.get({key: (methodcaller("__call__", number), self.packed)}, [key], sync=False)
         self.numbers[future] = number
@@ -202,10 +218,19 @@ class Cluster:
         try:
             future = self.results.get(timeout=POLL_TIME)
         except Empty:
+            self._report_stall()
             return None
+        self.latest, self.patience = monotonic(), STALL_TIME
         if self.own:
             self.own.lost = 0
         return self._done(self.numbers.pop(future), future)
+
+    def _report_stall(self) -> None:
+        """Report that no chunk has been done for a while, less and less often."""
+        if self.numbers and monotonic() - self.latest > self.patience:
+            stopped = self.own.describe_stopped() if self.own else ""
+            self.notify(f"no chunk of runs has been done for {self.patience:.0f} s{stopped}")
+            self.patience *= 2.0
 
     def _done(self, number: int, future: "Future") -> FinishedChunk:
         from distributed import CancelledError, KilledWorker  # noqa: PLC0415 (part of an extra)

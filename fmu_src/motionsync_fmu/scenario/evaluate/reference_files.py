@@ -2,37 +2,52 @@
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from shlex import quote
-from typing import Any
+from typing import Any, TextIO
 
 from ..run.simulation import scheduled_steps
 from ..scenario import Scenario
 
 
 def inputs_csv(scenario: Scenario) -> str:
-    """The inputs at every communication point: the axis, and whatever the scenario sets. Booleans are 0 and 1."""
+    """The text of `write_inputs`."""
+    out = io.StringIO()
+    write_inputs(out, scenario)
+    return out.getvalue()
+
+
+def write_inputs(out: TextIO, scenario: Scenario) -> None:
+    """Write the inputs at every communication point: the axis, and whatever the scenario sets. Booleans are 0 and 1."""
     by_name = scenario.recipe.variables
-    names = list(dict.fromkeys(name for s in scenario.settings for name in s.values))
-    values: dict[str, Any] = {name: scenario.start.get(name, by_name[name].start) for name in names}
-    columns: list[tuple[str, type[float | int]]] = []
-    rows = []
-    for t, _, changed in scheduled_steps(scenario, scenario.step_size):
-        values |= changed
-        if len(values) > len(columns):
-            columns = [(name, float if by_name[name].kind == "Real" else int) for name in sorted(values)]
-        rows.append([t, *(number(values[name]) for name, number in columns)])
-    return csv_text(["time", *sorted(values)], rows)
+    steps = scheduled_steps(scenario, scenario.step_size)
+    first = next(steps)
+    changing = {name: scenario.start.get(name, by_name[name].start) for s in scenario.settings for name in s.values}
+    values: dict[str, Any] = changing | first[2]
+    columns = [(name, float if by_name[name].kind == "Real" else int) for name in sorted(values)]
+
+    def rows() -> Iterator[list[float]]:
+        for time, _, changed in chain([first], steps):
+            values.update(changed)
+            yield [time, *(number(values[name]) for name, number in columns)]
+
+    write_csv(out, ["time", *(name for name, _ in columns)], rows())
 
 
 def csv_text(names: Sequence[str], rows: Iterable[Sequence[float]]) -> str:
-    """The cross-check format: commas, quoted names, numbers with all their digits."""
+    """The text of `write_csv`."""
     out = io.StringIO()
+    write_csv(out, names, rows)
+    return out.getvalue()
+
+
+def write_csv(out: TextIO, names: Sequence[str], rows: Iterable[Sequence[float]]) -> None:
+    """Write the cross-check format, row by row: commas, quoted names, numbers with all their digits."""
     writer = csv.writer(out, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
     writer.writerow(names)
     writer.writerows(rows)
-    return out.getvalue()
 
 
 def options_text(scenario: Scenario) -> str:

@@ -1,6 +1,7 @@
 """Runs a scenario: through a built FMU, or through the block in this process."""
 
 import math
+from array import array
 from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -14,7 +15,7 @@ from ...errors import UserError
 from ...interface.stepper import RefusedError, Stepper
 from ..recording import Reals, Recording
 from ..scenario import AtTime, Scenario, Within
-from ..script import AxisMotion, Script
+from ..script import Script
 from .fmu_instance import FmuError, FmuInstance
 from .reactions import ReactionProgram, scan_times
 
@@ -124,10 +125,10 @@ class _Recorder:
 
     def __init__(self, scenario: Scenario) -> None:
         self.names = [v.name for v in scenario.recipe.variables.values() if not v.settable]
-        self.times: list[float] = []
+        self.times = array("d")
         self.program = ReactionProgram(scenario)
-        self._rows: list[list[float]] = []
-        self._motions: list[AxisMotion] = []
+        self._columns = {name: array("d") for name in self.names}  # a list of numbers would need four times the memory
+        self._motions = array("d")  # position, velocity, acceleration, jerk of each point
 
     @property
     def current_time(self) -> float:
@@ -135,16 +136,18 @@ class _Recorder:
         return self.times[-1] if self.times else 0.0
 
     def add(self, time: float, values: Mapping[str, Any]) -> None:
-        self._rows.append([float(values[n]) for n in self.names])
+        for name, column in self._columns.items():
+            column.append(values[name])
         master = self.program.master
-        self._motions.append(master.until(time) if self.times else master.at(time))
+        m = master.until(time) if self.times else master.at(time)
+        self._motions.extend((m.position, m.velocity, m.acceleration, m.jerk))
         self.times.append(time)
 
     def recording(self, messages: list[str]) -> Recording:
         return Recording(
-            np.array(self.times),
-            dict(zip(self.names, np.array(self._rows).T, strict=True)),
-            np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in self._motions]),
+            np.frombuffer(self.times),
+            {name: np.frombuffer(column) for name, column in self._columns.items()},
+            np.frombuffer(self._motions).reshape(-1, 4),
             messages,
             self.program.settings,
             self.program.unmet,
