@@ -138,9 +138,11 @@ def test_no_readout_is_cut_off(open_run: OpenPage, name: str, width: int) -> Non
     visit = open_run(name, width=width)
     readouts = "[...document.querySelectorAll('.motionsync-machine dd')]"
     texts = f"{readouts}.map(e => [e.textContent, e.scrollWidth - e.clientWidth])"
-    seen = []
-    for t in np.linspace(0.0, run(name)[0].stop_time, 40).tolist():
+    seen, tops = [], []
+    for t in 2 * np.linspace(0.0, run(name)[0].stop_time, 40).tolist():
         visit.show(t)
         seen += visit.page.evaluate(texts)
-    assert len(seen) >= 40 * 6
+        tops.append(visit.page.locator(".motionsync-machine svg").bounding_box()["y"])
+    assert len(seen) >= 80 * 6
     assert [text for text, missing in seen if missing > 0] == []
+    assert len(set(tops[40:])) == 1  # the picture stays in place once all texts have been seen

@@ -106,9 +106,9 @@ function arrow(x, y, length) {
   return Math.abs(length) < 1 ? "" : `M${x} ${y}H${neck}M${neck} ${y - 4}L${end} ${y}L${neck} ${y + 4}Z`;
 }
 
-const readouts = new Map();
+const readouts = new Map(); // by name: the element, and the length of its longest text
 
-/** Show a value under its name. */
+/** Show a value under its name; it gets as many lines as its longest value, so that the picture below stays in place. */
 function showReadout(name, value, title = "") {
   if (!readouts.has(name)) {
     const row = document.createElement("div"), dt = document.createElement("dt"), dd = document.createElement("dd");
@@ -116,21 +116,38 @@ function showReadout(name, value, title = "") {
     dt.textContent = name;
     row.append(dt, dd);
     root.querySelector(".readouts").append(row);
-    readouts.set(name, dd);
+    readouts.set(name, {shown: dd, longest: 0});
   }
-  const shown = readouts.get(name);
+  const readout = readouts.get(name), {shown} = readout;
   shown.textContent = value;
   shown.title = title;
+  if (value.length <= readout.longest) return;
+  readout.longest = value.length;
+  shown.style.minHeight = `${Math.ceil(shown.getBoundingClientRect().height)}px`;
 }
 
 /** Show the state: its name, and what it means. */
 function showState(t) {
-  const [name, meaning] = data.states[held(data.state, t)] ?? ["", ""];
+  nameState(held(data.state, t));
+}
+
+function nameState(number) {
+  const [name, meaning] = data.states[number] ?? ["", ""];
   root.dataset.state = name;
   showReadout("state", `${name} \u2013 ${meaning}`, meaning);
 }
 
 /* fragment.py puts the scenes here: axes.js, belt.js, window.js */
+
+/** Fit the picture and its readouts to the width of the page. */
+function fit() {
+  for (const readout of readouts.values()) {
+    readout.longest = 0;
+    readout.shown.style.minHeight = "";
+  }
+  new Set(data.state.x).forEach(nameState);
+  scene.resize(svg.clientWidth);
+}
 
 // --- time ---
 
@@ -149,7 +166,7 @@ function load(run) {
   root.querySelector(".readouts").replaceChildren();
   slider.max = data.stop;
   scene = scenes[data.scene]();
-  scene.resize(svg.clientWidth);
+  fit();
   show(now, "beginning");
 }
 
@@ -219,7 +236,8 @@ document.addEventListener("motionsync:time", ({detail}) => {
 });
 new ResizeObserver(() => {
   if (!data) return;
-  scene.resize(svg.clientWidth);
+  fit();
+  showState(now);
   scene.show(now);
 }).observe(svg);
 window.motionsyncMachine = {load, show, play};

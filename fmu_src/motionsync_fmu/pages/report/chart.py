@@ -129,7 +129,8 @@ class Chart:
         style = {"line": {"color": MUTED, "width": 1, "dash": "dot"}, "opacity": 0.5, "layer": "below"}
         self.layout["shapes"].append(line | style)
         if text:
-            self.annotate(text, xref="x", yref="paper", x=value, y=1, xanchor="left", yanchor="top", font={"size": 11})
+            anchor = "left" if 2.0 * value < sum(self.span) else "right"  # so that it does not leave the chart
+            self.annotate(text, xref="x", yref="paper", x=value, y=1, xanchor=anchor, yanchor="top", font={"size": 11})
 
     def draw_horizontal_line(self, row: int, name: str, value: float, dash: str = "dot") -> None:
         """Draw a limit as a line through a row."""
