@@ -103,7 +103,7 @@ def scheduled_steps(scenario: Scenario, step_size: float) -> Iterator[Step]:
 def _plan_steps(scenario: Scenario, step_size: float, program: ReactionProgram) -> Iterator[Step]:
     """The steps one by one: the end of a step may depend on the outputs at its begin."""
     close = CLOSE * step_size
-    points = communication_points(scenario, step_size).tolist()
+    points = array("d", communication_points(scenario, step_size).tobytes())
     t, i = points[0], 1
     while i < len(points):
         changed = program.take_settings(t + close)
