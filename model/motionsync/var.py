@@ -99,6 +99,17 @@ class Role(Enum):
     WARNING = "whether one of the other Booleans in its group is true: each is a warning to the operator"
 
 
+class Report(Enum):
+    """When the importer's log reports the code in a plain Integer."""
+
+    CHANGES = "where the code changes, but not to 0"
+    STEPS = "after each step in which the code is not 0"
+    EPISODES = (
+        "the first time; and once it has not come again for a while, how often it came and the worst value of the "
+        "first variable in its message: the one farthest from the second variable, its limit"
+    )
+
+
 class Enumeration(IntEnum):
     """An enumeration whose members describe themselves: `NAME = value, "description"`.
 
@@ -174,7 +185,8 @@ class Declaration:
         smallest: the least magnitude of a value other than 0.
         zero: whether 0 itself is allowed.
         depends: the inputs and parameters on which the value after initialization depends (of outputs and locals).
-        codes: what the values of a plain Integer mean; a log message reports them when the value changes, but not to 0.
+        codes: what the values of a plain Integer mean, for the log; 0 is never reported.
+        report: when the log reports such a value.
         role: what a tool knows of the variable beyond FMI; None: nothing.
         wraps_at: a counter that restarts at 0 where it would reach this number; 0: it does not wrap.
         command: a Boolean input whose edge gives a command.
@@ -193,6 +205,7 @@ class Declaration:
     zero: bool = True
     depends: tuple[str, ...] = ()
     codes: type[Enumeration] | None = None
+    report: Report = Report.CHANGES
     role: Role | None = None
     wraps_at: int = 0
     command: bool = False
@@ -298,9 +311,12 @@ def local(
     min: float = -inf,
     max: float = inf,
     codes: type[Enumeration] | None = None,
+    report: Report = Report.CHANGES,
     role: Role | None = None,
 ) -> T:
-    declaration = Declaration("local", description, unit, discrete, min=min, max=max, codes=codes, role=role)
+    declaration = Declaration(
+        "local", description, unit, discrete, min=min, max=max, codes=codes, report=report, role=role
+    )
     return _declared_field(start, declaration)
 
 

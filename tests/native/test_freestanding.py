@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.interface.variables import shown
+from motionsync_fmu.interface.variables import COMPUTED_DIGITS, computed, shown
 from motionsync_fmu.native.libraries import FOLDER as NATIVE
 from motionsync_fmu.native.libraries import FREESTANDING
 
@@ -29,7 +29,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     flags = ["-rtlib=none", "-fPIC", "-shared", "-I", str(FREESTANDING)]
     subprocess.run([*compiler, *flags, *files, "-o", str(target)], check=True)
     library = ctypes.CDLL(str(target))
-    library.format_decimal.argtypes, library.format_decimal.restype = (c_double, c_char_p), c_size_t
+    library.format_decimal.argtypes, library.format_decimal.restype = (c_double, c_int, c_char_p), c_size_t
     for name, count in (("floor", 1), ("rint", 1), ("fmod", 2)):
         function = getattr(library, name)
         function.argtypes, function.restype = (c_double,) * count, c_double
@@ -57,9 +57,11 @@ def random_numbers(seed: int) -> Iterator[float]:
 def test_a_number_has_the_digits_of_python(library: ctypes.CDLL) -> None:
     text = create_string_buffer(32)
     for x in random_numbers(1):
-        length = library.format_decimal(x, text)
+        length = library.format_decimal(x, 0, text)
         assert text.value.decode() == shown(x), x.hex()
         assert length == len(text.value)
+        library.format_decimal(x, COMPUTED_DIGITS, text)
+        assert text.value.decode() == computed(x), x.hex()
 
 
 def test_numbers_are_rounded_and_divided_as_python_does(library: ctypes.CDLL) -> None:

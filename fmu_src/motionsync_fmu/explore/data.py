@@ -33,7 +33,7 @@ from ..scenario.scenario import Scenario
 from ..scenario.settings import Reaction
 
 SCALARS = ("title", "source", "unit", "slave_unit", "stop_time", "step_size", "step_bound")
-EXPECTED = ("count", "lengths", "kinds")  # keys of [cuts] that say what is expected of a run
+EXPECTED = ("count", "skipped", "lengths", "kinds")  # keys of [cuts] that say what is expected of a run
 SCRIPT = ("position", "velocity", "acceleration", "segments")  # keys of [master] and of [remote]
 MOST = 1e9  # a declared limit beyond it limits nothing that anybody would choose
 

@@ -119,6 +119,7 @@ function run(unit, scenario, {cycle = null, normals = {}, storage = null} = {}) 
   let refused = unit.code.initialize(scenarios, address) !== 0;
   const motion = (t, k) => (scenario.drive ? unit.memory.motion(address, k) : axis.at(t));
   if (!refused) refused = (cycle ? driven(unit, tables, {cycle, motion, given}) : unit.code.carry(scenarios, address)) !== 0;
+  unit.code.terminate();
   const course = new Course(unit, tables, storage);
   return Object.assign(course, {
     ...{scenario, script: axis, telegrams, refused, given},

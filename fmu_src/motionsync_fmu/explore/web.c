@@ -69,6 +69,9 @@ EXPORT(step) Status web_step(const Scenarios *s, Run *r) {
     return status;
 }
 
+/* End the run: the unit logs what has happened again and again. */
+EXPORT(terminate) void web_terminate(void) { unit_terminate(unit); }
+
 /* All steps that are left, up to one that is refused. */
 EXPORT(carry) Status web_carry(const Scenarios *s, Run *r) {
     Status status = UNIT_OK;

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from motionsync.var import Declaration
 
 LONGEST_STEP = 1e6  # s; a step may not be longer
+QUIET_TIME = 10.0  # s; a code that has not come for so long has ended (`Report.EPISODES`)
+COMPUTED_DIGITS = 7  # of a computed value in a log line; values that were set have all theirs
 KINDS = {float: "Real", int: "Integer", bool: "Boolean"}
 
 
@@ -155,6 +157,11 @@ def shown(value: Any) -> str:
     return next((text for text in texts if float(text) == value), texts[0])
 
 
+def computed(value: Any) -> str:
+    """A value that a block has computed, in a log line: a Real with seven digits at most."""
+    return f"{value:.{COMPUTED_DIGITS}g}" if isinstance(value, float) else str(value)
+
+
 def step_size_refusal(h: float) -> str:
     """Why a step size, in s, is not allowed, naming value and range; empty if it is."""
     allowed = 0.0 < h <= LONGEST_STEP
@@ -178,9 +185,11 @@ def variables_in_message(choice: Any, available: Container[str], coded: str = ""
     return [full for full, may_lack in zip(names, optional, strict=True) if not may_lack or full in available]
 
 
-def message_text(choice: Any, names: Iterable[str], value_of: Callable[[str], Any]) -> str:
-    """A refusal or fault in words, with the values of these variables."""
-    values = ", ".join(f"{name} = {shown(value_of(name))}" for name in names)
+def message_text(
+    choice: Any, names: Iterable[str], value_of: Callable[[str], Any], text_of: Callable[[Any], str] = shown
+) -> str:
+    """A refusal or fault in words, with the values of these variables as `text_of` writes them."""
+    values = ", ".join(f"{name} = {text_of(value_of(name))}" for name in names)
     return f"{choice.description} ({values})" if values else str(choice.description)
 
 

@@ -132,13 +132,13 @@ COLD static char *write_exponent(char *to, int exponent) {
     return to;
 }
 
-COLD static char *write_positive(char *to, uint64_t bits) {
+COLD static char *write_positive(char *to, uint64_t bits, int digits) {
     Expansion e;
     expand(&e, bits);
-    for (int n = 6;; n = n < 15 ? 15 : n + 1) {
+    for (int n = digits ? digits : 6;; n = n < 15 ? 15 : n + 1) {
         int tail = e.digits.n > n ? e.digits.n - n : 0;
         bool up = rounds_up(&e.digits, tail);
-        if (n < MOST_DIGITS && !reads_back(&e, tail, up)) continue;
+        if (!digits && n < MOST_DIGITS && !reads_back(&e, tail, up)) continue;
         round_off(&e, tail, up);
         bool scientific = e.exponent < -3 || e.exponent > n;
         to = write_digits(to, &e.digits, tail, scientific ? 1 : e.exponent);
@@ -146,7 +146,7 @@ COLD static char *write_positive(char *to, uint64_t bits) {
     }
 }
 
-COLD size_t format_decimal(double x, char text[DECIMAL_TEXT_SIZE]) {
+COLD size_t format_decimal(double x, int digits, char text[DECIMAL_TEXT_SIZE]) {
     char *at = text;
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -156,7 +156,7 @@ COLD size_t format_decimal(double x, char text[DECIMAL_TEXT_SIZE]) {
     if (x != x) at = copy(at, "nan");
     else if (bits >> 52 == 0x7FF) at = copy(at, "inf");
     else if (!bits) at = copy(at, "0");
-    else at = write_positive(at, bits);
+    else at = write_positive(at, bits, digits);
     *at = 0;
     return (size_t)(at - text);
 }

@@ -10,12 +10,13 @@ from typing import Any
 import jinja2
 
 from motionsync.master import MasterInput
+from motionsync.var import Report
 
 from ..compiler.memory_layout import dtype, offset
 from ..compiler.translator.text import literal
 from ..interface.fmi3_xml import TIME
 from ..interface.recipe import Fmi
-from ..interface.variables import LONGEST_STEP, Variable, cells, refusals, variables
+from ..interface.variables import COMPUTED_DIGITS, LONGEST_STEP, QUIET_TIME, Variable, cells, refusals, variables
 
 # The variables whose derivatives the importer may set and get, by order. A block that lacks one of them has no
 # derivatives.
@@ -27,7 +28,7 @@ MISSING = -1  # in place of a variable's index
 
 Row = tuple[Any, ...]  # the members of a C struct
 LAST_MESSAGE: Row = (0, 0, 0)
-LAST_CODED: Row = (-1, 0, 0)
+LAST_CODED: Row = (-1, 0, 0, 0, "REPORT_CHANGES")
 LAST_COUNT: Row = (-1, 0)
 
 
@@ -47,13 +48,15 @@ def model_header(block: Any, guid: str, overrides: Mapping[str, str] | None = No
         rows.append(_variable(v, layout, pool, allowed))
     if fmi == Fmi.THREE:
         rows.append(_time(pool))
-    messages, indices, coded = _messages(refusals(type(block)), index, pool), {}, []
+    messages, indices, coded, episodes = _messages(refusals(type(block)), index, pool), {}, [], 0
     for v in vs:
         if codes := v.declaration.codes:
             if codes not in indices:
                 indices[codes] = len(messages)
                 messages += _messages(codes, index, pool)
-            coded.append((offset(layout, v.name), pool.text(v.name.rpartition(".")[0]), indices[codes]))
+            group, report = pool.text(v.name.rpartition(".")[0]), v.declaration.report
+            coded.append((offset(layout, v.name), group, indices[codes], episodes, f"REPORT_{report.name}"))
+            episodes += sum(m != 0 for m in codes) if report == Report.EPISODES else 0
     return TEMPLATE.render(
         guid=guid,
         longest_step=repr(LONGEST_STEP),
@@ -69,6 +72,9 @@ def model_header(block: Any, guid: str, overrides: Mapping[str, str] | None = No
         variables=rows,
         messages=messages,
         coded=[*coded, LAST_CODED],
+        episodes=episodes,
+        computed_digits=COMPUTED_DIGITS,
+        quiet_time=repr(QUIET_TIME),
         flags=_distances(offset(layout, c.name) for c in cells(block) if c.type is bool),
         counts=[*_counts(block, layout), LAST_COUNT],
     )

@@ -22,16 +22,23 @@ COLD void unit_count_out_of_range(Unit *u) {
 /* Computes from the state what the unit stores besides it. */
 COLD static void update_caches(Unit *u) {
     for (int i = 0; CODED[i].offset >= 0; i++) u->codes[i] = code_of(u, i);
+    u->episodes = 0;
+    for (int i = 0; i < EPISODES; i++) u->episodes += u->now.episodes[i].count != 0;
     unit_count_out_of_range(u);
 }
 
-/* Logs what a code means, with the values of the variables in its message. */
-COLD static void log_code_message(const Unit *u, Status status, const char *group, int messages, int64_t code) {
+/* The message of a code, in the list of messages that starts there; NULL: it has none. */
+COLD static const Message *find_message(int messages, int64_t code) {
     const Message *m = MESSAGES + messages;
     while (m->code && m->code != code) m++;
-    if (!m->code) return;
+    return m->code ? m : NULL;
+}
+
+/* Logs what a code means, with the values of the variables in its message. */
+COLD static void log_message(const Unit *u, Status status, const char *group, const Message *m) {
+    if (!m) return;
     const char *separator = *group ? ": " : "";
-    unit_report(u, status, "%s%s%s%l", group, separator, text_at(m->text), NUMBERS + m->variables, group);
+    unit_report(u, status, "%s%s%s%l", group, separator, text_at(m->text), NUMBERS + m->variables, group, " (");
 }
 
 /* --- life --- */
@@ -81,7 +88,6 @@ COLD Status unit_set_times(Unit *u, double start, double stop, const char *call)
 }
 
 void unit_enter_initialization(Unit *u) { u->now.mode = INITIALIZING; }
-void unit_terminate(Unit *u) { u->now.mode = TERMINATED; }
 
 COLD static Status initialize(Unit *u) {
     for (const Variable *v = VARIABLES; v < VARIABLES + COUNT; v++)
@@ -91,7 +97,7 @@ COLD static Status initialize(Unit *u) {
     int64_t refusal = block_initialize((Block *)&u->now.model, &failed);
     if (!failed && !refusal) return UNIT_OK;
     if (failed) unit_report(u, UNIT_ERROR, "an arithmetic error: these values lead to no result");
-    else log_code_message(u, UNIT_ERROR, "", REFUSALS, refusal);
+    else log_message(u, UNIT_ERROR, "", find_message(REFUSALS, refusal));
     u->now.model = before;
     return UNIT_ERROR;
 }
@@ -140,7 +146,7 @@ static inline Status step_block(Unit *u, double h) {
         u->now.mode = TERMINATED;
         return unit_report(u, UNIT_ERROR, "an arithmetic error: these values lead to no result, and the unit must be reset");
     }
-    if (refusal) log_code_message(u, u->refusal_status, "", REFUSALS, refusal);
+    if (refusal) log_message(u, u->refusal_status, "", find_message(REFUSALS, refusal));
     return refusal ? u->refusal_status : UNIT_OK;
 }
 
@@ -175,9 +181,64 @@ static inline bool can_step(Unit *u, double time, double h) {
     return !u->out_of_range || check_all_ranges(u);
 }
 
-COLD static void log_new_code(Unit *u, int i) {
-    int64_t code = u->codes[i] = code_of(u, i);
-    if (code) log_code_message(u, UNIT_WARNING, text_at(CODED[i].group), CODED[i].messages, code);
+/* How far the value that a message reports is from its limit, which comes next in the list of its variables. */
+COLD static double distance_to_limit(const Unit *u, const Message *m, double value) {
+    int limit = NUMBERS[m->variables + 1];
+    return fabs(limit < 0 ? value : value - number_of(u, VARIABLES + limit));
+}
+
+/* Logs a code that comes again and again where it comes first, and remembers the worst value. */
+COLD static void extend_episode(Unit *u, const Coded *c, const Message *m, bool is_new) {
+    Episode *e = u->now.episodes + c->episodes + (m - (MESSAGES + c->messages));
+    double value = number_of(u, VARIABLES + NUMBERS[m->variables]);
+    if (!e->count) {
+        log_message(u, UNIT_WARNING, text_at(c->group), m);
+        *e = (Episode){.begin = u->now.time, .first = value, .worst = value};
+        u->episodes++;
+        is_new = true;
+    }
+    e->count += is_new;
+    e->end = u->now.time;
+    if (distance_to_limit(u, m, value) > distance_to_limit(u, m, e->worst)) e->worst = value;
+}
+
+/* Logs a whole episode, unless its first message has said all of it. */
+COLD static void end_episode(Unit *u, const Coded *c, const Message *m, Episode *e) {
+    if (e->count != 1 || e->worst != e->first)
+        unit_report(u, UNIT_WARNING, "%s: %s (times: %d, from %f s to %f s, worst: %s = %f%l", text_at(c->group),
+                    text_at(m->text), e->count, e->begin, e->end, name_of(VARIABLES + NUMBERS[m->variables]), e->worst,
+                    NUMBERS + m->variables + 1, text_at(c->group), ", ");
+    *e = (Episode){0};
+    u->episodes--;
+}
+
+/* Ends the episodes whose code has not come since a time. */
+COLD static void end_episodes(Unit *u, double since) {
+    for (const Coded *c = CODED; c->offset >= 0; c++) {
+        if (c->report != REPORT_EPISODES) continue;
+        Episode *e = u->now.episodes + c->episodes;
+        for (const Message *m = MESSAGES + c->messages; m->code; m++, e++)
+            if (e->count && e->end <= since) end_episode(u, c, m, e);
+    }
+}
+
+COLD static void log_code(Unit *u, int i) {
+    const Coded *c = CODED + i;
+    int64_t before = u->codes[i], code = u->codes[i] = code_of(u, i);
+    const Message *m = find_message(c->messages, code);
+    if (m && c->report == REPORT_EPISODES) extend_episode(u, c, m, code != before);
+    else log_message(u, UNIT_WARNING, text_at(c->group), m);
+}
+
+static void log_codes(Unit *u) {
+    for (int i = 0; CODED[i].offset >= 0; i++)
+        if (code_of(u, i) != u->codes[i] || (u->codes[i] && CODED[i].report != REPORT_CHANGES)) log_code(u, i);
+    if (u->episodes) end_episodes(u, u->now.time - QUIET_TIME);
+}
+
+COLD void unit_terminate(Unit *u) {
+    end_episodes(u, INFINITY);
+    u->now.mode = TERMINATED;
 }
 
 Status unit_step(Unit *u, double time, double h, const char *call) {
@@ -189,8 +250,7 @@ Status unit_step(Unit *u, double time, double h, const char *call) {
     if (status) return status;
     u->now.derivatives_given = 0;
     u->now.time = time + h;
-    for (int i = 0; CODED[i].offset >= 0; i++)
-        if (code_of(u, i) != u->codes[i]) log_new_code(u, i);
+    log_codes(u);
     return UNIT_OK;
 }
 

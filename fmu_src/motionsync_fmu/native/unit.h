@@ -54,7 +54,7 @@ Status unit_set_times(Unit *u, double start, double stop, const char *call); /* 
 void unit_enter_initialization(Unit *u);
 Status unit_exit_initialization(Unit *u);
 Status unit_step(Unit *u, double time, double h, const char *call); /* in step mode only */
-void unit_terminate(Unit *u);
+void unit_terminate(Unit *u); /* logs first what has happened again and again */
 
 /* --- messages --- */
 

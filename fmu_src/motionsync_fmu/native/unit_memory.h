@@ -32,10 +32,15 @@ typedef struct {
     uint16_t variables; /* whose values the message contains: a list for find_listed_variable, which ends with -1 */
 } Message;
 
+/* When a code is logged: see `Report` in var.py. */
+typedef enum { REPORT_CHANGES, REPORT_STEPS, REPORT_EPISODES } Report;
+
 typedef struct {
     int16_t offset; /* in the model's memory; -1 in the last row */
     uint16_t group; /* of the variable that holds the code; empty if it is in none */
     uint16_t messages; /* where in MESSAGES the list of what its values mean starts */
+    uint16_t episodes; /* where in a state the episodes of these messages start, if it has some */
+    uint8_t report; /* a Report */
 } Coded;
 
 typedef struct {
@@ -69,6 +74,12 @@ typedef union {
     uint8_t bytes[MODEL_SIZE];
 } Model;
 
+typedef struct { /* how often a code has come since it was logged first */
+    int64_t count; /* 0: it is not under way */
+    double begin, end; /* the times after the first and the last step in which it was there */
+    double first, worst; /* values of the first variable in its message */
+} Episode;
+
 typedef struct { /* no member leaves a gap, so that all bytes of a state are determined */
     char magic[8], guid[40];
     uint64_t size, checksum; /* the checksum is that of serialized bytes, otherwise 0 */
@@ -77,10 +88,11 @@ typedef struct { /* no member leaves a gap, so that all bytes of a state are det
     double derivatives[3]; /* by order; the first is unused */
     double stop, time; /* stop: INFINITY if there is none; the time comes last: TIME_OFFSET */
     Model model;
+    Episode episodes[EPISODES + 1]; /* the last one is unused: no array of C is empty */
 } State;
 
 MUST_HOLD(the_time_is_before_the_model, offsetof(State, model) + TIME_OFFSET == offsetof(State, time));
-MUST_HOLD(a_state_has_no_gaps, sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model));
+MUST_HOLD(a_state_has_no_gaps, sizeof MODEL_GUID <= 40 && sizeof(State) == 8 + 40 + 9 * 8 + sizeof(Model) + (EPISODES + 1) * 40);
 
 typedef struct { /* the inputs that a step replaces where derivatives of the master's position are given for it */
     double values[2]; /* the master's velocity and acceleration */
@@ -91,6 +103,7 @@ struct Unit {
     State now;
     int out_of_range; /* the number of checked Reals outside their ranges; a step needs 0 */
     int64_t codes[sizeof CODED / sizeof *CODED]; /* after the last step */
+    int episodes; /* how many are under way */
     ReplacedInputs replaced_inputs; /* in a step */
     int logged_categories; /* a set of Category */
     Status refusal_status; /* what a refused step answers */

@@ -31,15 +31,17 @@ COLD static void append_integer(Text *text, int64_t x) {
     append(text, digits + first, sizeof digits - first);
 }
 
-COLD static void append_real(Text *text, double x) {
-    char digits[DECIMAL_TEXT_SIZE];
-    append(text, digits, format_decimal(x, digits));
+/* `digits`: as for format_decimal. */
+COLD static void append_real(Text *text, double x, int digits) {
+    char decimal[DECIMAL_TEXT_SIZE];
+    append(text, decimal, format_decimal(x, digits, decimal));
 }
 
+/* What was set has all its digits, so that one finds it again. */
 COLD static void append_value(Text *text, const Unit *u, const Variable *v) {
     append_text(text, name_of(v));
     append_text(text, " = ");
-    if (v->kind == REAL) append_real(text, number_of(u, v));
+    if (v->kind == REAL) append_real(text, number_of(u, v), v->modes ? 0 : COMPUTED_DIGITS);
     else if (v->kind == BOOLEAN) append_text(text, number_of(u, v) != 0.0 ? "True" : "False");
     else append_integer(text, *(const int64_t *)value_at(u, v));
 }
@@ -55,8 +57,7 @@ COLD static const Variable *find_listed_variable(int number, const char *group) 
     return NULL;
 }
 
-COLD static void append_values(Text *text, const Unit *u, const int16_t *list, const char *group) {
-    const char *before = " (";
+COLD static void append_values(Text *text, const Unit *u, const int16_t *list, const char *group, const char *before) {
     for (; *list >= 0; list++) {
         const Variable *v = find_listed_variable(*list, group);
         if (!v) continue;
@@ -75,8 +76,8 @@ static bool is_logged(const Unit *u, Status status) {
 
 COLD void unit_set_categories(Unit *u, int categories) { u->logged_categories = categories; }
 
-/* Besides the conversions in unit.h, %v stands for a variable and its value, %l for those of a list, which the group
- * follows. */
+/* Besides the conversions in unit.h, %v stands for a variable and its value, %f for a double with few digits, and %l for a
+ * list of variables and their values, which the group follows and what comes before the first one: "(" or ",". */
 COLD Status unit_report(const Unit *u, Status status, const char *format, ...) {
     if (!is_logged(u, status)) return status;
     Text text;
@@ -88,10 +89,12 @@ COLD Status unit_report(const Unit *u, Status status, const char *format, ...) {
         else if (*++format == 's') append_text(&text, va_arg(arguments, const char *));
         else if (*format == 'd') append_integer(&text, va_arg(arguments, int64_t));
         else if (*format == 'v') append_value(&text, u, va_arg(arguments, const Variable *));
-        else if (*format == 'r') append_real(&text, va_arg(arguments, double));
+        else if (*format == 'r') append_real(&text, va_arg(arguments, double), 0);
+        else if (*format == 'f') append_real(&text, va_arg(arguments, double), COMPUTED_DIGITS);
         else {
             const int16_t *list = va_arg(arguments, const int16_t *);
-            append_values(&text, u, list, va_arg(arguments, const char *));
+            const char *group = va_arg(arguments, const char *);
+            append_values(&text, u, list, group, va_arg(arguments, const char *));
         }
     }
     va_end(arguments);

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from enum import StrEnum
 from functools import partialmethod
+from math import inf
 from operator import attrgetter
 from typing import Any, ClassVar, NoReturn
 
@@ -18,17 +19,23 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 from ..interface.variables import (
+    QUIET_TIME,
     Cell,
     Variable,
     cells,
+    computed,
     members,
     message_text,
+    shown,
     step_size_refusal,
     variables,
     variables_in_message,
 )
 
 State = dict[str, Any]
+Episode = list[Any]  # how often a code has come since it was logged first, from when to when, its first and worst value
+COUNT, END, WORST = 0, 2, 4  # places in an episode
+EPISODE_TYPES = [int, float, float, float, float]
 CHECKSUM_LENGTH = 2 * hashlib.sha256().digest_size  # characters before the text of a serialized state
 FINALIZED: set[int] = set()  # the base addresses of the libraries that finish in time
 
@@ -115,6 +122,14 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         self.read_inputs = attribute_reader(v.name for v in self.inputs)
         self.codes = [v for v in self.variables if v.declaration.codes]
         self.read_codes = attribute_reader(v.name for v in self.codes)
+        self.computed = {v.name for v in self.variables if not v.settable}
+        self.repeated = {  # the codes that come again and again: what is reported of each, by its variable and number
+            f"{v.name} {code.value}": (v, code)
+            for v in self.codes
+            if v.declaration.report.name == "EPISODES"
+            for code in members(v.declaration.codes)
+        }
+        self.episodes: dict[str, Episode] = {}
         self.cells = list(cells(self.block))
         self.read_cells = attribute_reader(c.name for c in self.cells)
         self.lists = [i for i, c in enumerate(self.cells) if c.type is list]
@@ -131,6 +146,7 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         self.mode = SlaveMode.STEPPING
 
     def terminate(self) -> None:
+        self.end_episodes(inf)
         self.mode = SlaveMode.TERMINATED
 
     def try_initialize(self) -> str:
@@ -160,8 +176,9 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         if refusal := self.step_refusal(step_size) or self.try_step(step_size):
             self.log_message(refusal, Fmi2Status.error)
             return False
-        if (codes := self.read_codes(self.block)) != before:
-            self.log_new_codes(before, codes)
+        codes = self.read_codes(self.block)
+        if any(codes) or self.episodes:
+            self.log_codes(before, codes, current_time + step_size)
         return True
 
     def try_step(self, step_size: float) -> str:
@@ -186,17 +203,56 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
         """Why the first of these variables whose value is not allowed has a bad one; empty if there is none."""
         return next((refusal for v in checked if (refusal := v.refusal(v.cell.get()))), "")
 
-    def log_new_codes(self, before: tuple[Any, ...], codes: tuple[Any, ...]) -> None:
-        """Log each fault code that has changed, but not to 0."""
+    def log_codes(self, before: tuple[Any, ...], codes: tuple[Any, ...], time: float) -> None:
+        """Log the codes of the variables after a step that has ended at a time, in s: see `Report`."""
         for v, former, code in zip(self.codes, before, codes, strict=True):
-            for fault in members(v.declaration.codes):
-                if fault == code != former and code != 0:
-                    self.log_message(self.message(fault, v.name), Fmi2Status.warning)
+            fault = next((m for m in members(v.declaration.codes) if m == code != 0), None)
+            if fault is None:
+                continue
+            report = v.declaration.report.name
+            if report == "EPISODES":
+                self.extend_episode(v, fault, time, is_new=code != former)
+            elif report == "STEPS" or code != former:
+                self.log_message(self.message(fault, v.name), Fmi2Status.warning)
+        self.end_episodes(time - QUIET_TIME)
+
+    def extend_episode(self, v: Variable, fault: Any, time: float, *, is_new: bool) -> None:
+        """Log a code that comes again and again where it comes first, and remember the worst value."""
+        value = self.by_name[fault.names[0]].cell.get()
+        key = f"{v.name} {fault.value}"
+        if key not in self.episodes:
+            self.log_message(self.message(fault, v.name), Fmi2Status.warning)
+            self.episodes[key] = [0, time, time, value, value]
+            is_new = True
+        episode = self.episodes[key]
+        episode[COUNT] += is_new
+        episode[END] = time
+        limit = self.by_name[fault.names[1]].cell.get() if len(fault.names) > 1 else 0.0
+        if abs(value - limit) > abs(episode[WORST] - limit):
+            episode[WORST] = value
+
+    def end_episodes(self, since: float) -> None:
+        """Log the episodes whose code has not come since a time, unless their first message has said all."""
+        for key, (v, fault) in self.repeated.items():
+            if key in self.episodes and self.episodes[key][END] <= since:
+                count, begin, end, first, worst = self.episodes.pop(key)
+                if count == 1 and worst == first:
+                    continue
+                group, (name, *others) = v.name.rpartition(".")[0], fault.names
+                values = [f"{name} = {computed(worst)}", *(f"{n} = {self.value_text(n)}" for n in others)]
+                times = f"times: {count}, from {computed(begin)} s to {computed(end)} s"
+                text = f"{group}: {fault.description} ({times}, worst: {', '.join(values)})"
+                self.log_message(text, Fmi2Status.warning)
+
+    def value_text(self, name: str) -> str:
+        """The value of a variable in a message; what was set has all its digits, so that one finds it again."""
+        text = computed if name in self.computed else shown
+        return text(self.by_name[name].cell.get())
 
     def message(self, choice: Any, coded: str = "") -> str:
         """A refusal in words, or a fault whose code is in the variable `coded`."""
         names, group = variables_in_message(choice, self.by_name, coded), coded.rpartition(".")[0]
-        text = message_text(choice, names, lambda name: self.by_name[name].cell.get())
+        text = message_text(choice, names, self.value_text, str)
         return f"{group}: {text}" if group else text
 
     def refuse(self, text: str) -> NoReturn:
@@ -270,7 +326,8 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _get_fmu_state(self) -> State:
         """The state of the whole block, not only of its declared variables."""
-        return {"build": self.build, "mode": self.mode, "cells": self.values()}
+        episodes = {key: episode.copy() for key, episode in self.episodes.items()}
+        return {"build": self.build, "mode": self.mode, "cells": self.values(), "episodes": episodes}
 
     @staticmethod
     def _fmu_state_to_bytes(state: State) -> bytes:
@@ -298,9 +355,15 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             self.refuse("this FMU state does not fit this FMU")
         self.mode = SlaveMode(state["mode"])
         self.restore(state["cells"])
+        self.episodes = {key: episode.copy() for key, episode in state["episodes"].items()}
 
     def is_possible_state(self, state: State) -> bool:
-        """Whether a state has a mode, and for each cell a value that the cell may have held."""
+        """Whether a state has a mode, possible episodes, and for each cell a value that the cell may have held."""
+        episodes = state.get("episodes")
+        if not isinstance(episodes, dict) or not all(key in self.repeated for key in episodes):
+            return False
+        if not all(isinstance(e, list) and list(map(type, e)) == EPISODE_TYPES for e in episodes.values()):
+            return False
         values = state.get("cells")
         if state.get("mode") not in list(SlaveMode) or not isinstance(values, list) or len(values) != len(self.cells):
             return False

@@ -17,11 +17,11 @@ from .blade import Blade, stage_end
 from .carriage import Carriage, Stage, distance_beyond
 from .carriage_curve import can_open_gap
 from .cycle_reserve import CycleReserve
-from .faults import Fault, Refusal, SawParameter
+from .faults import Fault, Refusal, SawParameter, SkipReason
 from .homing_motion import is_accelerating
 from .instants import NEVER, Condition, due_instant, first_instant, has_reached_start
 from .interface import CutToLengthInterface, ToolMode
-from .late_cuts import CutDecision, decide_cut, delay_cut, skip_late_cuts
+from .late_cuts import CutDecision, decide_cut, delay_cut, fast_line_reason, show_skipped_cut, skip_late_cuts
 from .machine_limits import approach_distance, lead
 from .operation import Operation
 from .outputs import show_line, show_piece, show_queues, show_state, show_warnings
@@ -100,6 +100,7 @@ class CutToLength(CutToLengthInterface):
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
         self.read_demand()
+        self.local.skip_reason = SkipReason.NONE
         for section in range(self.master.path.sections):
             self.travel(section)
             if section == 0:
@@ -438,6 +439,7 @@ class CutToLength(CutToLengthInterface):
                 self.start_cut_at_once(True)
             case CutDecision.SKIP:
                 distance = lead(machine, velocity)
+                show_skipped_cut(self, SkipReason.LATE, piece, self.carriage, self.now, distance)
                 skip_late_cuts(self.material, self.statistics, self.carriage, self.master, self.now, distance)
             case CutDecision.STOP_LINE:
                 self.fail(Fault.CUT_MISSED)
@@ -461,7 +463,10 @@ class CutToLength(CutToLengthInterface):
     def skip_cuts_of_fast_line(self, until: float) -> None:
         """Leave out all cuts that are due before the line is slow enough, up to a time since the step's beginning."""
         machine = self.carriage.machine
-        distance = lead(machine, self.master.velocity_at(self.now))
+        velocity = self.master.velocity_at(self.now)
+        distance = lead(machine, velocity)
+        reason = fast_line_reason(machine, velocity)
+        show_skipped_cut(self, reason, self.material.piece, self.carriage, self.now, distance)
         if self.source == Source.LENGTH:
             self.now = min(self.first(Condition.ADMISSIBLE, until), until)
             distance = approach_distance(machine, self.master.velocity_at(self.now))

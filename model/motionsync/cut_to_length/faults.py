@@ -11,6 +11,8 @@ END_POSITIONS = ("axis.min_position", "axis.max_position")
 START_POSITIONS = ("axis.initial_position", "axis.min_position", "axis.max_position")
 MASTER = ("master.position", "master.velocity", "master.acceleration")
 LINE_VELOCITIES = ("master.velocity", "limits.max_line_velocity")
+SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity")
+MOST_VELOCITY = ("limits.max_line_velocity",)
 FACTORS = ("material_factor", "calibration.factor")
 HOME_BETWEEN_ENDS = (
     "home_position must be between the software end positions",
@@ -31,6 +33,15 @@ class Fault(Enumeration):
     CUT_MISSED = 16, "the line is too fast for the next cut, and late_mode is STOP_LINE", *LINE_VELOCITIES
     STROKE = 17, "the carriage has to stop before the end of its stroke", "slave.position", *END_POSITIONS
     TOOL_TIMEOUT = 19, "tool.done has not come within tool.timeout", "tool.timeout"
+
+
+class SkipReason(Enumeration):
+    """Why a cut was skipped"""
+
+    NONE = 0, "no cut was skipped"
+    LATE = 1, "cut skipped: the carriage was not ready in time", *SKIPPED_CUT, "local.missing_distance", *MOST_VELOCITY
+    VELOCITY = 2, "cut skipped: the carriage cannot be as fast as the line", *SKIPPED_CUT, "axis.max_velocity"
+    STROKE = 3, "cut skipped: the stroke is too short at this line velocity", *SKIPPED_CUT, *MOST_VELOCITY
 
 
 class Refusal(Enumeration):

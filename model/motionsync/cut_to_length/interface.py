@@ -29,8 +29,8 @@ from ..cutting.settings import PieceParameter
 from ..exceeded_limit import Limit
 from ..master import Master
 from ..slave import Slave
-from ..var import Enumeration, Role, Unit
-from .faults import Fault, SawParameter
+from ..var import Enumeration, Report, Role, Unit
+from .faults import Fault, SawParameter, SkipReason
 
 # What the predictions depend on, after the initialization as ever after.
 COUPLING = ("diagonal_angle", "material_factor")
@@ -200,7 +200,15 @@ class Local:
     refused_parameter: int = var.local(
         0, "which tunable parameter is out of its range", codes=var.merged(SawParameter, PieceParameter)
     )
-    exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit)
+    skip_reason: int = var.local(
+        0, "why a cut was skipped in the last step; 0: none was", codes=SkipReason, report=Report.STEPS
+    )
+    skipped_cut: float = var.snapshot(
+        0.0, "master position at which the last skipped cut passes slave position 0", Unit.POSITION
+    )
+    missing_distance: float = var.snapshot(0.0, "by how much the carriage's way to it was too short", Unit.POSITION)
+    line_velocity: float = var.snapshot(0.0, "the line's velocity when it was skipped", Unit.VELOCITY)
+    exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit, report=Report.EPISODES)
     exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")
 
 

@@ -4,10 +4,12 @@ from ..cutting.interface import LateMode, Source, Statistics
 from ..cutting.material import Material
 from ..cutting.piece import PieceInProgress
 from ..cutting.records import increased
-from ..grid import floor
+from ..grid import floor, wrap
 from ..master import Master
 from ..var import Enumeration
 from .carriage import Carriage, distance_beyond
+from .faults import SkipReason
+from .interface import CutToLengthInterface
 from .machine_limits import Machine, is_admissible, lead
 
 IN_TIME = 1.0 - 1e-9  # of the least way of an approach: with less, a start is late
@@ -45,6 +47,28 @@ def delay_cut(piece: PieceInProgress, carriage: Carriage, master: Master, now: f
     """Move the cut to where an approach over a distance starts now."""
     start = (carriage.homing.end - distance) / carriage.machine.coupling
     piece.end += distance_beyond(master, piece.end, now) - start
+
+
+def show_skipped_cut(
+    block: CutToLengthInterface,
+    reason: SkipReason,
+    piece: PieceInProgress,
+    carriage: Carriage,
+    now: float,
+    distance: float,
+) -> None:
+    """Show that the next cut is skipped, and why; `distance`: the way that its approach would need, u."""
+    local = block.local
+    local.skip_reason = reason
+    local.skipped_cut = wrap(piece.end, block.master.period)
+    beyond_cut = distance_beyond(block.master, piece.end, now)
+    local.missing_distance = distance - (carriage.homing.end - carriage.machine.coupling * beyond_cut)
+    local.line_velocity = block.master.velocity_at(now)
+
+
+def fast_line_reason(machine: Machine, velocity: float) -> SkipReason:
+    """Why a line velocity, u/s, is not admissible."""
+    return SkipReason.VELOCITY if machine.coupling * velocity > machine.max_velocity else SkipReason.STROKE
 
 
 def skip_late_cuts(

@@ -13,7 +13,7 @@ from ..computable_range import LARGEST
 from ..exceeded_limit import ExceededLimit, Limit
 from ..master import Master
 from ..slave import Slave
-from ..var import Enumeration, Unit
+from ..var import Enumeration, Report, Unit
 from .characteristics import Characteristics
 from .commands import GearInPos, GearInVelo, GearOut, Halt, MoveAbsolute, MoveVelocity, Reset
 from .extremes import Extremes
@@ -75,7 +75,7 @@ class Local:
     plan_jerk_min: float = var.snapshot(0.0, "least jerk of the last plan, refused or not", Unit.JERK)
     plan_jerk_max: float = var.snapshot(0.0, "greatest jerk of the last plan, refused or not", Unit.JERK)
 
-    exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit)
+    exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit, report=Report.EPISODES)
     exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")
 
     def show_exceeded(self, exceeded: ExceededLimit) -> None:

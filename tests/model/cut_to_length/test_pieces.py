@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from motionsync.cut_to_length.faults import Fault
+from motionsync.cut_to_length.faults import Fault, SkipReason
 from motionsync.cut_to_length.interface import State
 from motionsync.cutting.interface import ChangeMode, LateMode, PieceKind, StartMode
 from tests.model.cut_to_length.harness import (
@@ -215,6 +215,20 @@ def test_a_cut_that_cannot_be_reached_is_skipped() -> None:
     assert (saw["statistics.skipped"], saw["statistics.late"]) == (1, 0)
     assert piece_counts(saw) == (1, 1, 0, 0)
     assert saw["statistics.length_waste"] == near(2000.0)
+
+
+def test_why_a_cut_is_skipped_is_shown_in_the_step_in_which_it_is() -> None:
+    """C = 2000, home at m = 1933.333: 66.667 are left of the way, which takes LEAD."""
+    saw = started_machine(SOON).at(HOME_TIME - 1e-3)
+    assert saw["local.skip_reason"] == SkipReason.NONE
+    saw.at(HOME_TIME + 1e-3)
+    assert saw["local.skip_reason"] == SkipReason.LATE
+    assert saw["local.skipped_cut"] == near(2000.0)
+    assert saw["local.missing_distance"] == near(LEAD - (2000.0 - 1000.0 * HOME_TIME))
+    assert saw["local.line_velocity"] == near(1000.0)
+    saw.at(HOME_TIME + 2e-3)
+    assert saw["local.skip_reason"] == SkipReason.NONE
+    assert saw["local.skipped_cut"] == near(2000.0)
 
 
 def test_as_many_cuts_are_skipped_as_cannot_be_reached() -> None:

@@ -173,6 +173,10 @@ class FmuInstance:
         self.call(self.unit.doStep, self.time, h)
         self.time += h
 
+    def terminate(self) -> None:
+        """End the run: the FMU logs what has happened again and again."""
+        self.call(self.unit.terminate)
+
     def get(self, names: Iterable[str] | None = None) -> dict[str, Any]:
         """The values of these variables, of all if none are named; Booleans and enumerations as numbers."""
         values: dict[str, Any] = {}

@@ -188,6 +188,7 @@ def simulate(scenario: Scenario, fmu: Path, step_size: float) -> Recording:
         try:
             for time in _run_steps(scenario, instance, step_size, recorder):
                 instance.time = time
+            instance.terminate()
         except FmuError as error:
             raise UserError(f"{scenario.file}: at {recorder.current_time:g} s the FMU refused: {error}") from None
     return recorder.recording(instance.messages)
