@@ -57,7 +57,7 @@ def all_of(times: int, begin: str, end: str, worst: str) -> str:
 
 @pytest.mark.parametrize("h", [0.01, 0.1])
 def test_the_first_excess_is_logged_and_then_the_worst_and_how_often(saw: FmuInstance, h: float) -> None:
-    """Three times too fast within 10 s: one line; after 10 s without the line that has all of it. Then it begins anew."""
+    """Three times too fast within 10 s: one line; 10 s later the whole. Then it begins anew."""
     line = Line(saw, h)
     line.run(1300.0, 1.0)  # from 2 s on
     first = f"{LIMIT} (local.exceeded_value = 1300, {AXIS})"
