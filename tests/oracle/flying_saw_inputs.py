@@ -28,6 +28,8 @@ CHECKED_AT_FIRST = (
     "check_max_deceleration",
 )
 LIMITS = ("velocity", "acceleration", "deceleration", "jerk")
+SMALLEST, LARGEST = 1e-12, 1e12
+"""The least and the greatest magnitude of a ratio's numerator."""
 GEAR = ("ratio_numerator", "ratio_denominator", *LIMITS)
 INPUTS = {
     "gear_in_velo": GEAR,
@@ -73,10 +75,10 @@ def read_request(
     inputs: Mapping[str, Any], group: str, master: Motion, slave: Motion, period: Number, cosine: Number
 ) -> tuple[Request | None, Number]:
     """What the edge of a gear-in command asks for, and the start distance (u); None if there is no factor."""
-    denominator = mp.mpf(inputs[f"{group}.ratio_denominator"])
-    if not denominator > 0:
+    numerator, denominator = (mp.mpf(inputs[f"{group}.ratio_{name}"]) for name in ("numerator", "denominator"))
+    if not (denominator > 0 and SMALLEST <= abs(numerator) <= LARGEST):
         return None, ZERO
-    factor = mp.mpf(inputs[f"{group}.ratio_numerator"]) / denominator / cosine
+    factor = numerator / denominator / cosine
     sync, distance = None, ZERO
     if group == GEAR_IN_POS:
         sync_master, sync_slave = (mp.mpf(inputs[f"{group}.{name}_sync_position"]) for name in ("master", "slave"))

@@ -6,7 +6,7 @@ Source: TS5055, section 13, and TwinCAT's NC errors.
 from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
-RATIO = (".ratio_numerator", ".ratio_denominator", "diagonal_angle")
+RATIO = (".ratio_numerator", ".ratio_denominator")
 LIMITS = (".velocity", ".acceleration", ".deceleration", ".jerk")
 AXIS_LIMITS = ("axis.max_velocity", "axis.max_acceleration", "axis.max_deceleration", "axis.max_jerk")
 END_POSITIONS = ("axis.min_position", "axis.max_position")
@@ -37,8 +37,8 @@ class Fault(Enumeration):
     )
     FACTOR = (
         0x425B,
-        "refused (0x425B): the coupling factor must be finite, its numerator not 0 and its denominator at least 1; an "
-        "unwired input gives 0",
+        "refused (0x425B): the ratio's numerator must be 1e-12 to 1e12 or -1e12 to -1e-12, its denominator at least 1; "
+        "an unwired input gives 0",
         *RATIO,
     )
     MASTER_STANDING = 0x426E, "refused (0x426E): the master is at rest and never reaches a sync position", *MASTER

@@ -1,7 +1,6 @@
 """A gear-in command, as read at its edge. A synchronisation that is planned anew later uses the same values."""
 
 from dataclasses import dataclass
-from math import isfinite
 
 from .. import var
 from ..axis_limits import AxisLimits, are_ends_finite, limit_in_use
@@ -21,7 +20,7 @@ class GearInRequest:
 
     Attributes:
         to_position: the command is gear_in_pos, which alone has sync positions and a start distance.
-        factor: the slave's velocity over the master's in sync.
+        factor: the slave's velocity over the master's in sync; 0: the ratio is out of its range.
         velocity, acceleration, deceleration, jerk: the limits in use, the command's own or the axis's.
         master_sync, slave_sync: where master and slave are when both are in sync.
         start_distance: the slave starts that much before master_sync; 0: at once.
@@ -49,7 +48,8 @@ class GearInRequest:
         self.to_position = False
         self.start_distance = 0.0
         denominator = max(command.ratio_denominator, 0)
-        self.factor = command.ratio_numerator / denominator / cosine if denominator > 0 else 0.0
+        is_ratio = denominator > 0 and is_usable(abs(command.ratio_numerator))
+        self.factor = command.ratio_numerator / denominator / cosine if is_ratio else 0.0
         self.velocity = limit_in_use(command.velocity, axis.max_velocity)
         self.acceleration = limit_in_use(command.acceleration, axis.max_acceleration)
         self.deceleration = limit_in_use(command.deceleration, axis.deceleration())
@@ -67,7 +67,7 @@ class GearInRequest:
 
     def find_fault(self) -> Fault:
         """The fault that the values have whatever the axes do."""
-        if self.factor == 0.0 or not isfinite(self.factor):
+        if self.factor == 0.0:
             return Fault.FACTOR
         dynamics = is_usable(self.acceleration) and is_usable(self.deceleration) and is_usable(self.jerk)
         positions = are_ends_finite(self.min_position, self.max_position)

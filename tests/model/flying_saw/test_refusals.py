@@ -37,6 +37,11 @@ ANY_MOTION = pytest.mark.parametrize("begin", [moving, under_way, coupled])
     [
         ({"ratio_numerator": 0.0}, 0x425B),
         ({"ratio_numerator": math.inf}, 0x425B),
+        ({"ratio_numerator": math.nan}, 0x425B),
+        ({"ratio_numerator": 1e-300}, 0x425B),
+        ({"ratio_numerator": -1e-50}, 0x425B),
+        ({"ratio_numerator": 0.99e-12}, 0x425B),
+        ({"ratio_numerator": -1.01e12}, 0x425B),
         ({"ratio_denominator": 0}, 0x425B),
         ({"ratio_denominator": -3}, 0x425B),
         ({"velocity": -1.0}, 0x42DD),
@@ -49,6 +54,13 @@ ANY_MOTION = pytest.mark.parametrize("begin", [moving, under_way, coupled])
 )
 def test_wrong_factors_and_limits(begin: Any, group: str, values: dict[str, Any], code: int) -> None:
     assert_refused(begin(), group, code, **((AIMS if group == "gear_in_pos" else {}) | values))
+
+
+@pytest.mark.parametrize("numerator", [1e-12, -1e-12, 1e12, -1e12])
+def test_the_whole_range_of_the_numerator_is_accepted(numerator: float) -> None:
+    """The master is at rest, so the slave is in sync at once."""
+    saw = FlyingSawHarness().give("gear_in_velo", ratio_numerator=numerator).run(0.1)
+    assert (saw.results("gear_in_velo"), saw["coupling_factor"]) == ({"start_sync", "in_sync"}, numerator)
 
 
 @ANY_MOTION
