@@ -351,9 +351,11 @@ def ring(length: int) -> list[float]:
     return field(default_factory=lambda: [0.0] * length)
 
 
-def count(most: int) -> int:
-    """A number from 0 to `most`, 0 at first, that is no variable. A state with another number is refused."""
-    return field(default=0, metadata={"most": most})
+def count(most: int, start: int = 0) -> int:
+    """A number from 0 to `most` that is no variable. A state with another number is refused.
+
+    Any other integer of a state is within ±2^60, so that sums do not overflow; a factor of a product is a count."""
+    return field(default=start, metadata={"most": most})
 
 
 def copy(into: T, source: T) -> None:

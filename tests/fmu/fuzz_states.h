@@ -134,10 +134,18 @@ static void set_checksum(Byte *bytes) {
     memcpy(bytes + CHECKSUM, &sum, sizeof sum);
 }
 
-/* An integer has 32 bits: with larger ones the block's sums and products would overflow, which is not defined in C. */
+enum { WHOLE = sizeof INTEGERS / sizeof *INTEGERS - 1 };
+
+/* An integer that is small, has any number of bits, or is the least or the greatest: sums of such ones could overflow. */
+static Value random_whole(void) {
+    if (one_in(2)) return of_integer((int)below(80) - 8);
+    int64_t whole = one_in(2) ? INT64_MAX : (int64_t)(random_bits() >> (1 + below(63)));
+    return (Value){.integer = one_in(2) ? whole : -whole - 1};
+}
+
 static Value random_word(size_t at) {
     for (const int *whole = INTEGERS; *whole >= 0; whole++)
-        if (at == MEMORY + (size_t)*whole) return of_integer(one_in(2) ? (int)below(80) - 8 : (int)random_bits());
+        if (at == MEMORY + (size_t)*whole) return random_whole();
     return one_in(4) ? (Value){.bits = random_bits()} : of_real(random_real());
 }
 
@@ -146,7 +154,8 @@ static void forge_state(Slot *s) {
     Byte *bytes = malloc(size);
     memcpy(bytes, s->bytes, size);
     for (size_t i = 1 + below(4); i; i--) {
-        size_t at = FORGEABLE + 8 * below((size - FORGEABLE) / 8);
+        size_t any = FORGEABLE + 8 * below((size - FORGEABLE) / 8);
+        size_t at = one_in(2) ? MEMORY + (size_t)INTEGERS[below(WHOLE)] : any;
         Value word = random_word(at);
         memcpy(bytes + at, &word, one_in(3) ? 1 + below(4) : 8);
     }

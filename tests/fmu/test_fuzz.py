@@ -25,7 +25,7 @@ from motionsync_fmu.native.tables import model_header
 
 FOLDER = Path(__file__).parent
 UNIT = Path(libraries.__file__).parent
-SEED = 1
+SEED = 2
 CALLS = 2_000_000  # of all blocks together; the C files are the same for all
 SANITIZERS = [
     "-fsanitize=address,undefined,float-cast-overflow",

@@ -131,6 +131,19 @@ def test_a_flag_is_true_or_false_in_a_state(host: FmuInstance) -> None:
             host.unit.deSerializeFMUstate(forge_state(host, "B", at, 2))
 
 
+def test_an_integer_of_a_state_is_small_enough_for_sums(host: FmuInstance) -> None:
+    host.initialize()
+    integers = [c.name for c in cells(Recipe("Synchronizer").block()) if c.type is int]
+    assert "master.samples" in integers
+    for name in integers:
+        at = MEMORY + offset(dtype(Recipe("Synchronizer").block()), name)
+        for value in (2**60, -(2**60)):
+            host.unit.freeFMUstate(host.unit.deSerializeFMUstate(forge_state(host, "<q", at, value)))
+        for value in (2**60 + 1, -(2**60) - 1, 2**63 - 1, -(2**63)):
+            with refused(host, "none that this unit makes"):
+                host.unit.deSerializeFMUstate(forge_state(host, "<q", at, value))
+
+
 def test_a_block_without_derivatives_has_none_in_its_states(fmus: Fmus) -> None:
     with FmuInstance(fmus.native("RemoteSync")) as host:
         host.initialize()

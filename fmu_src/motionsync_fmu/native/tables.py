@@ -76,6 +76,7 @@ def model_header(block: Any, guid: str, overrides: Mapping[str, str] | None = No
         computed_digits=COMPUTED_DIGITS,
         quiet_time=repr(QUIET_TIME),
         flags=_distances(offset(layout, c.name) for c in cells(block) if c.type is bool),
+        integers=_distances(offset(layout, c.name) for c in cells(block) if c.type is int),
         counts=[*_counts(block, layout), LAST_COUNT],
     )
 

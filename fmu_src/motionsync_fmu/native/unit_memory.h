@@ -44,7 +44,7 @@ typedef struct {
 } Coded;
 
 typedef struct {
-    int32_t offset, most;
+    int64_t offset, most;
 } Count;
 
 #define TIME_OFFSET (-(int)sizeof(double)) /* of the time, where that is a variable: it is before the model's memory */

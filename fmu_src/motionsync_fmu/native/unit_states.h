@@ -66,14 +66,25 @@ COLD Status unit_serialize(const Unit *u, const void *state, uint8_t bytes[], si
     return UNIT_OK;
 }
 
-/* Whether the Booleans and counts, on which loops and branches rely, have values that the block can give them. */
+#define LARGEST_INTEGER ((int64_t)1 << 60) /* sums of a few integers do not overflow; no block counts so far */
+
+static int64_t whole_at(const uint8_t *bytes) {
+    int64_t value;
+    memcpy(&value, bytes, sizeof value);
+    return value;
+}
+
+/* Whether Booleans, integers and counts, on which branches, sums and loops rely, have values that the block can give them. */
 COLD static bool has_valid_flags_and_counts(const Model *model) {
-    const uint8_t *flag = model->bytes - 1;
+    const uint8_t *flag = model->bytes - 1, *integer = model->bytes - 1;
     for (const uint16_t *distance = FLAGS; *distance; distance++)
         if (*(flag += *distance) > 1) return false;
+    for (const uint16_t *distance = INTEGERS; *distance; distance++) {
+        int64_t value = whole_at(integer += *distance);
+        if (value < -LARGEST_INTEGER || value > LARGEST_INTEGER) return false;
+    }
     for (const Count *count = COUNTS; count->offset >= 0; count++) {
-        int64_t value;
-        memcpy(&value, model->bytes + count->offset, sizeof value);
+        int64_t value = whole_at(model->bytes + count->offset);
         if (value < 0 || value > count->most) return false;
     }
     return true;

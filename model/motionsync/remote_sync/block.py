@@ -13,6 +13,7 @@ from .transition_zone import Observation, TransitionZone
 
 MOST_CYCLES = 1e6  # of the receiver in one step
 MOST_RATIO = 10000  # of the cycle times: indices must not wrap within a cycle
+LAST_CYCLE = 70_000_000_000_000  # of an estimate: two thousand years of 1 ms; times MOST_RATIO it is below 2^60
 SAME_RATIO = 1e-6  # of a ratio that is a whole number but for rounding
 SAME_INSTANT = 1e-6  # of a cycle
 LARGEST_COUNT = 2147483647  # that an Integer shows
@@ -39,10 +40,10 @@ class RemoteSync(RemoteSyncInterface):
     stage: Stage = Stage.START_UP
     restart: bool = True
     time_to_cycle: float = 0.0
-    cycles_per_index: int = 1
-    indices_per_cycle: int = 1
+    cycles_per_index: int = var.count(MOST_RATIO, start=1)
+    indices_per_cycle: int = var.count(MOST_RATIO, start=1)
     ratio: float = 1.0
-    cycle: int = 0
+    cycle: int = var.count(LAST_CYCLE)
     index: int = 0
     received: int = 0
     first_index: int = 0
