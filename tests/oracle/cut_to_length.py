@@ -70,7 +70,7 @@ WINDOW = 1e-9
 DEFAULTS: dict[str, Any] = {
     "axis.max_velocity": 2000.0,
     "axis.max_acceleration": 10000.0,
-    "axis.max_deceleration": 10000.0,
+    "axis.max_deceleration": 0.0,
     "axis.max_jerk": 100000.0,
     "home_position": 0.0,
     "material_factor": 1.0,

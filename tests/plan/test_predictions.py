@@ -172,6 +172,7 @@ def test_a_gap_that_is_left_out_is_noted() -> None:
 
 values = {
     "axis.max_acceleration": st.sampled_from(("2000", "10000")),
+    "axis.max_deceleration": st.just("10000"),  # that of the way home is not above it
     "axis.max_jerk": st.sampled_from(("20000", "200000")),
     "homing.velocity": st.sampled_from(("0", "300")),
     "homing.deceleration": st.sampled_from(("0", "4000")),

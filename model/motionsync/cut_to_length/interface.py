@@ -177,15 +177,6 @@ class Gap:
 
 
 @dataclass(slots=True)
-class SawAxis(AxisLimits):
-    """The carriage's axis."""
-
-    max_deceleration: float = var.limit(
-        10000.0, "deceleration limit; 0: as the acceleration limit", Unit.ACCELERATION, role=Role.MAX_DECELERATION
-    )
-
-
-@dataclass(slots=True)
 class Local:
     """What a commissioning engineer would watch."""
 
@@ -263,7 +254,7 @@ class CutToLengthInterface:
     )
     statistics: Statistics = var.part(Statistics)
     warning: Warnings = var.part(Warnings)
-    axis: SawAxis = var.part(SawAxis)
+    axis: AxisLimits = var.part(AxisLimits)
     auto_start: bool = var.parameter(False, "the first step brings an edge of start")
     home_position: float = var.position(0.0, "where the carriage waits")
     diagonal_angle: float = var.parameter(

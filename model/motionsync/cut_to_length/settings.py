@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..axis_limits import limit_in_use
+from ..axis_limits import AxisLimits, limit_in_use
 from ..computable_range import LARGEST, is_usable
 from ..cutting.interface import LateMode
 from ..cutting.settings import LONGEST, PieceParameter, PieceSettings, has_narrow_window
 from .faults import Refusal, SawParameter
-from .interface import Approach, CutToLengthInterface, Gap, Homing, SawAxis, Tool, ToolMode
+from .interface import Approach, CutToLengthInterface, Gap, Homing, Tool, ToolMode
 from .machine_limits import Machine
 
 GREATEST_RESERVE = 1e6
@@ -25,7 +25,7 @@ class MachineSettings:
 
     invalid: SawParameter = SawParameter.NONE
     are_valid: bool = True
-    axis: SawAxis = var.part(SawAxis, hidden=True)
+    axis: AxisLimits = var.part(AxisLimits, hidden=True)
     approach: Approach = var.part(Approach, hidden=True)
     homing: Homing = var.part(Homing, hidden=True)
     tool: Tool = var.part(Tool, hidden=True)

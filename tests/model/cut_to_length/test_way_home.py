@@ -50,6 +50,18 @@ def test_the_way_home_has_limits_of_its_own() -> None:
     assert saw["limits.cycle_time"] == near(0.45 + way)
 
 
+@pytest.mark.parametrize(("deceleration", "in_use"), [(None, 4000.0), (0.0, 4000.0), (6000.0, 6000.0)])
+def test_a_deceleration_that_nobody_sets_is_the_acceleration(deceleration: float | None, in_use: float) -> None:
+    """The carriage brakes with it in front of home."""
+    values: dict[str, Any] = {"length": 2500.0, "axis.max_velocity": 1500.0, "axis.max_acceleration": 4000.0}
+    if deceleration is not None:
+        values["axis.max_deceleration"] = deceleration
+    saw = CutToLengthHarness(values, speed=1000.0).give("start").at(2.6)
+    rows = saw.rows(1.5, cuts=[0.005 * i for i in range(300)]).values()
+    assert max(row["slave.acceleration"] for row in rows if row["slave.velocity"] < 0.0) == near(in_use)
+    assert not saw["warning.limit_exceeded"]
+
+
 EASE: dict[str, Any] = {"homing.ease": True, "length": 3000.0}
 # L = 3000, cut ends at 3.35, s = 350. T_b = R(1000) = 0.15, S_b = 425, T_0 = 2 R(1500) + (425 - 300) / 1500 = 0.483333.
 # A = 5.9 - 3.35 - 0.02 = 2.53: sigma = T_0 / (A - T_b) = 0.203081; peak 1500 sigma.
