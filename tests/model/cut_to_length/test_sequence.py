@@ -257,6 +257,18 @@ def test_a_line_that_turns_back_past_the_start_takes_the_carriage_home() -> None
     assert (saw["last.length"], saw.cut_counts()) == (near(1500.0), (1, 0))
 
 
+def test_a_blade_that_touched_early_is_clear_when_the_line_has_turned_back() -> None:
+    """Commanded 0.1 s before sync, at 1.5 s; from there the line has 100 u/s, and the blade touches at m = 1510. With
+    -1000 from 1.62 s, m = 1512, the carriage is at home at m = 1400: out of the material before it has retracted."""
+    saw = started_machine({"tool.on_delay": 0.1, "tool.retract_time": 0.1}).at(1.5)
+    saw.speed = 100.0
+    saw.at(1.62)
+    assert (saw["tool.blade_down"], saw["warning.blade_early"], saw.state) == (True, True, State.APPROACHING)
+    saw.speed = -1000.0
+    assert_state(saw, 1.62 + 0.112, State.APPROACHING, State.WAITING)
+    assert (saw["tool.command"], saw["tool.blade_down"]) == (False, False)
+
+
 def test_rounding_of_the_inputs_is_no_turning_back() -> None:
     saw = started_machine().at(1.4 + 1e-12)
     assert saw.state == State.APPROACHING
@@ -435,6 +447,18 @@ def test_a_gap_that_the_axis_cannot_pull_is_left_out() -> None:
     assert not saw["warning.gap_skipped"]
 
 
+@pytest.mark.parametrize(("share", "is_skipped"), [(1.0 - 1e-9, True), (1.0 + 1e-9, False)])
+@pytest.mark.parametrize("name", ["max_velocity", "max_acceleration", "max_deceleration", "max_jerk"])
+def test_the_limits_of_a_gap_are_sharp(name: str, share: float, is_skipped: bool) -> None:
+    """T = 0.15 s: 1125 u/s, 10/sqrt(3) 10 / T^2, 60 10 / T^3. Approach and way home have limits of their own."""
+    greatest = {"max_velocity": 1125.0, "max_jerk": 600.0 / 0.15**3}
+    limits = {f"homing.{limit}": 10000.0 for limit in ("acceleration", "deceleration")}
+    limits |= {"approach.acceleration": 10000.0, "approach.jerk": 200000.0, "homing.jerk": 200000.0}
+    limits[f"axis.{name}"] = share * greatest.get(name, 100.0 / sqrt(3.0) / 0.15**2)
+    saw = started_machine({**PULL, **limits}).at(1.86)
+    assert (saw.state == State.RETURNING, saw["warning.gap_skipped"]) == (is_skipped, is_skipped)
+
+
 def test_no_gap_is_pulled_while_the_line_is_at_rest() -> None:
     saw = started_machine(PULL).at(1.8)
     saw.speed = 0.0
@@ -478,6 +502,11 @@ def test_how_far_it_is_to_the_next_cut() -> None:
     assert saw["piece.length"] == near(1500.0)
     saw.at(1.9)
     assert saw["next_cut.distance"] == near(3100.0 - 1900.0)
+    saw.give("stop").at(2.0)
+    assert (saw["next_cut.known"], saw["next_cut.distance"]) == (True, near(3100.0 - 2000.0))
+    saw.at(2.5)  # at home, OFF
+    assert (saw["next_cut.known"], saw["next_cut.distance"], saw["next_cut.position"]) == (False, 0.0, 0.0)
+    assert (saw["piece.kind"], saw["piece.ordered"], saw["piece.length"]) == (PieceKind.NONE, 0.0, 0.0)
 
 
 def test_positions_wrap_with_the_masters_period() -> None:

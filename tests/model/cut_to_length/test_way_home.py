@@ -86,6 +86,21 @@ def test_an_eased_way_home_is_no_slower_than_the_slowest() -> None:
     assert saw["local.home_time"] == near(3.5 + 2.0 * (0.4 + 125.0 / 1500.0))
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "home"),
+    [
+        ("homing.slowest", 0.5, 3.5 + 2.0 * (0.4 + 125.0 / 1500.0)),
+        ("homing.spare_time", 0.12, 5.78),
+        ("homing.settle_time", 0.1, 5.78),
+        ("homing.ease", False, 3.35 + 0.5 + 125.0 / 1500.0),
+    ],
+)
+def test_what_is_tuned_of_the_way_home_alone_is_taken_over(name: str, value: Any, home: float) -> None:
+    """While the piece is cut; nothing else is tuned."""
+    saw = started_machine(EASE).at(3.2).set({name: value}).at(5.89)
+    assert saw["local.home_time"] == near(home)
+
+
 def test_without_time_to_spare_the_way_home_is_the_fast_one() -> None:
     """L = 1100: A = (2100 - 1450) / 1000 - 0.02 = 0.63 < T_b + T_0 = 0.633333."""
     saw = started_machine({**EASE, "length": 1100.0}).at(2.1)

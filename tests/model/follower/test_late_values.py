@@ -90,3 +90,6 @@ def test_peaks_of_a_quintic() -> None:
     section.set_quintic(0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # 10 u^3 - 15 u^4 + 6 u^5
     peaks.measure(section.quintic)
     assert (peaks.d1, peaks.d2) == near(1.875 / 2.0, 10.0 / math.sqrt(3.0) / 4.0)
+    section.set_quintic(0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.01, 0.0)  # nothing is left of a steeper one
+    peaks.measure(section.quintic)
+    assert (peaks.d1, peaks.d2) == near(0.01875 / 2.0, 0.1 / math.sqrt(3.0) / 4.0)
