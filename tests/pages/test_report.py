@@ -342,6 +342,9 @@ def test_values_that_were_set_have_their_units_and_the_file_no_folder_of_this_co
     page = (tmp_path / "report.html").read_text("utf-8")
     assert '<td class="name">axis.max_velocity</td><td>1500 mm/s</td>' in page
     assert '<td class="name">gear_in_pos.execute</td><td>true</td>' in page
+    limits = page.partition("The limits in use")[2].partition("</table>")[0]
+    assert '<td class="name">axis.max_velocity</td><td>1500 mm/s</td><td>set</td>' in limits
+    assert '<td class="name">axis.max_deceleration</td>' in limits
     assert str(s.file.parent.parent) not in page.partition("Where this comes from")[2].partition("</table>")[0]
     assert str(Path("cyclic_cut") / "scenario.toml") in page
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import plotly.graph_objects as go
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.plan.charts import chart_cycle, chart_over_length, chart_over_velocity
 from motionsync_fmu.plan.line_plan import make_plan
+from motionsync_fmu.plan.report import write_plan
 from tests.plan.machines import REFERENCE, machine
 
 
@@ -20,6 +22,20 @@ def test_the_charts_are_what_plotly_takes() -> None:
     assert curve(charts[0], "greatest line velocity")["y"][-1] == pytest.approx(1422.098, abs=1e-3)
     assert curve(charts[1], "shortest length")["x"][-1] == pytest.approx(1422.098, abs=1e-3)
     assert {"approach", "cut", "way home", "more stroke", "less cut"} <= {t["name"] for t in charts[0].traces}
+
+
+def test_the_page_lists_all_limits_in_use(tmp_path: Path) -> None:
+    """Nobody has set a deceleration."""
+    plan = make_plan(machine(REFERENCE, axis_max_acceleration="4000"), [2000.0], [500.0])
+    limits = write_plan(plan, tmp_path).read_text("utf-8").partition("The limits in use")[2].partition("</table>")[0]
+    for name, value, reason in (
+        ("axis.max_velocity", "1500 mm/s", "set"),
+        ("axis.max_acceleration", "4000 mm/s²", "set"),
+        ("axis.max_deceleration", "4000 mm/s²", "as axis.max_acceleration"),
+        ("homing.deceleration", "4000 mm/s²", "as axis.max_deceleration"),
+        ("approach.jerk", "200000 mm/s³", "as axis.max_jerk"),
+    ):
+        assert f'<td class="name">{name}</td><td>{value}</td><td>{reason}</td>' in limits
 
 
 def test_one_cycle_is_drawn_as_the_block_ran_it() -> None:

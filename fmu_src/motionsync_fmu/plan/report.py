@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..interface.units import unit_name
+from ..pages.report.limit_rows import limit_rows
 from ..pages.report.origin import origin_rows
 from ..pages.report.page import plotly_script
 from ..pages.style import load_template
@@ -37,6 +38,7 @@ def write_plan(plan: LinePlan, folder: Path) -> Path:
             (name, variables[name].text(value), unit_name(variables[name].declaration.unit, data.unit))
             for name, value in data.start.items()
         ],
+        limits=limit_rows(variables, data.start, data.unit),
         checks=[check for prediction in plan.predictions for check in prediction.checks],
         notes=[prediction for prediction in plan.predictions if prediction.note],
         origin=origin_rows({}, {"machine": data.origin} if data.origin else {}),

@@ -23,6 +23,7 @@ from ..style import TEMPLATES, load_template, typeset
 from .chart import Chart, align_charts, kind_colour
 from .cutting import chart_cuts
 from .lanes import Lane, chart_lanes, find_changes, find_lanes
+from .limit_rows import limit_rows
 from .motion import chart_motion, chart_remote_errors
 from .origin import describe_fmu, origin_rows
 from .piece_charts import chart_piece_list, chart_pieces, error_text, kind_key
@@ -80,6 +81,7 @@ def write_report(
         unit=unit_name(Unit.POSITION, scenario.unit),
         settings=settings,
         starts=_with_units(scenario, scenario.start),
+        limits=limit_rows(scenario.recipe.variables, scenario.start, scenario.unit, scenario.slave_unit),
         origin=_origin(scenario, recording, step_size, fmu, results),
         axis=list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
