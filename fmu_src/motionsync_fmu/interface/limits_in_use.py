@@ -30,7 +30,7 @@ def find_limits_in_use(variables: Mapping[str, Variable], start: Mapping[str, fl
     """All limits, in the order of the block's variables.
 
     `start`: values of variables, by name; the others have their own start values."""
-    by_role = {v.declaration.role: v for v in variables.values() if v.declaration.role}
+    by_role: dict[Role | None, Variable] = {v.declaration.role: v for v in variables.values() if v.declaration.role}
 
     def in_use(v: Variable) -> LimitInUse:
         value = float(start.get(v.name, v.start))
