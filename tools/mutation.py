@@ -229,7 +229,8 @@ def first_failure(tree: Path, tests: Sequence[str], timeout: float) -> str:
     names.write_text("\n".join(tests))
     path = os.pathsep.join(str(tree / part) for part in ("model", "fmu_src"))
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "--tb=no", "-p", "no:cacheprovider", f"@{names}"]
-    environment = os.environ | {"PYTHONPATH": path}
+    # Compiled modules are found by size and second: one of a former mutant could be taken for this one.
+    environment = os.environ | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"}
     try:
         done = subprocess.run(
             command, cwd=tree, check=False, capture_output=True, text=True, timeout=timeout, env=environment

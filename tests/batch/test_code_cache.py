@@ -172,7 +172,7 @@ print(simulate_many("Synchronizer", 0.01, inputs, "slave.position").values.tolis
 """
     outputs = [subprocess.check_output([sys.executable, "-c", script], text=True).splitlines() for _ in range(2)]
     assert outputs[0][-1] == outputs[1][-1] == "[[[0.03], [1.03]]]"
-    assert [len(lines) for lines in outputs] == [2, 1]
+    assert [len(lines) > 1 for lines in outputs] == [True, False]
 
 
 # --- compilers ---

@@ -223,7 +223,7 @@ def test_a_saw_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
 
 def test_a_warning_leads_to_its_time(open_block: OpenBlock) -> None:
     visit = open_block("CutToLength", "late_skip")
-    line = visit.page.get_by_role("button", name="statistics.skipped")
+    line = visit.page.get_by_role("button", name="statistics.skipped: cuts left")
     at = float(line.inner_text().split()[0])
     line.click()
     assert visit.time == pytest.approx(at, abs=1e-3)

@@ -34,7 +34,7 @@ from tests import ROOT
 from tests.support.fmus import Fmus, build_for_host
 
 RECIPE = Recipe("Synchronizer")
-LARGEST = {"FlyingSaw": 171_000}  # bytes, of an FMU: 170 kB, and what another Matplotlib may add to its picture
+LARGEST = {"FlyingSaw": 180_000}  # bytes, of an FMU, with what another Matplotlib may add to its picture
 MACHO_OWN = {"_mh_dylib_header", "__dso_handle"}  # zig's linker gives them to every library: where it starts
 FUNCTIONS = set(re.findall(r"FMI2_Export \w+\s+(fmi2\w+);", (HEADERS / "fmi2Functions.h").read_text()))
 
@@ -137,7 +137,7 @@ def test_a_universal_file_holds_its_parts() -> None:
 
 
 def test_the_fmu_is_small_and_says_what_it_holds(block: str, block_native: Path, folder: Path) -> None:
-    assert block_native.stat().st_size <= LARGEST.get(block, 180_000)
+    assert block_native.stat().st_size <= LARGEST.get(block, 190_000)
     assert {p.name for p in (folder / "binaries").iterdir()} == set(PLATFORMS)
     page = (folder / "documentation" / "index.html").read_text()
     assert all(text in page for platform in ROWS for text in (platform.folder, platform.title))
@@ -205,7 +205,7 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
     before = compute_guid(RECIPE)
     target = build_python(RECIPE, tmp_path / "Synchronizer.fmu")
     assert why_outdated(target, RECIPE) == ""
-    modules = ("libraries", "macho", "platforms", "tables", "unit_sources")
+    modules = ("compiler_process", "libraries", "macho", "platforms", "tables", "unit_sources")
     own = {
         "heat.h",
         "decimal.c",

@@ -23,11 +23,11 @@ FLAGS = (
     "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -DOWN_MEMORY"
 )
 # What LLVM does for long loops is left out: code copied to paths that have not computed a value yet, values kept from
-# one place to another, indices turned into pointers. Calls save only those registers that the called function uses; a
-# switch is a chain of comparisons. A block's steps are as quick so, and smaller.
+# one place to another, indices turned into pointers. A switch is a chain of comparisons. A block's steps are as quick
+# so, and smaller. (-enable-ipra, by which calls save fewer registers, is not used: it makes wrong code for arm64.)
 COMPACT = (
     "-mllvm -enable-pre=false -mllvm -disable-machine-licm -mllvm -disable-machine-cse -mllvm -disable-lsr "
-    "-mllvm -enable-ipra -fno-jump-tables"
+    "-fno-jump-tables"
 )
 CACHE_NEEDED = (
     "it needs a folder that can be written (ZIG_GLOBAL_CACHE_DIR; else one in the user's cache) with 1 GB to spare; an "
