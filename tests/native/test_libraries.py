@@ -300,7 +300,8 @@ def test_a_cache_that_zig_tries_to_make_for_ever_is_an_error(monkeypatch: pytest
 def test_a_slow_compilation_is_reported_target_by_target(monkeypatch: pytest.MonkeyPatch) -> None:
     messages: list[str] = []
     monkeypatch.setattr(libraries, "PATIENCE", 0.0)
-    libraries.Compilation(RECIPE.name, c_sources(RECIPE.block(), compute_guid(RECIPE))).libraries(messages.append)
+    with libraries.Compilation(RECIPE.name, c_sources(RECIPE.block(), compute_guid(RECIPE))) as compilation:
+        compilation.libraries(messages.append)
     assert messages[0] == libraries.SLOW
     assert sorted(messages[1:]) == sorted(f"compiled for {target}" for row in ROWS for target in row.targets)
 

@@ -170,7 +170,8 @@ class NativeBuild:
         recipe, options, block = self.recipe, self.options, self.recipe.block()
         c_files = unit_sources.c_names(self.unit) if options.with_sources else ()
         folders = [*(platform.folder for platform in self.platforms), *([WASM] if options.with_component else [])]
-        files = _documents(recipe, Flavour.NATIVE, folders, c_files) | self.compilation.libraries(progress)
+        with self.compilation:
+            files = _documents(recipe, Flavour.NATIVE, folders, c_files) | self.compilation.libraries(progress)
         if options.with_component:
             files |= component.component_files(recipe.name, self.unit)
         files[LICENCE] = join_in_sections(licences("motionsync") | libraries.linked_licences(recipe.fmi))

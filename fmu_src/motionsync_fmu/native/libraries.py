@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_EXCEPTION, as_completed, wait
 from importlib.util import find_spec
 from pathlib import Path
+from types import TracebackType
+from typing import Self
 
 from ..errors import UserError
 from ..interface.fingerprint import Files
@@ -55,7 +57,10 @@ ZIG = _package("ziglang")
 
 
 class Compilation:
-    """The libraries of a unit, which zig's processes compile while the program does something else."""
+    """The libraries of a unit, which zig's processes compile while the program does something else.
+
+    As a context manager it waits at the end for compilers that still run, after an interruption it ends them; then it
+    removes their folder."""
 
     def __init__(self, name: str, unit: Files, platforms: Sequence[Platform] = ROWS) -> None:
         """Start it. `name`: the block's; `unit`: the C of its unit (`c_sources`), of the platforms' version of FMI."""
@@ -70,6 +75,15 @@ class Compilation:
             for target, flags in p.targets.items()
         }
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with self.folder:
+            self.pool.__exit__(kind, error, trace)
+
     def libraries(self, progress: Callable[[str], None] = lambda text: None) -> Files:
         """Wait for the library of each platform, by its path in the FMU; `progress` gets lines of text if that takes
         long.
@@ -77,13 +91,12 @@ class Compilation:
         Raises:
             UserError: zig failed.
         """
-        with self.folder, self.pool:
-            if wait(self.jobs.values(), PATIENCE, FIRST_EXCEPTION).not_done:
-                progress(SLOW)
-                targets = {job: target for target, job in self.jobs.items()}
-                for job in as_completed(targets):
-                    progress(f"compiled for {targets[job]}")
-            results = {target: job.result() for target, job in self.jobs.items()}
+        if wait(self.jobs.values(), PATIENCE, FIRST_EXCEPTION).not_done:
+            progress(SLOW)
+            targets = {job: target for target, job in self.jobs.items()}
+            for job in as_completed(targets):
+                progress(f"compiled for {targets[job]}")
+        results = {target: job.result() for target, job in self.jobs.items()}
         return {p.library(self.name): p.join(*(results[target] for target in p.targets)) for p in self.platforms}
 
 
