@@ -11,7 +11,7 @@ FLAGSHIP := CutToLength/cyclic_orders
 unexport PYTHONDONTWRITEBYTECODE
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
-.PHONY: run line quick check test build lint format references pictures benchmark release clean help
+.PHONY: run line quick check test soak build lint format references pictures benchmark release clean help
 
 run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
@@ -30,6 +30,9 @@ check: $(TESTABLE) ## one block, B=gearing say: its tests, its scenarios in this
 
 test: lint ## everything that proves the project; PYTEST="-k edge" passes options on
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal $(PYTEST)
+
+soak: $(TESTABLE) ## the random tests alone, with ten times as many examples: hours
+	$(BIN)/python -m pytest --soak --numprocesses auto --maxprocesses 4 --dist worksteal $(PYTEST)
 
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build

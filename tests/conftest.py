@@ -3,6 +3,7 @@
 import inspect
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any
@@ -18,6 +19,8 @@ from tests.support.by_block import block_folder
 from tests.support.command_line import Command, Outcome
 from tests.support.fmus import Fmus, Shared
 
+SOAK = 10  # as many random examples in the long form
+
 FOLDER = Path(__file__).parent
 
 
@@ -29,6 +32,7 @@ providers._get_local_constants = lambda: providers._local_constants
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--no-skips", action="store_true", help="a skipped test fails the run: for machines that have all")
     parser.addoption("--quick", action="store_true", help="no FMU, no slow test, a tenth of the random examples")
+    parser.addoption("--soak", action="store_true", help="the tests with random examples alone, in their long form")
     parser.addoption("--block", metavar="FOLDER", help="the tests of one block that need no FMU: gearing, say")
     parser.addoption("--registered", metavar="NAME", help="the tests that concern a registered block: Gearing, say")
 
@@ -48,7 +52,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if config.getoption("--quick"):
         selected = [item for item in selected if not is_slow(item) and not needs_fmu(item)]
         for item in selected:
-            reduce_examples(item)
+            scale_examples(item, 1 / 10)
+    if config.getoption("--soak"):
+        selected = [item for item in selected if has_long_form(item)]
+        for item in selected:
+            scale_examples(item, SOAK)
     if block := config.getoption("--block"):
         folders = {block_folder(name): name for name in BLOCKS}
         if block not in folders:
@@ -104,12 +112,19 @@ def repeat_examples(item: pytest.Item) -> None:
         test._hypothesis_internal_use_seed = 0
 
 
-def reduce_examples(item: pytest.Item) -> None:
-    """Run a tenth of the random examples, at least 5. A profile of Hypothesis would not change a test's own number."""
+def has_long_form(item: pytest.Item) -> bool:
+    """Whether a test draws random examples, or asks how many runs, calls or numbers it has to try."""
+    return is_hypothesis_test(getattr(item, "obj", None)) or "soak" in getattr(item, "fixturenames", ())
+
+
+def scale_examples(item: pytest.Item, factor: float) -> None:
+    """Run so many times as many random examples, at least 5. A profile of Hypothesis would not change a test's own
+    number."""
     test = getattr(item, "obj", None)
     if is_hypothesis_test(test):
         full = test._hypothesis_internal_use_settings
-        test._hypothesis_internal_use_settings = settings(full, max_examples=max(full.max_examples // 10, 5))
+        number = max(round(full.max_examples * factor), 5)
+        test._hypothesis_internal_use_settings = settings(full, max_examples=number)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
@@ -121,6 +136,14 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")
     if session.config.getoption("--no-skips") and reporter and reporter.stats.get("skipped"):
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+@pytest.fixture(scope="session")
+def soak(request: pytest.FixtureRequest) -> Callable[[int, int], int]:
+    """`soak(short, long)`: how many runs, calls or numbers a test tries that draws without Hypothesis; `long` with the
+    option --soak."""
+    is_long = bool(request.config.getoption("--soak"))
+    return lambda short, long: long if is_long else short
 
 
 @pytest.fixture(scope="session")
