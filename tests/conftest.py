@@ -64,8 +64,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         selected = [item for item in selected if belongs_to_block(item, block, folders[block]) and not needs_fmu(item)]
     if name := config.getoption("--registered"):
         selected = [item for item in selected if concerns_block(item, name)]
-    # Slow tests come first: none of them runs alone at the end.
-    selected.sort(key=lambda item: item.get_closest_marker("slow") is None)
+    if hasattr(config, "workerinput"):  # several processes: slow tests come first, so that none runs alone at the end
+        selected.sort(key=lambda item: item.get_closest_marker("slow") is None)
     remaining = set(selected)
     config.hook.pytest_deselected(items=[item for item in items if item not in remaining])
     items[:] = selected

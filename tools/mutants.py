@@ -14,8 +14,9 @@ Comments and layout stay as they are, since the translator reads comments.
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -48,10 +49,7 @@ class Mutant:
     end: int
     original: str
     replacement: str
-
-    @property
-    def name(self) -> str:
-        return f"{self.path}:{self.line}: {self.operator}: {self.original!r} -> {self.replacement!r} @{self.start}"
+    name: str = ""  # the same in a later state of the file, unless its line has changed
 
     def apply(self, source: str) -> str:
         """The source with the change."""
@@ -64,7 +62,18 @@ def find_mutants(root: Path, path: str) -> list[Mutant]:
     """All mutants of a file, Python or C; each of the Python ones can be compiled."""
     source = (root / path).read_text("utf-8")
     finder = PythonFinder(path, source).find() if path.endswith(".py") else find_in_c(path, source)
-    return sorted(finder, key=lambda mutant: (mutant.start, mutant.end, mutant.replacement))
+    mutants = sorted(finder, key=lambda mutant: (mutant.start, mutant.end, mutant.replacement))
+    return list(name_mutants(mutants, source.split("\n")))
+
+
+def name_mutants(mutants: list[Mutant], lines: list[str]) -> Iterator[Mutant]:
+    """The mutants with names of file, change and text of the line; those that are alike are numbered."""
+    alike: Counter[str] = Counter()
+    for mutant in mutants:
+        change = f"{mutant.operator}: {mutant.original!r} -> {mutant.replacement!r}"
+        name = f"{mutant.path}: {change} in {lines[mutant.line - 1].strip()}"
+        alike[name] += 1
+        yield replace(mutant, name=f"{name} (no. {alike[name]})")
 
 
 class PythonFinder:

@@ -4,13 +4,13 @@
     python -m tools.mutation run --sample 600    tries mutants until so many of the seed's sequence are done
     python -m tools.mutation report              the score of each package, and the mutants that survived
 
-A mutant is run against the tests that run its line, the shortest first, until one fails. All results are in
-build/mutation; `run` goes on where it was broken off. A mutant of C is run against the tests of its folder.
+A mutant is run against the tests that run its line until one fails: first those that noticed it in another state of
+the project, then the shortest. All results are in build/mutation, a file for each state that is named; `run` goes on
+where it was broken off. A mutant of C is run against the tests of its folder.
 """
 
 import json
 import os
-import random
 import re
 import shutil
 import subprocess
@@ -19,7 +19,8 @@ import xml.etree.ElementTree as ET
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from hashlib import sha256
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Annotated, Any
@@ -43,6 +44,7 @@ TESTS_OF_C = {  # the folders of tests that run C which is no block's
     "fmu_src/motionsync_fmu/batch": ("tests/batch/", "tests/native/"),
 }
 LEFT_OUT = ("tests/pages/test_contributing.py", "tests/install/")  # they run other tests, or none of the project's code
+State = Annotated[str, typer.Option(help="names the results: before, say")]
 app = typer.Typer(help=__doc__, no_args_is_help=True, add_completion=False)
 console = Console()
 
@@ -53,9 +55,10 @@ class Reach:
 
     seconds: dict[str, float]
     tests: dict[str, dict[str, list[int]]]  # by file and line: numbers of the tests in `seconds`
+    noticed: dict[str, list[str]] = field(default_factory=dict)  # by mutant: tests that failed with it before
 
     def tests_of(self, mutant: Mutant) -> list[str]:
-        """The tests that run a mutant's statement, the shortest first."""
+        """The tests that run a mutant's statement, the shortest first, but for those that noticed it before."""
         names = list(self.seconds)
         if mutant.path.endswith(".py"):
             lines = self.tests.get(mutant.path, {})
@@ -64,7 +67,9 @@ class Reach:
         else:
             folders = next(tests for folder, tests in TESTS_OF_C.items() if mutant.path.startswith(folder))
             reached = {name for name in names if name.startswith(folders)}
-        return sorted((n for n in reached if not n.startswith(LEFT_OUT)), key=lambda name: self.seconds[name])
+        noticed = self.noticed.get(mutant.name, ())
+        reached = {name for name in reached if not name.startswith(LEFT_OUT)}
+        return sorted(reached, key=lambda name: (name not in noticed, self.seconds[name]))
 
 
 @app.command()
@@ -121,10 +126,11 @@ def run(
     seed: Annotated[int, typer.Option(help="of the sequence")] = 0,
     jobs: Annotated[int, typer.Option(help="mutants tried at once")] = 2,
     budget: Annotated[float, typer.Option(help="s; the shortest tests of a mutant, up to so long in all")] = 120.0,
+    state: State = "now",
 ) -> None:
-    """Try mutants; those that were tried before are not tried again."""
-    reach = Reach(**json.loads((ROOT / FOLDER / "reach.json").read_text()))
-    results = ROOT / FOLDER / "results.jsonl"
+    """Try mutants; those that were tried before in this state are not tried again."""
+    reach = Reach(**json.loads((ROOT / FOLDER / "reach.json").read_text()), noticed=noticed(ROOT / FOLDER))
+    results = results_of(state)
     done = {result["name"] for result in read_results(results)}
     open_mutants = [mutant for mutant in draw(ROOT, seed, sample) if mutant.name not in done]
     console.print(f"{sample - len(open_mutants)} of {sample} are done; results: {results}")
@@ -139,13 +145,13 @@ def run(
             if result["result"] == "survived":
                 console.print(result["name"], markup=False)
             progress.advance(task)
-    report()
+    report(state)
 
 
 @app.command()
-def report() -> None:
+def report(state: State = "now") -> None:
     """Print the score of each package and the survivors."""
-    results = read_results(ROOT / FOLDER / "results.jsonl")
+    results = read_results(results_of(state))
     table = Table("package", "mutants", "killed", "survived", "no test runs it", "score")
     packages = sorted({package_of(result["name"]) for result in results})
     for package in [*packages, ""]:
@@ -158,6 +164,19 @@ def report() -> None:
             console.print(f"{result['result']}: {result['name']} ({result['tests']} tests)", markup=False)
 
 
+def results_of(state: str) -> Path:
+    return ROOT / FOLDER / f"results-{state}.jsonl"
+
+
+def noticed(folder: Path) -> dict[str, list[str]]:
+    """The tests that noticed a mutant in any state."""
+    tests: dict[str, list[str]] = defaultdict(list)
+    for path in sorted(folder.glob("results-*.jsonl")):
+        for result in read_results(path):
+            tests[result["name"]].append(result["by"])
+    return tests
+
+
 def package_of(name: str) -> str:
     return "/".join(name.split(":", 1)[0].split("/")[1:3])
 
@@ -167,12 +186,14 @@ def read_results(path: Path) -> list[dict[str, Any]]:
 
 
 def draw(root: Path, seed: int, sample: int) -> list[Mutant]:
-    """The first `sample` mutants of a seed's sequence of all mutants in SOURCES."""
+    """The first `sample` mutants of all in SOURCES, in an order that a seed gives their names.
+
+    So the sample of another state of the project has the same mutants, but for lines that have changed.
+    """
     files = subprocess.run(["git", "ls-files", *SOURCES], cwd=root, check=True, capture_output=True, text=True).stdout
     paths = [path for path in files.split() if path.endswith((".py", ".c", ".h"))]
     mutants = [mutant for path in paths for mutant in find_mutants(root, path)]
-    random.Random(seed).shuffle(mutants)
-    return mutants[:sample]
+    return sorted(mutants, key=lambda mutant: sha256(f"{seed} {mutant.name}".encode()).digest())[:sample]
 
 
 def copy_tree(root: Path, tree: Path) -> Path:

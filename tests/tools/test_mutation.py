@@ -105,10 +105,28 @@ def test_a_mutant_that_a_test_notices_is_killed(project: Path) -> None:
     mutants = draw(project, 0, 100)
     results = {(m.line, m.original): try_mutant(m, reach, trees, 10.0)["result"] for m in mutants}
     assert results == {(2, "/"): "killed", (2, "2"): "killed", (6, "/"): "survived", (6, "3"): "survived"}
-    assert {*draw(project, 0, 2)} < {*mutants}
+
+
+def test_a_sample_is_the_same_after_changes_elsewhere(project: Path) -> None:
+    before = draw(project, 0, 3)
+    half = project / "model" / "motionsync" / "half.py"
+    half.write_text(half.read_text().replace("def half", "ONE = 1\n\n\ndef half"))
+    after = [mutant for mutant in draw(project, 0, 5) if "ONE" not in mutant.name]
+    assert [mutant.name for mutant in after[:3]] == [mutant.name for mutant in before]
+    assert [mutant.line for mutant in after[:3]] == [mutant.line + 3 for mutant in before]
+    assert {*draw(project, 1, 4)} == {*draw(project, 2, 4)}
+    assert draw(project, 1, 4) != draw(project, 2, 4)
+
+
+def test_mutants_that_are_alike_are_numbered(tmp_path: Path) -> None:
+    (tmp_path / "alike.py").write_text("x = 1 + 2 + 2\nx = 1 + 2 + 2\n")
+    names = [mutant.name for mutant in find_mutants(tmp_path, "alike.py")]
+    assert len(set(names)) == len(names) == 10
+    assert names[0] == "alike.py: constant: '1' -> '(1 + 1)' in x = 1 + 2 + 2 (no. 1)"
 
 
 def test_tests_are_those_that_run_the_statement_the_shortest_first() -> None:
-    reach = Reach({"slow": 2.0, "quick": 1.0, "other": 0.1}, {"a.py": {"2": [0], "3": [1], "4": [2]}})
-    mutant = Mutant("a.py", 3, (2, 3), "constant", 0, 1, "1", "2")
-    assert reach.tests_of(mutant) == ["quick", "slow"]
+    seconds, lines = {"slow": 2.0, "quick": 1.0, "other": 0.1}, {"a.py": {"2": [0], "3": [1], "4": [2]}}
+    mutant = Mutant("a.py", 3, (2, 3), "constant", 0, 1, "1", "2", "the one")
+    assert Reach(seconds, lines).tests_of(mutant) == ["quick", "slow"]
+    assert Reach(seconds, lines, {"the one": ["slow", "gone"]}).tests_of(mutant) == ["slow", "quick"]
