@@ -4,8 +4,8 @@
 
 uv resolves, since pip cannot resolve for another machine than its own: whatever --platform and --python-version say, it
 evaluates environment markers and Requires-Python for the Python that runs it. uv evaluates them for the target, those
-of indirect requirements included, and takes a version only if it has a wheel for the target. pip's own resolver is
-asked where it is right, on the machine at hand (test_wheel.py)."""
+of indirect requirements included, and takes a version only if it has a wheel for the target. pip is asked where it is
+right, on the machine at hand: it has to agree with what uv has installed (test_wheel.py)."""
 
 import os
 import subprocess
