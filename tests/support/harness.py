@@ -1,11 +1,11 @@
 """Runs a block along a scripted master whose motion is exact, for tests of the block alone."""
 
 from collections.abc import Iterable, Mapping
-from copy import copy, deepcopy
-from dataclasses import replace
+from copy import copy
+from dataclasses import fields, is_dataclass
+from functools import cache
 from itertools import pairwise
-from operator import attrgetter
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, get_origin, get_type_hints
 
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
@@ -14,14 +14,28 @@ MOTION = ("slave.position", "slave.velocity", "slave.acceleration", "slave.jerk"
 Row = dict[str, float]
 
 
+def copy_block(block: Any) -> Any:
+    """Another block in the same state, in a quarter of the time of `deepcopy`: a block contains nothing twice."""
+    other = copy(block)
+    parts, lists = _mutable_fields(type(block))
+    for name in parts:
+        setattr(other, name, copy_block(getattr(block, name)))
+    for name in lists:
+        setattr(other, name, getattr(block, name)[:])
+    return other
+
+
+@cache
+def _mutable_fields(part: type[Any]) -> tuple[list[str], list[str]]:
+    """The fields of a block or of a part that are parts, and those that are lists."""
+    types = {name: get_origin(hint) or hint for name, hint in get_type_hints(part).items()}
+    names = [f.name for f in fields(part)]
+    return [n for n in names if is_dataclass(types[n])], [n for n in names if types[n] is list]
+
+
 def copy_stepper(stepper: Stepper) -> Stepper:
     """Another stepper, with a copy of the block in the same state."""
-    other = copy(stepper)
-    other.block, other.cells = deepcopy(stepper.block), {}
-    for name, cell in stepper.cells.items():
-        part = name.rpartition(".")[0]
-        other.cells[name] = replace(cell, owner=attrgetter(part)(other.block) if part else other.block)
-    return other
+    return Stepper(copy_block(stepper.block))
 
 
 class BlockHarness:
@@ -63,15 +77,12 @@ class BlockHarness:
         other.stepper = copy_stepper(self.stepper)
         return other
 
-    def save(self) -> tuple[Any, ...]:
-        """The present state, for `restore`; this is quicker than a twin."""
-        values = [cell.get() for cell in self.stepper.cells.values()]
-        return self.master_position, self.speed, self.time, [copy(v) if isinstance(v, list) else v for v in values]
+    def save(self) -> Self:
+        """The present state, for `restore`."""
+        return self.twin()
 
-    def restore(self, saved: tuple[Any, ...]) -> Self:
-        self.master_position, self.speed, self.time, values = saved
-        for cell, value in zip(self.stepper.cells.values(), values, strict=True):
-            setattr(cell.owner, cell.attribute, copy(value) if isinstance(value, list) else value)
+    def restore(self, saved: Self) -> Self:
+        vars(self).update(vars(saved.twin()))
         return self
 
     def set(self, values: Mapping[str, Any]) -> Self:

@@ -1,10 +1,12 @@
 """A block in this process, driven by the names of its variables as a host drives an FMU."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache
+from operator import attrgetter
 from typing import Any, Self
 
 from ..errors import choose
-from .variables import cells, message_text, shown, variables_in_message
+from .variables import Cell, cells, message_text, shown, variables_in_message
 
 
 class RefusedError(Exception):
@@ -19,6 +21,43 @@ class RefusedError(Exception):
         self.refusal = refusal
 
 
+class Cells(Mapping[str, Cell]):
+    """All cells of a block by name. Blocks of one type have the same cells: a block's own are made as they are used."""
+
+    def __init__(self, block: Any) -> None:
+        self._block, self._of_type, self._own = block, _cells_of_type(type(block)), dict[str, Cell]()
+
+    def __getitem__(self, name: str) -> Cell:
+        if name not in self._own:
+            part, c = name.rpartition(".")[0], self._of_type[name]
+            owner = attrgetter(part)(self._block) if part else self._block
+            self._own[name] = Cell(name, owner, c.attribute, c.type, c.declaration, c.choices)
+        return self._own[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._of_type
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._of_type)
+
+    def __len__(self) -> int:
+        return len(self._of_type)
+
+
+@cache
+def _cells_of_type(block_type: type[Any]) -> dict[str, Cell]:
+    """The cells of a new block of this type."""
+    return {cell.name: cell for cell in cells(block_type())}
+
+
+@cache
+def _reader(block_type: type[Any], names: tuple[str, ...]) -> Callable[[Any], Any]:
+    """A function that reads these cells of a block of this type, as a tuple if there are several."""
+    for name in names:
+        choose(_cells_of_type(block_type), name, f"variable of {block_type.__name__}")
+    return attrgetter(*names)
+
+
 class Stepper:
     """One instance of a block.
 
@@ -31,7 +70,7 @@ class Stepper:
 
     def __init__(self, block: Any) -> None:
         self.block = block
-        self.cells = {cell.name: cell for cell in cells(block)}
+        self.cells = Cells(block)
 
     def set(self, values: Mapping[str, Any]) -> Self:
         """Set cells.
@@ -45,10 +84,13 @@ class Stepper:
 
     def get(self, names: Iterable[str]) -> dict[str, Any]:
         """The present values of these cells."""
-        return {name: self[name] for name in names}
+        names = tuple(names)
+        if len(names) < 2:
+            return {name: self[name] for name in names}
+        return dict(zip(names, _reader(type(self.block), names)(self.block), strict=True))
 
     def __getitem__(self, name: str) -> Any:
-        return choose(self.cells, name, f"variable of {type(self.block).__name__}").get()
+        return _reader(type(self.block), (name,))(self.block)
 
     def initialize(self, values: Mapping[str, Any] | None = None) -> Self:
         """Set start values of parameters and inputs, then initialize.
@@ -57,7 +99,8 @@ class Stepper:
             RefusedError: the block refuses.
         """
         self.set(values or {})
-        self._raise_if_refused("initialize()", self.block.initialize())
+        if refusal := self.block.initialize():
+            raise self._refused("initialize()", refusal)
         return self
 
     def step(self, h: float, values: Mapping[str, Any] | None = None) -> Self:
@@ -67,10 +110,10 @@ class Stepper:
             RefusedError: the block refuses; its state has not changed, except for the inputs.
         """
         self.set(values or {})
-        self._raise_if_refused(f"step({shown(h)})", self.block.step(h))
+        if refusal := self.block.step(h):
+            raise self._refused(f"step({shown(h)})", refusal)
         return self
 
-    def _raise_if_refused(self, call: str, refusal: Any) -> None:
-        if refusal:
-            text = message_text(refusal, variables_in_message(refusal, self.cells), self.__getitem__)
-            raise RefusedError(refusal, f"{type(self.block).__name__} refuses {call}: {text}")
+    def _refused(self, call: str, refusal: Any) -> RefusedError:
+        text = message_text(refusal, variables_in_message(refusal, self.cells), self.__getitem__)
+        return RefusedError(refusal, f"{type(self.block).__name__} refuses {call}: {text}")

@@ -1,7 +1,7 @@
 """A RemoteSync that a test gives telegrams, one a cycle, and what its tests have in common."""
 
 from collections.abc import Iterable, Mapping
-from copy import copy, deepcopy
+from copy import copy
 from typing import Any, Self
 
 import pytest
@@ -9,8 +9,11 @@ import pytest
 from motionsync.remote_sync.block import RemoteSync
 from motionsync.remote_sync.faults import Refusal
 from motionsync.remote_sync.interface import Estimator, Mode
+from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import variables
+from tests.support.harness import copy_stepper
 
+OUTPUTS = tuple(v.name for v in variables(RemoteSync()) if not v.settable)
 T = 0.002  # s, the task cycle time unless it is said otherwise
 Recording = dict[str, list[Any]]  # outputs and locals, a value a cycle
 
@@ -19,26 +22,26 @@ class RemoteSyncHarness:
     """A block that has been initialized; variables are set and read by name."""
 
     def __init__(self, values: Mapping[str, Any] | None = None) -> None:
-        self.block = RemoteSync()
-        declared = variables(self.block)
-        self.cells = {v.name: v.cell for v in declared}
-        self.outputs = [v.name for v in declared if not v.settable]
-        self.put(values or {})
-        assert self.block.initialize() == Refusal.NONE
+        self.stepper = Stepper(RemoteSync())
+        self.stepper.initialize(values)
+
+    @property
+    def block(self) -> RemoteSync:
+        block: RemoteSync = self.stepper.block
+        return block
 
     def twin(self) -> Self:
         """Another one in the same state."""
         other = copy(self)
-        other.block, other.cells = deepcopy((self.block, self.cells))  # together: cells belong to the block's parts
+        other.stepper = copy_stepper(self.stepper)
         return other
 
     def put(self, values: Mapping[str, Any]) -> Self:
-        for name, value in values.items():
-            self.cells[name].set(value)
+        self.stepper.set(values)
         return self
 
     def step(self, h: float, values: Mapping[str, Any] | None = None) -> Self:
-        assert self.put(values or {}).block.step(h) == Refusal.NONE
+        self.stepper.step(h, values)
         return self
 
     def see(self, index: int, values: Mapping[str, Any] | None = None) -> Self:
@@ -47,20 +50,16 @@ class RemoteSyncHarness:
 
     def run(self, indices: Iterable[int], values: Mapping[str, Any] | None = None) -> Recording:
         """A cycle an index; the values are set before the first one."""
-        recording: Recording = {name: [] for name in self.outputs}
         self.put(values or {})
-        for index in indices:
-            self.see(index)
-            for name in self.outputs:
-                recording[name].append(self.cells[name].get())
-        return recording
+        rows = [self.see(index).shown() for index in indices]
+        return {name: [row[name] for row in rows] for name in OUTPUTS}
 
     def shown(self) -> dict[str, Any]:
         """All outputs and locals."""
-        return {name: self.cells[name].get() for name in self.outputs}
+        return self.stepper.get(OUTPUTS)
 
     def __getitem__(self, name: str) -> Any:
-        return self.cells[name].get()
+        return self.stepper[name]
 
     @property
     def slave(self) -> tuple[float, float, float]:
