@@ -127,7 +127,7 @@ class _Recorder:
         self.names = [v.name for v in scenario.recipe.variables.values() if not v.settable]
         self.times = array("d")
         self.program = ReactionProgram(scenario)
-        self._columns = {name: array("d") for name in self.names}  # a list of numbers would need four times the memory
+        self._values = array("d")  # of each point in turn; a list of numbers would need four times the memory
         self._motions = array("d")  # position, velocity, acceleration, jerk of each point
 
     @property
@@ -136,8 +136,7 @@ class _Recorder:
         return self.times[-1] if self.times else 0.0
 
     def add(self, time: float, values: Mapping[str, Any]) -> None:
-        for name, column in self._columns.items():
-            column.append(values[name])
+        self._values.extend([values[name] for name in self.names])
         master = self.program.master
         m = master.until(time) if self.times else master.at(time)
         self._motions.extend((m.position, m.velocity, m.acceleration, m.jerk))
@@ -146,7 +145,7 @@ class _Recorder:
     def recording(self, messages: list[str]) -> Recording:
         return Recording(
             np.frombuffer(self.times),
-            {name: np.frombuffer(column) for name, column in self._columns.items()},
+            dict(zip(self.names, np.frombuffer(self._values).reshape(len(self.times), -1).T.copy(), strict=True)),
             np.frombuffer(self._motions).reshape(-1, 4),
             messages,
             self.program.settings,
