@@ -25,8 +25,8 @@ quick: $(TESTABLE) ## what the blocks do, without an FMU: about a minute
 
 check: $(TESTABLE) ## one block, B=gearing say: its tests, its scenarios in this process, its compiled code
 	@$(if $(filter $(B),$(BLOCKS)),:,echo "make check B=<block>: the blocks are $(BLOCKS)" >&2; exit 2)
-	$(BIN)/python -m pytest --block $(B) tests/model/$(B) tests/model/test_scenarios.py \
-		tests/native/test_same_bits.py::test_the_drawn_runs_meet_all_that_can_happen $(PYTEST)
+	$(BIN)/python -m pytest --quick --block $(B) tests/model/$(B) tests/model/test_scenarios.py \
+		tests/native/test_same_bits.py::test_compiled_code_gives_the_bits_of_python_in_every_field $(PYTEST)
 
 test: lint ## everything that proves the project; PYTEST="-k edge" passes options on
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal $(PYTEST)

@@ -147,6 +147,12 @@ def soak(request: pytest.FixtureRequest) -> Callable[[int, int], int]:
 
 
 @pytest.fixture(scope="session")
+def compiles(request: pytest.FixtureRequest) -> bool:
+    """Whether a test also compiles its block: `make quick` has no time for it, with one block there is."""
+    return not request.config.getoption("--quick") or bool(request.config.getoption("--block"))
+
+
+@pytest.fixture(scope="session")
 def shared(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shared:
     """What the processes of pytest-xdist share: each of them has its temporary folder in that of the whole run."""
     own = tmp_path_factory.getbasetemp()

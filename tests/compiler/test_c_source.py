@@ -132,6 +132,7 @@ def test_a_block_outside_the_subset_is_refused_with_file_and_line(tmp_path: Path
         c_source(block)
 
 
+@pytest.mark.slow
 def test_the_text_is_the_same_in_another_process_with_another_seed_for_hashes() -> None:
     script = "import hashlib; from motionsync.blocks import BLOCKS\n"
     script += "from motionsync_fmu.compiler.translator import c_source\n"
@@ -147,6 +148,7 @@ def c_source_of(name: str) -> dict[str, bytes]:
     return c_source(BLOCKS[name]())
 
 
+@pytest.mark.slow
 def test_the_start_image_has_each_field_where_python_and_numpy_see_it(block: str) -> None:
     memory = image(BLOCKS[block]())
     start_image = create_string_buffer(memory.nbytes)
@@ -174,6 +176,7 @@ def gcc(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["gcc", *arguments, "-c", "block.c"], cwd=folder, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["x86_64-linux-gnu", "x86_64-windows-gnu"])
 def test_clang_finds_nothing_to_warn_of(folder: Path, target: str) -> None:
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target, *WARNINGS, "-c"]
@@ -183,6 +186,7 @@ def test_clang_finds_nothing_to_warn_of(folder: Path, target: str) -> None:
     assert ZIG.exists()
 
 
+@pytest.mark.slow
 def test_gcc_finds_nothing_to_warn_of_and_a_step_needs_little_stack(block: str, folder: Path) -> None:
     done = gcc("-O2", *WARNINGS, "-fcallgraph-info=su", folder=folder)
     assert (done.returncode, done.stderr) == (0, "")
@@ -231,6 +235,7 @@ def test_a_compiler_that_may_change_results_is_refused(tmp_path: Path, flag: str
     assert gcc("-fsyntax-only", "-O3", folder=tmp_path).returncode == 0
 
 
+@pytest.mark.slow
 def test_no_fused_operation_is_made_even_where_the_processor_has_it(tmp_path: Path) -> None:
     for name, text in c_source_of("Synchronizer").items():
         (tmp_path / name).write_bytes(text)

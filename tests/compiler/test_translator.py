@@ -283,6 +283,7 @@ return 1.0 if var.same(part, self.longer) else 2.0
 """
 
 
+@pytest.mark.slow
 def test_random_programs_give_the_bits_of_python_and_raise_where_python_does(tmp_path: Path) -> None:
     bodies = [text.split("\n") for text in FLOWS.strip().split("\n\n")]
     flows = len(bodies)
@@ -387,6 +388,7 @@ def operations() -> str:
     return text + "            case _:\n                pass\n        return Refusal.NONE\n"
 
 
+@pytest.mark.slow
 def test_every_operation_gives_the_bits_of_python_for_nasty_values(tmp_path: Path) -> None:
     programs_module = load_module(tmp_path, "operations_of_this_run", operations())
     sides = Sides(programs_module.Programs)

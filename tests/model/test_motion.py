@@ -144,6 +144,7 @@ def test_no_move_is_slower_than_ruckigs() -> None:
     assert count["same"] >= 9500
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slope", [0.0, 0.3, -0.9])
 def test_changes_of_velocity_take_as_long_as_ruckigs(slope: float) -> None:
     """The slope is a part of the limit on its side."""
@@ -445,6 +446,7 @@ def assert_same_bits(block: Planner, compiled: Compiled, move: Move) -> None:
             assert equal(block, compiled), (kind, move)
 
 
+@pytest.mark.slow
 @repeatable
 @given(random_moves | extreme_moves)
 def test_compiled_code_plans_the_same_bits(compiled: Compiled, move: Move) -> None:

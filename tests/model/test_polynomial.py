@@ -175,6 +175,7 @@ def test_the_derivative() -> None:
 any_coefficients = st.floats() | st.floats(-1.0, 1.0) | st.just(0.0)
 
 
+@pytest.mark.slow
 @settings(repeatable, max_examples=200)
 @given(st.lists(any_coefficients, min_size=1, max_size=7) | st.lists(inside, min_size=1, max_size=6).map(expand))
 def test_compiled_code_gives_the_bits_of_python_for_any_numbers(coefficients: list[float]) -> None:

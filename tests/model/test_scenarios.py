@@ -39,13 +39,15 @@ def at_its_place(scenario: Scenario, recording: Recording) -> bool:
 
 
 @SCENARIOS
-def test_the_block_does_what_its_scenario_expects(file: Path) -> None:
+def test_the_block_does_what_its_scenario_expects(file: Path, compiles: bool) -> None:
     scenario = load_scenario(file)
     recording = run_in_process(scenario, scenario.step_size)
     result = [*check_expectations(scenario, recording), *compare_with_reference(scenario, recording)]
     assert result
     assert [check for check in result if not check.passed] == []
     assert at_its_place(scenario, recording)
+    if not compiles:
+        return
     names = sorted(checked_outputs(scenario).union(MOTION))
     whole, narrow = run_compiled(scenario)[0].recording, run_compiled(scenario, names=names)[0].recording
     assert whole
@@ -55,6 +57,7 @@ def test_the_block_does_what_its_scenario_expects(file: Path) -> None:
     assert compute_key_figures(scenario, narrow) == compute_key_figures(scenario, recording)
 
 
+@pytest.mark.slow
 @SCENARIOS
 @pytest.mark.parametrize("step_size", [0.007, 0.0471])
 def test_a_scenario_means_the_same_at_other_step_sizes_or_says_why_not(file: Path, step_size: float) -> None:

@@ -3,6 +3,8 @@
 from random import Random
 from typing import Any
 
+import pytest
+
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.recipe import Recipe
@@ -29,6 +31,7 @@ def thinned(run: BlockRun, reals: dict[str, Variable], r: Random) -> BlockRun:
     return BlockRun(some(run.start), [(h, some(values)) for h, values in run.steps])
 
 
+@pytest.mark.slow
 def test_no_number_next_to_0_does_harm(block: str) -> None:
     reals = {v.name: v for v in Recipe(block).variables.values() if v.settable and v.kind == "Real"}
     r, steps = Random(1), 0

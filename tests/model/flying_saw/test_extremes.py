@@ -394,6 +394,7 @@ def negated(of: Profile, i: int) -> list[float]:
     return [-c for c in of.coefficients[6 * i : 6 * i + 6]]
 
 
+@pytest.mark.slow
 @settings(repeatable, max_examples=300)
 @given(profiles)
 def test_compiled_code_gives_the_bits_of_python(of: Profile) -> None:

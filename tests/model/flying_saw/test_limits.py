@@ -336,6 +336,7 @@ def _order(r: Random, group: str, speed: float, at: float) -> dict[str, Any]:
     return {f"{group}.{name}": value for name, value in values.items()}
 
 
+@pytest.mark.slow
 def test_in_random_runs_the_same_is_reported_as_by_the_oracle() -> None:
     """At every time, with steps of 20 ms and of up to 0.5 s. Together the runs exceed every limit; a stop at once has
     scenarios of its own."""
