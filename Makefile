@@ -19,11 +19,11 @@ run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 line: $(WIRABLE) ## wire a remote axis through RemoteSync into its followers, and print the errors
 	$(BIN)/motionsync line
 
-quick: $(TESTABLE) ## what the blocks do, without an FMU: about a minute
+quick: $(TESTABLE) ## what the blocks do, without an FMU: half a minute
 	$(BIN)/python -m pytest --quick --numprocesses 2 --dist worksteal tests/model \
 		tests/compiler $(PYTEST)
 
-check: $(TESTABLE) ## one block, B=gearing say: its tests, its scenarios in this process, its compiled code
+check: $(TESTABLE) ## one block, B=gearing say: its part of quick, and its compiled code
 	@$(if $(filter $(B),$(BLOCKS)),:,echo "make check B=<block>: the blocks are $(BLOCKS)" >&2; exit 2)
 	$(BIN)/python -m pytest --quick --block $(B) tests/model/$(B) tests/model/test_scenarios.py \
 		tests/native/test_same_bits.py::test_compiled_code_gives_the_bits_of_python_in_every_field $(PYTEST)

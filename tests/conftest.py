@@ -147,8 +147,8 @@ def soak(request: pytest.FixtureRequest) -> Callable[[int, int], int]:
 
 
 @pytest.fixture(scope="session")
-def compiles(request: pytest.FixtureRequest) -> bool:
-    """Whether a test also compiles its block: `make quick` has no time for it, with one block there is."""
+def all_parts(request: pytest.FixtureRequest) -> bool:
+    """Whether a test does all that it can: `make quick` has no time for it; with the option --block there is."""
     return not request.config.getoption("--quick") or bool(request.config.getoption("--block"))
 
 
