@@ -25,7 +25,8 @@ class Cells(Mapping[str, Cell]):
     """All cells of a block by name. Blocks of one type have the same cells: a block's own are made as they are used."""
 
     def __init__(self, block: Any) -> None:
-        self._block, self._of_type, self._own = block, _cells_of_type(type(block)), dict[str, Cell]()
+        block_type: type = type(block)
+        self._block, self._of_type, self._own = block, _cells_of_type(block_type), dict[str, Cell]()
 
     def __getitem__(self, name: str) -> Cell:
         if name not in self._own:
@@ -45,13 +46,13 @@ class Cells(Mapping[str, Cell]):
 
 
 @cache
-def _cells_of_type(block_type: type[Any]) -> dict[str, Cell]:
+def _cells_of_type(block_type: type) -> dict[str, Cell]:
     """The cells of a new block of this type."""
     return {cell.name: cell for cell in cells(block_type())}
 
 
 @cache
-def _reader(block_type: type[Any], names: tuple[str, ...]) -> Callable[[Any], Any]:
+def _reader(block_type: type, names: tuple[str, ...]) -> Callable[[Any], Any]:
     """A function that reads these cells of a block of this type, as a tuple if there are several."""
     for name in names:
         choose(_cells_of_type(block_type), name, f"variable of {block_type.__name__}")
@@ -71,6 +72,7 @@ class Stepper:
     def __init__(self, block: Any) -> None:
         self.block = block
         self.cells = Cells(block)
+        self._type: type = type(block)
 
     def set(self, values: Mapping[str, Any]) -> Self:
         """Set cells.
@@ -79,7 +81,7 @@ class Stepper:
             UserError: the block has no cell of a name.
         """
         for name, value in values.items():
-            choose(self.cells, name, f"variable of {type(self.block).__name__}").set(value)
+            choose(self.cells, name, f"variable of {self._type.__name__}").set(value)
         return self
 
     def get(self, names: Iterable[str]) -> dict[str, Any]:
@@ -87,10 +89,10 @@ class Stepper:
         names = tuple(names)
         if len(names) < 2:
             return {name: self[name] for name in names}
-        return dict(zip(names, _reader(type(self.block), names)(self.block), strict=True))
+        return dict(zip(names, _reader(self._type, names)(self.block), strict=True))
 
     def __getitem__(self, name: str) -> Any:
-        return _reader(type(self.block), (name,))(self.block)
+        return _reader(self._type, (name,))(self.block)
 
     def initialize(self, values: Mapping[str, Any] | None = None) -> Self:
         """Set start values of parameters and inputs, then initialize.
@@ -116,4 +118,4 @@ class Stepper:
 
     def _refused(self, call: str, refusal: Any) -> RefusedError:
         text = message_text(refusal, variables_in_message(refusal, self.cells), self.__getitem__)
-        return RefusedError(refusal, f"{type(self.block).__name__} refuses {call}: {text}")
+        return RefusedError(refusal, f"{self._type.__name__} refuses {call}: {text}")
