@@ -21,6 +21,7 @@ from typing import Any
 from tests.oracle.cut_to_length_carriage import MasterSection, Motion
 from tests.oracle.cut_to_length_sequence import MachineRun
 from tests.oracle.cut_to_length_state import APPROACHING, COMMANDS, CUTTING, SYNCHRONOUS, Snapshot
+from tests.oracle.latest_runs import run_of
 from tests.oracle.master import mp, stretches
 from tests.oracle.sets import gathered
 
@@ -154,7 +155,7 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
     just before and just after, where an output jumps within 1e-9 s of a time.
     """
     requested_times = sorted(set(times))
-    sections, machine = _run(script, max([float(script["stop_time"]), *requested_times]) + 2 * WINDOW)
+    sections, machine = run_of(_run, script, max([float(script["stop_time"]), *requested_times]) + 2 * WINDOW)
     rows = _Rows(sections, machine)
     return [row for time in requested_times for row in rows.at(time)]
 
@@ -164,7 +165,7 @@ def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
 
     Raises ValueError for a set at or before 0 and for a set of something that is neither an input nor tunable.
     """
-    return _run(script, float(script["stop_time"]))[1].log
+    return list(run_of(_run, script, float(script["stop_time"]))[1].log)
 
 
 def _run(script: Mapping[str, Any], horizon: float) -> tuple[list[MasterSection], MachineRun]:

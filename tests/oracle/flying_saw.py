@@ -65,6 +65,7 @@ from tests.oracle.flying_saw_rows import (
     step_ends,
 )
 from tests.oracle.flying_saw_time_based import TimeBasedRamp
+from tests.oracle.latest_runs import run_of
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 from tests.oracle.motion_start import begin_of_own_motion
 from tests.oracle.sets import gathered
@@ -104,7 +105,7 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
     just before and just after, where the motion jumps or changes its state within 1e-9 s of a time.
     """
     requested = sorted(set(times))
-    run = FlyingSawRun(script, mp.mpf(max([script["stop_time"], *requested])) + WINDOW)
+    run = run_of(FlyingSawRun, script, mp.mpf(max([script["stop_time"], *requested])) + WINDOW)
     return [row for time in requested for row in run.recording.rows(time)]
 
 
@@ -113,7 +114,7 @@ def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
 
     Raises ValueError for a set at or before 0 and for a set of something that is neither an input nor tunable.
     """
-    run = FlyingSawRun(script, mp.mpf(script["stop_time"]))
+    run = run_of(FlyingSawRun, script, mp.mpf(script["stop_time"]))
     return [(float(time), name) for time, name in run.log]
 
 

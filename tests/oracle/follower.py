@@ -90,6 +90,7 @@ from tests.oracle.follower_cycle import (
 from tests.oracle.follower_inputs import EDGES, FIXED, SETTABLE, STILL, has_limits, snapped, step_ends
 from tests.oracle.follower_master import CYCLE, MOVED, MasterCrossings, wrapped_start
 from tests.oracle.follower_outputs import WINDOW, FollowerRows, Snapshot
+from tests.oracle.latest_runs import run_of
 from tests.oracle.master import Motion, Number, Stretch, mp, stretches
 from tests.oracle.sets import gathered
 
@@ -117,9 +118,8 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
     The script has `stop_time`, `step_size`, `[start]` values, the `[master]` script and `[[set]]` tables. Two rows,
     just before and just after, where the motion jumps or changes its state within 1e-9 s of a time.
     """
-    instants = sorted(set(times))
-    run = FollowerRun(script, mp.mpf(max([script["stop_time"], *instants])) + WINDOW)
-    return [row for time in instants for row in run.outputs.rows(time)]
+    run = run_of(FollowerRun, script, mp.mpf(max([script["stop_time"], *times])) + WINDOW)
+    return [row for time in sorted(set(times)) for row in run.outputs.rows(time)]
 
 
 def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
@@ -128,7 +128,7 @@ def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
     Raises ValueError for a set at or before 0, for a set of something that is neither an input nor tunable, and for
     parameters with which the block does not initialize (faults 3, 4, 5).
     """
-    run = FollowerRun(script, mp.mpf(script["stop_time"]))
+    run = run_of(FollowerRun, script, mp.mpf(script["stop_time"]))
     return [(float(time), name) for time, name in run.log]
 
 

@@ -78,6 +78,7 @@ from tests.oracle.gearing_laws import (
     zero_of,
 )
 from tests.oracle.gearing_outputs import WINDOW, GearingRows, Snapshot, progress_of
+from tests.oracle.latest_runs import run_of
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 from tests.oracle.sets import gathered
 
@@ -104,7 +105,7 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
     just after, where something but a set changes a column within 1e-9 s of a time. Raises ValueError as `events` does.
     """
     instants = sorted(set(times))
-    run = GearingRun(script, mp.mpf(max([script["stop_time"], *instants])) + WINDOW)
+    run = run_of(GearingRun, script, mp.mpf(max([script["stop_time"], *instants])) + WINDOW)
     return [row for time in instants for row in run.outputs.rows(time)]
 
 
@@ -114,7 +115,7 @@ def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
     Raises ValueError for start values that are refused, for a set at or before 0 and for a set of something that is
     neither an input nor tunable.
     """
-    run = GearingRun(script, mp.mpf(script["stop_time"]))
+    run = run_of(GearingRun, script, mp.mpf(script["stop_time"]))
     return [(float(time), name) for time, name in run.log]
 
 

@@ -1,12 +1,13 @@
-"""The real roots of a polynomial in (0, 1) from exact fractions: Descartes' rule of signs on halved intervals."""
+"""The real roots of a polynomial in (0, 1), exactly: Descartes' rule of signs on halved intervals, in whole numbers."""
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
-from math import comb
+from math import comb, gcd, lcm
 
 Exact = list[Fraction]
-FINE = Fraction(1, 2**90)  # the precision of a root, to which two are distinguished
+Whole = list[int]  # coefficients of a polynomial, times any factor > 0
+FINE = 90  # a root has this precision, in bits, to which two are distinguished
 
 
 def at(f: Sequence[float | Fraction], u: Fraction) -> Fraction:
@@ -25,63 +26,72 @@ def derivative(f: Sequence[float | Fraction], order: int = 1) -> Exact:
 
 def roots_inside(f: Sequence[float | Fraction]) -> Exact:
     """The distinct roots, ascending; none of a polynomial that is 0 everywhere."""
-    exact = distinct(trimmed([Fraction(c) for c in f]))
-    n = len(exact) - 1
-    bernstein = [sum((comb(k, i) * exact[i] / comb(n, i) for i in range(k + 1)), Fraction(0)) for k in range(n + 1)]
-    return list(isolated(exact, bernstein, Fraction(0), Fraction(1)))
+    fractions = [Fraction(c) for c in f]
+    factor = lcm(*(c.denominator for c in fractions))
+    whole = distinct(reduced([int(c * factor) for c in fractions]))
+    n = len(whole) - 1
+    factor = lcm(*(comb(n, i) for i in range(n + 1)))
+    bernstein = [sum(comb(k, i) * whole[i] * factor // comb(n, i) for i in range(k + 1)) for k in range(n + 1)]
+    return list(isolated(whole, bernstein, 0, 0))
 
 
-def trimmed(f: Exact) -> Exact:
+def reduced(f: Whole) -> Whole:
+    """Without leading zeros and without a common factor."""
     while f and f[-1] == 0:
         f = f[:-1]
-    return f
+    common = gcd(*f)
+    return [c // common for c in f]
 
 
-def divided(f: Exact, by: Exact) -> tuple[Exact, Exact]:
-    """Quotient and remainder."""
-    quotient = [Fraction(0)] * max(len(f) - len(by) + 1, 0)
-    while len(f) >= len(by):
-        shift, factor = len(f) - len(by), f[-1] / by[-1]
-        quotient[shift] = factor
-        f = trimmed([c - factor * (by[n - shift] if n >= shift else 0) for n, c in enumerate(f)][:-1])
+def divided(f: Whole, by: Whole) -> tuple[Whole, Whole]:
+    """Quotient and remainder of f, times a power of the divisor's leading coefficient that leaves them whole."""
+    quotient = [0] * max(len(f) - len(by) + 1, 0)
+    for shift in reversed(range(len(quotient))):
+        leading = f[-1]
+        quotient = [by[-1] * q for q in quotient]
+        quotient[shift] = leading
+        f = [by[-1] * c - leading * (by[n - shift] if n >= shift else 0) for n, c in enumerate(f)][:-1]
     return quotient, f
 
 
-def distinct(f: Exact) -> Exact:
+def distinct(f: Whole) -> Whole:
     """The polynomial with the same roots, each only once: over its greatest common divisor with its derivative."""
-    a, b = f, trimmed(derivative(f))
+    a, b = f, reduced([n * c for n, c in enumerate(f)][1:])
     while b:
-        a, b = b, divided(a, b)[1]
-    return divided(f, a)[0] if a else f
+        a, b = b, reduced(divided(a, b)[1])
+    return reduced(divided(f, a)[0]) if a else f
 
 
-def isolated(f: Exact, bernstein: Exact, low: Fraction, high: Fraction) -> Iterator[Fraction]:
-    """Bernstein's coefficients change their signs as often as there are roots, or an even number more."""
+def isolated(f: Whole, bernstein: Whole, number: int, bits: int) -> Iterator[Fraction]:
+    """The roots from number / 2^bits to (number + 1) / 2^bits. Bernstein's coefficients there, times any factor > 0,
+    change their signs as often as there are roots, or an even number more."""
     signs = [b > 0 for b in bernstein if b != 0]
     changes = sum(a != b for a, b in pairwise(signs))
     if changes == 1:
-        yield refined(f, low, high, signs[-1])
-    if changes < 2 or high - low < FINE:
+        yield refined(f, number, bits, signs[-1])
+    if changes < 2 or bits > FINE:
         return
-    left: Exact = []
-    right: Exact = []
+    left: Whole = []
+    right: Whole = []
     row = bernstein
     while row:
-        left.append(row[0])
-        right.insert(0, row[-1])
-        row = [(a + b) / 2 for a, b in pairwise(row)]
-    middle = (low + high) / 2
-    yield from isolated(f, left, low, middle)
+        left.append(row[0] << len(row) - 1)
+        right.insert(0, row[-1] << len(row) - 1)
+        row = [a + b for a, b in pairwise(row)]
+    yield from isolated(f, left, 2 * number, bits + 1)
     if right[0] == 0:
-        yield middle
-    yield from isolated(f, right, middle, high)
+        yield Fraction(2 * number + 1, 2 << bits)
+    yield from isolated(f, right, 2 * number + 1, bits + 1)
 
 
-def refined(f: Exact, low: Fraction, high: Fraction, rising: bool) -> Fraction:
-    while high - low > FINE:
-        middle = (low + high) / 2
-        value = at(f, middle)
+def refined(f: Whole, number: int, bits: int, rising: bool) -> Fraction:
+    while bits < FINE:
+        number, bits = 2 * number + 1, bits + 1  # the middle
+        value = 0
+        for i, c in enumerate(reversed(f)):
+            value = value * number + (c << bits * i)
         if value == 0:
-            return middle
-        low, high = (low, middle) if (value > 0) == rising else (middle, high)
-    return (low + high) / 2
+            return Fraction(number, 1 << bits)
+        if (value > 0) == rising:
+            number -= 1
+    return Fraction(2 * number + 1, 2 << bits)

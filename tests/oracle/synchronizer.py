@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tests.oracle.latest_runs import run_of
 from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
 from tests.oracle.sets import gathered
 
@@ -149,7 +150,7 @@ def reference(scenario: Mapping[str, Any], times: Sequence[float]) -> list[dict[
     undone within the window, the second row is the one in between. Both rows have the master's position at that time.
     """
     requested = sorted(set(times))
-    path = _Path(scenario, mp.mpf(max([scenario["stop_time"], *requested])) + WINDOW)
+    path = run_of(_Path, scenario, mp.mpf(max([scenario["stop_time"], *requested])) + WINDOW)
     return [row for time in requested for row in path.rows(time)]
 
 
@@ -159,7 +160,7 @@ def events(scenario: Mapping[str, Any]) -> list[tuple[float, str]]:
     The scenario has `stop_time`, `[start]` values, the `[master]` script and `[[set]]` tables. Raises ValueError for a
     set at or before 0 and for a set of something that is no input of the block.
     """
-    path = _Path(scenario, mp.mpf(scenario["stop_time"]))
+    path = run_of(_Path, scenario, mp.mpf(scenario["stop_time"]))
     return [(float(time), name) for time, name in path.log]
 
 
