@@ -13,7 +13,8 @@
  *
  *     fuzz SEED CALLS
  *
- * prints one line of JSON: how often each function was called and what it answered. The first failed check ends it. */
+ * prints one line of JSON: how often each function was called in each mode and what it answered, and how often there were
+ * the SITUATIONS. The first failed check ends it. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -49,6 +50,7 @@ enum { MOST = 8, INSTANCES = 4, STATES = 6, BYTES = 1 << 14, PATIENCE = 30 /* s 
  * otherwise Y(name in FMI 2.0, name). */
 #define ID(name) name,
 #define NAME(name) VERSION #name,
+#define NAME_ALONE(name) #name,
 #define OTHER_ID(former, name) former,
 #define OTHER_NAME(former, name) VERSION #name,
 typedef enum { FUNCTIONS(ID, OTHER_ID) FUNCTION_COUNT } Function;
@@ -57,6 +59,21 @@ static const char *const STATUS_NAMES[] = {"OK", "Warning", "Discard", "Error", 
 enum { STATUSES = 6, EITHER = STATUSES }; /* EITHER: OK or refused */
 
 typedef enum { NOWHERE = 0, INSTANTIATED = 1, INITIALIZING = 2, STEPPING = 4, TERMINATED = 8, ANY = 15 } Mode;
+static const struct {
+    Mode mode;
+    const char *name;
+} MODES[] = {{NOWHERE, "nowhere"},
+             {INSTANTIATED, "instantiated"},
+             {INITIALIZING, "initializing"},
+             {STEPPING, "stepping"},
+             {TERMINATED, "terminated"}};
+enum { MODE_COUNT = sizeof MODES / sizeof *MODES };
+
+/* What the run has to meet besides: memory that runs out, a step that a copy repeats, a state that is damaged, one that is
+ * forged and refused or accepted, and the steps that follow. */
+#define SITUATIONS(X) X(no_memory) X(repeated_step) X(damaged) X(forged_refused) X(forged_accepted) X(forged_step)
+typedef enum { SITUATIONS(ID) SITUATION_COUNT } Situation;
+static const char *const SITUATION_NAMES[] = {SITUATIONS(NAME_ALONE)};
 typedef union {
     double real;
     int64_t integer; /* and Boolean */
@@ -92,10 +109,11 @@ typedef struct {
 
 static Slot slots[INSTANCES], twin;
 static Slot *calling; /* whose unit may log now */
+static int mode;      /* in which it is called, by its index in MODES */
 static StoredState stored_states[STATES];
 static ExpectedState fresh;
 static size_t size; /* of a serialized state */
-static uint64_t seed, call, counts[FUNCTION_COUNT][STATUSES];
+static uint64_t seed, call, counts[FUNCTION_COUNT][MODE_COUNT][STATUSES], met[SITUATION_COUNT];
 static double slowest;
 static int of_kind[KINDS][COUNT], of_kind_count[KINDS], settable[KINDS][COUNT], settable_count[KINDS];
 
@@ -147,8 +165,12 @@ static bool passes_null(void) { return one_in(100); }
 static bool memory_is_out;
 void *__real_malloc(size_t n);
 void *__real_calloc(size_t n, size_t each);
-void *__wrap_malloc(size_t n) { return memory_is_out ? NULL : __real_malloc(n); }
-void *__wrap_calloc(size_t n, size_t each) { return memory_is_out ? NULL : __real_calloc(n, each); }
+static bool lacks_memory(void) {
+    if (memory_is_out) met[no_memory]++;
+    return memory_is_out;
+}
+void *__wrap_malloc(size_t n) { return lacks_memory() ? NULL : __real_malloc(n); }
+void *__wrap_calloc(size_t n, size_t each) { return lacks_memory() ? NULL : __real_calloc(n, each); }
 
 /* Memory of exactly this size, so that AddressSanitizer reports each byte beyond it; or NULL. */
 static void *allocate_exactly(size_t n, size_t each) { return passes_null() ? NULL : malloc(n * each); }
@@ -198,11 +220,11 @@ static void check_logs(const Slot *s, Function f, Answer status) {
 /* Check the answer of a call, its messages and the states of all instances. `changes`: whether a success may change the
  * state. */
 static Answer check_call(Slot *s, Function f, Answer status, int expected, bool changes) {
-    counts[f][status]++;
+    counts[f][mode][status]++;
     if (expected == EITHER ? status != OK && status != (f == DoStep ? REFUSED_STEP : ERROR) : (int)status != expected)
         fail("%s answered %s, expected %s, mode %d", FUNCTION_NAMES[f], STATUS_NAMES[status],
-                 expected == EITHER ? "OK or a refusal" : STATUS_NAMES[expected], s ? (int)s->expected.mode : 0);
-    if (s && s->unit) check_logs(s, f, status);
+                 expected == EITHER ? "OK or a refusal" : STATUS_NAMES[expected], (int)s->expected.mode);
+    if (s->unit) check_logs(s, f, status);
     for (Slot *other = slots; other < slots + INSTANCES; other++) {
         if (!other->unit) continue;
         Byte now[BYTES];
@@ -218,6 +240,7 @@ static Answer check_call(Slot *s, Function f, Answer status, int expected, bool 
 
 static Component start_call(Slot *s) {
     calling = s;
+    for (mode = 0; MODES[mode].mode != s->expected.mode;) mode++;
     memset(s->logs, 0, sizeof s->logs);
     return s->unit;
 }
@@ -351,11 +374,8 @@ static int expected_of_step(const Slot *s, double t, double h, bool uses_derivat
 }
 
 static double random_step(void) {
-    switch (below(10)) {
-    case 0: return random_real();
-    case 1: return share() * 2e6;
-    default: return share() * 0.1;
-    }
+    if (one_in(40)) return share() * 2e6; /* of some blocks it takes a thousand times as long */
+    return one_in(10) ? random_real() : share() * 0.1;
 }
 
 /* Check that an instance with this one's state from before the step takes the same step to the same state. */
@@ -388,7 +408,7 @@ static void do_step(Slot *s) {
         k->given[1] = k->given[2] = false;
         k->travelled = travelled;
         k->speed = speed;
-        if (is_repeated) check_twin(s, before, t, h);
+        if (is_repeated) check_twin(s, before, t, h), met[repeated_step]++;
     }
     if (before && FMI(FreeFMUstate)(s->unit, &before)) fail("an FMU state cannot be freed");
 }
@@ -407,7 +427,7 @@ typedef struct {
         {12, get_boolean}, {3, get_string}, {3, set_string}, {3, get_version}, {4, set_debug_logging},                 \
         {1, free_instance}, {2, enter_initialization_mode}, {2, exit_initialization_mode}, {1, terminate}, {1, reset}, \
         {6, get_fmu_state}, {4, set_fmu_state}, {4, free_fmu_state}, {4, foreign_fmu_state},                           \
-        {4, serialized_fmu_state_size}, {4, serialize_fmu_state}, {8, deserialize_fmu_state}, {8, forge_state},        \
+        {4, serialized_fmu_state_size}, {4, serialize_fmu_state}, {8, deserialize_fmu_state}, {4, forge_state},        \
         {6, get_real_output_derivatives}
 
 /* Defined by the file that includes this one. The last action is empty; the twin is an instance that only copies. */
@@ -416,21 +436,22 @@ static void instantiate(Slot *s);
 static void enter_initialization_mode(Slot *s);
 static void make_twin(void);
 
-/* Random calls alone seldom reach step mode, where most of the code is: prefer those that lead to it. */
+/* Random calls alone seldom reach step mode, where most of the code is: prefer those that lead to it. Each mode lasts long
+ * enough that all functions are called in it. */
 static void (*next_action(const Slot *s))(Slot *) {
     switch (s->expected.mode) {
     case NOWHERE:
-        if (one_in(3)) return instantiate;
+        if (one_in(20)) return instantiate;
         break;
     case INSTANTIATED:
-        if (one_in(8)) return enter_initialization_mode;
+        if (one_in(20)) return enter_initialization_mode;
         break;
     case INITIALIZING:
         if (one_in(6)) return exit_initialization_mode;
         if (one_in(40)) return reset;
         break;
     case TERMINATED:
-        if (one_in(12)) return reset;
+        if (one_in(60)) return reset;
         break;
     default: break;
     }
@@ -472,17 +493,24 @@ static void tidy_up(void) {
 
 static void report(void) {
     uint64_t all = 0;
-    for (int f = 0; f < FUNCTION_COUNT; f++)
-        for (int i = 0; i < STATUSES; i++) all += counts[f][i];
-    printf("{\"seed\": %llu, \"calls\": %llu, \"slowest_step_us\": %.1f, \"functions\": {", (unsigned long long)seed,
-           (unsigned long long)all, slowest);
+    printf("{\"functions\": {");
     for (int f = 0; f < FUNCTION_COUNT; f++) {
         printf("%s\"%s\": {", f ? ", " : "", FUNCTION_NAMES[f]);
-        for (int i = 0; i < STATUSES; i++)
-            printf("%s\"%s\": %llu", i ? ", " : "", STATUS_NAMES[i], (unsigned long long)counts[f][i]);
+        for (int m = 0; m < MODE_COUNT; m++) {
+            printf("%s\"%s\": {", m ? ", " : "", MODES[m].name);
+            for (int i = 0; i < STATUSES; i++) {
+                printf("%s\"%s\": %llu", i ? ", " : "", STATUS_NAMES[i], (unsigned long long)counts[f][m][i]);
+                all += counts[f][m][i];
+            }
+            printf("}");
+        }
         printf("}");
     }
-    printf("}}\n");
+    printf("}, \"situations\": {");
+    for (int i = 0; i < SITUATION_COUNT; i++)
+        printf("%s\"%s\": %llu", i ? ", " : "", SITUATION_NAMES[i], (unsigned long long)met[i]);
+    printf("}, \"seed\": %llu, \"calls\": %llu, \"slowest_step_us\": %.1f}\n", (unsigned long long)seed,
+           (unsigned long long)all, slowest);
 }
 
 int main(int count, char *arguments[]) {

@@ -195,8 +195,8 @@ static void exchange_model(Slot *s) {
 
 static const Action *all_actions(void) {
     static const Action ACTIONS[] = {
-        ACTIONS_OF_ALL_VERSIONS, {3, get_types_platform}, {3, setup_experiment}, {3, get_directional_derivative},
+        ACTIONS_OF_ALL_VERSIONS, {3, get_types_platform}, {6, setup_experiment}, {3, get_directional_derivative},
         {8, set_real_input_derivatives}, {3, cancel_step}, {3, get_Status}, {4, get_real_status},
-        {3, get_IntegerStatus}, {4, get_boolean_status}, {3, get_StringStatus}, {8, exchange_model}, {0, NULL}};
+        {3, get_IntegerStatus}, {4, get_boolean_status}, {3, get_StringStatus}, {20, exchange_model}, {0, NULL}};
     return ACTIONS;
 }

@@ -244,6 +244,6 @@ static void refused_call(Slot *s) {
 
 static const Action *all_actions(void) {
     static const Action ACTIONS[] = {ACTIONS_OF_ALL_VERSIONS, {12, get_enumeration}, {12, set_enumeration}, {4, miscount},
-                               {10, none},           {14, refused_call},    {0, NULL}};
+                               {30, none},           {50, refused_call},    {0, NULL}};
     return ACTIONS;
 }

@@ -100,7 +100,7 @@ static void deserialize_fmu_state(Slot *s) {
     if (bytes) memset(bytes, 0, n);
     if (s->unit && bytes && n == size && from->state) {
         if (FMI(SerializeFMUstate)(s->unit, from->state, bytes, n)) fail("a state cannot be serialized");
-        if (damage_bytes(bytes, n)) is_valid = false;
+        if (damage_bytes(bytes, n)) is_valid = false, met[damaged]++;
     }
     ExpectedState expected = from->expected;
     FmuState new_state = NULL, *destination = passes_null() ? NULL : &new_state;
@@ -164,8 +164,10 @@ static void forge_state(Slot *s) {
     Answer status = FMI(DeSerializeFMUstate)(start_call(s), bytes, size, &new_state);
     check_call(s, DeSerializeFMUstate, status, EITHER, false);
     free(bytes);
+    if (s->unit) met[status ? forged_refused : forged_accepted]++;
     if (status) return;
     if (FMI(SetFMUstate)(start_call(&twin), new_state)) fail("a state that was accepted cannot be restored");
-    for (int i = 0; i < 3; i++) (void)FMI(DoStep)(twin.unit, s->expected.time, random_step(), false);
+    for (int i = 0; i < 3; i++)
+        if (!FMI(DoStep)(twin.unit, s->expected.time, random_step(), false)) met[forged_step]++;
     if (FMI(Reset)(twin.unit) || FMI(FreeFMUstate)(twin.unit, &new_state)) fail("a forged state cannot be left");
 }
