@@ -22,6 +22,7 @@ from tests.support.fmus import Fmus, Shared
 SOAK = 10  # as many random examples in the long form
 
 FOLDER = Path(__file__).parent
+OWN_FOLDERS = {FOLDER / "model" / block_folder(name) for name in BLOCKS}
 
 
 # Hypothesis mixes numbers from the project's loaded modules into what it draws. Without them, and with the seed of
@@ -40,6 +41,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     for package in sorted(path.parent.name for path in FOLDER.glob("*/__init__.py")):
         config.addinivalue_line("markers", f"{package}: a test in tests/{package}")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """With --registered: the folders of the other blocks, whose tests are about that block alone."""
+    name = config.getoption("--registered")
+    return True if name and collection_path in OWN_FOLDERS - {FOLDER / "model" / block_folder(name)} else None
 
 
 @pytest.hookimpl(trylast=True)
@@ -63,6 +70,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             raise pytest.UsageError(f"no block has the folder {block!r}: choose one of {', '.join(sorted(folders))}")
         selected = [item for item in selected if belongs_to_block(item, block, folders[block]) and not needs_fmu(item)]
     if name := config.getoption("--registered"):
+        if name not in BLOCKS:
+            raise pytest.UsageError(f"no block has the name {name!r}: choose one of {', '.join(sorted(BLOCKS))}")
         selected = [item for item in selected if concerns_block(item, name)]
     if hasattr(config, "workerinput"):  # several processes: slow tests come first, so that none runs alone at the end
         selected.sort(key=lambda item: item.get_closest_marker("slow") is None)
@@ -87,7 +96,9 @@ def belongs_to_block(item: pytest.Item, block: str, name: str) -> bool:
 
 def concerns_block(item: pytest.Item, name: str) -> bool:
     """Whether a test concerns a registered block: it belongs to the block, or it goes over all blocks by itself."""
-    goes_over_all = isinstance(item, pytest.Function) and names_all_blocks(item.function)
+    goes_over_all = "blocks" in getattr(item, "fixturenames", ()) or (
+        isinstance(item, pytest.Function) and names_all_blocks(item.function)
+    )
     return belongs_to_block(item, block_folder(name), name) or (
         goes_over_all and not any(other in item.name for other in BLOCKS)
     )
@@ -162,6 +173,13 @@ def shared(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 @pytest.fixture(scope="session")
 def fmus(shared: Shared) -> Fmus:
     return Fmus(shared)
+
+
+@pytest.fixture(scope="session")
+def blocks(request: pytest.FixtureRequest) -> list[str]:
+    """All registered blocks, for a test that needs them together; with --registered that one alone."""
+    registered = request.config.getoption("--registered")
+    return [name for name in BLOCKS if registered in (None, name)]
 
 
 @pytest.fixture(scope="session", params=BLOCKS)

@@ -71,8 +71,11 @@ def description(fmu: Path) -> Any:
         return fromstring(z.read("modelDescription.xml"))
 
 
-def test_a_block_s_class_names_its_fmu(root: Path) -> None:
+def test_a_block_has_the_name_of_its_class() -> None:
     assert {name: kind.__name__ for name, kind in BLOCKS.items()} == {name: name for name in BLOCKS}
+
+
+def test_a_block_s_class_names_its_fmu(root: Path) -> None:
     assert description(root / "mm" / "native" / "Nested.fmu").get("modelName") == "Nested"
 
 

@@ -10,10 +10,12 @@ from shutil import copyfile, copytree, ignore_patterns
 import pytest
 
 from tests import ROOT
+from tests.support.fmus import Shared
 
 NEW_BLOCK = ROOT / "tests" / "support" / "new_block"
 LINE = "from .shifter.block import Shifter"
 ENTRY = '"Shifter": Shifter,'
+OF_FMUS = ("fmi3", "fmu", "native")  # these folders take as long as all others
 ROW = "| run a slave ahead of its master | [`Shifter`](model/motionsync/shifter/README.md) |"
 
 
@@ -25,10 +27,15 @@ def listed() -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def copy(shared: Shared) -> Path:
     """A copy of the project in which CONTRIBUTING's list has been followed."""
-    root = tmp_path_factory.mktemp("contributing") / "motionsync"
-    copytree(ROOT, root, ignore=ignore_patterns("__pycache__", ".*", "new_block", "*.fmu"))
+    return shared.once("contributing", follow_the_list) / "motionsync"
+
+
+def follow_the_list(folder: Path) -> None:
+    root = folder / "motionsync"
+    # Compiled modules are copied, too: they are valid, since the files keep their times.
+    copytree(ROOT, root, ignore=ignore_patterns(".*", "new_block", "*.fmu"))
     for file in listed():
         (root / file).parent.mkdir(parents=True, exist_ok=True)
         copyfile(NEW_BLOCK / file, root / file)
@@ -40,7 +47,6 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (root / "README.md").write_text(front.replace("| switch a slave", f"{ROW}\n| switch a slave", 1))
     run(root, "-m", "tests.regenerate", "shifter")  # make references
     run(root, "-m", "motionsync_fmu.pages.pictures", "docs")  # make pictures
-    return root
 
 
 def run(root: Path, *command: str) -> str:
@@ -72,11 +78,14 @@ def test_the_new_block_has_the_style_and_the_types_of_the_others(copy: Path) -> 
     run(copy, "-m", "mypy", "--cache-dir", str(ROOT / ".mypy_cache"))
 
 
-def test_every_test_that_concerns_a_registered_block_passes(copy: Path) -> None:
+@pytest.mark.slow
+@pytest.mark.parametrize("part", ["of FMUs", "others"])
+def test_every_test_that_concerns_a_registered_block_passes(copy: Path, part: str, tmp_path: Path) -> None:
     """The rule is `concerns_block` in tests/conftest.py. Slow tests are left out: they run for the other blocks."""
-    output = run(
-        copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--registered", "Shifter", "-m", "not slow", "tests"
-    )
+    of_fmus = {copy / "tests" / name for name in OF_FMUS}
+    files = of_fmus if part == "of FMUs" else {*(copy / "tests").glob("*/"), *copy.glob("tests/test_*.py")} - of_fmus
+    options = ("-q", "-p", "no:cacheprovider", "--registered", "Shifter", "-m", "not slow", "--basetemp", str(tmp_path))
+    output = run(copy, "-m", "pytest", *options, *map(str, sorted(files)))
     summary = output.splitlines()[-1]
     assert re.search(r"\b[1-9]\d+ passed", summary), output
     assert not re.search(r"failed|error", summary), output
