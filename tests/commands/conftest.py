@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu import paths
+from motionsync_fmu.build.fmu import Flavour
 from tests.support.command_line import Command
-from tests.support.fmus import Shared
-from tests.support.workshop import process, scenario
+from tests.support.fmus import Fmus, Shared
+from tests.support.workshop import scenario
 
 
 @pytest.fixture
@@ -20,11 +21,12 @@ def cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPa
 
 
 @pytest.fixture(scope="module")
-def built(shared: Shared) -> Path:
-    """A folder `build` in which the FMU for STOP is up to date."""
+def built(shared: Shared, fmus: Fmus) -> Path:
+    """A folder `build` in which the FMU for STOP is up to date, in both flavours."""
 
     def fill(folder: Path) -> None:
-        assert process(folder, "build", "Synchronizer").status == 0
+        for flavour in Flavour:
+            fmus.copied(flavour, "Synchronizer", folder / "build")
 
     return shared.once("cli", fill) / "build"
 
