@@ -79,9 +79,11 @@ def test_fmpy_finds_no_fault(block_fmu: Path) -> None:
     assert validate_fmu(str(block_fmu)) == []
 
 
-def test_fmutool_finds_no_error_or_warning(block_fmu: Path) -> None:
+def test_fmutool_finds_no_error_or_warning(fmu: Path) -> None:
+    """Of all blocks it checks the native flavour (tests/native/test_libraries.py); the description of this one has the
+    same variables, units and types."""
     tool = Path(sys.executable).with_name("fmutool")
-    done = subprocess.run([tool, "-input", str(block_fmu), "-check"], capture_output=True, text=True, check=True)
+    done = subprocess.run([tool, "-input", str(fmu), "-check"], capture_output=True, text=True, check=True)
     text = done.stdout + done.stderr
     assert "compliant with FMI-2.0" in text
     assert "No semantic error" in text

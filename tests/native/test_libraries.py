@@ -165,7 +165,9 @@ def test_the_fmu_is_valid(block_native: Path) -> None:
     program = Path(sys.executable).with_name("fmutool")
     done = subprocess.run([program, "-input", str(block_native), "-check"], capture_output=True, text=True, check=True)
     output = done.stdout + done.stderr
+    assert "compliant with FMI-2.0" in output
     assert "No semantic error" in output
+    assert "ERROR" not in output
     assert not re.search("warning|error  ", output, re.IGNORECASE)
 
 
