@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.plan import confirmation
+from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, to
 from tests.plan.machines import REFERENCE
 from tests.support.command_line import Command, assert_one_line
 
@@ -83,9 +84,11 @@ def test_json_has_all_digits(motionsync: Command) -> None:
     assert outcome.status == 0
     plan = json.loads(outcome.out)
     assert plan["confirmed"] is True
-    assert [point["velocity"] for point in plan["over_length"]] == pytest.approx([619.645830, 1297.293509], abs=5e-7)
-    assert plan["over_velocity"][1]["cycle_time"] == pytest.approx(0.997606774, abs=5e-10)
-    assert plan["over_velocity"][1]["cycle"]["way_home"] == pytest.approx(0.574401694, abs=5e-10)
+    assert [point["velocity"] for point in plan["over_length"]] == pytest.approx(
+        [GREATEST_VELOCITIES[500.0], GREATEST_VELOCITIES[1500.0]], abs=5e-7
+    )
+    assert plan["over_velocity"][1]["cycle_time"] == to(9, CYCLES[1000.0].cycle_time)
+    assert plan["over_velocity"][1]["cycle"]["way_home"] == to(9, CYCLES[1000.0].return_time)
     assert plan["over_length"][0]["gains"]["cut"] > 0.0
 
 

@@ -18,6 +18,7 @@ from motionsync_fmu.plan.prediction import (
     predict_greatest_velocity,
     predict_shortest_length,
 )
+from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, to
 from tests.plan.machines import JERKLESS, REFERENCE, machine
 
 ONE_PER_CENT = math.sqrt(1.01) - 1.0  # of what goes with the square of the velocity
@@ -26,10 +27,8 @@ ONE_PER_CENT = math.sqrt(1.01) - 1.0  # of what goes with the square of the velo
 @pytest.mark.parametrize(
     ("length", "velocity", "bound"),
     [
-        (500.0, 619.645830, CYCLE),
-        (1000.0, 1001.572745, CYCLE),
-        (1500.0, 1297.293509, CYCLE),
-        (2000.0, 1431.797780, STROKE),
+        *((length, GREATEST_VELOCITIES[length], CYCLE) for length in (500.0, 1000.0, 1500.0)),
+        (2000.0, GREATEST_VELOCITIES[2000.0], STROKE),
     ],
 )
 def test_the_greatest_line_velocity_and_what_limits_it(length: float, velocity: float, bound: str) -> None:
@@ -40,15 +39,14 @@ def test_the_greatest_line_velocity_and_what_limits_it(length: float, velocity: 
 
 
 def test_the_shortest_length_and_the_parts_of_its_cycle() -> None:
-    """At 1000: 2D/V = 2 sqrt(1.5e9/2e5)/1000, a cut of 0.25 s, way home from S = 336.6; 411.6 - S is 500 R(1000)."""
-    point = predict_shortest_length(machine(REFERENCE), 1000.0)
+    point, expected = predict_shortest_length(machine(REFERENCE), 1000.0), CYCLES[1000.0]
     assert point.cycle
-    assert point.length == pytest.approx(997.606774, abs=5e-7)
-    assert point.cycle.approach == pytest.approx(0.173205081, abs=5e-10)
+    assert point.length == to(6, expected.shortest_pitch)
+    assert point.cycle.approach == to(9, expected.approach_time)
     assert point.cycle.cut == 0.25
-    assert point.cycle.way_home == pytest.approx(0.574401694, abs=5e-10)
+    assert point.cycle.way_home == to(9, expected.return_time)
     assert (point.cycle.settling, point.cycle.gap, point.cycle.clearing, point.cycle.rest) == (0.0, 0.0, 0.0, 0.0)
-    assert point.stroke == pytest.approx(411.602540, abs=5e-7)
+    assert point.stroke == to(6, expected.stroke)
 
 
 def test_settling_clearing_and_rest_are_parts_of_the_cycle() -> None:
@@ -129,7 +127,7 @@ def test_the_default_lengths_show_where_the_cycle_time_no_longer_limits() -> Non
     data = machine(REFERENCE)
     lengths, velocities = default_lengths(data), default_velocities(data)
     assert {predict_greatest_velocity(data, length).bound for length in lengths} == {CYCLE, STROKE}
-    assert velocities[-1] == data.greatest_velocity == pytest.approx(1431.797780, abs=5e-7)
+    assert velocities[-1] == data.greatest_velocity == pytest.approx(GREATEST_VELOCITIES[2000.0], abs=5e-7)
     assert all(x < y for values in (lengths, velocities) for x, y in pairwise(values))
 
 

@@ -24,6 +24,7 @@ from tests.model.cut_to_length.harness import (
     near,
     started_machine,
 )
+from tests.model.cut_to_length.machine_results import GREATEST_VELOCITIES
 
 PARAMETERS = {member.name: member for kind in (SawParameter, PieceParameter) for member in kind}
 
@@ -242,4 +243,4 @@ def test_without_a_timeout_the_tool_may_take_any_time() -> None:
 def test_a_length_that_never_comes(mode: LateMode) -> None:
     saw = started_machine({"length": 0.0, "late_mode": mode}).at(50.0)
     assert (saw.state, saw["error"], saw["warning.no_length"]) == (State.WAITING, False, True)
-    assert saw["limits.max_line_velocity"] == near(1431.797780)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[2000.0])

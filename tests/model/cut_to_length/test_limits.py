@@ -29,6 +29,7 @@ from motionsync.cut_to_length.machine_limits import (
     way_out,
 )
 from motionsync.motion import Motion
+from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, Cycle, rounded, to
 
 settings.register_profile("limits", derandomize=True, deadline=None, max_examples=150)
 repeatable = settings.get_profile("limits")
@@ -73,42 +74,26 @@ def within(digits: float) -> float:
 # --- rows computed by hand --------------------------------------------------------------------------------------------
 
 
-def test_at_1000_the_reference_machine_needs_nearly_a_second_a_cut() -> None:
-    """V2/a: D = max(0.75e6/1e4, sqrt(1.5e9/2e5)) = max(75, 86.6025): the jerk limits; 2D/V = 0.173205; S = D + 250."""
-    assert lead(REFERENCE, 1000.0) == pytest.approx(86.602540378, abs=within(9))
-    assert approach_distance(REFERENCE, 1000.0) == lead(REFERENCE, 1000.0)
-    assert 2.0 * approach_distance(REFERENCE, 1000.0) / 1000.0 == pytest.approx(0.173205081, abs=within(9))
-    assert time_in_sync(REFERENCE, 1000.0) == 0.25
-    assert cut_travel(REFERENCE, 1000.0) == pytest.approx(336.602540378, abs=within(9))
-    home = return_time(1000.0, cut_travel(REFERENCE, 1000.0), 1e4, 1e4, 2e5, 1500.0)
-    assert home == pytest.approx(0.574401694, abs=within(9))
-    assert cycle_time(REFERENCE, 1000.0) == pytest.approx(0.997606774, abs=within(9))
-    assert shortest_pitch(REFERENCE, 1000.0) == pytest.approx(997.606774, abs=within(6))
-    assert stroke(REFERENCE, 1000.0) == pytest.approx(411.602540, abs=within(6))
+@pytest.mark.parametrize("velocity", CYCLES)
+def test_what_the_reference_machine_needs_for_a_cut(velocity: float) -> None:
+    distance, travel = approach_distance(REFERENCE, velocity), cut_travel(REFERENCE, velocity)
+    assert lead(REFERENCE, velocity) == distance
+    assert time_in_sync(REFERENCE, velocity) == 0.25
+    cycle = Cycle(
+        distance,
+        2.0 * distance / velocity,
+        travel,
+        return_time(velocity, travel, 1e4, 1e4, 2e5, 1500.0),
+        cycle_time(REFERENCE, velocity),
+        shortest_pitch(REFERENCE, velocity),
+        stroke(REFERENCE, velocity),
+    )
+    assert cycle == rounded(CYCLES[velocity])
 
 
-def test_at_500_the_reference_machine_needs_three_quarters_of_a_second_a_cut() -> None:
-    assert approach_distance(REFERENCE, 500.0) == pytest.approx(30.618621785, abs=within(9))
-    home = return_time(500.0, cut_travel(REFERENCE, 500.0), 1e4, 1e4, 2e5, 1500.0)
-    assert home == pytest.approx(0.373399796, abs=within(9))
-    assert cycle_time(REFERENCE, 500.0) == pytest.approx(0.745874284, abs=within(9))
-    assert shortest_pitch(REFERENCE, 500.0) == pytest.approx(372.937142, abs=within(6))
-    assert stroke(REFERENCE, 500.0) == pytest.approx(180.618622, abs=within(6))
-
-
-@pytest.mark.parametrize(
-    ("pitch", "velocity"),
-    [
-        (500.0, 619.645830),
-        (1000.0, 1001.572745),
-        (1500.0, 1297.293509),
-        (1504.0, 1299.439552),
-        (2000.0, 1431.797780),  # the stroke of 650 is used up
-        (1e300, 1431.797780),
-    ],
-)
+@pytest.mark.parametrize(("pitch", "velocity"), [*GREATEST_VELOCITIES.items(), (1e300, GREATEST_VELOCITIES[2000.0])])
 def test_greatest_line_velocity_of_the_reference_machine(pitch: float, velocity: float) -> None:
-    assert max_line_velocity(REFERENCE, pitch) == pytest.approx(velocity, abs=within(6))
+    assert max_line_velocity(REFERENCE, pitch) == to(6, velocity)
 
 
 def test_a_reserve_of_the_approach_costs_line_velocity() -> None:

@@ -21,6 +21,7 @@ from tests.model.cut_to_length.harness import (
     near,
     started_machine,
 )
+from tests.model.cut_to_length.machine_results import GREATEST_VELOCITIES
 
 MARKS: dict[str, Any] = {"source": Source.MARK, "mark.sensor_distance": 2000.0, "mark.cut_offset": 25.0}
 WINDOW: dict[str, Any] = {"mark.spacing": 1500.0, "mark.window": 10.0}
@@ -240,8 +241,8 @@ def test_the_least_distance_of_the_sensor() -> None:
 def test_the_distances_of_marks_limit_the_line() -> None:
     """Of the piece in progress and of the first two that wait; without marks the spacing counts."""
     saw = CutToLengthHarness({**REFERENCE, **MARKS, "mark.spacing": 1000.0, "mark.every": 2}, speed=500.0)
-    assert saw.give("start").now()["limits.max_line_velocity"] == near(1431.797780)  # 2000
+    assert saw.give("start").now()["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[2000.0])  # 2000
     saw.set({"mark.every": 1}).now()
-    assert saw["limits.max_line_velocity"] == near(1001.572745)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[1000.0])
     detect_mark(detect_mark(saw, 0.1), 0.1 + 1.504 * 2.0)
     assert saw["limits.max_line_velocity"] == near(1299.439552)

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
 from tests.model.cut_to_length.harness import REFERENCE
+from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, Cycle, rounded
 from tests.model.cut_to_length.scripted_runs import NOT_COMPARED, find_differences, random_script, simulate
 from tests.oracle.cut_to_length import DEFAULTS, FIXED, events, reference
 from tests.oracle.cut_to_length_limits import Saw
@@ -88,36 +89,27 @@ def times(script: Script, name: str) -> list[float]:
 # --- limits -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_cycle_at_1000() -> None:
-    """2D/V = 0.173205081; S = D + 250; T_r = T_c - 2D/V - 0.25."""
+@pytest.mark.parametrize("velocity", CYCLES)
+def test_a_cycle(velocity: float) -> None:
     s = saw_limits()
-    assert s.approach_distance(1000) == near(86.602540378)
-    assert s.approach_time(1000) == near(0.173205081, 1e-8)
-    assert s.cut_travel(1000) == near(336.602540378)
-    assert s.return_time(1000, s.cut_travel(1000), 10000) == near(0.574401694, 1e-8)
-    assert s.cycle_time(1000) == near(0.997606774, 1e-8)
-    assert s.shortest_pitch(1000) == near(997.606774)
-    assert s.stroke(1000) == near(411.602540)
-
-
-def test_a_cycle_at_500() -> None:
-    s = saw_limits()
-    assert s.approach_distance(500) == near(30.618621785)
-    assert s.return_time(500, s.cut_travel(500), 10000) == near(0.373399796, 1e-8)
-    assert s.cycle_time(500) == near(0.745874284, 1e-8)
-    assert s.shortest_pitch(500) == near(372.937142)
-    assert s.stroke(500) == near(180.618622, 2e-9)
+    travel = s.cut_travel(velocity)
+    cycle = Cycle(
+        float(s.approach_distance(velocity)),
+        float(s.approach_time(velocity)),
+        float(travel),
+        float(s.return_time(velocity, travel, 10000)),
+        float(s.cycle_time(velocity)),
+        float(s.shortest_pitch(velocity)),
+        float(s.stroke(velocity)),
+    )
+    assert cycle == rounded(CYCLES[velocity])
 
 
 @pytest.mark.parametrize(
     ("values", "pitch", "fastest"),
     [
-        ({}, 500.0, 619.645830),
-        ({}, 1000.0, 1001.572745),
-        ({}, 1500.0, 1297.293509),
-        ({}, 1504.0, 1299.439552),
-        ({}, 2000.0, 1431.797780),
-        ({}, inf, 1431.797780),
+        *(({}, pitch, velocity) for pitch, velocity in GREATEST_VELOCITIES.items()),
+        ({}, inf, GREATEST_VELOCITIES[2000.0]),
         ({"approach__reserve": 0.02}, 1504.0, 1293.533469),
         (SLOWER, 1504.0, 1048.596584),
         (SLOWER | {"approach__reserve": 0.1}, 1504.0, 1031.077820),
@@ -180,7 +172,7 @@ def test_the_basic_cut() -> None:
     row = row_at(script, 2.1)
     assert (row["last.length"], row["last.error"], row["last.good"]) == (near(1500.0), near(0.0), 1.0)
     assert (row["last.reserve"], row["last.kind"]) == (1.0, PRODUCT)
-    assert row_at(script, 4.0)["last.reserve"] == near(1 - 0.997606774 / 1.504, 1e-8)
+    assert row_at(script, 4.0)["last.reserve"] == near(1 - CYCLES[1000.0].cycle_time / 1.504, 1e-8)
 
 
 def test_the_line_slows_down_and_speeds_up_again() -> None:

@@ -21,6 +21,7 @@ from tests.model.cut_to_length.harness import (
     near,
     started_machine,
 )
+from tests.model.cut_to_length.machine_results import GREATEST_VELOCITIES
 
 PRODUCT, SAMPLE, WASTE = PieceKind.PRODUCT, PieceKind.SAMPLE, PieceKind.WASTE
 TRIM, SHORT, MERGED = PieceKind.TRIM, PieceKind.SHORT, PieceKind.MERGED
@@ -386,13 +387,9 @@ def test_all_orders_are_cleared() -> None:
 
 
 # --- limits -----------------------------------------------------------------------------------------------------------
-# The reference machine: max_line_velocity 619.645830 for a pitch of 500, 1001.572745 for 1000, 1297.293509 for 1500,
-# 1431.797780 for no pitch.
-
-
 @pytest.mark.parametrize(
     ("length", "velocity"),
-    [(500.0, 619.645830), (1000.0, 1001.572745), (1500.0, 1297.293509), (1504.0, 1299.439552), (0.0, 1431.797780)],
+    [*((pitch, v) for pitch, v in GREATEST_VELOCITIES.items() if pitch < 2000.0), (0.0, GREATEST_VELOCITIES[2000.0])],
 )
 def test_the_highest_line_velocity_for_a_length(length: float, velocity: float) -> None:
     saw = CutToLengthHarness({**REFERENCE, "length": length}, speed=100.0).now()
@@ -416,45 +413,47 @@ def test_the_limits_at_the_present_velocity() -> None:
 
 def test_the_piece_in_progress_and_the_next_one_limit_the_line() -> None:
     saw = CutToLengthHarness({**REFERENCE, "length": 1500.0}, speed=500.0).give("start").now()
-    assert saw["limits.max_line_velocity"] == near(1297.293509)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[1500.0])
     saw.order(2000.0).now()
-    assert saw["limits.max_line_velocity"] == near(1297.293509)  # of the piece in progress
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[1500.0])  # of the piece in progress
     saw.order(1000.0).now()
-    assert saw["limits.max_line_velocity"] == near(1297.293509)  # 1000 comes only after 2000
-    assert saw["limits.max_line_velocity_orders"] == near(1001.572745)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[1500.0])  # 1000 comes only after 2000
+    assert saw["limits.max_line_velocity_orders"] == near(GREATEST_VELOCITIES[1000.0])
     saw.give("order.clear").order(1000.0).now()
-    assert saw["limits.max_line_velocity"] == near(1001.572745)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[1000.0])
     saw.give("order.clear").now().set({"waste_length": 500.0, "waste": True}).now()
-    assert saw["limits.max_line_velocity"] == near(619.645830)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[500.0])
     saw.set({"waste": False, "sample_length": 1000.0}).give("take_sample").now()
-    assert saw["limits.max_line_velocity"] == near(1001.572745)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[1000.0])
 
 
 def test_a_cropped_piece_does_not_limit_the_line() -> None:
     saw = CutToLengthHarness({**REFERENCE, **CROP, "trim_length": 100.0, "length": 1500.0}, speed=500.0)
     saw.give("start").now()
-    assert saw["limits.max_line_velocity"] == near(1297.293509)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[1500.0])
     assert saw["limits.reserve"] == 1.0
 
 
 def test_an_order_that_ends_with_the_present_piece_does_not_limit_the_next() -> None:
     saw = CutToLengthHarness({**REFERENCE, "length": 2500.0}, speed=500.0).order(2400.0).now()
     saw.give("start").now()
-    assert saw["limits.max_line_velocity"] == near(1431.797780)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[2000.0])
     saw.order(1000.0).now()
-    assert saw["limits.max_line_velocity"] == near(1001.572745)
+    assert saw["limits.max_line_velocity"] == near(GREATEST_VELOCITIES[1000.0])
 
 
 def test_the_request_to_the_line() -> None:
     saw = CutToLengthHarness({**REFERENCE, "length": 1500.0, "line.margin": 0.1}, speed=500.0).give("start").now()
-    assert saw["line.velocity_request"] == near(0.9 * 1297.293509)
+    assert saw["line.velocity_request"] == near(0.9 * GREATEST_VELOCITIES[1500.0])
     saw.set({"line.wanted_velocity": 700.0}).now()
     assert saw["line.velocity_request"] == 700.0
 
 
 def test_a_line_that_is_too_fast_is_reported_before_a_cut_is_missed() -> None:
     for factor in (0.999999, 1.000001):
-        saw = CutToLengthHarness({**REFERENCE, "length": 1500.0}, speed=factor * 1297.293509).give("start")
+        saw = CutToLengthHarness({**REFERENCE, "length": 1500.0}, speed=factor * GREATEST_VELOCITIES[1500.0]).give(
+            "start"
+        )
         saw.at(1.0)
         assert (saw["warning.line_too_fast"], saw["warning.any"]) == ((factor > 1.0, factor > 1.0))
         assert saw["statistics.skipped"] == 0
