@@ -47,6 +47,10 @@ class Stretch:
     def at(self, time: Number) -> Motion:
         """The motion at `time`, which may lie outside the stretch (then extrapolated)."""
         t, s = time - self.origin, self.start
+        if not self.jerk:  # the terms with it are 0, and take half of the time
+            return Motion(
+                s.position + t * (s.velocity + t * s.acceleration / 2), s.velocity + t * s.acceleration, s.acceleration
+            )
         return Motion(
             s.position + t * (s.velocity + t * (s.acceleration / 2 + t * self.jerk / 6)),
             s.velocity + t * (s.acceleration + t * self.jerk / 2),
