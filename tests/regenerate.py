@@ -71,7 +71,7 @@ def files(scenario_file: Path) -> dict[Path, str]:
     columns = ("time", *(("slave.position",) if estimated else independent.COLUMNS))
     texts = {
         f"{name}_in.csv": inputs_csv(scenario),
-        f"{name}_ref.csv": csv_text(columns, [[row[c] for c in columns] for row in rows]),
+        f"{name}_ref.csv": csv_text(columns, [[row[c] + 0.0 for c in columns] for row in rows]),
         f"{name}_ref.opt": options_text(scenario),
     }
     if scenario_file.name == example.FILE:

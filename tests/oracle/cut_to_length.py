@@ -18,11 +18,12 @@ from collections.abc import Mapping, Sequence
 from math import floor, inf
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.cut_to_length_carriage import MasterSection, Motion
 from tests.oracle.cut_to_length_sequence import MachineRun
 from tests.oracle.cut_to_length_state import APPROACHING, COMMANDS, CUTTING, SYNCHRONOUS, Snapshot
 from tests.oracle.latest_runs import run_of
-from tests.oracle.master import mp, stretches
+from tests.oracle.master import stretches
 from tests.oracle.sets import gathered
 
 COLUMNS = (

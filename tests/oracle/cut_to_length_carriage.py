@@ -1,7 +1,7 @@
 """How the carriage of a cut-to-length machine moves: curves over the master, and motions in time on the way home.
 
 `MasterSection` is a part of the scripted master in floats; its ends are those of `master.stretches`. The way home is
-planned by `flying_saw_motion`, in mpmath.
+planned by `flying_saw_motion`, with 50 digits.
 """
 
 from collections.abc import Sequence
@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import TypeAlias
 
+from tests.oracle import mp
 from tests.oracle.cut_to_length_limits import Saw, find_root
 from tests.oracle.flying_saw_limits import AxisData
 from tests.oracle.flying_saw_motion import Phases, move, run, stop
 from tests.oracle.master import Motion as Exact
-from tests.oracle.master import Stretch, mp
+from tests.oracle.master import Stretch
 from tests.oracle.motion_start import attainable_acceleration, begin_of_own_motion
 
 CarriageState: TypeAlias = tuple[float, float, float, float]

@@ -30,6 +30,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_commands import ABORTED, BUSY, DONE, ERROR, GROUPS, Command
 from tests.oracle.flying_saw_coupling import Coupling, passing_time
 from tests.oracle.flying_saw_curves import ZERO, Curve
@@ -66,8 +67,9 @@ from tests.oracle.flying_saw_rows import (
 )
 from tests.oracle.flying_saw_time_based import TimeBasedRamp
 from tests.oracle.latest_runs import run_of
-from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.master import CLOSE, Motion, Stretch, stretches
 from tests.oracle.motion_start import begin_of_own_motion
+from tests.oracle.mp import Number
 from tests.oracle.sets import gathered
 
 COLUMNS = (

@@ -1,8 +1,8 @@
 """The checks of sync_mode on a planned curve of the flying saw, with their detailed error codes."""
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import JERK, POSITION, VELOCITY, Curve
 from tests.oracle.flying_saw_request import Request
-from tests.oracle.master import mp
 
 TOLERANCE = mp.mpf("1e-9")
 """Of a check, of a jerk that just fits, of an acceleration that counts as none; see the specification for of what."""

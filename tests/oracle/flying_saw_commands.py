@@ -13,7 +13,7 @@ Readings of the specification that it leaves open:
 
 from dataclasses import dataclass, field
 
-from tests.oracle.master import Number
+from tests.oracle.mp import Number
 
 GROUPS = ("reset", "stop", "halt", "gear_out", "gear_in_velo", "gear_in_pos", "move_velocity", "move_absolute")
 """In the order in which simultaneous edges act."""

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from tests.oracle.flying_saw_request import Request
 from tests.oracle.flying_saw_rows import PREPHASE
-from tests.oracle.master import CLOSE, Number, Stretch
+from tests.oracle.master import CLOSE, Stretch
+from tests.oracle.mp import Number
 
 
 @dataclass(slots=True)

@@ -1,7 +1,7 @@
 """Piecewise polynomial courses of the flying saw's slave: values, extrema, sign changes and integrals, to 50 digits.
 
 A curve gives a position over a time from 0; velocity, acceleration and jerk are its derivatives. Extrema come from all
-roots of the derivative (mpmath.polyroots), integrals from the exact antiderivative.
+roots of the derivative (`mp.roots`), integrals from the exact antiderivative.
 """
 
 from bisect import bisect_right
@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-import numpy as np
-
-from tests.oracle.master import Number, mp
+from tests.oracle import mp
+from tests.oracle.mp import Number
 
 ZERO = mp.mpf(0)
 
@@ -65,10 +64,7 @@ def real_roots(polynomial: Sequence[Number], length: Number) -> list[Number]:
         scaled.pop()
     if len(scaled) < 2:
         return []
-    rough = np.roots([float(c / maximum) for c in reversed(scaled)])
-    apart = [mp.mpc(complex(root)) + mp.mpc(0, 1e-9 * (i + 1)) for i, root in enumerate(rough)]
-    roots = mp.polyroots(scaled, maxsteps=2000, extraprec=160, roots_init=apart, asc=True)
-    inside = [mp.re(root) for root in roots if abs(mp.im(root)) < REAL and 0 < mp.re(root) < 1]
+    inside = [real for real, imaginary in mp.roots(scaled) if abs(imaginary) < REAL and mp.EPSILON < real < 1]
     return sorted(root * length for root in inside)
 
 
@@ -233,10 +229,7 @@ def fitted(length: Number, conditions: Sequence[tuple[int, int, Number]]) -> lis
     End 1 is at `length`. By elimination, in the interval 0 … 1.
     """
     size = len(conditions)
-    matrix, right = mp.matrix(size, size), mp.matrix(size, 1)
-    for row, (order, end, requested) in enumerate(conditions):
-        right[row] = requested * length**order
-        for column in range(size):
-            unit = [ZERO] * column + [mp.mpf(1)]
-            matrix[row, column] = value(derivative(unit, order), mp.mpf(end))
-    return [c / length**i for i, c in enumerate(mp.lu_solve(matrix, right))]
+    units = [[ZERO] * column + [mp.mpf(1)] for column in range(size)]
+    matrix = [[value(derivative(unit, order), mp.mpf(end)) for unit in units] for order, end, _ in conditions]
+    right = [requested * length**order for order, _, requested in conditions]
+    return [c / length**i for i, c in enumerate(mp.solve_linear(matrix, right))]

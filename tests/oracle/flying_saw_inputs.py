@@ -3,12 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_checks import CHECKS
 from tests.oracle.flying_saw_commands import GROUPS
 from tests.oracle.flying_saw_curves import ZERO
 from tests.oracle.flying_saw_period import next_occurrence
 from tests.oracle.flying_saw_request import GEAR_IN_POS, Limits, Request
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 BITS = (
     "time_based",

@@ -18,9 +18,11 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import JERK, POSITION, VELOCITY, ZERO, Curve
 from tests.oracle.flying_saw_motion import advanced
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 NONE, MIN_POSITION, MAX_POSITION, MAX_VELOCITY, MAX_ACCELERATION, MAX_DECELERATION, MAX_JERK, INSTANT_STOP = range(8)
 

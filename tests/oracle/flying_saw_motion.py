@@ -7,8 +7,10 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import TypeAlias
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import ZERO, solve
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 Phases: TypeAlias = list[tuple[Number, Number]]
 

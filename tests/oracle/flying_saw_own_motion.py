@@ -4,12 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import ZERO
 from tests.oracle.flying_saw_inputs import LIMITS, are_valid, command_limit
 from tests.oracle.flying_saw_motion import Phases, limit_towards, move, ramp, stop
 from tests.oracle.flying_saw_plan import BAD_LIMIT
 from tests.oracle.flying_saw_rows import CONTINUOUS_MOTION, DISCRETE_MOTION
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 BELOW_MINIMUM, ABOVE_MAXIMUM = 0x4372, 0x4373
 

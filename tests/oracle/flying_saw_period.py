@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import ZERO
-from tests.oracle.master import Motion, Number, Stretch, mp
+from tests.oracle.master import Motion, Stretch
+from tests.oracle.mp import Number
 
 
 def wrap(position: Number, period: Number) -> Number:

@@ -25,6 +25,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_checks import TOLERANCE, find_broken_checks
 from tests.oracle.flying_saw_curves import (
     ACCELERATION,
@@ -43,7 +44,8 @@ from tests.oracle.flying_saw_curves import (
 )
 from tests.oracle.flying_saw_motion import limit_towards, ramp
 from tests.oracle.flying_saw_request import GEAR_IN_POS, GEAR_IN_VELO, Limits, Request
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 NONE, P5, P1_P5, P5_P1, P5_P1_P5, JERK_LIMITED = range(6)
 

@@ -3,8 +3,10 @@
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import ZERO
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 GEAR_IN_VELO, GEAR_IN_POS = "gear_in_velo", "gear_in_pos"
 

@@ -5,12 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_commands import Pulse, shown
 from tests.oracle.flying_saw_curves import ZERO
 from tests.oracle.flying_saw_laws import WINDOW, Follow, Law
 from tests.oracle.flying_saw_limits import NONE as WITHIN_LIMITS
 from tests.oracle.flying_saw_limits import AxisData, by_instant
-from tests.oracle.master import Number, Stretch, mp
+from tests.oracle.master import Stretch
+from tests.oracle.mp import Number
 
 ROUNDING = mp.mpf("1e-30")
 """Acceleration (u/s2) left at the end of a ramp by rounding."""
@@ -43,7 +45,7 @@ class FlyingSawRows:
     master: Sequence[Stretch]
     begin_times: Sequence[Number]
     pulses: Sequence[Pulse]
-    grid: Sequence[Number]
+    grid: Sequence[float]
 
     def rows(self, time: float) -> list[dict[str, float]]:
         """One row for `time`, or two if the motion changes a column within the window around it."""
@@ -105,7 +107,7 @@ def _own_state(v: Number, a: Number) -> int:
     return DECELERATING if v * a < 0 else ACCELERATING
 
 
-def step_ends(script: Mapping[str, Any]) -> list[Number]:
+def step_ends(script: Mapping[str, Any]) -> list[float]:
     """The ends of the steps: multiples of the step size, and where something is set, expected, or the script breaks."""
     stop, step = float(script["stop_time"]), float(script["step_size"])
     points = [i * step for i in range(int(stop / step * (1 + 1e-12)) + 1)]
@@ -115,4 +117,4 @@ def step_ends(script: Mapping[str, Any]) -> list[Number]:
     for segment in script["master"].get("segments", ()):
         end += float(segment["duration"])
         points.append(end)
-    return [mp.mpf(p) for p in sorted({*points, stop}) if p <= stop]
+    return [p for p in sorted({*points, stop}) if p <= stop]

@@ -10,11 +10,13 @@ Readings of the specification that it leaves open:
 
 from dataclasses import dataclass
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import ZERO
 from tests.oracle.flying_saw_laws import Law
 from tests.oracle.flying_saw_motion import Phases, limit_towards, ramp_between
 from tests.oracle.flying_saw_request import Limits
-from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp
+from tests.oracle.master import CLOSE, Motion, Stretch
+from tests.oracle.mp import Number
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,6 +52,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import ZERO
 from tests.oracle.flying_saw_motion import move
 from tests.oracle.follower_cycle import (
@@ -91,7 +92,8 @@ from tests.oracle.follower_inputs import EDGES, FIXED, SETTABLE, STILL, has_limi
 from tests.oracle.follower_master import CYCLE, MOVED, MasterCrossings, wrapped_start
 from tests.oracle.follower_outputs import WINDOW, FollowerRows, Snapshot
 from tests.oracle.latest_runs import run_of
-from tests.oracle.master import Motion, Number, Stretch, mp, stretches
+from tests.oracle.master import Motion, Stretch, stretches
+from tests.oracle.mp import Number
 from tests.oracle.sets import gathered
 
 COLUMNS = (

@@ -8,8 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import ZERO, Curve, CurveSegment, fitted, joined
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 IN_ALARM, IDLE, POSITIONING, WAITING, WAITING_NEXT_CYCLE, FOLLOWING = -1, 1, 2, 3, 4, 5
 SYNCHRONIZED, DECEL, HOMING = 8, 9, 10

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from typing import Any
 
-from tests.oracle.master import Number, mp
+from tests.oracle import mp
+from tests.oracle.mp import Number
 
 STILL = mp.mpf("1e-12")
 """Velocity, acceleration (u/s, u/s2) and, relatively, distance from a target below which they are 0."""

@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+from tests.oracle import mp
 from tests.oracle.follower_cycle import DECEL, FOLLOWING, HOMING, SYNCHRONIZED, Phase
-from tests.oracle.master import CLOSE, Number, Stretch, mp
+from tests.oracle.master import CLOSE, Stretch
+from tests.oracle.mp import Number
 
 MOVED = mp.mpf(1e-9)
 """Of the master's cycle: how far it may be from where it was (2) or back from its largest value (14)."""

@@ -4,8 +4,10 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from tests.oracle import mp
 from tests.oracle.follower_cycle import Law
-from tests.oracle.master import Number, Stretch, mp
+from tests.oracle.master import Stretch
+from tests.oracle.mp import Number
 
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a jump makes two rows."""

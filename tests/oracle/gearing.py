@@ -44,6 +44,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.gearing_inputs import (
     ACTIVE,
     DEFAULTS,
@@ -79,7 +80,8 @@ from tests.oracle.gearing_laws import (
 )
 from tests.oracle.gearing_outputs import WINDOW, GearingRows, Snapshot, progress_of
 from tests.oracle.latest_runs import run_of
-from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.master import CLOSE, Motion, Stretch, stretches
+from tests.oracle.mp import Number
 from tests.oracle.sets import gathered
 
 COLUMNS = (

@@ -4,8 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.gearing_laws import ZERO
-from tests.oracle.master import CLOSE, Number, mp
+from tests.oracle.master import CLOSE
+from tests.oracle.mp import Number
 
 STOPPED, WAITING_FOR_STARTPOSITION, GEAR_IN, ACTIVE, WAITING_FOR_STOPPOSITION, GEAR_OUT = range(6)
 STATES = ("STOPPED", "WAITING_FOR_STARTPOSITION", "GEAR_IN", "ACTIVE", "WAITING_FOR_STOPPOSITION", "GEAR_OUT")

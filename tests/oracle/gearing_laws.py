@@ -9,7 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle import mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 ZERO, ONE = mp.mpf(0), mp.mpf(1)
 ORDER = 4
@@ -50,12 +52,11 @@ def composed(polynomial: Sequence[Number], inner: Series) -> Series:
 def interpolated(*conditions: tuple[int, int, Number]) -> list[Number]:
     """The polynomial of least degree whose derivative of an `order` at `u` has a value, for each (u, order, value)."""
     size = len(conditions)
-    matrix, values = mp.matrix(size, size), mp.matrix(size, 1)
-    for row, (u, order, value) in enumerate(conditions):
-        values[row] = value
+    matrix = [[ZERO] * size for _ in conditions]
+    for row, (u, order, _) in zip(matrix, conditions, strict=True):
         for power in range(order, size):
-            matrix[row, power] = mp.factorial(power) / mp.factorial(power - order) * mp.mpf(u) ** (power - order)
-    return list(mp.lu_solve(matrix, values))
+            row[power] = mp.factorial(power) / mp.factorial(power - order) * mp.mpf(u) ** (power - order)
+    return mp.solve_linear(matrix, [value for *_, value in conditions])
 
 
 def zero_of(affine: Callable[[Number], Number]) -> Number:

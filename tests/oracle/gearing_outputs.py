@@ -5,9 +5,11 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from tests.oracle import mp
 from tests.oracle.gearing_inputs import ACTIVE, Triggers
 from tests.oracle.gearing_laws import ZERO, Law, Timed, TransitionCurve, series
-from tests.oracle.master import Number, Stretch, mp
+from tests.oracle.master import Stretch
+from tests.oracle.mp import Number
 
 WINDOW = mp.mpf("1e-9")
 """Time (s) around a requested one within which a change makes two rows."""

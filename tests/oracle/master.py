@@ -8,15 +8,10 @@ last segment the velocity stays. Positions are the true, unwrapped ones.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any
 
-import mpmath  # type: ignore[import-untyped]
-
-Number: TypeAlias = Any
-"""An mpf of `mp`, the oracle's own 50-digit context."""
-
-mp = mpmath.mp.clone()
-mp.dps = 50
+from tests.oracle import mp
+from tests.oracle.mp import Number
 
 CLOSE = mp.mpf("1e-35")
 """Relative distance below which two computed positions are the same one."""

@@ -14,7 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from tests.oracle.master import Number, mp
+from tests.oracle import mp
+from tests.oracle.mp import Number
 
 Rows = Callable[[Mapping[str, Any], Sequence[float]], Sequence[Mapping[str, float]]]
 """An oracle's `reference`: the outputs for a script at some times."""

@@ -24,11 +24,11 @@ Readings of the description:
 
 import math
 from collections.abc import Mapping
-from fractions import Fraction
 from itertools import takewhile
 from typing import Any
 
-from tests.oracle.master import Number, mp
+from tests.oracle import mp
+from tests.oracle.mp import Number
 from tests.oracle.remote_sync_estimators import Beat, Phase, whole_ratio
 
 COLUMNS = (
@@ -92,7 +92,7 @@ AXIS = ("remote.position", "remote.velocity", "remote.acceleration")
 LARGEST, LONGEST, MOST_CYCLES = 1e12, 1e6, 10**6
 """Limits of a Real input, a step (s), the cycles in one step."""
 
-EARLY = Fraction(1, 10**6)
+EARLY = mp.mpq(1, 10**6)
 """Share of a cycle by which it may lie before the end of a step and still be the next step's."""
 
 Rates = tuple[Number, Number, Number]
@@ -149,11 +149,11 @@ class RemoteSyncOracle:
         if name := refusal(self.values):
             raise ValueError(name)
         self.inputs = INPUTS | dict(inputs or {})
-        self.task = Fraction(self.values["task_cycle_time"])
+        self.task = mp.mpq(self.values["task_cycle_time"])
         ratio = whole_ratio(self.values["task_cycle_time"], self.values["data_cycle_time"])
         assert ratio
         self.ratio = ratio
-        self.time = Fraction(0)
+        self.time = mp.mpq(0)
         self.cycles = 0
         self.filtered: tuple[Number, Number] | None = None
         self.running = self.synced = False
@@ -163,7 +163,7 @@ class RemoteSyncOracle:
         self.equal = 0
         self.estimator: Beat | Phase | None = None
         self.estimated: dict[str, Any] = {"drift": 0.0, "warning": False, "beats": 0}
-        self.corrected: Any = Fraction(self.inputs["remote.cycle_index"] % 65536)
+        self.corrected: Any = mp.mpq(self.inputs["remote.cycle_index"] % 65536)
         self.correction = mp.mpf(0)
         enabled = bool(self.inputs["enable"])
         self.mode = self.values["start_up_mode"] if enabled else BYPASS
@@ -179,7 +179,7 @@ class RemoteSyncOracle:
             raise KeyError(f"{', '.join(sorted(unknown))} cannot be set")
         if name := _refused_input(changed, h):
             raise ValueError(name)
-        end = self.time + Fraction(h)
+        end = self.time + mp.mpq(h)
         last = math.ceil(end / self.task - EARLY)
         if last - self.cycles > MOST_CYCLES:
             raise ValueError("step size")
@@ -230,8 +230,8 @@ class RemoteSyncOracle:
             return
         assert self.estimator
         corrected = self.estimator.cycle(len(self.indices) - 1, self.indices[-1])
-        index_lead = _number(corrected - self.indices[-1])
-        is_near = bool(abs(index_lead) * _number(self.ratio) < self.values["threshold_for_sync"])
+        index_lead = mp.mpf(corrected - self.indices[-1])
+        is_near = bool(abs(index_lead) * mp.mpf(self.ratio) < self.values["threshold_for_sync"])
         self.synced = self.estimator.is_drift_determined and (self.synced or is_near)
         self.error_id = self._correction_fault(index_lead)
         if not self.error_id:
@@ -268,7 +268,7 @@ class RemoteSyncOracle:
 
     def _time(self, index_lead: Number) -> Number:
         """The correction time (s) of a corrected index that is `ahead` of the received one."""
-        return index_lead * _number(self.ratio * self.task) + mp.mpf(self.values["delay_time_offset"])
+        return index_lead * mp.mpf(self.ratio * self.task) + mp.mpf(self.values["delay_time_offset"])
 
     def _equal_consecutive(self) -> int:
         return sum(1 for _ in takewhile(lambda step: step == 0, reversed(self.steps)))
@@ -289,8 +289,8 @@ class RemoteSyncOracle:
 
     def _weights(self, i: int) -> list[Number]:
         """Of BYPASS, PT1, SYNC, TIME at cycle i: on the straight way from those at the change of mode."""
-        elapsed, whole = (i - self.changed) * self.task, Fraction(self.values["blending_time"])
-        share = _number(min(Fraction(1), elapsed / whole)) if whole else mp.mpf(1)
+        elapsed, whole = (i - self.changed) * self.task, mp.mpq(self.values["blending_time"])
+        share = mp.mpf(min(mp.mpq(1), elapsed / whole)) if whole else mp.mpf(1)
         return [w + (u - w) * share for w, u in zip(self.weights_then, self._unit(self.mode), strict=True)]
 
     @staticmethod
@@ -346,8 +346,3 @@ class RemoteSyncOracle:
             "equal_data_consecutive": self._equal_consecutive(),
             **self.estimated,
         }
-
-
-def _number(value: Any) -> Number:
-    """A Fraction, or what is one of these numbers already, with 50 digits."""
-    return mp.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value

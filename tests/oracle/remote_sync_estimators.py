@@ -23,25 +23,25 @@ Readings (PHASE):
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
-from tests.oracle.master import Number, mp
+from tests.oracle import mp
+from tests.oracle.mp import Number, Ratio
 
-ONE = Fraction(1)
-SIGNIFICANT = Fraction(1, 5)
+ONE = mp.mpq(1)
+SIGNIFICANT = mp.mpq(1, 5)
 """Share of N by which the next one may differ without a warning."""
 
 BEAT_NOISE, DRIFT_GROWTH, FIRST_DRIFT, EDGE_MARGIN = mp.mpf("0.005"), mp.mpf("2e-15"), mp.mpf("3e-4"), mp.mpf("0.05")
 """Noise of a beat's date (cycles), growth of the drift's variance (per cycle), first |d|, edge of the clamp."""
 
 
-def whole_ratio(task_cycle_time: float, data_cycle_time: float) -> Fraction | None:
+def whole_ratio(task_cycle_time: float, data_cycle_time: float) -> Ratio | None:
     """r, data cycles per task cycle, a whole number or the inverse of one (to 1e-6 of it); None for any other."""
-    ratio = Fraction(data_cycle_time) / Fraction(task_cycle_time) if data_cycle_time else ONE
+    ratio = mp.mpq(data_cycle_time) / mp.mpq(task_cycle_time) if data_cycle_time else ONE
     larger = max(ratio, 1 / ratio)
-    whole = Fraction(round(larger))
-    if abs(larger - whole) > Fraction(1, 10**6):
+    whole = mp.mpq(round(larger))
+    if abs(larger - whole) > mp.mpq(1, 10**6):
         return None
     return whole if ratio >= 1 else 1 / whole
 
@@ -81,30 +81,30 @@ class Identification:
 
     cycle: int
     confirmed: int
-    beats: tuple[Fraction, ...]
+    beats: tuple[Ratio, ...]
     sign: int
-    held: Fraction
+    held: Ratio
 
 
 class Beat:
     """The source's estimator: beats dated by the middle of their zone, the last distances extrapolated."""
 
-    def __init__(self, values: Mapping[str, Any], ratio: Fraction) -> None:
+    def __init__(self, values: Mapping[str, Any], ratio: Ratio) -> None:
         self.ratio = ratio
         self.periods = int(values["periods_for_mean_drift"])
         self.forced = bool(values["force_time_mode"])
         self.blend = int(values["new_drift_blending_cycles"])
         self.time_mode_blend = int(values["time_mode_blending_cycles"])
-        self.corner = Fraction(values["slope1_denominator"]), Fraction(values["slope1_numerator"])
+        self.corner = mp.mpq(values["slope1_denominator"]), mp.mpq(values["slope1_numerator"])
         self.history = History(int(values["end_of_transition_limit"]))
         self.identified: list[Identification] = []
         self.warning = False
 
-    def cycle(self, n: int, k: int) -> Fraction:
+    def cycle(self, n: int, k: int) -> Ratio:
         """The corrected index c at cycle n with the received, unwrapped index k."""
         nominal = n / self.ratio
         if n == 0:
-            self.identified.append(Identification(0, k, (), 0, Fraction(k)))
+            self.identified.append(Identification(0, k, (), 0, mp.mpq(k)))
         if nominal.denominator == 1:
             difference = k - int(nominal)
             if self.history.check(n, difference):
@@ -112,15 +112,15 @@ class Beat:
                 self.history.quiets.append(n)
         return nominal + self.offset(n)
 
-    def offset(self, n: int) -> Fraction:
+    def offset(self, n: int) -> Ratio:
         """c - n/r at cycle n, from the latest identification."""
         now = self.identified[-1]
-        target, blend = Fraction(now.confirmed), self.time_mode_blend
+        target, blend = mp.mpq(now.confirmed), self.time_mode_blend
         period = self._period(now.beats)
         if period and not self.forced:
             target += now.sign * self._share((n - now.beats[-1]) / period)
             blend = self.blend
-        weight = min(ONE, Fraction(n - now.cycle, blend))
+        weight = min(ONE, mp.mpq(n - now.cycle, blend))
         return (1 - weight) * now.held + weight * target
 
     @property
@@ -133,10 +133,10 @@ class Beat:
         return self.beats > self.periods and not self.forced
 
     @property
-    def drift(self) -> Fraction:
+    def drift(self) -> Ratio:
         """In ppm; 0 while it is not known."""
         period = self._period(self.identified[-1].beats)
-        return self.identified[-1].sign * 10**6 * self.ratio / period if period else Fraction(0)
+        return self.identified[-1].sign * 10**6 * self.ratio / period if period else mp.mpq(0)
 
     def _quiet(self, n: int, difference: int) -> None:
         """D has been constant long enough."""
@@ -151,7 +151,7 @@ class Beat:
             self.warning = self.warning or bool(last.beats)
             self._identify(n, difference, (), 0)
             return
-        date = Fraction(self.history.first_change() + self.history.changes[-1], 2)
+        date = mp.mpq(self.history.first_change() + self.history.changes[-1], 2)
         reversal = bool(last.beats) and change != last.sign
         beats = (date,) if reversal else (*last.beats, date)
         before, after = self._period(last.beats), self._period(beats)
@@ -159,16 +159,16 @@ class Beat:
         self.warning = reversal or changed
         self._identify(n, difference, beats, change)
 
-    def _identify(self, n: int, confirmed: int, beats: tuple[Fraction, ...], sign: int) -> None:
+    def _identify(self, n: int, confirmed: int, beats: tuple[Ratio, ...], sign: int) -> None:
         self.identified.append(Identification(n, confirmed, beats, sign, self.offset(n)))
 
-    def _period(self, beats: tuple[Fraction, ...]) -> Fraction | None:
+    def _period(self, beats: tuple[Ratio, ...]) -> Ratio | None:
         """N, the mean of the last distances between beats; None if there are not enough of them."""
         if len(beats) <= self.periods:
             return None
         return (beats[-1] - beats[-1 - self.periods]) / self.periods
 
-    def _share(self, u: Fraction) -> Fraction:
+    def _share(self, u: Ratio) -> Ratio:
         """g(u): two straight lines to (1, 1), then 1."""
         corner, height = self.corner
         if u <= corner:
@@ -179,7 +179,7 @@ class Beat:
 class Phase:
     """Beats dated by counting the cycles beyond the confirmed D; a Kalman filter of phase and drift over them."""
 
-    def __init__(self, values: Mapping[str, Any], ratio: Fraction) -> None:
+    def __init__(self, values: Mapping[str, Any], ratio: Ratio) -> None:
         assert ratio == 1
         self.blend = int(values["new_drift_blending_cycles"])
         self.forced = bool(values["force_time_mode"])

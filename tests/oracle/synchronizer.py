@@ -11,8 +11,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tests.oracle import mp
 from tests.oracle.latest_runs import run_of
-from tests.oracle.master import CLOSE, Motion, Number, Stretch, mp, stretches
+from tests.oracle.master import CLOSE, Motion, Stretch, stretches
+from tests.oracle.mp import Number
 from tests.oracle.sets import gathered
 
 COLUMNS = (

@@ -8,9 +8,10 @@ from typing import Any
 from motionsync.cut_to_length.block import CutToLength
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
+from tests.oracle import mp
 from tests.oracle.cut_to_length import events, reference
 from tests.oracle.cut_to_length_carriage import MasterSection
-from tests.oracle.master import mp, stretches
+from tests.oracle.master import stretches
 
 Script = dict[str, Any]
 Row = dict[str, float]

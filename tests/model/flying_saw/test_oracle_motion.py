@@ -5,8 +5,10 @@ import random
 import pytest
 
 from tests.model.flying_saw.oracle_cases import close
+from tests.oracle import mp
 from tests.oracle.flying_saw_motion import Phases, advanced, move, ramp, run
-from tests.oracle.master import Motion, Number, mp
+from tests.oracle.master import Motion
+from tests.oracle.mp import Number
 
 
 def state(p: float, v: float, a: float) -> Motion:

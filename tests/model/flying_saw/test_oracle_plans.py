@@ -18,6 +18,7 @@ from tests.model.flying_saw.oracle_cases import (
     random_plan,
     values,
 )
+from tests.oracle import mp
 from tests.oracle.flying_saw_curves import Curve, real_roots
 from tests.oracle.flying_saw_plan import (
     JERK_LIMITED,
@@ -27,7 +28,7 @@ from tests.oracle.flying_saw_plan import (
     plan,
     velocity_ramp,
 )
-from tests.oracle.master import Number, mp
+from tests.oracle.mp import Number
 
 # --- known results of plans -------------------------------------------------------------------------------------------
 

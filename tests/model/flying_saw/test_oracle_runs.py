@@ -26,11 +26,12 @@ from tests.model.flying_saw.oracle_cases import (
     steady,
     timed,
 )
+from tests.oracle import mp
 from tests.oracle.flying_saw import events, reference
 from tests.oracle.flying_saw_plan import (
     NONE,
 )
-from tests.oracle.master import mp, stretches
+from tests.oracle.master import stretches
 
 # --- scenarios --------------------------------------------------------------------------------------------------------
 

@@ -26,6 +26,7 @@ from tests.model.follower.oracle_cases import (
     steady,
     to_go,
 )
+from tests.oracle import mp
 from tests.oracle.follower import events, reference
 from tests.oracle.follower_cycle import (
     Cam,
@@ -38,7 +39,7 @@ from tests.oracle.follower_cycle import (
     homing,
     way_to_park,
 )
-from tests.oracle.master import Number, mp
+from tests.oracle.mp import Number
 
 # --- the closed forms of the specification ----------------------------------------------------------------------------
 
@@ -153,7 +154,8 @@ def test_beyond_two_and_a_half_a_cyclic_slave_would_run_past_park() -> None:
     before = reference(given, [9.5])[0]
     assert named(given, "at park")[1] == close(9.5)
     assert before["state"] == HOMING
-    assert motion(before) == (close(0.0), close(0.0), close(0.0))
+    assert before["slave.position"] in (0.0, 400.0)  # both are park; rounding decides on which side it is
+    assert motion(before)[1:] == (close(0.0), close(0.0))
     assert before["slave.jerk"] == close(0.0)
 
 

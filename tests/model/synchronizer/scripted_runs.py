@@ -13,7 +13,8 @@ from motionsync.master import MasterInput
 from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.faults import Refusal
 from tests.model.synchronizer.harness import END, ONLY, write
-from tests.oracle.master import Stretch, mp, stretches
+from tests.oracle import mp
+from tests.oracle.master import Stretch, stretches
 from tests.oracle.synchronizer import reference
 
 Row = dict[str, float]
