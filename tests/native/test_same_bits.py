@@ -3,6 +3,8 @@
 tests/scenario/test_scenario_files.py compares both FMUs in every scenario.
 """
 
+from copy import deepcopy
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +22,9 @@ from tests.support.compiled import Compiled, equal
 from tests.support.cosim import cosim
 from tests.support.fmus import Shared
 from tests.support.importers import bits
-from tests.support.random_runs import draw_runs, load_strategy
+from tests.support.random_runs import draw_runs, draw_until, load_strategy
 from tests.support.replay import TARGETS, orders, replayed, tried
+from tests.support.runs import BlockRun
 
 WRAPPER = "Fatal py exception encountered"  # a line that PythonFMU itself adds to a refused initialization
 # Long runs: a failing one is reported as generated, since shrinking it would take minutes.
@@ -39,6 +42,14 @@ class Pair:
         self.set(start)
         assert not any(v.refusal(v.cell.get()) for v in self.inputs.values())
         assert self.compiled.initialize() == self.block.initialize()
+        assert equal(self.block, self.compiled)
+        self._begin = deepcopy([cell.get() for cell in self.stepper.cells.values()]), self.compiled.memory.copy()
+
+    def restart(self) -> None:
+        """Go back to the initialized state."""
+        values, self.compiled.memory[...] = deepcopy(self._begin[0]), self._begin[1]
+        for cell, value in zip(self.stepper.cells.values(), values, strict=True):
+            setattr(cell.owner, cell.attribute, value)
         assert equal(self.block, self.compiled)
 
     def set(self, values: dict[str, Any]) -> None:
@@ -68,7 +79,7 @@ def test_compiled_code_gives_the_bits_of_python_in_every_field(block: str, data:
     pair = Pair(block, run.start)
     for h, values in run.steps:
         if pair.step(h, values):
-            pair = Pair(block, run.start)
+            pair.restart()
 
 
 def test_every_block_has_random_runs() -> None:
@@ -78,19 +89,21 @@ def test_every_block_has_random_runs() -> None:
 @pytest.mark.slow
 def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
     """The random runs reach all features of their strategy, within a few runs. At least 60 are compared."""
-    strategy = load_strategy(block)
+    strategy, numbers = load_strategy(block), count(1)
     missing: set[Any] = {*strategy.required_features, "refused"}
-    for number, run in enumerate(draw_runs(block, 500, 400), 1):
+
+    def compare(run: BlockRun) -> bool:
         pair = Pair(block, run.start)
         for h, values in run.steps:
             refusal = pair.step(h, values)
             if refusal != 0:
                 missing.discard("refused")
             if refusal:
-                pair = Pair(block, run.start)
-            missing -= strategy.watch(pair.block)
-        if not missing and number >= 60:
-            break
+                pair.restart()
+            missing.difference_update(strategy.watch(pair.block))
+        return next(numbers) >= 60 and not missing
+
+    draw_until(block, 500, 400, compare)
     assert not missing
 
 

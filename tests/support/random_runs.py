@@ -1,5 +1,7 @@
 """Random runs of any registered block, drawn by the strategy in `tests/model/<block>/strategies.py`."""
 
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
@@ -21,18 +23,29 @@ def load_strategy(name: str) -> Strategy:
     return load_strategy
 
 
+class _Enough(BaseException):
+    """Ends the drawing of examples. Hypothesis lets pass what is no Exception."""
+
+
 def draw_runs(name: str, steps: int, count: int) -> list[BlockRun]:
     """`count` random runs of `steps` steps, the same at every call."""
     runs: list[BlockRun] = []
+    draw_until(name, steps, count, runs.append)
+    return runs
+
+
+def draw_until(name: str, steps: int, count: int, see: Callable[[BlockRun], object]) -> None:
+    """Call `see` with each of the runs that `draw_runs` returns, until it returns True."""
 
     @seed(0)
     @settings(max_examples=count, deadline=None, phases=[Phase.generate])
     @given(load_strategy(name).runs(steps))
     def draw(run: BlockRun) -> None:
-        runs.append(run)
+        if see(run) is True:
+            raise _Enough
 
-    draw()
-    return runs
+    with suppress(_Enough):
+        draw()
 
 
 @cache
