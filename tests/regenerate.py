@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
@@ -29,6 +29,8 @@ from tests.support.by_block import block_folder
 
 SCENARIOS = ROOT / "scenarios"
 POINTS = 200  # of a reference, about
+Keep: TypeAlias = Callable[[object, Callable[[], Any]], Any]
+"""`keep(question, find)` is what `find()` returns, or what it has returned for an equal question."""
 
 
 def oracle(name: str) -> Any:
@@ -50,23 +52,25 @@ def oracle(name: str) -> Any:
     return result
 
 
-def files(scenario_file: Path) -> dict[Path, str]:
+def find_anew(_question: object, find: Callable[[], Any]) -> Any:
+    return find()
+
+
+def files(scenario_file: Path, keep: Keep = find_anew) -> dict[Path, str]:
     """The cross-check files that belong beside a scenario, with their text; the inputs of an example are made from it
-    where they are wanted."""
+    where they are wanted. `keep` may know what the oracle finds."""
     scenario = load_scenario(scenario_file)
-    script = independent_script(scenario)
-    scenario = (
-        scenario.with_recorded_inputs(settings(script), master(scenario, script)) if scenario.reacts else scenario
-    )
     name = scenario.recipe.name
     steps = round(scenario.stop_time / scenario.step_size)
     stride = max(steps // POINTS, 1)
     times = [i * scenario.step_size for i in range(0, steps + 1, stride)]
     independent = oracle(name)
     if scenario.remote:
-        rows = stepped(getattr(independent, f"{name}Oracle"), scenario, times[1:])
+        rows = stepped(getattr(independent, f"{name}Oracle"), scenario, times[1:], keep)
     else:
-        rows = independent.reference(script, times)
+        script, rows = solved(scenario, times, keep)
+        if scenario.reacts:
+            scenario = scenario.with_recorded_inputs(settings(script), master(scenario, script))
     estimated = scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY  # an estimate lags at jumps
     columns = ("time", *(("slave.position",) if estimated else independent.COLUMNS))
     texts = {
@@ -85,8 +89,7 @@ def examples(names: Iterable[str] = BLOCKS) -> list[Path]:
 
 
 def independent_script(scenario: Scenario) -> dict[str, Any]:
-    """What an oracle gets: the tables of the file, with the members of enumerations as numbers, and with the sets and
-    the master's segments that its own trajectory makes of the reactions and of what the master follows.
+    """What an oracle gets: the tables of the file, with the members of enumerations as numbers.
 
     Raises:
         LookupError: the scenario reacts, and the oracle is one that is stepped.
@@ -99,8 +102,26 @@ def independent_script(scenario: Scenario) -> dict[str, Any]:
     declared = scenario.recipe.variables
     added = {name: declared[name].start for r in scenario.reactions for name in r.add}
     tables = [on_table(r) for r in scenario.reactions]
-    script |= {"start": {**added, **scenario.start}, "on": tables}
-    return settled(script, oracle(scenario.recipe.name).reference)
+    return script | {"start": {**added, **scenario.start}, "on": tables}
+
+
+def solved(
+    scenario: Scenario, times: Sequence[float], keep: Keep = find_anew
+) -> tuple[dict[str, Any], list[dict[str, float]]]:
+    """The sets and the master's segments that the oracle's own trajectory makes of the reactions and of what the master
+    follows, as tables of a script, and the outputs in the reference at those times."""
+    script, independent = independent_script(scenario), oracle(scenario.recipe.name)
+
+    def find() -> Any:
+        settled_script = settled(script, independent.reference) if scenario.reacts else script
+        rows = independent.reference(settled_script, times)
+        columns = ("time", *independent.COLUMNS)
+        return {"set": settled_script.get("set", []), "master": settled_script["master"]}, [
+            {c: row[c] for c in columns} for row in rows
+        ]
+
+    settled_script, rows = keep((independent.__name__, script, times), find)
+    return settled_script, rows
 
 
 def on_table(reaction: Reaction) -> dict[str, Any]:
@@ -127,20 +148,33 @@ def master(scenario: Scenario, script: Mapping[str, Any]) -> Script:
     return following
 
 
-def stepped(oracle_type: Callable[..., Any], scenario: Scenario, times: Sequence[float]) -> list[dict[str, float]]:
-    """The outputs, at some of the steps' ends, of an oracle that gets in each step the inputs of the FMU."""
+def stepped(
+    oracle_type: Callable[..., Any], scenario: Scenario, times: Sequence[float], keep: Keep = find_anew
+) -> list[dict[str, float]]:
+    """The outputs, at some of the steps' ends, of an oracle that gets in each step the inputs of the FMU.
+
+    Raises:
+        LookupError: the scenario reacts.
+    """
+    independent_script(scenario)
     declared = scenario.recipe.variables
     parameters = {name: value for name, value in scenario.start.items() if declared[name].causality == "parameter"}
     inputs = {name: value for name, value in scenario.start.items() if declared[name].causality == "input"}
     inputs |= axis_inputs(scenario, scenario.master, 0.0, 0.0)
-    running = oracle_type(parameters, inputs)
+    steps = list(scheduled_steps(scenario, scenario.step_size))
     required = {round(t / scenario.step_size, 6): t for t in times}
-    rows = []
-    for start, end, changed in scheduled_steps(scenario, scenario.step_size):
-        inputs |= changed
-        result = running.step(dict(inputs), end - start)
-        if (step := round(end / scenario.step_size, 6)) in required:
-            rows.append({"time": required[step], **{name: float(value) for name, value in result.items()}})
+
+    def find() -> list[dict[str, float]]:
+        present, rows = dict(inputs), []
+        running = oracle_type(parameters, present)
+        for start, end, changed in steps:
+            present |= changed
+            result = running.step(dict(present), end - start)
+            if (step := round(end / scenario.step_size, 6)) in required:
+                rows.append({"time": required[step], **{name: float(value) for name, value in result.items()}})
+        return rows
+
+    rows: list[dict[str, float]] = keep((oracle_type.__name__, parameters, inputs, steps, required), find)
     return rows
 
 

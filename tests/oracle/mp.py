@@ -75,18 +75,18 @@ def roots(polynomial: Sequence[Number]) -> list[tuple[Number, Number]]:
     maximum = max(abs(c) for c in polynomial)
     rough = np.roots([float(c / maximum) for c in reversed(polynomial)])
     with gmpy2.context(gmpy2.get_context(), precision=BITS + EXTRA_BITS):
-        found = [gmpy2.mpc(complex(root)) + gmpy2.mpc(0, 1e-9 * (i + 1)) for i, root in enumerate(rough)]
+        result = [gmpy2.mpc(complex(root)) + gmpy2.mpc(0, 1e-9 * (i + 1)) for i, root in enumerate(rough)]
         for _ in range(MOST_ITERATIONS):
             greatest = ZERO
-            for i, root in enumerate(found):
+            for i, root in enumerate(result):
                 step = ZERO
                 for coefficient in reversed(polynomial):
                     step = step * root + coefficient
                 step /= polynomial[-1]
-                for other in (*found[:i], *found[i + 1 :]):
+                for other in (*result[:i], *result[i + 1 :]):
                     step /= root - other if root != other else 1
-                found[i] = root - step
+                result[i] = root - step
                 greatest = max(greatest, abs(step))
             if greatest < EPSILON:
-                return [(root.real, root.imag) for root in found]
-    raise ArithmeticError(f"no roots of {polynomial} are found")
+                return [(root.real, root.imag) for root in result]
+    raise ArithmeticError(f"the roots of {polynomial} do not converge")

@@ -189,7 +189,7 @@ def test_the_oracle_finds_the_same_by_itself(limit: str, tmp_path: Path) -> None
         write_scenario(FREE.replace("stop_time = 2.0", "stop_time = 1.0") + limit + change, tmp_path)
     )
     recording = run_in_process(scenario, 0.01)
-    script = regenerate.independent_script(scenario)
+    script, _ = regenerate.solved(scenario, [])
     assert "follows" not in script["master"]
     result = regenerate.master(scenario, script)
     motions = [result.until(t) for t in recording.time.tolist()]

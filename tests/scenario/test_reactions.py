@@ -221,7 +221,7 @@ def test_the_oracle_finds_the_same_by_itself(tmp_path: Path) -> None:
         (1.16, {"move_velocity.execute": False, "move_velocity.velocity": 200.0, "halt.jerk": 1002.0}),
     ]
     assert recorded_sets(run_in_process(scenario, 0.01)) == expected
-    result = regenerate.settings(regenerate.independent_script(scenario))
+    result = regenerate.settings(regenerate.solved(scenario, [])[0])
     assert [(s.at, dict(s.values)) for s in result] == expected
 
 

@@ -27,6 +27,7 @@ from motionsync_fmu.scenario.scenario import Scenario, When
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
 from tests.support.scenario_texts import SEGMENTS, VALID
+from tests.support.stored_references import keep
 
 SCENARIOS = ROOT / "scenarios"
 FOLDERS = sorted(file.parent for file in SCENARIOS.rglob("scenario.toml"))
@@ -82,7 +83,7 @@ def test_a_scenario_is_kept_at_another_step_size_by_the_native_flavour(folder: P
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)
 def test_the_cross_check_files_are_those_of_script_and_oracle(folder: Path) -> None:
-    files = regenerate.files(folder / "scenario.toml")
+    files = regenerate.files(folder / "scenario.toml", keep)
     assert {file.name for file in files} == {f.name for f in folder.iterdir()} - {"scenario.toml"}
     for file, text in files.items():
         assert file.read_text("utf-8") == text, f"{file.name} is not what `make references` writes"
@@ -90,7 +91,7 @@ def test_the_cross_check_files_are_those_of_script_and_oracle(folder: Path) -> N
 
 @pytest.mark.parametrize("file", regenerate.examples(), ids=list(BLOCKS))
 def test_the_reference_of_an_example_is_that_of_the_oracle(file: Path) -> None:
-    files = regenerate.files(file)
+    files = regenerate.files(file, keep)
     assert sorted(f.suffix for f in files) == [".csv", ".opt"]
     for reference, text in files.items():
         assert reference.read_text("utf-8") == text, f"{reference.name} is not what `make references` writes"
