@@ -6,13 +6,15 @@
 
 A mutant is run against the tests that run its line until one fails: first those that noticed it in another state of
 the project, then the shortest. All results are in build/mutation, a file for each state that is named; `run` goes on
-where it was broken off. A mutant of C is run against the tests of its folder.
+where it was broken off. A mutant of a line that runs at import is run against the tests of its file or folder, one of C
+against those of its folder.
 """
 
 import json
+import multiprocessing
 import os
-import re
 import shutil
+import signal
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -25,6 +27,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Annotated, Any
 
+import pytest
 import typer
 from coverage import CoverageData
 from rich.console import Console
@@ -48,6 +51,8 @@ LEFT_OUT = (
     "tests/commands/test_paths.py",  # it limits the size of files, which coverage writes as well
 )
 State = Annotated[str, typer.Option(help="names the results: before, say")]
+PROCESSES = multiprocessing.get_context("forkserver")  # what all tests import is imported once, but for the project
+PROCESSES.set_forkserver_preload(["pytest", "hypothesis", "numpy", "mpmath", "fmpy", "typer", "rich", "coverage"])
 app = typer.Typer(help=__doc__, no_args_is_help=True, add_completion=False)
 console = Console()
 
@@ -58,21 +63,39 @@ class Reach:
 
     seconds: dict[str, float]
     tests: dict[str, dict[str, list[int]]]  # by file and line: numbers of the tests in `seconds`
+    present: set[str]  # the tests that the project has now
     noticed: dict[str, list[str]] = field(default_factory=dict)  # by mutant: tests that failed with it before
+    sound: set[str] = field(default_factory=set)  # tests that have passed in a copy of the sources
 
     def tests_of(self, mutant: Mutant) -> list[str]:
         """The tests that run a mutant's statement, the shortest first, but for those that noticed it before."""
         names = list(self.seconds)
         if mutant.path.endswith(".py"):
             lines = self.tests.get(mutant.path, {})
-            numbers = {i for line in range(mutant.lines[0], mutant.lines[1] + 1) for i in lines.get(str(line), ())}
+            statement = [str(line) for line in range(mutant.lines[0], mutant.lines[1] + 1)]
+            numbers = {i for line in statement for i in lines.get(line, ())}
+            if not numbers:  # it runs at import, which is no test's
+                numbers = {i for tests in lines.values() for i in tests} or self.numbers_of(
+                    str(Path(mutant.path).parent)
+                )
             reached = {names[i] for i in numbers}
         else:
             folders = next(tests for folder, tests in TESTS_OF_C.items() if mutant.path.startswith(folder))
             reached = {name for name in names if name.startswith(folders)}
         noticed = self.noticed.get(mutant.name, ())
-        reached = {name for name in reached if not name.startswith(LEFT_OUT)}
+        reached = {name for name in reached & self.present if not name.startswith(LEFT_OUT)}
         return sorted(reached, key=lambda name: (name not in noticed, self.seconds[name]))
+
+    def numbers_of(self, folder: str) -> set[int]:
+        """The numbers of the tests that run anything in a folder."""
+        files = [lines for path, lines in self.tests.items() if path.startswith(f"{folder}/")]
+        return {i for lines in files for tests in lines.values() for i in tests}
+
+    def passes(self, tree: Path, test: str) -> bool:
+        """Whether a test passes in a tree without a mutant; it is run once."""
+        if test not in self.sound and not first_failure(tree, [test], 60.0 + 4.0 * self.seconds[test]):
+            self.sound.add(test)
+        return test in self.sound
 
 
 @app.command()
@@ -132,7 +155,8 @@ def run(
     state: State = "now",
 ) -> None:
     """Try mutants; those that were tried before in this state are not tried again."""
-    reach = Reach(**json.loads((ROOT / FOLDER / "reach.json").read_text()), noticed=noticed(ROOT / FOLDER))
+    measured = json.loads((ROOT / FOLDER / "reach.json").read_text())
+    reach = Reach(**measured, present=present_tests(ROOT), noticed=noticed(ROOT / FOLDER))
     results = results_of(state)
     done = {result["name"] for result in read_results(results)}
     open_mutants = [mutant for mutant in draw(ROOT, seed, sample) if mutant.name not in done]
@@ -164,11 +188,17 @@ def report(state: State = "now") -> None:
     console.print(table)
     for result in results:
         if result["result"] != "killed":
-            console.print(f"{result['result']}: {result['name']} ({result['tests']} tests)", markup=False)
+            text = f"{result['result']}: {result['name']}, line {result['line']} ({result['tests']} tests)"
+            console.print(text, markup=False)
 
 
 def results_of(state: str) -> Path:
     return ROOT / FOLDER / f"results-{state}.jsonl"
+
+
+def present_tests(root: Path) -> set[str]:
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-q"]
+    return set(subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout.split("\n"))
 
 
 def noticed(folder: Path) -> dict[str, list[str]]:
@@ -215,25 +245,20 @@ def try_mutant(mutant: Mutant, reach: Reach, trees: SimpleQueue[Path], budget: f
     tests = list(within_budget(reach, reach.tests_of(mutant), budget))
     tree = trees.get()
     source = (tree / mutant.path).read_text("utf-8")
+    result, failed = "not reached", ""
     try:
-        while tests:
+        while tests and result not in ("killed", "survived"):
             (tree / mutant.path).write_text(mutant.apply(source), "utf-8")
             failed = first_failure(tree, tests, 60.0 + 4.0 * sum(reach.seconds[test] for test in tests))
             (tree / mutant.path).write_text(source, "utf-8")
-            if failed not in tests:
-                return {
-                    "name": mutant.name,
-                    "result": "killed" if failed else "survived",
-                    "by": failed,
-                    "tests": len(tests),
-                }
-            if not first_failure(tree, [failed], 60.0 + 4.0 * reach.seconds[failed]):
-                return {"name": mutant.name, "result": "killed", "by": failed, "tests": len(tests)}
-            tests.remove(failed)  # it fails in a copy of the sources, whatever these are
+            if failed in tests and not reach.passes(tree, failed):
+                tests.remove(failed)  # it fails in a copy of the sources, whatever these are
+            else:
+                result = "killed" if failed else "survived"
     finally:
         (tree / mutant.path).write_text(source, "utf-8")
         trees.put(tree)
-    return {"name": mutant.name, "result": "not reached", "by": "", "tests": 0}
+    return {"name": mutant.name, "line": mutant.line, "result": result, "by": failed, "tests": len(tests)}
 
 
 def within_budget(reach: Reach, tests: Sequence[str], budget: float) -> Iterator[str]:
@@ -248,21 +273,49 @@ def within_budget(reach: Reach, tests: Sequence[str], budget: float) -> Iterator
 
 def first_failure(tree: Path, tests: Sequence[str], timeout: float) -> str:
     """The first of these tests that fails in a tree, or what else went wrong; empty if all pass."""
-    names = tree / "build" / "tests.txt"
+    names, failures = tree / "build" / "tests.txt", tree / "build" / "failures.txt"
     names.parent.mkdir(exist_ok=True)
     names.write_text("\n".join(tests))
-    path = os.pathsep.join(str(tree / part) for part in ("model", "fmu_src"))
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "--tb=no", "-p", "no:cacheprovider", f"@{names}"]
-    # Compiled modules are found by size and second: one of a former mutant could be taken for this one.
-    environment = os.environ | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"}
-    try:
-        done = subprocess.run(
-            command, cwd=tree, check=False, capture_output=True, text=True, timeout=timeout, env=environment
-        )
-    except subprocess.TimeoutExpired:
+    failures.unlink(missing_ok=True)
+    process = PROCESSES.Process(target=run_tests, args=(tree, names, failures))
+    process.start()
+    process.join(timeout)
+    if process.is_alive():
+        os.killpg(process.pid or 0, signal.SIGKILL)
+        process.join()
         return "no end"
-    failures = re.findall(r"^(?:FAILED|ERROR) (.*?)(?: - .*)?$", done.stdout, re.M)
-    return failures[0] if failures else f"exit status {done.returncode}" if done.returncode else ""
+    if failures.exists():
+        return failures.read_text("utf-8").split("\n")[0]
+    return f"exit status {process.exitcode}" if process.exitcode else ""
+
+
+def run_tests(tree: Path, names: Path, failures: Path) -> None:
+    """Run tests in this process, with the sources of a tree, and write down the names of those that fail."""
+    os.setsid()
+    os.chdir(tree)
+    with (tree / "build" / "output.txt").open("w") as output:
+        os.dup2(output.fileno(), 1)
+        os.dup2(output.fileno(), 2)
+    sources = [str(tree / part) for part in ("model", "fmu_src")]
+    sys.path[:0] = sources
+    os.environ["PYTHONPATH"] = os.pathsep.join(sources)
+    # Compiled modules are found by size and second: one of a former mutant could be taken for this one.
+    sys.dont_write_bytecode = True
+    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+    status = pytest.main(["-x", "-q", "--tb=no", "-p", "no:cacheprovider", f"@{names}"], plugins=[Failures(failures)])
+    sys.exit(int(status))
+
+
+@dataclass(frozen=True)
+class Failures:
+    """A plugin of pytest that writes the names of the tests that fail into a file."""
+
+    path: Path
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            with self.path.open("a", encoding="utf-8") as file:
+                print(report.nodeid, file=file)
 
 
 if __name__ == "__main__":

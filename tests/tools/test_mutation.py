@@ -99,7 +99,7 @@ def project(tmp_path: Path) -> Path:
 
 def test_a_mutant_that_a_test_notices_is_killed(project: Path) -> None:
     names = ["tests/test_half.py::test_half", "tests/test_half.py::test_third", "tests/test_half.py::test_broken"]
-    reach = Reach(dict.fromkeys(names, 0.1), {"model/motionsync/half.py": {"2": [2, 0], "6": [1]}})
+    reach = Reach(dict.fromkeys(names, 0.1), {"model/motionsync/half.py": {"2": [2, 0], "6": [1]}}, {*names})
     trees: SimpleQueue[Path] = SimpleQueue()
     trees.put(copy_tree(project, project / "build" / "tree"))
     mutants = draw(project, 0, 100)
@@ -128,5 +128,12 @@ def test_mutants_that_are_alike_are_numbered(tmp_path: Path) -> None:
 def test_tests_are_those_that_run_the_statement_the_shortest_first() -> None:
     seconds, lines = {"slow": 2.0, "quick": 1.0, "other": 0.1}, {"a.py": {"2": [0], "3": [1], "4": [2]}}
     mutant = Mutant("a.py", 3, (2, 3), "constant", 0, 1, "1", "2", "the one")
-    assert Reach(seconds, lines).tests_of(mutant) == ["quick", "slow"]
-    assert Reach(seconds, lines, {"the one": ["slow", "gone"]}).tests_of(mutant) == ["slow", "quick"]
+    assert Reach(seconds, lines, {*seconds}).tests_of(mutant) == ["quick", "slow"]
+    assert Reach(seconds, lines, {*seconds}, {"the one": ["slow", "gone"]}).tests_of(mutant) == ["slow", "quick"]
+    assert Reach(seconds, lines, {"slow"}).tests_of(mutant) == ["slow"]
+
+
+def test_what_runs_at_import_is_run_against_the_tests_of_its_file_or_folder() -> None:
+    reach = Reach({"slow": 2.0, "quick": 1.0}, {"a/b.py": {"3": [0]}, "a/c.py": {"2": [1]}}, {"slow", "quick"})
+    assert reach.tests_of(Mutant("a/b.py", 1, (1, 1), "constant", 0, 1, "1", "2")) == ["slow"]
+    assert reach.tests_of(Mutant("a/d.py", 1, (1, 1), "constant", 0, 1, "1", "2")) == ["quick", "slow"]
