@@ -8,7 +8,6 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import PLATFORMS
 from motionsync_fmu.pages import block_page
 from motionsync_fmu.pages.block_page import FmuContents, make_pages
-from motionsync_fmu.scenario.files.example import load_example
 from tests.browser.conftest import Open
 
 
@@ -21,7 +20,7 @@ def file(block: str, tmp_path: Path) -> Path:
 def page_of(block: str, folder: Path) -> Path:
     """A block's page with its picture."""
     contents = FmuContents(Recipe(block), "native", list(PLATFORMS))
-    for name, content in make_pages(contents, load_example(block)).items():
+    for name, content in make_pages(contents).items():
         (folder / name).write_bytes(content)
     return folder / "index.html"
 

@@ -17,21 +17,23 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
+from motionsync_fmu import paths
 from motionsync_fmu.build import fmu
 from motionsync_fmu.build.fmu import Flavour, build, build_python, check_kernel, fmu_path, why_outdated
 from motionsync_fmu.build.guid import compute_guid, native_toolchain
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface import fingerprint
+from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.fingerprint import Files
-from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native import libraries
-from motionsync_fmu.native.libraries import FOLDER, HEADERS
+from motionsync_fmu.native.libraries import FOLDER, HEADERS, locate_sources
 from motionsync_fmu.native.macho import universal
 from motionsync_fmu.native.platforms import PLATFORMS, ROWS
 from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests import ROOT
-from tests.support.fmus import Fmus, build_for_host
+from tests.support.fmus import build_for_host
 
 RECIPE = Recipe("Synchronizer")
 LARGEST = {"FlyingSaw": 180_000}  # bytes, of an FMU, with what another Matplotlib may add to its picture
@@ -192,13 +194,74 @@ def test_it_loads_from_any_path(native: Path, tmp_path: Path, name: str) -> None
     unit.freeInstance()
 
 
-@pytest.mark.parametrize("name", ["Synchronizer", "CutToLength"])  # the smallest and the largest block
-def test_a_build_gives_the_same_bytes_every_time(name: str, fmus: Fmus, tmp_path: Path) -> None:
-    """Also in a process of its own, with another seed for hashes and from another folder."""
-    script = f"from motionsync_fmu.build.fmu import *; build(Recipe({name!r}), Path('a.fmu'))"
-    environment = os.environ | {"PYTHONHASHSEED": "42"}
+def test_a_build_gives_the_same_bytes_every_time(native: Path, tmp_path: Path) -> None:
+    """Also in a process of its own, with another seed for hashes, from another folder and with nothing in a cache. Of
+    all blocks the C is the same every time (tests/compiler/test_c_source.py)."""
+    script = "from motionsync_fmu.build.fmu import *; build(Recipe('Synchronizer'), Path('a.fmu'))"
+    caches = {"XDG_CACHE_HOME": str(tmp_path / "cache"), "ZIG_GLOBAL_CACHE_DIR": str(tmp_path / "zig")}
+    environment = os.environ | caches | {"PYTHONHASHSEED": "42"}
     subprocess.run([sys.executable, "-c", script], check=True, cwd=tmp_path, env=environment)
-    assert (tmp_path / "a.fmu").read_bytes() == fmus.built(Flavour.NATIVE, name).read_bytes()
+    assert (tmp_path / "a.fmu").read_bytes() == native.read_bytes()
+
+
+# --- what is compiled once ---
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache in place of the user's."""
+    monkeypatch.setattr(paths, "cache_folder", lambda: tmp_path / "cache")
+    return tmp_path / "cache"
+
+
+def located(recipe: Recipe, work: Path) -> dict[str, Path]:
+    """Where the C files of a unit are compiled, by their names."""
+    unit = c_sources(recipe.block(), compute_guid(recipe), recipe.causality_overrides, recipe.fmi)
+    names = [name for name in unit if name.endswith(".c")]
+    result = dict(zip(names, map(Path, locate_sources(unit, names, work)), strict=True))
+    assert all(file.name == name and file.read_bytes() == unit[name] for name, file in result.items())
+    return result
+
+
+def test_zig_finds_the_same_block_and_the_same_unit_again(cache: Path, tmp_path: Path) -> None:
+    """At the same path with the same time: else it compiles them anew."""
+    first = located(RECIPE, tmp_path)
+    times = [file.stat().st_mtime_ns for file in first.values()]
+    interface = Interface(input="rest_value")
+    others = [Recipe("Synchronizer", fmi=Fmi.THREE), Recipe("Synchronizer", "deg", interface=interface)]
+    units = [located(recipe, tmp_path) for recipe in (RECIPE, *others)]
+    assert units[0] == first
+    assert [file.stat().st_mtime_ns for file in first.values()] == times
+    assert {unit["block.c"] for unit in units} == {first["block.c"]}
+    assert {unit["decimal.c"] for unit in units} == {FOLDER / "decimal.c"}
+    assert len({unit["unit.c"] for unit in units}) == 3
+    assert located(Recipe("Gearing"), tmp_path)["block.c"] != first["block.c"]
+    for name, header in (("block.c", "block.h"), ("unit.c", "model.h"), ("unit.c", "unit_memory.h")):
+        assert first[name].is_relative_to(cache)
+        assert first[name].with_name(header).is_file()
+
+
+def test_what_was_changed_in_the_cache_is_not_compiled(cache: Path, tmp_path: Path) -> None:
+    first = located(RECIPE, tmp_path)
+    first["block.c"].write_text("damaged")
+    first["unit.c"].unlink()
+    assert located(RECIPE, tmp_path) == first
+
+
+@pytest.mark.parametrize("reason", ["a file is in its place", "the user has no home"])
+def test_a_block_is_compiled_without_a_cache(
+    cache: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, reason: str
+) -> None:
+    def raise_no_home() -> Path:
+        raise RuntimeError(reason)
+
+    if "file" in reason:
+        cache.touch()
+    else:
+        monkeypatch.setattr(paths, "cache_folder", raise_no_home)
+    work = tmp_path / "work"
+    work.mkdir()
+    assert {located(RECIPE, work)[name].parent for name in ("block.c", "unit.c")} == {work}
 
 
 def test_what_determines_the_code_changes_the_guid_of_both_flavours(

@@ -167,7 +167,8 @@ def _compile_with_zig(work: Path) -> bytes:
     platform = host_platform(Fmi.THREE)
     assert platform
     ((target, flags),) = platform.targets.items()
-    return compile_library(target, f"{flags} {ZIG_FLAGS}", f"{target}/block{SUFFIX}", work)
+    sources = sorted(source.name for source in work.glob("*.c"))
+    return compile_library(target, f"{flags} {ZIG_FLAGS}", f"{target}/block{SUFFIX}", work, sources)
 
 
 def _compile_with_machine_compiler(work: Path) -> bytes:

@@ -205,7 +205,7 @@ def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_fil
     example, overrides = load_example(recipe.name), recipe.causality_overrides
     related = {} if recipe.starts or overrides else related_files(example)  # of the block as it is declared
     contents = FmuContents(recipe, flavour, sorted(platforms), bool(related), bool(c_files))
-    pages, picture = make_pages(contents, example), draw_icon(example)
+    pages, picture = make_pages(contents), draw_icon(recipe.name)
     files = related | {f"documentation/{name}": page for name, page in pages.items()}
     files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(recipe.block(), overrides)}
     return files if recipe.fmi == Fmi.THREE else files | {"model.png": picture}

@@ -4,22 +4,25 @@ Python and zig are only needed to build the libraries, not to run them.
 """
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_EXCEPTION, as_completed, wait
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from .. import paths
 from ..errors import UserError
-from ..interface.fingerprint import Files
+from ..interface.fingerprint import Files, digest
 from ..interface.recipe import Fmi
 from .compiler_process import CompilerPool, run_compiler
 from .platforms import ROWS, Platform
 
 FOLDER = Path(__file__).parent
 FREESTANDING = FOLDER / "freestanding"  # what replaces a C library
-OF_A_UNIT = {"unit.c"}  # its part unit_memory.h includes model.h, which belongs to one unit alone
+OF_A_BLOCK = ("block.c", "block.h")
+OF_A_UNIT = "unit"  # so begin unit.c and its parts, one of which includes model.h
 FLAGS = (
     "-Os -ffp-contract=off -fno-math-errno -fno-strict-aliasing -fno-slp-vectorize -fomit-frame-pointer "
     "-ffunction-sections -fdata-sections -fPIC -shared -fvisibility=hidden -g0 -s -rtlib=none -DOWN_MEMORY"
@@ -64,13 +67,14 @@ class Compilation:
 
     def __init__(self, name: str, unit: Files, platforms: Sequence[Platform] = ROWS) -> None:
         """Start it. `name`: the block's; `unit`: the C of its unit (`c_sources`), of the platforms' version of FMI."""
-        shared = [shared_file(file) for file in unit if is_shared(file) and file.endswith(".c")]
         self.name, self.platforms = name, platforms
-        self.folder = make_work_folder(unit)
+        self.folder = tempfile.TemporaryDirectory()
         self.pool = CompilerPool()
         work, submit = Path(self.folder.name), self.pool.submit
+        c_names = sorted((file for file in unit if file.endswith(".c")), key=lambda file: (is_shared(file), file))
+        sources = locate_sources(unit, c_names, work)
         self.jobs = {
-            target: submit(compile_library, target, f"{COMPACT} {flags}", f"{target}/{name}.{p.suffix}", work, shared)
+            target: submit(compile_library, target, f"{COMPACT} {flags}", f"{target}/{name}.{p.suffix}", work, sources)
             for p in platforms
             for target, flags in p.targets.items()
         }
@@ -100,35 +104,49 @@ class Compilation:
         return {p.library(self.name): p.join(*(results[target] for target in p.targets)) for p in self.platforms}
 
 
-def make_work_folder(files: Files) -> tempfile.TemporaryDirectory[str]:
-    """A folder for a while that holds the C files and headers that are not shared."""
-    folder = tempfile.TemporaryDirectory()
-    for name, text in files.items():
-        if not is_shared(name):
-            Path(folder.name, name).write_bytes(text)
-    return folder
+def locate_sources(files: Files, c_names: Iterable[str], work: Path) -> list[str]:
+    """The paths of these C files, with their headers next to them.
+
+    zig caches what it has compiled, by path and contents of the source. What is the same in all units is therefore
+    compiled in its own folder. The rest lies in the user's cache, in a folder named after its contents: the block apart
+    from its unit, since it is the same for both versions of FMI, all units of positions and all causalities. If the
+    cache cannot be written it lies in `work`."""
+    own = {name: text for name, text in files.items() if not is_shared(name)}
+    folders: dict[str, Path] = {}
+    for of_the_block in (True, False):
+        part = {name: text for name, text in own.items() if (name in OF_A_BLOCK) == of_the_block}
+        folders |= dict.fromkeys(part, _keep(part, work))
+    return [str(folders.get(name, FOLDER) / name) for name in c_names]
 
 
 def is_shared(name: str) -> bool:
-    """Whether a C file or header is the same in all units. It is compiled in its own folder, and so for the first unit
-    only: zig caches what it has compiled by the path of the source."""
-    return name not in OF_A_UNIT and (FOLDER / name).is_file()
+    """Whether a C file or header is the same in all units."""
+    return not name.startswith(OF_A_UNIT) and (FOLDER / name).is_file()
 
 
-def shared_file(name: str) -> str:
-    return str(FOLDER / name)
+def _keep(files: Files, other: Path) -> Path:
+    """A folder in the user's cache that holds these files; the folder `other` if the cache cannot be written."""
+    with suppress(OSError, RuntimeError):  # there may be no folder for a cache
+        folder = paths.cache_folder() / "c" / digest(files)[:32]
+        for name, text in files.items():
+            if not (file := folder / name).is_file() or file.read_bytes() != text:
+                with paths.replace_file(file) as part:
+                    part.write_bytes(text)
+        return folder
+    for name, text in files.items():
+        (other / name).write_bytes(text)
+    return other
 
 
-def compile_library(target: str, flags: str, path: str, work: Path, shared: Sequence[str] = ()) -> bytes:
-    """The library of the C files in a folder and of these shared ones, compiled in that folder into `path`, for one of
-    zig's targets with its own flags.
+def compile_library(target: str, flags: str, path: str, work: Path, sources: Sequence[str]) -> bytes:
+    """The library of these C files, compiled in the folder `work` into `path`, for one of zig's targets with its own
+    flags.
 
     Raises:
         UserError: zig failed.
     """
     (work / path).parent.mkdir()
-    sources = sorted(source.name for source in work.glob("*.c"))
-    return zig_cc(target, [*FLAGS.split(), *sources, *shared, *flags.split()], path, work)
+    return zig_cc(target, [*FLAGS.split(), *sources, *flags.split()], path, work)
 
 
 def zig_cc(target: str, arguments: Sequence[str], path: str, work: Path) -> bytes:

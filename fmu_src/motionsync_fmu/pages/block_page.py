@@ -12,7 +12,7 @@ from ..interface.table import groups
 from ..interface.variables import members, summary, variables
 from ..native.platforms import TITLES
 from ..scenario.evaluate.reference_comparison import read_reference
-from ..scenario.scenario import Scenario
+from ..scenario.files.example import load_example
 from .compact import compact_page
 from .pictures import draw_example
 from .readme import read_readme, render_readme
@@ -41,7 +41,7 @@ class FmuContents:
     has_sources: bool = False
 
 
-def make_pages(contents: FmuContents, example: Scenario) -> Files:
+def make_pages(contents: FmuContents) -> Files:
     """Make index.html and its picture, and for the python flavour externalDependencies.html.
 
     Raises:
@@ -49,6 +49,7 @@ def make_pages(contents: FmuContents, example: Scenario) -> Files:
     """
     recipe, flavour = contents.recipe, contents.flavour
     block, unit, slave_unit = recipe.block(), recipe.unit, recipe.slave_unit
+    example = load_example(recipe.name)
     text = render_readme(read_readme(type(block)), PICTURE, example.title)
     use, heading, details = text.partition(WIRING_BEFORE)
     reference = read_reference(example) if contents.has_related_files else None
@@ -75,5 +76,5 @@ def make_pages(contents: FmuContents, example: Scenario) -> Files:
     names = ["index.html"] + (["externalDependencies.html"] if flavour == "python" else [])
     pages = {name: load_template(TEMPLATES, f"{name}.j2").render(values) for name in names}
     return {name: compact_page(page).encode() for name, page in pages.items()} | {
-        PICTURE: draw_example(example, unit, slave_unit)
+        PICTURE: draw_example(recipe.name, unit, slave_unit)
     }

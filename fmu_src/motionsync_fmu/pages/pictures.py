@@ -8,6 +8,7 @@ import io
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -218,9 +219,11 @@ def _broken(values: Reals) -> Reals:
     return np.where(jumps, np.nan, values)
 
 
-def draw_example(example: Scenario, unit: str, slave_unit: str = "") -> bytes:
-    """Draw the example with axes, as SVG for the block's page."""
-    shown = make_panels(example, unit, slave_unit)
+@cache
+def draw_example(name: str, unit: str, slave_unit: str = "") -> bytes:
+    """Draw a block's example with axes, as SVG for the block's page; units as for `make_panels`. It is drawn once in a
+    process: the FMUs of both flavours and versions show the same."""
+    shown = make_panels(load_example(name), unit, slave_unit)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(7.6, 5.8), layout="constrained")
         parts = figure.subplots(len(shown), 1, sharex=True, height_ratios=(2, *(1 for _ in shown[1:])))
@@ -243,8 +246,11 @@ def write_svg(figure: Figure) -> bytes:
     return compact(out.getvalue())
 
 
-def draw_icon(example: Scenario) -> bytes:
-    """Draw the example's main plot without axes, as a PNG that is not compressed: the FMU's zip file does it better."""
+@cache
+def draw_icon(name: str) -> bytes:
+    """Draw the main plot of a block's example without axes, once in a process, as a PNG that is not compressed: the
+    FMU's zip file does it better."""
+    example = load_example(name)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(1.28, 1.28), dpi=100, layout="constrained")
         axes = figure.subplots()
@@ -275,8 +281,7 @@ def main() -> None:
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     for name in BLOCKS:
-        example = load_example(name)
-        (folder / f"{name}.svg").write_bytes(draw_example(example, example.unit))
+        (folder / f"{name}.svg").write_bytes(draw_example(name, load_example(name).unit))
 
 
 if __name__ == "__main__":

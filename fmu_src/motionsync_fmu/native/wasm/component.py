@@ -5,11 +5,12 @@ text as for the platforms, among sections that are always the same.
 interface (`wasm-tools component embed wit --world co-simulation-fmu`, `wasm-tools component new`).
 """
 
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
 from ...interface.fingerprint import Files
-from ..libraries import is_shared, make_work_folder, shared_file, zig_cc
+from ..libraries import locate_sources, zig_cc
 from ..platforms import WASM
 
 FOLDER = Path(__file__).parent
@@ -53,9 +54,9 @@ def core_module(files: Files, c_names: Iterable[str]) -> bytes:
     Raises:
         UserError: zig failed.
     """
-    sources = [shared_file(name) if is_shared(name) else name for name in c_names]
-    with make_work_folder(files) as work:
-        return zig_cc(TARGET, [*FLAGS.split(), *sources], "core.wasm", Path(work))
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder)
+        return zig_cc(TARGET, [*FLAGS.split(), *locate_sources(files, c_names, work)], "core.wasm", work)
 
 
 def wrap_in_component(core: bytes) -> bytes:
