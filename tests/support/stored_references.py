@@ -4,9 +4,11 @@ An answer depends on what the oracle is asked for, its sources, Python, its pack
 file is a hash of these. A file that was not read for a month is deleted when another one is written.
 """
 
+import gzip
 import json
 import platform
 import time
+import zlib
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
@@ -28,18 +30,17 @@ def keep(question: object, find: Callable[[], Any]) -> Any:
 
     `question`: all that the answer depends on beside the sources; its `repr` says it exactly.
     """
-    name = f"{sha256(f'{_source_hash(tuple(SOURCES))} {question!r}'.encode()).hexdigest()}.json"
-    with suppress(*CACHE_ERRORS, ValueError):
+    name = f"{sha256(f'{_source_hash(tuple(SOURCES))} {question!r}'.encode()).hexdigest()}.json.gz"
+    with suppress(*CACHE_ERRORS, EOFError, ValueError, zlib.error):  # a damaged file does not pass gzip's checksum
         file = _folder() / name
-        checksum, text = file.read_text("utf-8").split("\n", 1)
-        if checksum == sha256(text.encode()).hexdigest():
-            file.touch()
-            return json.loads(text)
+        answer = json.loads(gzip.decompress(file.read_bytes()))
+        file.touch()
+        return answer
     text = json.dumps(find(), default=float)
     with suppress(*CACHE_ERRORS):
         _delete_old(_folder())
         with paths.replace_file(_folder() / name) as part:
-            part.write_text(f"{sha256(text.encode()).hexdigest()}\n{text}", "utf-8")
+            part.write_bytes(gzip.compress(text.encode(), 6))
     return json.loads(text)
 
 
@@ -56,7 +57,7 @@ def _source_hash(files: tuple[Path, ...]) -> str:
 
 @cache  # once in a process
 def _delete_old(folder: Path) -> None:
-    for file in folder.glob("*.json"):
+    for file in folder.glob("*.json*"):
         with suppress(OSError):  # another process deletes it
             if time.time() - file.stat().st_mtime > MONTH:
                 file.unlink()
