@@ -57,7 +57,7 @@ def _source_hash(files: tuple[Path, ...]) -> str:
 
 @cache  # once in a process
 def _delete_old(folder: Path) -> None:
-    for file in folder.glob("*.json*"):
+    for file in folder.glob("*.json.gz"):
         with suppress(OSError):  # another process deletes it
             if time.time() - file.stat().st_mtime > MONTH:
                 file.unlink()
