@@ -308,10 +308,11 @@ def test_the_file_follows_what_is_changed(open_block: OpenBlock) -> None:
     )
 
 
-def test_a_page_opens_with_the_example_of_its_block(open_block: OpenBlock, block: str) -> None:
-    visit = open_block(block)
+def test_a_page_opens_with_the_example_of_its_block_on_a_telephone_too(open_block: OpenBlock, block: str) -> None:
+    visit = open_block(block, width=400)
     assert visit.page.get_by_label("Run", exact=True).input_value() == "example"
     badge(visit, "same bits")
+    wide_open(visit)
 
 
 def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(open_block: OpenBlock) -> None:
@@ -463,10 +464,6 @@ def test_a_page_is_small_and_whole(fmus: Fmus, block: str) -> None:
     page = explored(fmus, block)
     assert page.file.stat().st_size < 400_000
     assert page.data["name"] == block
-
-
-def test_no_page_is_wider_than_a_telephone(open_block: OpenBlock, block: str) -> None:
-    wide_open(open_block(block, width=400))
 
 
 @pytest.mark.parametrize("width", [1400, 800])

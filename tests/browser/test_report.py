@@ -160,6 +160,7 @@ def test_dark_mode_changes_page_plots_and_machine_and_back(open_report: OpenRepo
 def test_no_texts_over_the_pieces_touch(open_report: OpenReport, width: int) -> None:
     """The numbers of the pieces, and the names of the limits; a wide window has each number, a narrow one some."""
     visit = open_report(PIECES, width=width)
+    assert visit.overflow() <= 0.0
     frame = visit.page.locator(".plot[aria-label^='Pieces passing']")
     box = "const b = e.getBoundingClientRect(); return [e.textContent, b.x, b.right, b.y, b.bottom];"
     notes = f"all => all.map(e => {{ {box} }})"
@@ -171,8 +172,3 @@ def test_no_texts_over_the_pieces_touch(open_report: OpenReport, width: int) -> 
     for i, (_, left, right, top, bottom) in enumerate(upper):
         for _, other_left, other_right, other_top, other_bottom in upper[:i]:
             assert left >= other_right or other_left >= right or top >= other_bottom or other_top >= bottom
-
-
-def test_the_report_opens_in_a_narrow_window(open_report: OpenReport) -> None:
-    visit = open_report(CYCLIC_CUT, width=500)
-    assert visit.overflow() <= 0.0
