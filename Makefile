@@ -9,9 +9,6 @@ ALIVE = while sleep 1; do printf .; done & dots=$$!; trap "kill $$dots; echo" EX
 FLAGSHIP := CutToLength/cyclic_orders
 # Compiled modules are kept, whatever the environment says: a test run starts hundreds of processes that import them.
 unexport PYTHONDONTWRITEBYTECODE
-# One process more than there are processors: tests that wait for a browser or a compiler leave theirs to another one.
-TESTS := $(BIN)/python -m pytest --dist worksteal --numprocesses \
-	$$($(BIN)/python -c "import os; print(min((os.cpu_count() or 1) + 1, 5))")
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
 .PHONY: run line quick check test soak build lint format references pictures benchmark release clean help
@@ -32,10 +29,10 @@ check: $(TESTABLE) ## one block, B=gearing say: its part of quick, and its compi
 		tests/native/test_same_bits.py::test_compiled_code_gives_the_bits_of_python_in_every_field $(PYTEST)
 
 test: lint ## everything that proves the project; PYTEST="-k edge" passes options on
-	$(TESTS) $(PYTEST)
+	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist worksteal $(PYTEST)
 
 soak: $(TESTABLE) ## the random tests alone, with ten times as many examples: hours
-	$(TESTS) --soak $(PYTEST)
+	$(BIN)/python -m pytest --soak --numprocesses auto --maxprocesses 4 --dist worksteal $(PYTEST)
 
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build
