@@ -13,7 +13,7 @@ from hypothesis import is_hypothesis_test, settings
 from hypothesis.internal.conjecture import providers
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import cli
+from motionsync_fmu import cli, paths
 from motionsync_fmu.pages import progress
 from tests.support.by_block import block_folder
 from tests.support.command_line import Command, Outcome
@@ -180,6 +180,19 @@ def blocks(request: pytest.FixtureRequest) -> list[str]:
     """All registered blocks, for a test that needs them together; with --registered that one alone."""
     registered = request.config.getoption("--registered")
     return [name for name in BLOCKS if registered in (None, name)]
+
+
+@pytest.fixture(params=["a file is in its place", "the user has no home"])
+def no_cache(request: pytest.FixtureRequest, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The user's cache cannot be used. `cache` is a module's own fixture: a folder of a test in place of the user's."""
+
+    def raise_no_home() -> Path:
+        raise RuntimeError("the user has no home")
+
+    if "file" in request.param:
+        paths.cache_folder().touch()
+    else:
+        monkeypatch.setattr(paths, "cache_folder", raise_no_home)
 
 
 @pytest.fixture(scope="session", params=BLOCKS)

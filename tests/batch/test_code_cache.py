@@ -137,17 +137,8 @@ def test_a_damaged_library_is_not_loaded_but_made_anew(
     assert cached_file(cache).read_bytes() == contents
 
 
-@pytest.mark.parametrize("reason", ["a file is in its place", "the user has no home"])
-def test_it_works_without_a_cache(
-    compilations: list[str], cache: Path, monkeypatch: pytest.MonkeyPatch, reason: str
-) -> None:
-    def raise_no_home() -> Path:
-        raise RuntimeError(reason)
-
-    if "file" in reason:
-        cache.touch()
-    else:
-        monkeypatch.setattr(library.paths, "cache_folder", raise_no_home)
+@pytest.mark.usefixtures("no_cache")
+def test_it_works_without_a_cache(compilations: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     load_and_step(monkeypatch)
     load_and_step(monkeypatch)
     assert compilations == ["Synchronizer"] * 2

@@ -248,17 +248,8 @@ def test_what_was_changed_in_the_cache_is_not_compiled(cache: Path, tmp_path: Pa
     assert located(RECIPE, tmp_path) == first
 
 
-@pytest.mark.parametrize("reason", ["a file is in its place", "the user has no home"])
-def test_a_block_is_compiled_without_a_cache(
-    cache: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, reason: str
-) -> None:
-    def raise_no_home() -> Path:
-        raise RuntimeError(reason)
-
-    if "file" in reason:
-        cache.touch()
-    else:
-        monkeypatch.setattr(paths, "cache_folder", raise_no_home)
+@pytest.mark.usefixtures("no_cache")
+def test_a_block_is_compiled_without_a_cache(tmp_path: Path) -> None:
     work = tmp_path / "work"
     work.mkdir()
     assert {located(RECIPE, work)[name].parent for name in ("block.c", "unit.c")} == {work}

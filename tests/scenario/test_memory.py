@@ -28,7 +28,7 @@ def test_a_recording_needs_its_numbers_and_files_a_few_rows(tmp_path: Path) -> N
         _, needed = tracemalloc.get_traced_memory()
         numbers = (1 + 4 + len(recording.values)) * len(recording.time)
         assert len(recording.time) >= POINTS
-        assert needed < 16 * numbers + 100 * POINTS  # bytes: the arrays as they grow; the communication points
+        assert needed < 12 * numbers + 100 * POINTS  # bytes: the arrays as they grow; the communication points
         tracemalloc.reset_peak()
         before, _ = tracemalloc.get_traced_memory()
         with (tmp_path / "out.csv").open("w") as out:

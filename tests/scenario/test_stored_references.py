@@ -92,15 +92,8 @@ def test_a_damaged_answer_is_found_again(damage: str, cache: Path) -> None:
     assert gzip.decompress(file.read_bytes()) == gzip.decompress(whole)
 
 
-@pytest.mark.parametrize("reason", ["a file is in its place", "the user has no home"])
-def test_it_works_without_a_cache(reason: str, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def raise_no_home() -> Path:
-        raise RuntimeError(reason)
-
-    if "file" in reason:
-        cache.parent.touch()
-    else:
-        monkeypatch.setattr(paths, "cache_folder", raise_no_home)
+@pytest.mark.usefixtures("no_cache")
+def test_it_works_without_a_cache() -> None:
     assert answers(SCRIPT, SCRIPT) == [0, 1]
 
 

@@ -145,7 +145,7 @@ class _Recorder:
     def recording(self, messages: list[str]) -> Recording:
         return Recording(
             np.frombuffer(self.times),
-            dict(zip(self.names, np.frombuffer(self._values).reshape(len(self.times), -1).T.copy(), strict=True)),
+            dict(zip(self.names, np.frombuffer(self._values).reshape(len(self.times), -1).T, strict=True)),
             np.frombuffer(self._motions).reshape(-1, 4),
             messages,
             self.program.settings,
