@@ -20,7 +20,7 @@ EXTRA_BITS = 160
 """By which roots are computed more precisely: a double root has half the digits of a polynomial's coefficients."""
 
 floor, ceil, nint, sign = gmpy2.floor, gmpy2.ceil, gmpy2.rint, gmpy2.sign
-cos, exp, isfinite, mpq = gmpy2.cos, gmpy2.exp, gmpy2.is_finite, gmpy2.mpq
+cos, sin, exp, isfinite, mpq = gmpy2.cos, gmpy2.sin, gmpy2.exp, gmpy2.is_finite, gmpy2.mpq
 
 
 def mpf(value: Any = 0) -> Number:
