@@ -1,14 +1,15 @@
 """The master axis: from what the importer sets at its inputs to the master's path inside the step.
 
 The slave's setpoint for t+h is computed for the master at t+h. Inputs that describe the master at t are therefore
-extrapolated to t+h. Source: the three input modes are motionsync's own; they distinguish the sequences in
-which co-simulation masters set inputs and step.
+extrapolated to t+h. Source: the input modes are motionsync's own; they distinguish the sequences in which
+co-simulation masters set inputs and step, and an exact master from a measured one.
 """
 
 from dataclasses import dataclass
 
 from . import var
 from .computable_range import clamp
+from .encoder_filter import EncoderFilter, leading_acceleration
 from .grid import wrap
 from .master_path import MasterPath
 from .var import LARGEST_INPUT, Enumeration, Unit
@@ -29,6 +30,7 @@ class MasterInput(Enumeration):
     START_OF_STEP = 1, "the master at t, carried on to t+h with constant acceleration (parallel masters, FMPy)"
     END_OF_STEP = 2, "the master at t+h (sequential masters that have stepped the master axis first)"
     POSITION_ONLY = 3, "only the position at t; velocity and acceleration are estimated from the last three"
+    MEASURED = 4, "a measured position, smoothed and carried on over its delay"
 
 
 @dataclass(slots=True)
@@ -44,15 +46,38 @@ class Master:
     `last_sample` and `second_last_sample`, with the lengths of the steps that followed each of them. The estimates are
     limited to +-1e12, as Real inputs are, so that samples taken at nearly the same instant cannot make them infinite.
     The mode START_OF_STEP stores the samples, too, so that single steps of that mode may come in between.
+
+    In mode MEASURED `encoder` estimates the motion of the line, and the path is led on to the estimate: it joins the
+    path of the step before, without a correction. The parts of the path are what the slave follows, not what the inputs
+    hold.
     """
 
     position: float = var.input(0.0, "the master's position", Unit.POSITION)
-    velocity: float = var.input(0.0, "the master's velocity (unused with POSITION_ONLY)", Unit.VELOCITY)
-    acceleration: float = var.input(0.0, "the master's acceleration (unused with POSITION_ONLY)", Unit.ACCELERATION)
+    velocity: float = var.input(
+        0.0, "the master's velocity (unused with POSITION_ONLY; with MEASURED as the line runs at the start)", Unit.VELOCITY
+    )
+    acceleration: float = var.input(
+        0.0, "the master's acceleration (unused with POSITION_ONLY; with MEASURED at the start only)", Unit.ACCELERATION
+    )
     input_mode: MasterInput = var.parameter(MasterInput.START_OF_STEP, "what the master's inputs hold")
     period: float = var.parameter(
         0.0, "modulo period of the positions: 0, a linear axis, or at least 1e-9", Unit.POSITION, min=0.0, smallest=1e-9
     )
+    smoothing_time: float = var.parameter(
+        0.02, "MEASURED: time constant with which the position is smoothed; 0: it is not", Unit.TIME, min=0.0, max=10.0
+    )
+    delay: float = var.parameter(0.0, "MEASURED: how old the position at t is", Unit.TIME, min=0.0, max=1.0)
+    sample_time: float = var.parameter(
+        0.0,
+        "MEASURED: how often a new position comes; 0: with each step; else at least 1e-9",
+        Unit.TIME,
+        min=0.0,
+        max=1.0,
+        smallest=1e-9,
+    )
+    smoothed_position: float = var.local(0.0, "the master at t+h as the block takes it", Unit.POSITION)
+    smoothed_velocity: float = var.local(0.0, "its velocity", Unit.VELOCITY)
+    smoothed_acceleration: float = var.local(0.0, "its acceleration", Unit.ACCELERATION)
     begin: float = 0.0
     begin_velocity: float = 0.0
     begin_acceleration: float = 0.0
@@ -66,18 +91,22 @@ class Master:
     last_step: float = 0.0
     second_last_sample: float = 0.0
     second_last_step: float = 0.0
+    encoder: EncoderFilter = var.part(EncoderFilter)
 
     def try_initialize(self) -> bool:
         """Set the master to its inputs; with POSITION_ONLY its velocity is not available yet and taken as 0.
 
         False if the position has too many turns; nothing has changed then."""
-        if self.has_too_many_turns(self.position):
+        age = self.delay if self.input_mode == MasterInput.MEASURED else 0.0
+        position = self.position + (self.velocity + 0.5 * self.acceleration * age) * age
+        if self.has_too_many_turns(self.position) or self.has_too_many_turns(position):
             return False
         has_velocity = self.input_mode != MasterInput.POSITION_ONLY
-        self.end = wrap(self.position, self.period)
-        self.end_velocity = self.velocity if has_velocity else 0.0
+        self.end = wrap(position, self.period)
+        self.end_velocity = self.velocity + self.acceleration * age if has_velocity else 0.0
         self.end_acceleration = self.acceleration if has_velocity else 0.0
         self.samples = 0
+        self.show()
         return True
 
     def try_advance(self, h: float) -> bool:
@@ -89,10 +118,12 @@ class Master:
                 return self.try_predict(h, self.unwrap_input(self.end), self.velocity, self.acceleration)
             case MasterInput.END_OF_STEP:
                 return self.try_interpolate(h)
-            case _:
+            case MasterInput.POSITION_ONLY:
                 position = self.unwrap_input(self.end)
                 velocity, acceleration = self.estimate(position)
                 return self.try_predict(h, position, velocity, acceleration)
+            case _:
+                return self.try_follow_measurement(h)
 
     def longest_travel(self, h: float) -> float:
         """An upper bound of the distance that the master travels, back and forth, in the coming step, u.
@@ -110,11 +141,15 @@ class Master:
                 if self.has_too_many_turns(expected):
                     return 0.0
                 return abs(self.unwrap_input(expected) - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h
-            case _:
+            case MasterInput.POSITION_ONLY:
                 position = self.unwrap_input(self.end)
                 correction = abs(position - self.end) if self.samples > 0 else 0.0
                 velocity, acceleration = self.estimate(position)
                 return correction + (abs(velocity) + 0.5 * abs(acceleration) * h) * h
+            case _:
+                _, velocity = self.path_start()
+                _, _, _, acceleration = self.follow_measurement(h)
+                return (abs(velocity) + 0.5 * abs(acceleration) * h) * h
 
     def velocity_at(self, time: float) -> float:
         """The master's velocity at a time within the step, interpolated between the velocities at both ends.
@@ -133,7 +168,13 @@ class Master:
 
     def unwrap_in_current_turn(self, position: float) -> float:
         """`position`, unwrapped into the same turn as the present input."""
-        anchor = self.end if self.input_mode == MasterInput.END_OF_STEP else self.begin
+        match self.input_mode:
+            case MasterInput.END_OF_STEP:
+                anchor = self.end
+            case MasterInput.MEASURED:
+                anchor = self.unwrap_input(self.begin)
+            case _:
+                anchor = self.begin
         return position + (anchor - self.position)
 
     def rebase(self) -> None:
@@ -146,6 +187,7 @@ class Master:
             self.end = wrapped
             self.last_sample -= turns
             self.second_last_sample -= turns
+            self.encoder.position -= turns
 
     def try_predict(self, h: float, position: float, velocity: float, acceleration: float) -> bool:
         """Set the path from the unwrapped input at t, with constant acceleration, to t+h; False: too many turns."""
@@ -166,7 +208,51 @@ class Master:
         self.second_last_step = self.last_step
         self.last_sample = position
         self.last_step = h
+        self.show()
         return True
+
+    def try_follow_measurement(self, h: float) -> bool:
+        """Set the path that leads on to the estimate from the measurements; False: as `try_predict`."""
+        estimate = self.follow_measurement(h)
+        begin, begin_velocity = self.path_start()
+        is_first = self.samples == 0
+        is_sampled = is_first or self.encoder.is_sampled(self.sample_time)
+        if not self.try_predict(h, begin, begin_velocity, estimate[3]):
+            return False
+        if is_first:
+            self.encoder.start()
+        if is_sampled:
+            self.encoder.set(estimate[0], estimate[1], estimate[2], estimate[3])
+        self.encoder.advance(h, self.sample_time)
+        return True
+
+    def path_start(self) -> tuple[float, float]:
+        """Position and velocity, u and u/s, at the start of the coming step in mode MEASURED."""
+        if self.samples > 0:
+            return self.end, self.end_velocity
+        age = self.delay
+        travel = (self.velocity + 0.5 * self.acceleration * age) * age
+        return self.unwrap_input(self.end - travel) + travel, self.velocity + self.acceleration * age
+
+    def follow_measurement(self, h: float) -> tuple[float, float, float, float]:
+        """The encoder's estimate at the start of the coming step, and the acceleration that leads to it."""
+        encoder = self.encoder
+        age = self.delay
+        if self.samples == 0:
+            travel = (self.velocity + 0.5 * self.acceleration * age) * age
+            return self.unwrap_input(self.end - travel), self.velocity, self.acceleration, self.acceleration
+        if not encoder.is_sampled(self.sample_time):
+            return encoder.position, encoder.velocity, encoder.acceleration, encoder.path_acceleration
+        measured = self.unwrap_input(encoder.expected_position())
+        position, velocity, acceleration = encoder.corrected(measured, self.smoothing_time)
+        path_acceleration = leading_acceleration(
+            position + (velocity + 0.5 * acceleration * age) * age - self.end,
+            velocity + acceleration * age - self.end_velocity,
+            acceleration,
+            max(h, self.sample_time),
+            self.smoothing_time,
+        )
+        return position, velocity, acceleration, path_acceleration
 
     def try_interpolate(self, h: float) -> bool:
         """Set the path along a cubic, from the end of the step before to the input at t+h; False: as `try_predict`."""
@@ -182,7 +268,14 @@ class Master:
         self.end = position
         self.end_velocity = self.velocity
         self.end_acceleration = self.acceleration
+        self.show()
         return True
+
+    def show(self) -> None:
+        """Set the outputs to the end of the step."""
+        self.smoothed_position = wrap(self.end, self.period)
+        self.smoothed_velocity = self.end_velocity
+        self.smoothed_acceleration = self.end_acceleration
 
     def estimate(self, position: float) -> tuple[float, float]:
         """Velocity and acceleration, at the newest sample `position`, of the parabola through the last three samples.

@@ -1,0 +1,109 @@
+"""A master that is measured: a filter for the encoder's values, which makes up for their age.
+
+Each measurement corrects an estimate of the line's motion by the fading-memory filter of three states, also called
+critically damped g-h-k filter: all its poles are at theta = exp(-T/tau), and it has no lag at constant acceleration.
+The estimate's position jumps with each correction, which no slave can follow. So the master's path is led on to the
+estimate, by an acceleration that brings position and velocity there with a double pole at theta.
+
+Source: E. Brookner, Tracking and Kalman Filtering Made Easy, 1998, chapter 1, for the filter. The way to the estimate
+is motionsync's own.
+"""
+
+from dataclasses import dataclass
+
+from . import var
+from .clock import Clock
+from .computable_range import clamp
+from .grid import floor
+from .var import LARGEST_INPUT
+
+SAMPLE_ROUNDING = 1e-9  # of the sample time: a step that begins so little before a multiple of it begins at it
+LARGEST_RATE = 1e200  # u/s: the quotient of any distance and a very short time is not infinite
+
+
+@dataclass(slots=True)
+class EncoderFilter:
+    """The estimate of the line's motion at the instant of the latest measurement, in u, u/s and u/s2, and the
+    acceleration of the path that leads to it, in u/s2.
+
+    `age` is the time since the latest measurement, `sample_clock` the time since the latest multiple of the sample
+    time, both in s and at the start of the coming step.
+    """
+
+    position: float = 0.0
+    velocity: float = 0.0
+    acceleration: float = 0.0
+    path_acceleration: float = 0.0
+    age: float = 0.0
+    sample_clock: Clock = var.part(Clock)
+
+    def start(self) -> None:
+        """The coming step begins with the first measurement."""
+        self.age = 0.0
+        self.sample_clock.start(0.0)
+
+    def is_sampled(self, sample_time: float) -> bool:
+        """Whether a measurement is taken at the start of the coming step, which is not the first."""
+        return self.sample_clock.time >= (1.0 - SAMPLE_ROUNDING) * sample_time
+
+    def expected_position(self) -> float:
+        """Where the estimate leads to at the start of the coming step, u."""
+        return self.position + (self.velocity + 0.5 * self.acceleration * self.age) * self.age
+
+    def corrected(self, measured: float, smoothing_time: float) -> tuple[float, float, float]:
+        """The estimate after a measurement at the start of the coming step."""
+        expected = self.expected_position()
+        error = measured - expected
+        share = correction_share(self.age, smoothing_time)
+        theta = 1.0 - share
+        rate = quotient(error, self.age)
+        velocity = self.velocity + self.acceleration * self.age + 1.5 * share * share * (1.0 + theta) * rate
+        acceleration = self.acceleration + share * share * share * quotient(rate, self.age)
+        return (
+            expected + (1.0 - theta * theta * theta) * error,
+            clamp(velocity, -LARGEST_INPUT, LARGEST_INPUT),
+            clamp(acceleration, -LARGEST_INPUT, LARGEST_INPUT),
+        )
+
+    def set(self, position: float, velocity: float, acceleration: float, path_acceleration: float) -> None:
+        """Take over an estimate of the start of the coming step."""
+        self.position = position
+        self.velocity = velocity
+        self.acceleration = acceleration
+        self.path_acceleration = path_acceleration
+        self.age = 0.0
+
+    def advance(self, h: float, sample_time: float) -> None:
+        """Go on to the end of a step of h seconds."""
+        if sample_time > 0.0:
+            passed = floor(self.sample_clock.time / sample_time + SAMPLE_ROUNDING)
+            self.sample_clock.advance(-passed * sample_time)
+            self.sample_clock.advance(h)
+        self.age += h
+
+
+def leading_acceleration(
+    missing: float, missing_velocity: float, acceleration: float, interval: float, smoothing_time: float
+) -> float:
+    """The acceleration, u/s2, that leads to a motion with this acceleration, from a position and a velocity to which so
+    much is missing, if it is chosen anew after each interval, s."""
+    share = correction_share(interval, smoothing_time)
+    rate = 0.5 * share * (4.0 - share) * missing_velocity + share * share * quotient(missing, interval)
+    return clamp(acceleration + quotient(rate, interval), -LARGEST_INPUT, LARGEST_INPUT)
+
+
+def correction_share(interval: float, smoothing_time: float) -> float:
+    """1 - theta: the share of an error that a pole at theta corrects in an interval, both in s.
+
+    theta is 1 / (1 + x (1 + x/2 (1 + x/3))) at x = interval / smoothing_time: nearly exp(-x), and the same bits on all
+    platforms. Without a smoothing time theta is 0."""
+    if smoothing_time == 0.0:
+        return 1.0
+    x = interval / smoothing_time
+    growth = x * (1.0 + 0.5 * x * (1.0 + x / 3.0))  # 1 / theta - 1
+    return growth / (1.0 + growth) if growth < 1e300 else 1.0
+
+
+def quotient(numerator: float, time: float) -> float:
+    """A number divided by a time, within what can be computed with."""
+    return clamp(numerator / time, -LARGEST_RATE, LARGEST_RATE)
