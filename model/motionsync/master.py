@@ -22,6 +22,16 @@ TOO_MANY_TURNS = (  # a refusal's text and the variables it names, for the block
     "master.acceleration",
     "master.period",
 )
+POSITION_SOURCES = (  # what the master's position depends on after initialization
+    "master.position",
+    "master.period",
+    "master.input_mode",
+    "master.velocity",
+    "master.acceleration",
+    "master.delay",
+)
+VELOCITY_SOURCES = ("master.velocity", "master.input_mode", "master.acceleration", "master.delay")
+ACCELERATION_SOURCES = ("master.acceleration", "master.input_mode")
 
 
 class MasterInput(Enumeration):
@@ -54,7 +64,9 @@ class Master:
 
     position: float = var.input(0.0, "the master's position", Unit.POSITION)
     velocity: float = var.input(
-        0.0, "the master's velocity (unused with POSITION_ONLY; with MEASURED as the line runs at the start)", Unit.VELOCITY
+        0.0,
+        "the master's velocity (unused with POSITION_ONLY; with MEASURED as the line runs at the start)",
+        Unit.VELOCITY,
     )
     acceleration: float = var.input(
         0.0, "the master's acceleration (unused with POSITION_ONLY; with MEASURED at the start only)", Unit.ACCELERATION
@@ -75,9 +87,11 @@ class Master:
         max=1.0,
         smallest=1e-9,
     )
-    smoothed_position: float = var.local(0.0, "the master at t+h as the block takes it", Unit.POSITION)
-    smoothed_velocity: float = var.local(0.0, "its velocity", Unit.VELOCITY)
-    smoothed_acceleration: float = var.local(0.0, "its acceleration", Unit.ACCELERATION)
+    smoothed_position: float = var.local(
+        0.0, "the master at t+h as the block takes it", Unit.POSITION, depends=POSITION_SOURCES
+    )
+    smoothed_velocity: float = var.local(0.0, "its velocity", Unit.VELOCITY, depends=VELOCITY_SOURCES)
+    smoothed_acceleration: float = var.local(0.0, "its acceleration", Unit.ACCELERATION, depends=ACCELERATION_SOURCES)
     begin: float = 0.0
     begin_velocity: float = 0.0
     begin_acceleration: float = 0.0

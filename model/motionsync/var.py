@@ -310,12 +310,13 @@ def local(
     discrete: bool = False,
     min: float = -inf,
     max: float = inf,
+    depends: tuple[str, ...] = (),
     codes: type[Enumeration] | None = None,
     report: Report = Report.CHANGES,
     role: Role | None = None,
 ) -> T:
     declaration = Declaration(
-        "local", description, unit, discrete, min=min, max=max, codes=codes, report=report, role=role
+        "local", description, unit, discrete, min=min, max=max, depends=depends, codes=codes, report=report, role=role
     )
     return _declared_field(start, declaration)
 

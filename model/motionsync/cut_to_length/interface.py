@@ -27,7 +27,7 @@ from ..cutting.interface import (
 )
 from ..cutting.settings import PieceParameter
 from ..exceeded_limit import Limit
-from ..master import Master
+from ..master import VELOCITY_SOURCES, Master
 from ..slave import Slave
 from ..var import Enumeration, Report, Role, Unit
 from .faults import Fault, SawParameter, SkipReason
@@ -56,7 +56,6 @@ CUT = (
 )
 TURN = ("axis.max_deceleration", "homing.acceleration", "homing.deceleration", "homing.jerk")
 WAY_HOME = ("axis.max_velocity", "homing.velocity", "homing.settle_time")
-VELOCITY = ("master.velocity", "master.input_mode")
 PITCH = ("length", "length_correction", "kerf", "source", "waste", "waste_length", "mark.spacing", "mark.every")
 STROKE = ("axis.max_position", "home_position")
 REQUEST = ("line.wanted_velocity", "line.margin")
@@ -246,10 +245,10 @@ class CutToLengthInterface:
         depends={
             "max_line_velocity": (*APPROACH, *CUT, *TURN, *WAY_HOME, *PITCH, *STROKE),
             "max_line_velocity_orders": (*APPROACH, *CUT, *TURN, *WAY_HOME, *PITCH, *STROKE),
-            "min_length": (*APPROACH, *CUT, *TURN, *WAY_HOME, *VELOCITY, "length_correction", "kerf", "source"),
-            "cycle_time": (*APPROACH, *CUT, *TURN, *WAY_HOME, *VELOCITY),
-            "stroke": (*APPROACH, *CUT, *TURN, *VELOCITY),
-            "min_sensor_distance": (*APPROACH, *VELOCITY, "home_position", "mark.delay"),
+            "min_length": (*APPROACH, *CUT, *TURN, *WAY_HOME, *VELOCITY_SOURCES, "length_correction", "kerf", "source"),
+            "cycle_time": (*APPROACH, *CUT, *TURN, *WAY_HOME, *VELOCITY_SOURCES),
+            "stroke": (*APPROACH, *CUT, *TURN, *VELOCITY_SOURCES),
+            "min_sensor_distance": (*APPROACH, *VELOCITY_SOURCES, "home_position", "mark.delay"),
         },
     )
     statistics: Statistics = var.part(Statistics)
@@ -290,4 +289,6 @@ class CutToLengthInterface:
     batches: int = var.local(0, "full batches")
     batch_done: bool = var.local(False, "a batch is full, until the next cut ends")
     clock: float = var.local(0.0, "the block's time: 0 at initialization", Unit.TIME)
-    local: Local = var.part(Local, depends={"approach_distance": (*APPROACH, *VELOCITY), "coupling_factor": COUPLING})
+    local: Local = var.part(
+        Local, depends={"approach_distance": (*APPROACH, *VELOCITY_SOURCES), "coupling_factor": COUPLING}
+    )

@@ -130,7 +130,7 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     """A machine, a line that it can nearly follow, and what the run is about: a command that comes often, or none."""
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-3, 1e6)))
     duration = 10.0 ** draw(st.floats(-1.0, 1.0))
-    mode = draw(st.sampled_from((1, 2, 3)))
+    mode = draw(st.sampled_from((1, 2, 3, 4)))
     theme = draw(st.sampled_from(("", "", "", "mark.detected", *COMMANDS)))
     extreme = draw(st.sampled_from((0.0, 0.0, 0.01)))
     r = Random(repr((draw(st.integers(0, 2**32 - 1)), length, duration, mode, theme, extreme)))

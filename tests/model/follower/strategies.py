@@ -39,7 +39,7 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     cycle = max(cycle, 1.01 * ways[1] / ratio)
     remaining = cycle - (ways[1] / ratio if cyclic else least)
     start = {
-        "master.input_mode": draw(st.sampled_from((1, 2, 3))),
+        "master.input_mode": draw(st.sampled_from((1, 2, 3, 4))),
         "master.period": cycle * draw(st.sampled_from((0.0, 0.0, 1.0, 3.0, 0.7))),
         "master.position": cycle * draw(st.floats(-2.0, 2.0)),
         "master.velocity": cycle * draw(st.sampled_from((0.0, 0.3, 1.0))),

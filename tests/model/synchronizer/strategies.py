@@ -19,7 +19,7 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-9, 1e9)))
     periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: max(x * length, 1e-9)), st.floats(1e-9, 1e4))
     start = {
-        "master.input_mode": draw(st.sampled_from((1, 2, 3))),
+        "master.input_mode": draw(st.sampled_from((1, 2, 3, 4))),
         "master.period": draw(periods),
         "master.position": length * draw(st.floats(-3.0, 3.0)),
         "master.velocity": draw(st.floats(-1e3, 1e3)),
