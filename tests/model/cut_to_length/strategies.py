@@ -14,6 +14,7 @@ from motionsync.cut_to_length.interface import State, ToolMode, Warnings
 from motionsync.cutting.faults import PieceFault
 from motionsync.cutting.interface import LateMode, PieceKind, Source, StartMode
 from motionsync.master import MasterInput
+from tests.support.masters import INPUT_MODES
 from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 # How likely a command rises in a step in which it can: usually, and in a run that is about this command.
@@ -130,12 +131,13 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     """A machine, a line that it can nearly follow, and what the run is about: a command that comes often, or none."""
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-3, 1e6)))
     duration = 10.0 ** draw(st.floats(-1.0, 1.0))
-    mode = draw(st.sampled_from((1, 2, 3, 4)))
+    master = draw(INPUT_MODES)
+    mode = master["master.input_mode"]
     theme = draw(st.sampled_from(("", "", "", "mark.detected", *COMMANDS)))
     extreme = draw(st.sampled_from((0.0, 0.0, 0.01)))
     r = Random(repr((draw(st.integers(0, 2**32 - 1)), length, duration, mode, theme, extreme)))
     start: dict[str, Any] = {
-        "master.input_mode": mode,
+        **master,
         "master.period": length * r.choice((0.0, 30.0) if mode == MasterInput.POSITION_ONLY else (0.0, 0.0, 0.7, 3.0)),
         "master.position": length * r.uniform(-3.0, 3.0),
         "master.velocity": length / duration * r.choice((0.0, 0.5, 0.8)),

@@ -12,6 +12,7 @@ from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
 from motionsync.follower.stages import Stage
 from motionsync.master import MasterInput
+from tests.support.masters import INPUT_MODES
 from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 EDGES = ("position_to_park", "position_to_cycle", "end_synchronism", "reset")
@@ -39,7 +40,7 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     cycle = max(cycle, 1.01 * ways[1] / ratio)
     remaining = cycle - (ways[1] / ratio if cyclic else least)
     start = {
-        "master.input_mode": draw(st.sampled_from((1, 2, 3, 4))),
+        **draw(INPUT_MODES),
         "master.period": cycle * draw(st.sampled_from((0.0, 0.0, 1.0, 3.0, 0.7))),
         "master.position": cycle * draw(st.floats(-2.0, 2.0)),
         "master.velocity": cycle * draw(st.sampled_from((0.0, 0.3, 1.0))),

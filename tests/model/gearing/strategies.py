@@ -13,6 +13,7 @@ from motionsync.gearing.interface import State, Transition
 from motionsync.gearing.request import PositionSource
 from motionsync.gearing.stage import Stage
 from motionsync.master import MasterInput
+from tests.support.masters import INPUT_MODES
 from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 LEVELS = ("start", "activate", "reset", "set_master.execute", "set_slave.execute")
@@ -23,7 +24,7 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-6, 1e6)))
     periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: x * length), st.floats(1e-9, 1e4))
     start = {
-        "master.input_mode": draw(st.sampled_from((1, 2, 3, 4))),
+        **draw(INPUT_MODES),
         "master.period": draw(periods),
         "master.position": length * draw(st.floats(-3.0, 3.0)),
         "master.velocity": length * draw(st.sampled_from((0.0, 1.0, -1.0, 2.0))),

@@ -11,6 +11,7 @@ from motionsync.master import MasterInput
 from motionsync.synchronizer.block import Synchronizer
 from motionsync.synchronizer.faults import Fault
 from motionsync.synchronizer.interface import Curve, State
+from tests.support.masters import INPUT_MODES
 from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 
@@ -19,7 +20,7 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     length = draw(st.one_of(st.floats(0.1, 100.0), st.floats(1e-9, 1e9)))
     periods = st.one_of(st.just(0.0), st.floats(0.5, 20.0).map(lambda x: max(x * length, 1e-9)), st.floats(1e-9, 1e4))
     start = {
-        "master.input_mode": draw(st.sampled_from((1, 2, 3, 4))),
+        **draw(INPUT_MODES),
         "master.period": draw(periods),
         "master.position": length * draw(st.floats(-3.0, 3.0)),
         "master.velocity": draw(st.floats(-1e3, 1e3)),
