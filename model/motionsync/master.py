@@ -227,16 +227,16 @@ class Master:
 
     def try_follow_measurement(self, h: float) -> bool:
         """Set the path that leads on to the estimate from the measurements; False: as `try_predict`."""
-        estimate = self.follow_measurement(h)
+        position, velocity, acceleration, path_acceleration = self.follow_measurement(h)
         begin, begin_velocity = self.path_start()
         is_first = self.samples == 0
         is_sampled = is_first or self.encoder.is_sampled(self.sample_time)
-        if not self.try_predict(h, begin, begin_velocity, estimate[3]):
+        if not self.try_predict(h, begin, begin_velocity, path_acceleration):
             return False
         if is_first:
             self.encoder.start()
         if is_sampled:
-            self.encoder.set(estimate[0], estimate[1], estimate[2], estimate[3])
+            self.encoder.set(position, velocity, acceleration, path_acceleration)
         self.encoder.advance(h, self.sample_time)
         return True
 
