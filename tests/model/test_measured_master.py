@@ -159,7 +159,7 @@ def test_a_line_of_constant_acceleration_that_says_so_at_the_start_is_the_ideal_
 
     # of a measurement, how it acts on the estimate's acceleration, and how that acts on the path's over the delay
     share = 1.0 - exp(-h / smoothing_time) if smoothing_time else 1.0
-    rounding = 4e-13 * share**3 / h**2 * (1.0 + (delay * share / h) ** 2)
+    rounding = 1e-12 * share**3 / h**2 * (1.0 + (delay * share / h) ** 2)
     master = measured(
         *at(-delay)[:2], acceleration, smoothing_time=smoothing_time, delay=delay, sample_time=sample_time
     )

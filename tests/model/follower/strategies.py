@@ -44,6 +44,7 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
         "master.period": cycle * draw(st.sampled_from((0.0, 0.0, 1.0, 3.0, 0.7))),
         "master.position": cycle * draw(st.floats(-2.0, 2.0)),
         "master.velocity": cycle * draw(st.sampled_from((0.0, 0.3, 1.0))),
+        "master.acceleration": cycle * draw(st.sampled_from((0.0, 0.0, 1.0))),
         "master_cycle": cycle,
         "variable_cycle": variable,
         "sync_master": cycle * draw(st.floats(-1.0, 3.0)),
