@@ -40,7 +40,7 @@ typedef struct {
 
 /* GUID, VARIABLES, the indices of some of them (-1: the block has none), REFUSES_STARTS and REFUSES_STEPS (whether the
  * block may refuse values in their ranges, at the end of the initialization and in a step, for another reason than a
- * master too far away), END_OF_STEP, LONGEST_STEP, MOST_CYCLES (in a step, of a block that has cycles) */
+ * master too far away), START_OF_STEP and POSITION_ONLY, LONGEST_STEP, MOST_CYCLES (in a step, of a block that has cycles) */
 #include "expected.h"
 
 enum { COUNT = sizeof VARIABLES / sizeof *VARIABLES };
@@ -265,6 +265,11 @@ static bool interpolates(void) {
     return POSITION >= 0 && VELOCITY >= 0 && ACCELERATION >= 0 && INPUT_MODE >= 0;
 }
 
+static bool takes_derivatives(const ExpectedState *k) {
+    int64_t mode = expected_value(k, INPUT_MODE).integer;
+    return interpolates() && (mode == START_OF_STEP || mode == POSITION_ONLY);
+}
+
 #include "fuzz_values.h"
 
 /* --- life --- */
@@ -391,7 +396,7 @@ static void check_twin(Slot *s, FmuState before, double t, double h) {
 static void do_step(Slot *s) {
     double t = one_in(10) ? random_real() : s->expected.time, h = random_step(), travelled, speed;
     ExpectedState *k = &s->expected;
-    bool uses_derivatives = (k->given[1] || k->given[2]) && expected_value(k, INPUT_MODE).integer != END_OF_STEP;
+    bool uses_derivatives = (k->given[1] || k->given[2]) && takes_derivatives(k);
     int expected = expected_of_step(s, t, h, uses_derivatives);
     if ((may_be_far_away(k, h, &travelled, &speed) || REFUSES_STEPS) && !expected) expected = EITHER;
     FmuState before = NULL;

@@ -110,8 +110,7 @@ static void set_real_input_derivatives(Slot *s) {
         values[i] = random_real();
         if (r[i] >= COUNT || VARIABLES[r[i]].kind != REAL || VARIABLES[r[i]].access != INPUT || order[i] < 1) {
             is_valid = false;
-        } else if (!interpolates() || (int)r[i] != POSITION || order[i] > 2 ||
-                   new_state.values[INPUT_MODE].integer == END_OF_STEP) {
+        } else if (!takes_derivatives(&new_state) || (int)r[i] != POSITION || order[i] > 2) {
             ignored = true;
         } else {
             new_state.given[order[i]] = true;

@@ -136,7 +136,7 @@ def expected_header(recipe: Recipe) -> str:
             f'#define GUID "{compute_guid(recipe)}"',
             f"#define LONGEST_STEP {LONGEST_STEP!r}",
             f"#define MOST_CYCLES {MOST_CYCLES!r}",
-            f"enum {{ END_OF_STEP = {MasterInput.END_OF_STEP:d}, POSITION_ONLY = {MasterInput.POSITION_ONLY:d} }};",
+            f"enum {{ {', '.join(f'{mode.name} = {mode:d}' for mode in MasterInput)} }};",
             f"enum {{ {', '.join(f'{key} = {index.get(name, -1)}' for key, name in names.items())} }};",
             f"enum {{ REFUSES_STARTS = {int(bool(others))}, REFUSES_STEPS = {int(bool(others & inputs))} }};",
             f"static const Reference SLAVE[] = {{{', '.join(f'(Reference){i}' for i in slave)}}};",

@@ -164,9 +164,14 @@ def test_outputs_follow_inputs_while_initializing(host: FmuInstance) -> None:
 
 INVALID_STARTS = [
     (
-        {"master.input_mode": 4},
-        "master.input_mode = 4 is not allowed: it must be 1 START_OF_STEP, 2 END_OF_STEP, 3",
+        {"master.input_mode": 5},
+        "master.input_mode = 5 is not allowed: it must be 1 START_OF_STEP, 2 END_OF_STEP, 3 POSITION_ONLY, 4 MEASURED",
     ),
+    ({"master.smoothing_time": 10.5}, "master.smoothing_time = 10.5 is not allowed: it must be 0 to 10"),
+    ({"master.smoothing_time": math.nan}, "master.smoothing_time = nan is not allowed"),
+    ({"master.delay": -1e-3}, "master.delay = -0.001 is not allowed: it must be 0 to 1"),
+    ({"master.sample_time": 2.0}, "master.sample_time = 2 is not allowed: it must be 0, or 1e-09 to 1"),
+    ({"master.sample_time": math.inf}, "master.sample_time = inf is not allowed"),
     ({"curve": -7}, "curve = -7 is not allowed: it must be 1 PARABOLA, 2 POLYNOMIAL_3_4_5"),
     ({"master.period": 1e-10}, "master.period = 1e-10 is not allowed: it must be 0, or >= 1e-09"),
     ({"master.period": -1.0}, "master.period = -1 is not allowed"),
@@ -320,8 +325,9 @@ def test_estimates_go_on_after_a_step_with_derivatives(native: Path, host: FmuIn
             }
 
 
-def test_derivatives_that_are_of_no_use_are_ignored_with_a_warning(host: Logged) -> None:
-    host.initialize({"master.input_mode": 2})
+@pytest.mark.parametrize("mode", [2, 4])
+def test_derivatives_that_are_of_no_use_are_ignored_with_a_warning(host: Logged, mode: int) -> None:
+    host.initialize({"master.input_mode": mode})
     before = saved(host)
     assert set_derivatives(host, {1: 5.0}) == WARNING
     assert host.lines[-1][:2] == (WARNING, "logStatusWarning")

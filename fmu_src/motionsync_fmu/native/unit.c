@@ -121,6 +121,13 @@ COLD Status unit_exit_initialization(Unit *u) {
 
 static bool has_derivatives(void) { return MASTER[0] >= 0; }
 
+/* Whether derivatives of the master's position count: where it is the exact one at the start of the step. */
+static bool takes_derivatives(Unit *u) {
+    if (!has_derivatives()) return false;
+    int64_t mode = *integer_at(u, INPUT_MODE);
+    return mode == START_OF_STEP || mode == POSITION_ONLY;
+}
+
 /* Replaces inputs by the derivatives that are given for this step, so that they hold the master's motion at the start
  * of the step. Returns whether the values are allowed. */
 COLD static bool apply_derivatives(Unit *u) {
@@ -244,7 +251,7 @@ COLD void unit_terminate(Unit *u) {
 Status unit_step(Unit *u, double time, double h, const char *call) {
     if (!check_mode(u, STEPPING, call)) return UNIT_ERROR;
     if (!can_step(u, time, h)) return u->refusal_status;
-    bool derived = has_derivatives() && u->now.derivatives_given && *integer_at(u, INPUT_MODE) != END_OF_STEP;
+    bool derived = u->now.derivatives_given && takes_derivatives(u);
     Status status = !derived || apply_derivatives(u) ? step_block(u, h) : u->refusal_status;
     if (derived) restore_inputs(u);
     if (status) return status;

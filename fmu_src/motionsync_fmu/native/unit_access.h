@@ -128,7 +128,7 @@ COLD Status unit_set_input_derivatives(Unit *u, int modes, const uint32_t r[], s
     if (!check_input_derivatives(u, r, n, orders, call)) return UNIT_ERROR;
     bool ignored = false;
     for (size_t i = 0; i < n; i++) {
-        if (has_derivatives() && (int)r[i] == MASTER[0] && orders[i] <= 2 && *integer_at(u, INPUT_MODE) != END_OF_STEP) {
+        if (takes_derivatives(u) && (int)r[i] == MASTER[0] && orders[i] <= 2) {
             u->now.derivatives[orders[i]] = values[i];
             u->now.derivatives_given |= 1 << orders[i];
         } else {
