@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from copy import deepcopy
+from itertools import pairwise
 from math import exp, inf, nan, sqrt
 from random import Random
 
@@ -273,4 +274,4 @@ def test_the_longest_travel_bounds_what_the_step_travels(mode: MasterInput) -> N
         bound = master.longest_travel(h)
         assert master.try_advance(h)
         path = master.path.positions[: master.path.sections + 1]
-        assert sum(abs(b - a) for a, b in zip(path, path[1:], strict=False)) <= bound * (1.0 + 1e-9) + 1e-9
+        assert sum(abs(b - a) for a, b in pairwise(path)) <= bound * (1.0 + 1e-9) + 1e-9
