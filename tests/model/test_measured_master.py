@@ -71,7 +71,7 @@ def lengths(r: Random) -> Callable[[], float]:
 
 @pytest.mark.parametrize("seed", range(60))
 def test_random_runs_agree_with_the_oracle(seed: int) -> None:
-    """To 1e-9 of the motion's size: lines that speed up, stand and turn back, with noise, delay, sample times, turns."""
+    """To 1e-9: lines that speed up, stand and turn back, with noise, delay, sample times, turns."""
     r = Random(seed)
     step = lengths(r)
     tau = r.choice([0.02, 0.02, 0.01, 0.1, 0.005, 1.0])
