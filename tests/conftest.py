@@ -1,5 +1,6 @@
 """What all tests have in common: the built FMUs, and the rule that CI accepts no skipped test."""
 
+import gc
 import inspect
 import re
 import sys
@@ -41,6 +42,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     for package in sorted(path.parent.name for path in FOLDER.glob("*/__init__.py")):
         config.addinivalue_line("markers", f"{package}: a test in tests/{package}")
+    gc.disable()  # modules and tests stay until the end: to look for garbage among them takes a third of the collection
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:

@@ -59,12 +59,10 @@ class Pair:
 
     def step(self, h: float, values: dict[str, Any]) -> int | None:
         """The refusal of the block; None if an input or the step size is not allowed, so that there is no step."""
-        before = self.stepper.get(values)
-        self.set(values)
-        checked = [self.inputs[name] for name in values if name in self.inputs]  # the others have been checked
-        if not 0.0 < h <= LONGEST_STEP or not all(v.allows(v.cell.get()) for v in checked):
-            self.set(before)
+        allowed = (self.inputs[name].allows(value) for name, value in values.items() if name in self.inputs)
+        if not 0.0 < h <= LONGEST_STEP or not all(allowed):
             return None
+        self.set(values)
         refusal = self.block.step(h)
         assert self.compiled.step(h) == refusal
         assert equal(self.block, self.compiled), (h, values)

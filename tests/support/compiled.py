@@ -27,16 +27,14 @@ class Compiled:
         self.layout = _layouts[type(block)]
         self.memory = np.zeros((), self.layout.memory)
         self.memory[...] = np.frombuffer(self.layout.bytes(block), self.layout.memory)[0]
+        self._bytes = self.memory.reshape(1).view(np.uint8).data
         self._address = c_void_p(self.memory.ctypes.data)
         self._initialize, self._step = map(library(type(block)).__getitem__, ("block_initialize", "block_step"))
         self._initialize.restype = self._step.restype = c_int64
 
     def set(self, name: str, value: Any) -> None:
-        *parts, last = name.split(".")
-        owner: Any = self.memory
-        for part in parts:
-            owner = owner[part]
-        owner[last] = value
+        at, form = self.layout.places[name]
+        form.pack_into(self._bytes, at, *(value if isinstance(value, list) else (value,)))
 
     def initialize(self) -> int:
         """The refusal, 0 if there is none.
@@ -66,13 +64,15 @@ class Layout:
         scalars = [c for c in cells(block) if c.type is not list]
         lists = [c for c in cells(block) if c.type is list]
         self.scalars = attrgetter(*(c.name for c in scalars))
-        self.lists = [(attrgetter(c.name), offset(memory, c.name), Struct(f"={len(c.get())}d")) for c in lists]
+        self.places = {c.name: (offset(memory, c.name), Struct(f"={len(c.get())}d")) for c in lists}
         form, end = "=", 0
         for c in scalars:
-            at = offset(memory, c.name)
-            form += f"{at - end}x" + {float: "d", bool: "?"}.get(c.type, "q")
+            at, kind = offset(memory, c.name), {float: "d", bool: "?"}.get(c.type, "q")
+            self.places[c.name] = at, Struct(f"={kind}")
+            form += f"{at - end}x{kind}"
             end = at + (1 if c.type is bool else 8)
         self.form = Struct(f"{form}{memory.itemsize - end}x")
+        self.lists = [(attrgetter(c.name), *self.places[c.name]) for c in lists]
 
     def bytes(self, block: Any) -> bytes:
         memory = bytearray(self.form.pack(*self.scalars(block)))

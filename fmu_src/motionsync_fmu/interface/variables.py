@@ -90,9 +90,9 @@ class Variable:
 
     def allows(self, value: Any) -> bool:
         """Whether a value, a number or Boolean, is within the declared limits. NaN never is."""
-        if self.choices:
-            return value in [member.value for member in self.choices]
-        if self.kind == "Boolean":
+        if self.cell.choices is not None:
+            return value in self.cell.choices
+        if self.cell.type is bool:
             return True
         d = self.declaration
         fits = -inf < value < inf and d.min <= value <= d.max and d.above < value < d.below

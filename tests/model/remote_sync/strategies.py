@@ -89,8 +89,8 @@ def _steps(
         values |= dict(_commands(r, start, length, extreme, commands))
         h = cycle * (r.choice((0.3, 0.5, 2.5, 1e-9, r.uniform(0.0, 4.0))) if r.random() < odd else 1.0)
         time += h / cycle * (1.0 + drift) / ratio
-        if r.random() < extreme:  # the longest of those that are allowed is minutes in Python
-            h = r.choice((0.0, -h, math.nan, math.inf, 2e4 * cycle, 1.5e6 * cycle, 1.1e6, 5e-324))
+        if r.random() < extreme:  # many cycles: more than any limit that is drawn, and few enough for Python
+            h = r.choice((0.0, -h, math.nan, math.inf, 300.0 * cycle, 1.5e6 * cycle, 1.1e6, 5e-324))
         yield h, values
         if r.random() < 0.003:
             drift = r.choice((-drift, 0.5 * drift, 0.0))
