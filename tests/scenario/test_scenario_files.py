@@ -198,9 +198,9 @@ def test_a_step_sets_and_gets_all_variables_of_a_type_in_one_call(fmu: Path, tmp
         patch.setattr(simulation, "FmuInstance", Counted)
         simulate(scenario, fmu, 100.0)
     initial = 1
-    assert called["setReal"] == points + initial
+    assert called["fmi2SetReal"] == points + initial
     assert called["doStep"] == points
-    assert called["getReal"] == called["getInteger"] == called["getBoolean"] == points + initial
+    assert called["fmi2GetReal"] == called["fmi2GetInteger"] == called["fmi2GetBoolean"] == points + initial
 
 
 # --- what a scenario means between its points ---

@@ -2,6 +2,8 @@
 
 import shutil
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -24,6 +26,21 @@ TYPES = {  # those of FMI's get and set functions, by those of the variables
 }
 
 
+def read_description(fmu: Path) -> Any:
+    """FMPy's model description of an FMU, which nobody changes: it is checked against FMI's schema once for many runs.
+
+    Raises:
+        Exception: whatever FMPy meets in a file that is no FMU.
+    """
+    status = fmu.stat()
+    return _read_description(str(fmu.absolute()), status.st_ino, status.st_size, status.st_mtime_ns)
+
+
+@lru_cache(maxsize=32)
+def _read_description(fmu: str, *_version: int) -> Any:
+    return fmpy.read_model_description(fmu)
+
+
 def read_recipe(fmu: Path) -> Recipe:
     """The recipe of a built FMU, with the start values of all its parameters and inputs, and its causality overrides.
 
@@ -31,7 +48,7 @@ def read_recipe(fmu: Path) -> Recipe:
         UserError: the file is not an FMU that can be read.
     """
     try:
-        description = fmpy.read_model_description(str(fmu))
+        description = read_description(fmu)
     except Exception as error:  # FMPy raises whatever it meets in a file that is no FMU
         raise UserError(f"{fmu}: not an FMU that can be read: {str(error).strip().splitlines()[0]}") from None
     units = {t.name: t.unit for t in description.typeDefinitions}
@@ -61,8 +78,26 @@ def _interface(declared: Mapping[str, Variable], description: Any) -> Interface:
     return Interface(**overrides)
 
 
-Groups = list[tuple[str, list[str], list[int]]]
-"""Variables by the type of FMI's functions: the type, names, value references."""
+NEEDED = ("modelDescription.xml", "binaries/", "resources/")
+"""What an importer takes out of an FMU: documentation and sources are for people and compilers."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Variables of one type, with what FMI's functions for this type take.
+
+    Attributes:
+        getter, setter: the functions.
+        names: of the variables.
+        arguments: of both functions after the component; the last ones are `values`, and in FMI 3.0 their number.
+        values: an array of C that both functions share, of shape (names,).
+    """
+
+    getter: Any
+    setter: Any
+    names: list[str]
+    arguments: tuple[Any, ...]
+    values: Any
 
 
 class FmuError(Exception):
@@ -91,14 +126,14 @@ class FmuInstance:
     """
 
     def __init__(self, fmu: Path) -> None:
-        self.description = fmpy.read_model_description(str(fmu))
+        self.description = read_description(fmu)
         self.fmi = fmi_version(self.description)
         types = TYPES[self.fmi]
         self.kinds = {v.name: (v.valueReference, types[v.type]) for v in self.description.modelVariables}
         self.messages: list[str] = []
         self.time = 0.0
-        self._groups: dict[tuple[str, ...], Groups] = {}
-        self.folder = fmpy.extract(str(fmu))
+        self._groups: dict[tuple[str, ...], list[Group]] = {}
+        self.folder = fmpy.extract(str(fmu), include=lambda member: member.startswith(NEEDED))
         self._check_path(Path(self.folder))
         slave = fmi3.FMU3Slave if self.fmi == Fmi.THREE else fmi2.FMU2Slave
         self.unit = slave(
@@ -154,18 +189,28 @@ class FmuInstance:
         """The value references of variables."""
         return [self.kinds[name][0] for name in names]
 
-    def groups(self, names: tuple[str, ...]) -> Groups:
+    def groups(self, names: tuple[str, ...]) -> list[Group]:
         """These variables by type, so that one call sets or gets all of a type; cached from step to step."""
         if names not in self._groups:
             by_kind: dict[str, list[str]] = {kind: [] for kind in TYPES[self.fmi].values()}
             for name in names:
                 by_kind[self.kinds[name][1]].append(name)
-            self._groups[names] = [(kind, group, self.references(group)) for kind, group in by_kind.items() if group]
+            self._groups[names] = [self._group(kind, group) for kind, group in by_kind.items() if group]
         return self._groups[names]
 
+    def _group(self, kind: str, names: list[str]) -> Group:
+        module, prefix = (fmi3, "fmi3") if self.fmi == Fmi.THREE else (fmi2, "fmi2")
+        getter, setter = (getattr(self.unit, f"{prefix}{verb}{kind}") for verb in ("Get", "Set"))
+        count = len(names)
+        references = (getattr(module, f"{prefix}ValueReference") * count)(*self.references(names))
+        values = (getattr(module, f"{prefix}{kind}") * count)()
+        sizes = (count,) if self.fmi == Fmi.THREE else ()
+        return Group(getter, setter, names, (references, count, values, *sizes), values)
+
     def set(self, values: Mapping[str, Any]) -> None:
-        for kind, group, references in self.groups(tuple(values)):
-            self.call(getattr(self.unit, f"set{kind}"), references, [values[name] for name in group])
+        for group in self.groups(tuple(values)):
+            group.values[:] = [values[name] for name in group.names]
+            self.call(group.setter, self.unit.component, *group.arguments)
 
     def step(self, h: float, values: Mapping[str, Any] | None = None) -> None:
         """Set the inputs that belong to the present time, then step on by h seconds."""
@@ -180,8 +225,9 @@ class FmuInstance:
     def get(self, names: Iterable[str] | None = None) -> dict[str, Any]:
         """The values of these variables, of all if none are named; Booleans and enumerations as numbers."""
         values: dict[str, Any] = {}
-        for kind, group, references in self.groups(tuple(self.kinds if names is None else names)):
-            values |= zip(group, self.call(getattr(self.unit, f"get{kind}"), references), strict=True)
+        for group in self.groups(tuple(self.kinds if names is None else names)):
+            self.call(group.getter, self.unit.component, *group.arguments)
+            values |= zip(group.names, group.values, strict=True)
         return values
 
     def call(self, function: Any, *arguments: Any, **options: Any) -> Any:
