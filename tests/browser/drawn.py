@@ -13,8 +13,8 @@ READ = """() => {
     .filter((e) => e.getAttribute('visibility') !== 'hidden')
     .map((e) => { const b = e.getBoundingClientRect(); return [b.left, b.right, b.top, b.bottom]; });
   const number = (text) => Number(text.replace('\\u2212', '-'));
-  const ruler = [...root.querySelectorAll('.ground text.soft[text-anchor=middle]')].map((e, i) =>
-    [number(e.textContent), boxes('.ground text.soft[text-anchor=middle]')[i]]);
+  const labels = '.ground text.soft[text-anchor=middle]', places = boxes(labels);
+  const ruler = [...root.querySelectorAll(labels)].map((e, i) => [number(e.textContent), places[i]]);
   return {
     time: +root.dataset.time,
     blade: boxes('.tool path')[0],
@@ -97,3 +97,18 @@ class Belt:
 def read_belt(visit: Visit) -> Belt:
     """What is drawn now."""
     return Belt(**visit.page.evaluate(READ))
+
+
+def read_belts(visit: Visit, times: list[float]) -> list[Belt]:
+    """What is drawn when these times are shown, in s, one after the other."""
+    show = f"times => times.map((t) => {{ window.motionsyncMachine.show(t); return ({READ})(); }})"
+    return [Belt(**belt) for belt in visit.page.evaluate(show, times)]
+
+
+def watch_belt(visit: Visit, interval: int, duration: int) -> list[Belt]:
+    """What is drawn each `interval` ms while the browser's own time, which has to be frozen, goes on so many ms."""
+    visit.page.evaluate(
+        f"interval => {{ window.seenBelts = []; setInterval(() => seenBelts.push(({READ})()), interval); }}", interval
+    )
+    visit.wait(duration)
+    return [Belt(**belt) for belt in visit.page.evaluate("seenBelts")]

@@ -3,6 +3,7 @@
 Everything is measured on the screen and compared with the recording alone.
 """
 
+import math
 import random
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 
 from motionsync_fmu.scenario.recording import Recording
 from tests.browser.conftest import OpenBlock, OpenReport
-from tests.browser.drawn import Belt, read_belt
+from tests.browser.drawn import Belt, read_belt, read_belts, watch_belt
 from tests.browser.runs import run
 from tests.browser.visit import Visit
 
@@ -20,6 +21,21 @@ BASIC_CUT, CYCLIC_CUT, KINDS = "CutToLength/basic_cut", "FlyingSaw/cyclic_cut", 
 LOWERING = 0.06  # s, which the blade needs up and down
 SPEED = {BASIC_CUT: 1, KINDS: 5, CYCLIC_CUT: 5}  # at which the run plays
 PICTURE = 37  # ms from one look at the picture to the next, times the speed: no multiple of a picture's time
+
+AXES = """times => times.map((t) => {
+  window.motionsyncMachine.show(t);
+  const middle = (e) => { const b = e.getBoundingClientRect(); return (b.left + b.right) / 2; };
+  const shown = (axis) => {
+    const layer = document.querySelector(`.motionsync-machine g.${axis}`);
+    const numbers = [...layer.querySelectorAll('text.soft[text-anchor=middle]')];
+    const hands = [...layer.querySelectorAll('.hand rect')];
+    if (hands.length !== 1) throw new Error(`${hands.length} hands`);
+    return { numbers: numbers.map((e) => [e.textContent, middle(e)]), hand: middle(hands[0]) };
+  };
+  return { master: shown('master'), slave: shown('slave') };
+})"""
+"""What is drawn of two axes at each of these times: the numbers of the rulers with their middles, and those of the
+hands, in px."""
 
 OpenPage = Callable[..., Visit]
 
@@ -95,15 +111,12 @@ def test_the_picture_is_the_recording_while_it_plays_and_backwards(open_run: Ope
     visit.freeze()
     visit.page.locator(".motionsync-machine select").select_option(str(speed))
     visit.page.get_by_role("button", name="Play").click()
-    played = []
-    while not played or played[-1].time < stop:
-        visit.wait(PICTURE)
-        played.append(read_belt(visit))
+    played = watch_belt(visit, PICTURE, math.ceil(1000.0 * stop / speed) + 2 * PICTURE)
+    assert played[-1].time == stop
     assert len(played) > stop / (speed * 0.05)
     assert set().union(*(check(name, belt) for belt in played)) == {"picture", "down", "up", "cut", "mark"}
-    for belt in random.Random(1).sample(played, 25):
-        visit.show(belt.time)
-        assert read_belt(visit) == belt
+    again = random.Random(1).sample(played, 25)
+    assert read_belts(visit, [belt.time for belt in again]) == again
 
 
 @pytest.mark.parametrize("name", [BASIC_CUT, CYCLIC_CUT])
@@ -118,31 +131,35 @@ def test_two_axes_are_drawn_where_the_recording_has_them(open_run: OpenPage) -> 
     name = "Gearing/ccw_direct"
     _, recording = run(name)
     visit = open_run(name)
-    middle = "(e) => { const b = e.getBoundingClientRect(); return (b.left + b.right) / 2; }"
     times = [float(t) for t in recording.time[:: len(recording.time) // 12]]
-    for t in [*times, *reversed(times)]:
-        visit.show(t)
+    order = [*times, *reversed(times)]
+    for t, shown in zip(order, visit.page.evaluate(AXES, order), strict=True):
         for axis, recorded in (("master", recording.master[:, 0]), ("slave", recording.values["slave.position"])):
-            layer = visit.page.locator(f".motionsync-machine g.{axis}")
-            numbers = layer.locator("text.soft[text-anchor=middle]")
-            texts = [x.replace("\N{MINUS SIGN}", "-") for x in numbers.all_text_contents()]
-            ruler = [(float(x), numbers.nth(i).evaluate(middle)) for i, x in enumerate(texts) if x[-1].isdigit()]
+            texts = [(text.replace("\N{MINUS SIGN}", "-"), at) for text, at in shown[axis]["numbers"]]
+            ruler = [(float(text), at) for text, at in texts if text[-1].isdigit()]
             (first, left), (last, right) = ruler[0], ruler[-1]
             expected = left + (np.interp(t, recording.time, recorded) - first) * (right - left) / (last - first)
-            assert layer.locator(".hand rect").evaluate(middle) == pytest.approx(expected, abs=0.5)
+            assert shown[axis]["hand"] == pytest.approx(expected, abs=0.5)
 
 
 @pytest.mark.parametrize("width", [1280, 390])
 @pytest.mark.parametrize("name", ["CutToLength/late_skip", "CutToLength/orders_spoilt_piece", CYCLIC_CUT])
 def test_no_readout_is_cut_off(open_run: OpenPage, name: str, width: int) -> None:
     visit = open_run(name, width=width)
-    readouts = "[...document.querySelectorAll('.motionsync-machine dd')]"
-    texts = f"{readouts}.map(e => [e.textContent, e.scrollWidth - e.clientWidth])"
-    seen, tops = [], []
-    for t in 2 * np.linspace(0.0, run(name)[0].stop_time, 40).tolist():
-        visit.show(t)
-        seen += visit.page.evaluate(texts)
-        tops.append(visit.page.locator(".motionsync-machine svg").bounding_box()["y"])
+    read = """async (times) => {
+      const seen = [];
+      for (const t of times) {
+        window.motionsyncMachine.show(t);
+        await new Promise((done) => requestAnimationFrame(() => setTimeout(done, 0)));  // what observes sizes has acted
+        const readouts = [...document.querySelectorAll('.motionsync-machine dd')];
+        const top = document.querySelector('.motionsync-machine svg').getBoundingClientRect().top;
+        seen.push([readouts.map((e) => [e.textContent, e.scrollWidth - e.clientWidth]), top]);
+      }
+      return seen;
+    }"""
+    times = 2 * np.linspace(0.0, run(name)[0].stop_time, 40).tolist()
+    shown = visit.page.evaluate(read, times)
+    seen, tops = [row for readouts, _ in shown for row in readouts], [top for _, top in shown]
     assert len(seen) >= 80 * 6
     assert [text for text, missing in seen if missing > 0] == []
     assert len(set(tops[40:])) == 1  # the picture stays in place once all texts have been seen
