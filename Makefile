@@ -11,7 +11,7 @@ FLAGSHIP := CutToLength/cyclic_orders
 unexport PYTHONDONTWRITEBYTECODE
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
-.PHONY: run line quick check test soak build lint format references pictures benchmark release clean help
+.PHONY: run line quick check test soak build lint types words style format references pictures benchmark release clean help
 
 run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
@@ -37,11 +37,18 @@ soak: $(TESTABLE) ## the random tests alone, with ten times as many examples: ho
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build
 
-lint: $(TESTABLE) ## style, types and words
+lint: $(TESTABLE) ## style, types and words, side by side
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync types words style
+
+types:
+	$(BIN)/mypy
+
+words:
+	$(BIN)/python -m tools.words
+
+style:
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
-	$(BIN)/python -m tools.words
 
 format: $(TESTABLE) ## repair the style
 	$(BIN)/ruff check --fix .

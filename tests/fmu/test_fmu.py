@@ -30,6 +30,7 @@ from motionsync_fmu.interface.variables import Variable, variables
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests import ROOT
 from tests.support.fmus import Fmus
+from tests.support.importers import check_by_fmutool
 from tests.support.random_runs import draw_accepted_run, draw_runs
 
 DISCARD, FATAL = 2, 4
@@ -79,16 +80,10 @@ def test_fmpy_finds_no_fault(block_fmu: Path) -> None:
     assert validate_fmu(str(block_fmu)) == []
 
 
-def test_fmutool_finds_no_error_or_warning(fmu: Path) -> None:
+def test_fmutool_finds_no_error_or_warning(fmu: Path, caplog: pytest.LogCaptureFixture) -> None:
     """Of all blocks it checks the native flavour (tests/native/test_libraries.py); the description of this one has the
     same variables, units and types."""
-    tool = Path(sys.executable).with_name("fmutool")
-    done = subprocess.run([tool, "-input", str(fmu), "-check"], capture_output=True, text=True, check=True)
-    text = done.stdout + done.stderr
-    assert "compliant with FMI-2.0" in text
-    assert "No semantic error" in text
-    assert "ERROR" not in text
-    assert "WARNING" not in text
+    check_by_fmutool(fmu, caplog)
 
 
 def test_capabilities(block_fmu: Path) -> None:

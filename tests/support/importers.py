@@ -1,7 +1,13 @@
-"""What several tests of importers have in common: a run through FMPy, which the others have to repeat bit for bit."""
+"""What several tests of importers have in common: a run through FMPy, which the others have to repeat bit for bit; and
+fmutool's check of an FMU."""
 
+import logging
 from pathlib import Path
 from typing import Any
+
+import pytest
+from fmu_manipulation_toolbox.checker import get_checkers
+from fmu_manipulation_toolbox.operations import FMU
 
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.runs import BlockRun
@@ -31,3 +37,19 @@ def through_fmpy(fmu: Path, run: BlockRun) -> list[dict[str, Any]]:
             host.step(h, values)
             rows.append(bits(host.get()))
     return rows
+
+
+def check_by_fmutool(fmu: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """Check that `fmutool -check` finds neither an error nor a warning. A process of its own would import for a second.
+
+    Raises:
+        AssertionError: it does; the text is what it says.
+    """
+    with caplog.at_level(logging.INFO, "fmu_manipulation_toolbox"), FMU(str(fmu)) as opened:
+        checkers = [checker() for checker in get_checkers()]
+        for checker in checkers:
+            opened.apply_operation(checker)
+    text = caplog.text
+    assert "compliant with FMI-2.0" in text
+    assert "No semantic error" in text
+    assert all(record.levelno < logging.WARNING for record in caplog.records), text
