@@ -87,8 +87,8 @@ def test_a_terminal_that_cannot_show_a_sign_is_no_reason_to_fail(built: Path, tm
         (["build", "--colour"], "--colour"),
     ],
 )
-def test_wrong_usage_is_one_line(arguments: list[str], part: str, tmp_path: Path) -> None:
-    assert_one_line(process(tmp_path, *arguments), part)
+def test_wrong_usage_is_one_line(arguments: list[str], part: str, motionsync: Command) -> None:
+    assert_one_line(motionsync(*arguments), part)
 
 
 def test_the_version_is_printed(motionsync: Command) -> None:
