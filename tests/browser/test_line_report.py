@@ -5,14 +5,13 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.build.fmu import Flavour
-from motionsync_fmu.line.evaluation import evaluate_line
 from motionsync_fmu.line.package import write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.report import write_line_report
 from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
 from tests.support.fmus import Fmus, Shared
-from tests.support.lines import SAW, copied
+from tests.support.lines import SAW, copied, evaluated
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +20,7 @@ def line_report(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFac
     folder = copied(shared, fmus, tmp_path_factory.mktemp("lines"))
     line = load_line(SAW)
     package = write_package(line, Flavour.NATIVE, folder, pytest.fail)
-    write_line_report(folder / "report.html", line, package, evaluate_line(line, package), folder / "line_out.csv")
+    write_line_report(folder / "report.html", line, package, evaluated(shared, line, package), folder / "line_out.csv")
     return folder / "report.html"
 
 

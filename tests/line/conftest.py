@@ -1,6 +1,8 @@
 """The lines of the scenarios, each run once."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -12,7 +14,7 @@ from motionsync_fmu.line.package import LinePackage, write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.variants import Variant
 from tests.support.fmus import Fmus, Shared
-from tests.support.lines import MACHINE, SAW, SYNCHRONIZER, copied, replaced
+from tests.support.lines import MACHINE, SAW, SYNCHRONIZER, copied, evaluated, replaced
 
 FEW = (  # seven cuts; a clock that is 3000 ppm fast: a beat each 1.33 s
     ("stop_time = 149.7", "stop_time = 8.0"),
@@ -21,6 +23,8 @@ FEW = (  # seven cuts; a clock that is 3000 ppm fast: a beat each 1.33 s
     ("count = 200", "count = 7"),
     ("to = 149.7", "to = 8.0"),
 )
+
+Evaluate = Callable[[ProductionLine, LinePackage], LineResult]
 
 
 @dataclass(frozen=True)
@@ -39,20 +43,20 @@ def output(shared: Shared, fmus: Fmus, tmp_path_factory: pytest.TempPathFactory)
     return copied(shared, fmus, tmp_path_factory.mktemp("lines"))
 
 
-def examined(file: Path, output: Path) -> Examined:
+def examined(file: Path, output: Path, evaluate: Evaluate = evaluate_line) -> Examined:
     line = load_line(file)
     package = write_package(line, Flavour.NATIVE, output, pytest.fail)
-    return Examined(line, package, evaluate_line(line, package))
+    return Examined(line, package, evaluate(line, package))
 
 
 @pytest.fixture(scope="session")
-def saw(output: Path) -> Examined:
-    return examined(SAW, output)
+def saw(output: Path, shared: Shared) -> Examined:
+    return examined(SAW, output, partial(evaluated, shared))
 
 
 @pytest.fixture(scope="session")
-def synchronizer(output: Path) -> Examined:
-    return examined(SYNCHRONIZER, output)
+def synchronizer(output: Path, shared: Shared) -> Examined:
+    return examined(SYNCHRONIZER, output, partial(evaluated, shared))
 
 
 @pytest.fixture(scope="session")

@@ -1,12 +1,14 @@
 """The packages of the scenarios' lines, built once in a test run."""
 
 import math
+import pickle
 import shutil
 from pathlib import Path
 
 from motionsync_fmu.build.fmu import Flavour
-from motionsync_fmu.line.line import REMOTE
-from motionsync_fmu.line.package import write_package
+from motionsync_fmu.line.evaluation import LineResult, evaluate_line
+from motionsync_fmu.line.line import REMOTE, ProductionLine
+from motionsync_fmu.line.package import LinePackage, write_package
 from motionsync_fmu.line.reader import load_line
 from tests import ROOT
 from tests.support.fmus import Fmus, Shared
@@ -31,6 +33,18 @@ def copied(shared: Shared, fmus: Fmus, own: Path) -> Path:
             write_package(line, Flavour.NATIVE, folder, lambda text: None)
 
     return Path(shutil.copytree(shared.once("lines", fill), own, dirs_exist_ok=True))
+
+
+def evaluated(shared: Shared, line: ProductionLine, package: LinePackage) -> LineResult:
+    """The result of a line of the scenarios with its own package: its runs take seconds, and are made once for all
+    processes."""
+
+    def fill(folder: Path) -> None:
+        (folder / "result.pickle").write_bytes(pickle.dumps(evaluate_line(line, package)))
+
+    name = line.follower.file.stem
+    result: LineResult = pickle.loads((shared.once(f"results/{name}", fill) / "result.pickle").read_bytes())
+    return result
 
 
 def integrated(phases: list[tuple[float, float]], t: float) -> float:
