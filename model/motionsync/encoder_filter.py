@@ -18,7 +18,7 @@ from .grid import floor
 from .var import LARGEST_INPUT
 
 SAMPLE_ROUNDING = 1e-9  # of the sample time: a step that begins so little before a multiple of it begins at it
-LARGEST_RATE = 1e200  # u/s: the quotient of any distance and a very short time is not infinite
+LARGEST_FREQUENCY = 1e100  # 1/s: the reciprocal of a very short time is not infinite, nor are products with it
 
 
 @dataclass(slots=True)
@@ -27,7 +27,8 @@ class EncoderFilter:
     acceleration of the path that leads to it, in u/s2.
 
     `age` is the time since the latest measurement, `sample_clock` the time since the latest multiple of the sample
-    time, both in s and at the start of the coming step.
+    time, both in s and at the start of the coming step. `share` and `frequency` are those of `interval`, the latest
+    step: while steps are equal, nothing is divided.
     """
 
     position: float = 0.0
@@ -35,6 +36,9 @@ class EncoderFilter:
     acceleration: float = 0.0
     path_acceleration: float = 0.0
     age: float = 0.0
+    interval: float = 0.0
+    share: float = 0.0
+    frequency: float = 0.0
     sample_clock: Clock = var.part(Clock)
 
     def start(self) -> None:
@@ -50,20 +54,40 @@ class EncoderFilter:
         """Where the estimate leads to at the start of the coming step, u."""
         return self.position + (self.velocity + 0.5 * self.acceleration * self.age) * self.age
 
+    def correction(self, interval: float, smoothing_time: float) -> tuple[float, float]:
+        """The share of an error that is corrected after an interval, s, and its reciprocal, 1/s."""
+        if interval == self.interval:
+            return self.share, self.frequency
+        return correction_share(interval, smoothing_time), min(1.0 / interval, LARGEST_FREQUENCY)
+
     def corrected(self, measured: float, smoothing_time: float) -> tuple[float, float, float]:
         """The estimate after a measurement at the start of the coming step."""
         expected = self.expected_position()
         error = measured - expected
-        share = correction_share(self.age, smoothing_time)
+        share, frequency = self.correction(self.age, smoothing_time)
         theta = 1.0 - share
-        rate = quotient(error, self.age)
-        velocity = self.velocity + self.acceleration * self.age + 1.5 * share * share * (1.0 + theta) * rate
-        acceleration = self.acceleration + share * share * share * quotient(rate, self.age)
+        rate = share * share * frequency * error
+        velocity = self.velocity + self.acceleration * self.age + 1.5 * (1.0 + theta) * rate
+        acceleration = self.acceleration + share * frequency * rate
         return (
             expected + (1.0 - theta * theta * theta) * error,
             clamp(velocity, -LARGEST_INPUT, LARGEST_INPUT),
             clamp(acceleration, -LARGEST_INPUT, LARGEST_INPUT),
         )
+
+    def leading_acceleration(
+        self,
+        missing: float,
+        missing_velocity: float,
+        acceleration: float,
+        interval: float,
+        smoothing_time: float,
+    ) -> float:
+        """The acceleration, u/s2, that leads to a motion with this acceleration, from a position and a velocity to which
+        so much is missing, if it is chosen anew after each interval, s."""
+        share, frequency = self.correction(interval, smoothing_time)
+        rate = 0.5 * share * (4.0 - share) * missing_velocity + share * share * frequency * missing
+        return clamp(acceleration + frequency * rate, -LARGEST_INPUT, LARGEST_INPUT)
 
     def set(self, position: float, velocity: float, acceleration: float, path_acceleration: float) -> None:
         """Take over an estimate of the start of the coming step."""
@@ -73,23 +97,17 @@ class EncoderFilter:
         self.path_acceleration = path_acceleration
         self.age = 0.0
 
-    def advance(self, h: float, sample_time: float) -> None:
+    def advance(self, h: float, smoothing_time: float, sample_time: float) -> None:
         """Go on to the end of a step of h seconds."""
         if sample_time > 0.0:
             passed = floor(self.sample_clock.time / sample_time + SAMPLE_ROUNDING)
             self.sample_clock.advance(-passed * sample_time)
             self.sample_clock.advance(h)
         self.age += h
-
-
-def leading_acceleration(
-    missing: float, missing_velocity: float, acceleration: float, interval: float, smoothing_time: float
-) -> float:
-    """The acceleration, u/s2, that leads to a motion with this acceleration, from a position and a velocity to which so
-    much is missing, if it is chosen anew after each interval, s."""
-    share = correction_share(interval, smoothing_time)
-    rate = 0.5 * share * (4.0 - share) * missing_velocity + share * share * quotient(missing, interval)
-    return clamp(acceleration + quotient(rate, interval), -LARGEST_INPUT, LARGEST_INPUT)
+        share, frequency = self.correction(h, smoothing_time)
+        self.interval = h
+        self.share = share
+        self.frequency = frequency
 
 
 def correction_share(interval: float, smoothing_time: float) -> float:
@@ -102,8 +120,3 @@ def correction_share(interval: float, smoothing_time: float) -> float:
     x = interval / smoothing_time
     growth = x * (1.0 + 0.5 * x * (1.0 + x / 3.0))  # 1 / theta - 1
     return growth / (1.0 + growth) if growth < 1e300 else 1.0
-
-
-def quotient(numerator: float, time: float) -> float:
-    """A number divided by a time, within what can be computed with."""
-    return clamp(numerator / time, -LARGEST_RATE, LARGEST_RATE)

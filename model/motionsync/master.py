@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from . import var
 from .computable_range import clamp
-from .encoder_filter import EncoderFilter, leading_acceleration
+from .encoder_filter import EncoderFilter
 from .grid import wrap
 from .master_path import MasterPath
 from .var import LARGEST_INPUT, Enumeration, Unit
@@ -237,7 +237,7 @@ class Master:
             self.encoder.start()
         if is_sampled:
             self.encoder.set(position, velocity, acceleration, path_acceleration)
-        self.encoder.advance(h, self.sample_time)
+        self.encoder.advance(h, self.smoothing_time, self.sample_time)
         return True
 
     def path_start(self) -> tuple[float, float]:
@@ -259,7 +259,7 @@ class Master:
             return encoder.position, encoder.velocity, encoder.acceleration, encoder.path_acceleration
         measured = self.unwrap_input(encoder.expected_position())
         position, velocity, acceleration = encoder.corrected(measured, self.smoothing_time)
-        path_acceleration = leading_acceleration(
+        path_acceleration = encoder.leading_acceleration(
             position + (velocity + 0.5 * acceleration * age) * age - self.end,
             velocity + acceleration * age - self.end_velocity,
             acceleration,
