@@ -83,8 +83,8 @@ class EncoderFilter:
         interval: float,
         smoothing_time: float,
     ) -> float:
-        """The acceleration, u/s2, that leads to a motion with this acceleration, from a position and a velocity to which
-        so much is missing, if it is chosen anew after each interval, s."""
+        """The acceleration, u/s2, that leads to a motion with this acceleration, from a position and a velocity to
+        which so much is missing, if it is chosen anew after each interval, s."""
         share, frequency = self.correction(interval, smoothing_time)
         rate = 0.5 * share * (4.0 - share) * missing_velocity + share * share * frequency * missing
         return clamp(acceleration + frequency * rate, -LARGEST_INPUT, LARGEST_INPUT)

@@ -71,7 +71,7 @@ def lengths(r: Random) -> Callable[[], float]:
 
 @pytest.mark.parametrize("seed", range(60))
 def test_random_runs_agree_with_the_oracle(seed: int) -> None:
-    """To 1e-9: lines that speed up, stand and turn back, with noise, delay, sample times, turns."""
+    """To 1e-9 up to 100 u: lines that speed up, stand and turn back, with noise, delay, sample times, turns."""
     r = Random(seed)
     step = lengths(r)
     tau = r.choice([0.02, 0.02, 0.01, 0.1, 0.005, 1.0])
@@ -87,7 +87,8 @@ def test_random_runs_agree_with_the_oracle(seed: int) -> None:
     position, velocity, acceleration = line
     for _ in range(300):
         at_end = oracle.path
-        assert distance(master.smoothed_position, float(oracle.wrapped), settings["period"]) <= 1e-9
+        size = max(1.0, abs(position) / 100.0)
+        assert distance(master.smoothed_position, float(oracle.wrapped), settings["period"]) <= 1e-9 * size
         assert master.smoothed_velocity == pytest.approx(float(at_end.velocity), rel=1e-9, abs=1e-9 * 1e3)
         assert master.smoothed_acceleration == pytest.approx(
             float(at_end.acceleration), rel=1e-9, abs=1e-6 / min(tau, 0.1) ** 2 * 0.01 + 1e-6
