@@ -105,6 +105,16 @@ def test_the_drawn_runs_meet_all_that_can_happen(block: str) -> None:
     assert not missing
 
 
+def test_compiled_code_gives_the_bits_of_python_over_20_000_cycles_in_one_step() -> None:
+    """Longer than any limit of cycles that a run can have; the random runs have at most 300 in a step."""
+    for run in draw_runs("RemoteSync", 100, 2):
+        pair = Pair("RemoteSync", run.start)
+        for h, values in run.steps:
+            if pair.step(h, values):
+                pair.restart()
+        assert pair.step(20_000 * run.start["task_cycle_time"], {}) == 0
+
+
 @settings(LONG, max_examples=12, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_both_fmus_give_the_same_bits_and_log_the_same(
