@@ -86,6 +86,27 @@ def test_fmutool_finds_no_error_or_warning(fmu: Path, caplog: pytest.LogCaptureF
     check_by_fmutool(fmu, caplog)
 
 
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [('causality="input"', 'causality="entry"'), ('name="stop"', 'name="start"')],
+    ids=["not in the schema", "a name twice"],
+)
+def test_fmutool_finds_a_fault(
+    fmu: Path, right: str, wrong: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Otherwise the test above would prove nothing."""
+    faulty = tmp_path / fmu.name
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(faulty, "w") as target:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "modelDescription.xml":
+                assert right.encode() in content
+                content = content.replace(right.encode(), wrong.encode(), 1)
+            target.writestr(name, content)
+    with pytest.raises(AssertionError):
+        check_by_fmutool(faulty, caplog)
+
+
 def test_capabilities(block_fmu: Path) -> None:
     unit = read_model_description(str(block_fmu)).coSimulation
     assert unit.canHandleVariableCommunicationStepSize
