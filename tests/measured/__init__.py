@@ -1,0 +1,1 @@
+"""Blocks on measured lines: 100 seeds at once in the compiled loop."""
