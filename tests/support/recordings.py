@@ -30,9 +30,9 @@ def run_interpreted(scenario: Scenario) -> tuple[Recording | None, str]:
 def assert_same(first: Recording, second: Recording) -> None:
     """Both have the same points, values, axis, settings and unmet reactions, to the last bit."""
     assert first.time.tobytes() == second.time.tobytes()
-    assert first.values.keys() == second.values.keys()
-    for name, values in first.values.items():
-        assert values.tobytes() == second.values[name].tobytes(), name
+    assert first.columns.keys() == second.columns.keys()
+    for name, values in first.columns.items():
+        assert values.tobytes() == second.columns[name].tobytes(), name
     assert first.master.tobytes() == second.master.tobytes()
     assert list(first.settings) == list(second.settings)
     assert list(first.unmet) == list(second.unmet)

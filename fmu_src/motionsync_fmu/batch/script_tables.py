@@ -15,6 +15,7 @@ from motionsync.master import MasterInput
 from ..compiler import memory_layout
 from ..errors import choose
 from ..interface.recipe import Recipe
+from ..scenario.computed_columns import compute_columns
 from ..scenario.recording import Reals, Recording
 from ..scenario.run.reactions import COMPARISON_MARGIN, SAMPLE_LEAD, round_times, scan_times
 from ..scenario.run.simulation import CLOSE, communication_points
@@ -263,7 +264,9 @@ class RunTables:
         if self.scenario.drive:
             count = run["motion_count"].item()
             script = _Driven(self.breaks[:count], self.motions[:count])
-        return Recording(self.target[0, :n], values, axis, [], self.settings(run["taken"].item()), self.unmet, script)
+        time, settings = self.target[0, :n], self.settings(run["taken"].item())
+        computed = compute_columns(self.scenario, time, values)
+        return Recording(time, values, axis, [], settings, self.unmet, script, computed)
 
     @property
     def unmet(self) -> list[UnmetReaction]:

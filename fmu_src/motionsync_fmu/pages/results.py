@@ -74,14 +74,16 @@ def write_outcome(
 
 
 def write_outputs(out: TextIO, scenario: Scenario, recording: Recording) -> None:
-    """Write time, the scripted axis, the slave, state, in_sync, then the other variables; only Reals have a point."""
-    kinds = {name: v.kind for name, v in scenario.recipe.variables.items()}
-    slave = [name for name in recording.values if name.startswith("slave.")]
-    names = [*slave, *(name for name in FIRST if name in recording.values)]
-    names += [name for name in recording.values if name not in names]
+    """Write time, the scripted axis, the slave, the columns that are computed of it, state, in_sync, then the other
+    variables; only Reals have a point."""
+    kinds = {name: v.kind for name, v in scenario.columns.items()}
+    values = recording.columns
+    slave = [name for name in values if name.startswith("slave.")]
+    names = [*slave, *recording.computed, *(name for name in FIRST if name in values)]
+    names += [name for name in values if name not in names]
     axis = "true_axis" if scenario.remote else "master"
     types = [float] * (1 + len(MASTER)) + [float if kinds[n] == "Real" else int for n in names]
-    columns = [recording.time, *recording.master.T, *(recording.values[n] for n in names)]
+    columns = [recording.time, *recording.master.T, *(values[n] for n in names)]
 
     def rows() -> Iterator[tuple[float, ...]]:
         for i in range(0, len(recording.time), ROWS):

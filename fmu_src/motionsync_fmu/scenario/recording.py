@@ -1,7 +1,7 @@
 """Recorded outputs of one run."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ class Recording:
     `master`: the scripted axis at these points, unwrapped, shape (points, 4): u, u/s, u/s2, u/s3. `settings`: all that
     was set, by the scenario's settings and by its reactions, in this order; `unmet`: the reactions that happened less
     often than they could have. `script`: the same axis at every time; None: the recording was not made by a run.
+    `computed`: columns that follow from the outputs, by name, shape (points,).
     """
 
     time: Reals
@@ -28,6 +29,12 @@ class Recording:
     settings: Sequence[Setting] = ()
     unmet: Sequence[UnmetReaction] = ()
     script: Script | None = None
+    computed: Mapping[str, Reals] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> dict[str, Reals]:
+        """The outputs, and what is computed from them."""
+        return {**self.values, **self.computed}
 
 
 def greatest_position(recording: Recording) -> float:

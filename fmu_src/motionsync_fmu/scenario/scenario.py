@@ -10,10 +10,14 @@ from pathlib import Path
 from typing import Any, Self
 
 from ..interface.recipe import Recipe
+from ..interface.variables import Variable
+from .computed_columns import SLAVE_PERIOD, computed_variables
 from .cutting import CutSpec, PieceSpec
 from .drive import Drive
+from .load import Load
 from .remote_view import RemoteView
 from .script import Script
+from .servo import Servo
 from .settings import OutputCondition, Reaction, Setting
 
 
@@ -103,6 +107,8 @@ class Scenario:
         pieces: how the pieces are checked that the block reports; None: they are not.
         picture: how the scenario is drawn where it is a block's example.
         drive: what moves the master if it follows a velocity that the block requests; None: it is scripted.
+        servo: what is between the setpoint and the tool; None: the tool is where the setpoint is.
+        load: what the slave's axis moves; None: this is not known.
         step_bound: why the scenario is valid at its own step size only; empty: it is valid at every one.
     """
 
@@ -126,6 +132,8 @@ class Scenario:
     picture: Picture = field(default_factory=Picture)
     reactions: tuple[Reaction, ...] = ()
     drive: Drive | None = None
+    servo: Servo | None = None
+    load: Load | None = None
     step_bound: str = ""
 
     @property
@@ -149,6 +157,17 @@ class Scenario:
     def period(self) -> float:
         """The master's period, in u; 0: it is a linear axis."""
         return float(self.start.get("master.period", 0.0))
+
+    @property
+    def slave_period(self) -> float:
+        """The period of the slave's position, in u; 0: it is not wrapped."""
+        return float(self.start.get(SLAVE_PERIOD, 0.0))
+
+    @property
+    def columns(self) -> dict[str, Variable]:
+        """The variables of the block, and the columns that are computed after the run, by name."""
+        computed = computed_variables(servo=self.servo is not None, load=self.load is not None)
+        return {**self.recipe.variables, **computed}
 
     @property
     def reacts(self) -> bool:

@@ -224,6 +224,8 @@ class _CachingReader(BlockReader):
     expectations = _reused_while_unchanged(BlockReader.expectations)
     cuts = _reused_while_unchanged(BlockReader.cuts)
     pieces = _reused_while_unchanged(BlockReader.pieces)
+    servo = _reused_while_unchanged(BlockReader.servo)
+    load = _reused_while_unchanged(BlockReader.load)
     picture = _reused_while_unchanged(BlockReader.picture)
 
 

@@ -11,6 +11,7 @@ from motionsync.var import Unit
 from ...interface.roles import piece_variables
 from ...interface.units import unit_name
 from ...interface.variables import Variable
+from ..computed_columns import needed_outputs
 from ..cutting import CutSpec, PieceSpec
 from ..engineering import engineering
 from ..recording import Recording, greatest_position
@@ -40,7 +41,8 @@ class Check:
 def checked_outputs(scenario: Scenario) -> set[str]:
     """The outputs that the expectations of a scenario check over time; empty if there are none."""
     variables = scenario.recipe.variables.values()
-    names = {name for e in scenario.expectations for name in e.names}
+    names = {name for e in scenario.expectations for name in e.names if name in scenario.recipe.variables}
+    names |= {*needed_outputs(scenario.servo, scenario.load)}
     if scenario.cuts:
         names |= {scenario.cuts.name, "slave.position"}
     if pieces := piece_variables(variables):
@@ -58,7 +60,7 @@ def check_expectations(scenario: Scenario, recording: Recording, results: Cuttin
     for e in scenario.expectations:
         match e:
             case AtTime():
-                checks += _check_values_at_time(e, recording, scenario.recipe.variables)
+                checks += _check_values_at_time(e, recording, scenario.columns)
             case When():
                 checks.append(
                     _check_first_time(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0)
@@ -85,7 +87,7 @@ def check_reactions(unmet: Iterable[UnmetReaction]) -> list[Check]:
 def _check_values_at_time(e: AtTime, recording: Recording, variables: Mapping[str, Variable]) -> Iterator[Check]:
     i = int(np.argmin(np.abs(recording.time - e.at)))
     for name, required in e.values.items():
-        value = float(recording.values[name][i])
+        value = float(recording.columns[name][i])
         text = variables[name].text
         named = text(required)
         allowed = f" ± {engineering(e.tolerance)}" if named == f"{required:.10g}" else ""
@@ -98,7 +100,7 @@ def _check_first_time(e: When, recording: Recording, cycle: float) -> Check:
 
     An expectation without a tolerance allows one step of the run, or one cycle if that is longer."""
     tolerance = max(float(np.diff(recording.time).max()), cycle) if e.tolerance is None else e.tolerance
-    holds = np.asarray(COMPARISONS[e.comparison](recording.values[e.name], e.value))
+    holds = np.asarray(COMPARISONS[e.comparison](recording.columns[e.name], e.value))
     expected = f"first {e.text} at {e.time:.10g} s ± {engineering(tolerance)}"
     if not holds.any():
         return Check(expected, "never", False)
@@ -109,7 +111,7 @@ def _check_first_time(e: When, recording: Recording, cycle: float) -> Check:
 def _check_limits(e: Within, recording: Recording) -> Iterator[Check]:
     inside = (recording.time >= e.begin - 1e-9) & (recording.time <= e.end + 1e-9)
     for name, (low, high) in e.limits.items():
-        values = recording.values[name][inside]
+        values = recording.columns[name][inside]
         least, greatest = float(values.min()), float(values.max())
         passed = low - e.tolerance <= least and greatest <= high + e.tolerance
         limits = f"from {low:.10g} to {high:.10g} ± {engineering(e.tolerance)}"

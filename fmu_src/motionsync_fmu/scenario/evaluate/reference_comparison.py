@@ -96,7 +96,7 @@ def compare_with_reference(scenario: Scenario, recording: Recording) -> list[Dev
     if reference is None:
         return []
     names, table, tolerance = reference
-    if unknown := [n for n in names if n not in recording.values]:
+    if unknown := [n for n in names if n not in recording.columns]:
         raise UserError(f"{scenario.file.parent}: the reference has {unknown[0]!r}, the FMU has not")
     times = np.unique(table[:, 0])
     at = np.searchsorted(recording.time, times - 1e-9)
@@ -108,7 +108,7 @@ def compare_with_reference(scenario: Scenario, recording: Recording) -> list[Dev
     deviations = []
     for column, name in enumerate(names, 1):
         before, after = table[first, column], table[last, column]
-        values = recording.values[name][at[common]]
+        values = recording.columns[name][at[common]]
         beyond = np.maximum(np.minimum(before, after) - values, values - np.maximum(before, after))
         differences = np.maximum(beyond, 0.0)
         worst = int(np.argmax(differences)) if len(differences) else 0

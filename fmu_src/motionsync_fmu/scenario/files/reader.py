@@ -4,7 +4,7 @@ Every mistake is one `UserError` that starts with file and line and names the ke
 """
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +15,16 @@ from ...interface.causality import CausalityError, Interface
 from ...interface.recipe import Recipe, check_slave_unit
 from ...interface.roles import piece_variables, remote_axis
 from ...interface.units import BASES
+from ..computed_columns import computed_variables
 from ..cutting import CutSpec, PieceSpec, usual_tolerance
 from ..drive import Drive
+from ..load import Load
 from ..remote_view import RemoteView
 from ..scenario import Expectation, Picture, Scenario
 from ..script import Script, Segment
+from ..servo import Servo
 from ..settings import Reaction, Setting
+from .axis_tables import read_load, read_servo
 from .drive_table import KEYS as DRIVE
 from .drive_table import read_drive
 from .expect_tables import read_expectation
@@ -31,7 +35,7 @@ from .toml_tables import TomlTable, read_toml
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "step_bound", "tolerance")
-TABLES = ("interface", "start", "master", "remote", "set", "on", "expect", "cuts", "picture")
+TABLES = ("interface", "start", "master", "remote", "set", "on", "expect", "cuts", "picture", "servo", "load")
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 CONSTANT = ("velocity", "acceleration", "jerk")  # of these a segment has at most one, which is constant in it
 BRACED = ("segments", *LISTS)  # lists of tables in braces
@@ -84,6 +88,8 @@ def read_scenario(
         picture=reader.picture(),
         reactions=reader.reactions(),
         drive=None if reader.axis else reader.drive(),
+        servo=reader.servo(),
+        load=reader.load(slave_unit or unit),
         step_bound=top.string("step_bound", ""),
     )
 
@@ -138,6 +144,7 @@ class BlockReader:
         recipe: the block's FMU.
         axis: the block's remote axis; None: the block has a master.
         piece_variables: the variables by which the block reports its pieces; None: it does not.
+        columns: what may be expected: the block's variables, and the columns that are computed after the run.
     """
 
     def __init__(self, top: TomlTable, name: str, stop_time: float, origin: str = "") -> None:
@@ -150,6 +157,7 @@ class BlockReader:
         self.scripted = "remote" if self.axis else "master"
         part = self.axis.part if self.axis else "master"
         self.block = Subject(name, self.recipe.variables, part, origin or f"the script in [{self.scripted}]")
+        self.columns = {**self.recipe.variables, **computed_variables(servo="servo" in top, load="load" in top)}
 
     def check_axis(self) -> None:
         """Refuse the script of an axis that the block does not have."""
@@ -208,7 +216,16 @@ class BlockReader:
         return reaction
 
     def expectations(self) -> tuple[Expectation, ...]:
-        return tuple(read_expectation(table, self.block, self.stop_time) for table in self.top.tables("expect"))
+        expected = replace(self.block, variables=self.columns)
+        return tuple(read_expectation(table, expected, self.stop_time) for table in self.top.tables("expect"))
+
+    def servo(self) -> Servo | None:
+        """What is between the setpoint and the tool."""
+        return read_servo(self.top.table("servo")) if "servo" in self.top else None
+
+    def load(self, unit: str) -> Load | None:
+        """What the slave's axis moves; `unit`: that of its positions."""
+        return read_load(self.top.table("load"), unit) if "load" in self.top else None
 
     def cuts(self, unit: str) -> CutSpec:
         """How cuts are detected and checked; `unit`: the unit of positions."""

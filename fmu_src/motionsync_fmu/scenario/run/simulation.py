@@ -13,6 +13,7 @@ from motionsync.master import MasterInput
 
 from ...errors import UserError
 from ...interface.stepper import RefusedError, Stepper
+from ..computed_columns import compute_columns
 from ..recording import Reals, Recording
 from ..scenario import AtTime, Scenario, Within
 from ..script import Script
@@ -124,6 +125,7 @@ class _Recorder:
     """
 
     def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
         self.names = [v.name for v in scenario.recipe.variables.values() if not v.settable]
         self.times = array("d")
         self.program = ReactionProgram(scenario)
@@ -143,14 +145,17 @@ class _Recorder:
         self.times.append(time)
 
     def recording(self, messages: list[str]) -> Recording:
+        time = np.frombuffer(self.times)
+        values = dict(zip(self.names, np.frombuffer(self._values).reshape(len(time), -1).T, strict=True))
         return Recording(
-            np.frombuffer(self.times),
-            dict(zip(self.names, np.frombuffer(self._values).reshape(len(self.times), -1).T, strict=True)),
+            time,
+            values,
             np.frombuffer(self._motions).reshape(-1, 4),
             messages,
             self.program.settings,
             self.program.unmet,
             self.program.master,
+            compute_columns(self._scenario, time, values),
         )
 
 

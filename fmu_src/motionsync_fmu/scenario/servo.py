@@ -1,0 +1,219 @@
+"""The servo of a scenario: a position controller with feedforward of the velocity, between the setpoint and the tool.
+
+    s_d(t) = s(t - dead_time)    u = feedforward s_d' + Kv (s_d - x)    Tv v' = u - v    x' = v
+
+It does not act back on the block; therefore the motion is computed after the run, from the recorded setpoint. Since the
+equations do not change with time, the response to the setpoint is computed first, and comes later by the dead time.
+
+The setpoint s is a cubic in each step. There x = s + q + z: the cubic s + q fulfils the equation of motion, and the
+free motion z takes up what q is at the start of the step. With the roots r1 and r2 of Tv r^2 + r + Kv = 0, which may be
+equal or conjugate,
+
+    z' = r1 z + p    p' = r2 p
+
+so that from step to step p and z are two linear recurrences of one number each.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .recording import Reals
+
+KINK = 1e-9  # of a step: a kink of the late setpoint that is nearer to a communication point belongs to that one
+ROUNDING = 1e-15  # relative to positions; what is smaller in the curvature of a step is their rounding
+
+CHUNK = 4096  # points that are computed at a time: their arrays stay in the cache
+
+Numbers = NDArray[Any]
+"""Real numbers, or complex ones where the roots are complex."""
+
+
+@dataclass(frozen=True)
+class ActualMotion:
+    """Position (u, not wrapped), velocity and acceleration of an axis at communication points, shape (points,) each."""
+
+    position: Reals
+    velocity: Reals
+    acceleration: Reals
+
+
+@dataclass(frozen=True)
+class Servo:
+    """A position controller.
+
+    Attributes:
+        position_gain: Kv, in 1/s, > 0.
+        velocity_time_constant: Tv of the velocity loop, in s; 0: the velocity is u.
+        feedforward: the share of the setpoint's velocity that is fed forward.
+        dead_time: the setpoint acts so late, in s.
+    """
+
+    position_gain: float
+    velocity_time_constant: float = 0.0
+    feedforward: float = 1.0
+    dead_time: float = 0.0
+
+    def follow(self, time: Reals, position: Reals, velocity: Reals) -> ActualMotion:
+        """The motion after a setpoint: the cubic through these positions (u, not wrapped) and velocities in each step.
+
+        Before the first time the setpoint rests. Where something jumps at a time, the motion is the one before it.
+
+        time, position, velocity: shape (points,), two points at least; the times rise.
+        """
+        setpoint = _Setpoint(time, position, velocity)
+        free = _FreeMotion.after(self, setpoint)
+        x, v, a = (np.full(len(time), value) for value in (position[0], 0.0, 0.0))
+        for first in range(1, len(time), CHUNK):
+            rows = np.arange(first, min(first + CHUNK, len(time)))
+            late = time[rows] - self.dead_time
+            step = np.searchsorted(time, late - KINK * (time[rows] - time[rows - 1])) - 1  # whose setpoint acts
+            moves = step >= 0  # else the axis is still at rest
+            rows, step, t = rows[moves], step[moves], late[moves] - time[step[moves]]
+            if len(rows):
+                cubics = setpoint.cubics(slice(step[0], step[-1] + 1))
+                at = step - step[0]
+                parts = cubics.at(at, t), self.steady_offset(cubics).at(at, t), free.at(step, t)
+                x[rows], v[rows], a[rows] = (s + q + z for s, q, z in zip(*parts, strict=True))
+        return ActualMotion(x, v, a)
+
+    def steady_offset(self, s: "_Cubics") -> "_Cubics":
+        """The cubics q: the coefficients of s + q fulfil the equation of motion."""
+        k, tv, less = self.position_gain, self.velocity_time_constant, self.feedforward - 1.0
+        q2 = 3.0 * less * s.c3 / k
+        q1 = 2.0 * (less * s.c2 - q2 - 3.0 * tv * s.c3) / k
+        q0 = (less * s.c1 - q1 - 2.0 * tv * (s.c2 + q2)) / k
+        return _Cubics(q0, q1, q2, np.zeros(len(q0)))
+
+
+@dataclass(frozen=True)
+class _Cubics:
+    """A cubic of the time since its begin for each step: coefficients of shape (steps,)."""
+
+    c0: Reals
+    c1: Reals
+    c2: Reals
+    c3: Reals
+
+    def at(self, step: Any, t: Reals) -> tuple[Reals, Reals, Reals]:
+        """Value, first and second derivative, a time t after the begin of the steps with these indices."""
+        c0, c1, c2, c3 = self.c0[step], self.c1[step], self.c2[step], self.c3[step]
+        value = c0 + t * (c1 + t * (c2 + t * c3))
+        return value, c1 + t * (2.0 * c2 + t * (3.0 * c3)), 2.0 * c2 + t * (6.0 * c3)
+
+
+@dataclass(frozen=True)
+class _Setpoint:
+    """Positions (u) and velocities at both ends of each step, shape (points,)."""
+
+    time: Reals
+    position: Reals
+    velocity: Reals
+
+    def cubics(self, steps: slice) -> _Cubics:
+        """The cubics of these steps.
+
+        In a very short step the difference of two positions is mostly rounding; the parabola of the velocities is exact
+        enough there."""
+        ends = slice(steps.start, steps.stop + 1)
+        h, position, velocity = np.diff(self.time[ends]), self.position[ends], self.velocity[ends]
+        p, v, difference = position[:-1], velocity[:-1], np.diff(velocity)
+        beyond = np.diff(position) - h * (v + 0.5 * difference)
+        beyond[np.abs(beyond) <= ROUNDING * np.maximum(np.abs(p), np.abs(position[1:]))] = 0.0
+        return _Cubics(p, v, (3.0 * beyond / h + 0.5 * difference) / h, -2.0 * beyond / (h * h * h))
+
+
+@dataclass(frozen=True)
+class _FreeMotion:
+    """The motion z in each step.
+
+    Attributes:
+        slow, fast: the roots r1 and r2.
+        z, p: at the begin of each step, shape (steps,); without a velocity_time_constant p is 0.
+    """
+
+    slow: complex
+    fast: complex
+    z: Numbers
+    p: Numbers
+
+    @classmethod
+    def after(cls, servo: Servo, setpoint: _Setpoint) -> "_FreeMotion":
+        """The motion of an axis that rests before the first step. It takes up what jumps in q from step to step."""
+        slow, fast = _roots(servo)
+        time = setpoint.time
+        z, p = np.zeros((2, len(time) - 1), complex if isinstance(slow, complex) else float)
+        s = setpoint.cubics(slice(0, 1))
+        q = servo.steady_offset(s)
+        z[0] = -q.c0[0]
+        if servo.velocity_time_constant:
+            p[0] = -q.c1[0] - s.c1[0] - slow * z[0]
+        for first in range(0, len(z) - 1, CHUNK):
+            steps = slice(first, min(first + CHUNK + 1, len(z)))
+            q = servo.steady_offset(setpoint.cubics(steps))
+            h = np.diff(time[steps])
+            ends = q.at(slice(-1), h)
+            jumps = ends[0] - q.c0[1:]
+            of_z, of_p, of_both = _decays(slow, fast, h)
+            if servo.velocity_time_constant:
+                p[steps] = _recurrence(of_p, ends[1] - q.c1[1:] - slow * jumps, p[first])
+                jumps = jumps + of_both * p[steps][:-1]
+            z[steps] = _recurrence(of_z, jumps, z[first])
+        return cls(slow, fast, z, p)
+
+    def at(self, step: Any, t: Reals) -> tuple[Reals, Reals, Reals]:
+        """Position, velocity and acceleration, a time t after the begin of the steps with these indices."""
+        of_z, of_p, of_both = _decays(self.slow, self.fast, t)
+        p = self.p[step]
+        z, p = of_z * self.z[step] + of_both * p, of_p * p
+        v = self.slow * z + p
+        a = self.slow * v + self.fast * p
+        return z.real, v.real, a.real
+
+
+def _roots(servo: Servo) -> tuple[complex, complex]:
+    """The roots of Tv r^2 + r + Kv; where there is only one, it is both."""
+    k, tv = servo.position_gain, servo.velocity_time_constant
+    if not tv:
+        return -k, -k
+    square = 1.0 - 4.0 * k * tv
+    if square >= 0.0:
+        both = 1.0 + math.sqrt(square)
+        return -2.0 * k / both, -both / (2.0 * tv)
+    root = complex(-1.0, math.sqrt(-square)) / (2.0 * tv)
+    return root, root.conjugate()
+
+
+def _decays(slow: complex, fast: complex, t: Reals) -> tuple[Numbers, Numbers, Numbers]:
+    """exp(r1 t), exp(r2 t), and what p leaves in z after a time t: (exp(r1 t) - exp(r2 t)) / (r1 - r2)."""
+    if isinstance(slow, complex):
+        decay, angle = np.exp(slow.real * t), slow.imag * t
+        sine = np.sin(angle)
+        turning = decay * (np.cos(angle) + 1j * sine)
+        return turning, turning.conj(), decay * sine / slow.imag
+    of_slow, apart = np.exp(slow * t), slow - fast
+    return of_slow, np.exp(fast * t), of_slow * (-np.expm1(-apart * t) / apart if apart else t)
+
+
+def _recurrence(factors: Numbers, terms: Numbers, start: complex) -> Numbers:
+    """The numbers y[0] = start, y[k + 1] = factors[k] y[k] + terms[k], one more than there are factors.
+
+    They are computed in rows, all rows at once as if each began with 0; what comes out of the row before is added then.
+    A column takes about as long as four rows."""
+    number = len(terms)
+    columns = math.isqrt(number // 4) + 1
+    rows = -(-number // columns)
+    of_rows = np.zeros((2, rows * columns), np.result_type(factors, terms))
+    of_rows[0, :number], of_rows[1, :number] = factors, terms
+    factors, y = of_rows.reshape(2, rows, columns).transpose(0, 2, 1).copy()
+    for column in range(1, columns):
+        y[column] += factors[column] * y[column - 1]
+    since_begin = np.cumprod(factors, axis=0)
+    before = [start]
+    for factor, own in zip(since_begin[-1].tolist(), y[-1].tolist(), strict=True):
+        before.append(factor * before[-1] + own)
+    y += since_begin * np.array(before[:-1])
+    return np.concatenate([[start], y.T.ravel()[:number]])
