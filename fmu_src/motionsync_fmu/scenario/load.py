@@ -7,7 +7,7 @@ import numpy as np
 from ..interface.units import BASES
 from .recording import Reals
 
-STANDSTILL = 1e-6  # m/s or rad/s: an axis that would need a second for a micrometre stands, and has no friction
+STANDSTILL = 1e-6  # m/s or rad/s: an axis that needs more than a second for a micrometre is at rest: no friction
 
 
 @dataclass(frozen=True)
