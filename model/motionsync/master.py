@@ -14,6 +14,7 @@ from .grid import wrap
 from .master_path import MasterPath
 from .var import LARGEST_INPUT, Enumeration, Unit
 
+UNCERTAIN_TIMES = 3.0  # of the time that a measurement takes to act: for which noise may move a path one way
 LARGEST_TURN_COUNT = 1e15  # with more turns the fraction of a turn is lost to rounding
 TOO_MANY_TURNS = (  # a refusal's text and the variables it names, for the blocks that have a master
     "the master's position and its prediction must be at most 1e15 periods",
@@ -59,7 +60,7 @@ class Master:
 
     In mode MEASURED `encoder` estimates the motion of the line, and the path is led on to the estimate: it joins the
     path of the step before, without a correction. The parts of the path are what the slave follows, not what the inputs
-    hold.
+    hold. `fastest` is the path's greatest speed since `watch_travel`, in u/s.
     """
 
     position: float = var.input(0.0, "the master's position", Unit.POSITION)
@@ -106,6 +107,7 @@ class Master:
     second_last_sample: float = 0.0
     second_last_step: float = 0.0
     encoder: EncoderFilter = var.part(EncoderFilter)
+    fastest: float = 0.0
 
     def try_initialize(self) -> bool:
         """Set the master to its inputs; with POSITION_ONLY its velocity is not available yet and taken as 0.
@@ -180,6 +182,21 @@ class Master:
             return clamp((self.end_velocity - self.begin_velocity) / self.step, -LARGEST_INPUT, LARGEST_INPUT)
         return self.begin_acceleration
 
+    def watch_travel(self) -> None:
+        """From the present step on `uncertain_travel` counts."""
+        self.fastest = max(abs(self.begin_velocity), abs(self.end_velocity))
+
+    def uncertain_travel(self) -> float:
+        """How far the path may move although the line is at rest, or back although it runs on, u; 0 unless MEASURED.
+
+        It is the travel at the path's greatest speed over three times smoothing time, delay and time between two
+        measurements together. The path goes back from its overshoot by at most 1.5 times the travel over that time
+        after a sudden stop, and by at most 2.7 times by noise, at the greatest speed which that has made itself."""
+        if self.input_mode != MasterInput.MEASURED:
+            return 0.0
+        time = self.smoothing_time + self.delay + max(self.step, self.sample_time)
+        return UNCERTAIN_TIMES * time * self.fastest
+
     def unwrap_in_current_turn(self, position: float) -> float:
         """`position`, unwrapped into the same turn as the present input."""
         match self.input_mode:
@@ -238,6 +255,7 @@ class Master:
         if is_sampled:
             self.encoder.set(position, velocity, acceleration, path_acceleration)
         self.encoder.advance(h, self.smoothing_time, self.sample_time)
+        self.fastest = max(self.fastest, abs(self.end_velocity))
         return True
 
     def path_start(self) -> tuple[float, float]:

@@ -1,12 +1,25 @@
 """A CutToLength whose line is measured: no piece is lost, on a running line and on one that halts for a while."""
 
 from math import sqrt
+from typing import Any
 
 import numpy as np
 import pytest
 
+from motionsync.cut_to_length.interface import State, ToolMode
 from motionsync_fmu.batch.simulation import simulate_many
-from tests.measured.lines import MEASURED, POSITION_SIGMA, SEEDS, STEP, Reals, counted, noisy, times
+from tests.measured.lines import (
+    MEASURED,
+    POSITION_SIGMA,
+    SEEDS,
+    STEP,
+    Reals,
+    changes,
+    counted,
+    halting,
+    noisy,
+    times,
+)
 
 LENGTHS = np.tile([300.0, 500.0, 800.0, 1500.0, 3000.0], SEEDS // 5)
 SHARES = np.where(np.arange(SEEDS) % 3 == 0, 0.5, 0.97)  # of the greatest line velocity
@@ -74,3 +87,61 @@ def test_true_lengths_vary_by_at_most_twice_the_sigma_of_the_path() -> None:
     assert at_touch.std() == pytest.approx(sqrt(2.0) * POSITION_SIGMA * sigma, rel=0.1)
     assert at_mean.std() < at_touch.std() < 2.0 * POSITION_SIGMA * sigma < 0.6 * sigma
     assert abs(at_mean - length).max() < 4.0 * sigma
+
+
+FAST, GENTLE = (500.0, 2000.0, 13.0), (200.0, 40.0, 25.0)  # velocity, deceleration, duration, with a halt of 5 s
+EARLY = {"tool.on_delay": 1.0}  # the tool is commanded before the approach starts, or with it
+LONG = {"approach.distance": 50.0}
+
+
+@pytest.mark.parametrize(
+    ("run", "rests", "settings"),
+    [
+        (FAST, (1800.0, 2600.0), {}),
+        (FAST, (1800.0, 2600.0), {"tool.on_delay": 0.05, "tool.retract_time": 0.1, "homing.ease": True}),
+        (FAST, (1800.0, 2600.0), {"tool.mode": ToolMode.DISTANCE, "gap.distance": 5.0}),
+        (GENTLE, (2399.85, 2400.05), EARLY),
+        (GENTLE, (2349.9, 2350.1), {**LONG, **EARLY}),
+    ],
+    ids=["any stage", "any stage, with delays", "any stage, with a gap", "short approach", "long approach"],
+)
+def test_a_noisy_line_that_halts_in_any_stage_is_cut_as_if_it_ran(
+    run: tuple[float, float, float], rests: tuple[float, float], settings: dict[str, Any]
+) -> None:
+    """It halts for 5 s around the third cut, or in 100 places where an approach to it starts: all cuts are made, and
+    the tool's command changes once each way a cut."""
+    velocity, acceleration, duration = run
+    line = halting(np.linspace(*rests, SEEDS)[:, None], velocity, acceleration, 5.0, times(duration))
+    result = simulate_many(
+        "CutToLength",
+        STEP,
+        {"master.position": noisy(line, 0.05)},
+        ["tool.command", "state", "statistics.cuts", "statistics.skipped", "statistics.late", "error_id"],
+        start={**MEASURED, "master.velocity": velocity, "length": 800.0, "auto_start": True, **settings},
+    )
+    cuts = line[0, -1] // 800.0
+    assert not result.failures
+    assert (result["statistics.cuts"][:, -1] == cuts).all()
+    assert (changes(result["tool.command"]) == 2 * cuts).all()
+    assert changes(result["state"]).max() <= 7 * cuts + 1
+    for name in ("statistics.skipped", "statistics.late", "error_id"):
+        assert not result[name].any(), name
+
+
+@pytest.mark.parametrize(("sigma", "eased"), [(0.02, 0.95), (0.05, 0.9)])
+def test_noise_does_not_hurry_an_eased_way_home(sigma: float, eased: float) -> None:
+    """The carriage comes home with ease in nearly all cycles, and no cut is late."""
+    result = simulate_many(
+        "CutToLength",
+        STEP,
+        {"master.position": noisy(1000.0 * times(15.0), sigma)},
+        ["local.ease", "state", "statistics.late", "statistics.skipped"],
+        start={**MEASURED, "master.velocity": 1000.0, "length": 3000.0, "auto_start": True, "homing.ease": True},
+    )
+    returns = result["state"] == State.RETURNING
+    arrives = returns[:, :-1] & ~returns[:, 1:]
+    share = result["local.ease"][:, :-1][arrives]
+    assert share.size == 4 * SEEDS
+    assert np.count_nonzero(share < 0.3) >= eased * share.size
+    assert not result["statistics.late"].any()
+    assert not result["statistics.skipped"].any()

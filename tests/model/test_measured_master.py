@@ -237,6 +237,48 @@ def test_nothing_is_nan_or_infinite_and_a_refused_step_changes_nothing(
         assert all(-inf < value < inf for value in [*outputs(master), master.end, master.encoder.position])
 
 
+@pytest.mark.parametrize("sample_time", [0.0, 0.005])
+@pytest.mark.parametrize("delay", [0.0, 0.004, 0.05])
+@pytest.mark.parametrize("smoothing_time", [0.005, 0.02, 0.1])
+def test_a_path_goes_back_by_less_than_its_uncertain_travel(
+    smoothing_time: float, delay: float, sample_time: float
+) -> None:
+    """By its overshoot after a sudden stop, by no more than half of that."""
+    master = measured(-500.0 * delay, 500.0, smoothing_time=smoothing_time, delay=delay, sample_time=sample_time)
+    rows = paths(master, 1e-3, (500.0 * min(n * 1e-3 - delay, 0.2) for n in range(800)))
+    highest = max(row[0] for row in rows)
+    assert highest > 100.0 + 100.0 * smoothing_time
+    end = rows.index(max(rows))
+    assert highest - min(row[0] for row in rows[end:]) < 0.53 * master.uncertain_travel()
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize(("smoothing_time", "delay"), [(0.02, 0.0), (0.02, 0.004), (0.1, 0.0), (0.0, 0.0)])
+def test_noise_on_a_line_at_rest_moves_the_path_by_less_than_its_uncertain_travel(
+    smoothing_time: float, delay: float, seed: int
+) -> None:
+    """From any time on, and after it has been watched for a while not by much."""
+    r = Random(seed)
+    master = measured(smoothing_time=smoothing_time, delay=delay)
+    paths(master, 1e-3, (r.gauss(0.0, 0.05) for _ in range(500 + 10 * seed)))
+    master.watch_travel()
+    watched = master.begin
+    for _ in range(1000):
+        paths(master, 1e-3, [r.gauss(0.0, 0.05)])
+        assert abs(master.end - watched) < master.uncertain_travel()
+    if (smoothing_time, delay) == (0.02, 0.0):
+        assert 0.1 < master.uncertain_travel() < 0.3
+
+
+def test_the_travel_of_the_other_modes_is_certain() -> None:
+    for mode in (MasterInput.START_OF_STEP, MasterInput.END_OF_STEP, MasterInput.POSITION_ONLY):
+        master = Master(input_mode=mode, velocity=5.0)
+        assert master.try_initialize()
+        assert master.try_advance(0.5)
+        master.watch_travel()
+        assert master.uncertain_travel() == 0.0
+
+
 @pytest.mark.parametrize("turns", [0, 3, -7])
 def test_whole_turns_in_the_measurement_mean_nothing(turns: int) -> None:
     r = Random(turns)

@@ -557,6 +557,7 @@ class CutToLength(CutToLengthInterface):
         self.carriage.stage_clock.start(self.now)
         self.local.home_time = self.block_clock.time + self.now
         self.carriage.homing.rest_at(self.carriage.homing.end)
+        self.master.watch_travel()
         if self.operation.is_stopping or self.operation.fault != Fault.NONE:
             self.enter_resting()
         else:

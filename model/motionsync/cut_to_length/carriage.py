@@ -7,7 +7,7 @@ from ..clock import Clock
 from ..exceeded_limit import end_tolerance
 from ..grid import rounding_tolerance
 from ..laws import chain_rule
-from ..master import Master
+from ..master import Master, MasterInput
 from ..motion import stopping_distance
 from ..motion_start import MotionStart, attainable_acceleration
 from ..var import Enumeration
@@ -121,7 +121,10 @@ class Carriage:
         self.homing.plan(machine, now, self.homing_start)
 
     def ease_homing(self, master: Master, now: float, slowest: float, spare_time: float, cut: float) -> None:
-        """Ease the motion home that has just been planned, if there is time for it before the next cut."""
+        """Ease the motion home that has just been planned, if there is time for it before the next cut.
+
+        On a measured line, whose velocity is noisy, it stays eased up to the velocity that costs half the spare time.
+        """
         machine = self.machine
         line_velocity = master.velocity_at(now)
         start = (machine.home_position - approach_distance(machine, line_velocity)) / machine.coupling
@@ -129,6 +132,8 @@ class Carriage:
         time = until_start * PUNCTUAL - machine.homing_settle_time - spare_time
         self.homing.plan_eased(machine, slowest, now, self.homing_start, time)
         self.homing.eased_velocity = line_velocity
+        if self.homing.is_eased and master.input_mode == MasterInput.MEASURED:
+            self.homing.eased_velocity += 0.5 * spare_time / until_start * line_velocity
         self.homing.eased_cut = cut
 
     def is_nearly_in_sync(self, master: Master, time: float) -> bool:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..master import Master
+from ..master import Master, MasterInput
 from ..motion import Motion
 from ..motion_start import MotionStart
 from .machine_limits import Machine, change_time, return_time
@@ -86,6 +86,6 @@ class HomingMotion:
 
 
 def is_accelerating(master: Master) -> bool:
-    """Whether the line gets faster in the present step."""
+    """Whether the line gets faster in the present step; of a measured one nobody can say."""
     begin = master.begin_velocity
-    return master.end_velocity - begin > FASTER * abs(begin)
+    return master.input_mode != MasterInput.MEASURED and master.end_velocity - begin > FASTER * abs(begin)

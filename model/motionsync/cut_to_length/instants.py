@@ -18,7 +18,7 @@ class Condition(Enumeration):
     START = 0, "an approach to the next cut has to start"
     ADMISSIBLE = 1, "the line does not go back, and the carriage can follow it"
     SYNC = 2, "the approach is over"
-    BACK = 3, "the line has gone back to before the approach"
+    BACK = 3, "the line has gone back to before the approach, by more than noise"
     COMMAND = 4, "the tool has to be commanded before sync"
     THROUGH = 5, "the cut's distance is travelled"
     GAP_OPEN = 6, "the gap is open"
@@ -70,7 +70,7 @@ def holds(condition: Condition, master: Master, carriage: Carriage, piece: Piece
         case Condition.SYNC:
             is_met = beyond_cut >= curve.sync
         case Condition.BACK:
-            is_met = velocity < 0.0 and beyond_cut < curve.start
+            is_met = velocity < 0.0 and beyond_cut < curve.start - master.uncertain_travel()
         case Condition.COMMAND:
             is_met = beyond_cut + velocity * (cycle.on_delay - cycle.settle_time) >= curve.sync
         case Condition.THROUGH:
