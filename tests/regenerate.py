@@ -19,7 +19,7 @@ from motionsync_fmu.scenario.files import example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.run.reactions import scan_times
-from motionsync_fmu.scenario.run.simulation import axis_inputs, scheduled_steps
+from motionsync_fmu.scenario.run.simulation import scheduled_steps, start_inputs
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from motionsync_fmu.scenario.settings import Reaction, Setting
@@ -160,7 +160,7 @@ def stepped(
     declared = scenario.recipe.variables
     parameters = {name: value for name, value in scenario.start.items() if declared[name].causality == "parameter"}
     inputs = {name: value for name, value in scenario.start.items() if declared[name].causality == "input"}
-    inputs |= axis_inputs(scenario, scenario.master, 0.0, 0.0)
+    inputs |= start_inputs(scenario)
     steps = list(scheduled_steps(scenario, scenario.step_size))
     required = {round(t / scenario.step_size, 6): t for t in times}
 

@@ -18,6 +18,7 @@ from motionsync_fmu.batch.scripted_runs import MOST_RUNS, run_scenarios
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.scenario.clocks import Rate
 from motionsync_fmu.scenario.drive import Drive
+from motionsync_fmu.scenario.encoder import Encoder
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.scenario import Scenario
@@ -149,6 +150,19 @@ FREE = {
 }
 
 
+ENCODERS = st.builds(
+    Encoder,
+    st.sampled_from([0.0, 0.1]),
+    st.sampled_from([0.0, 0.02]),
+    st.sampled_from([0.0, 0.004]) | st.floats(0.0, 1.0),
+    st.sampled_from([1.0, 1.0005]),
+    st.sampled_from([0.0, 0.05]),
+    st.floats(1.0, 1000.0),
+    st.sampled_from([0.0, 0.002]) | st.floats(1e-3, 0.1),
+    st.integers(0, 2**32 - 1),
+)
+
+
 @st.composite
 def saws(draw: st.DrawFn) -> Scenario:
     """A saw that moves freely, with settings and reactions, behind a scripted master or one that follows the saw."""
@@ -156,7 +170,10 @@ def saws(draw: st.DrawFn) -> Scenario:
     setting = st.builds(Setting, times(stop, scan), st.fixed_dictionaries({}, optional=SAW))
     period = draw(st.sampled_from([0.0, 0.0, 250.0]))
     mode = draw(st.sampled_from(MasterInput))
-    drive = st.builds(Drive, st.just("slave.velocity"), st.floats(1e-2, 1.0), st.sampled_from([math.inf, 100.0, 900.0]))
+    drives = st.builds(
+        Drive, st.just("slave.velocity"), st.floats(1e-2, 1.0), st.sampled_from([math.inf, 100.0, 900.0])
+    )
+    drive = draw(drives | st.none())
     given = {name: value for name, value in SAW.items() if name != "gear_in_pos.master_sync_position"}
     return replace(
         load_scenario(CYCLIC_CUT),
@@ -164,10 +181,11 @@ def saws(draw: st.DrawFn) -> Scenario:
         step_size=draw(st.sampled_from([scan, 0.007, 0.3, 0.01]) | st.floats(2e-3, 0.5)),
         scan=scan,
         start={**FREE, "master.period": period, "master.input_mode": mode},
-        master=Script(draw(st.floats(-100, 100)), draw(st.floats(-300, 600)), 0.0, draw(SEGMENTS)),
+        master=Script(draw(st.floats(-100, 100)), draw(st.floats(-300, 600)), 0.0, () if drive else draw(SEGMENTS)),
         settings=tuple(draw(st.lists(setting, max_size=6))),
         reactions=draw(reactions(stop, SEEN, given, ADDED | ADDED_MORE)),
-        drive=draw(drive | st.none()),
+        drive=drive,
+        encoder=draw(ENCODERS | st.none()),
         expectations=(),
         cuts=None,
     )

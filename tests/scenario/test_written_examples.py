@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from motionsync_fmu.scenario.encoder import Encoder
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process
@@ -39,15 +40,24 @@ def test_an_example_copied_from_the_page_is_as_expected(i: int, step_size: float
 
 
 def test_the_card_has_every_key_of_a_scenario(tmp_path: Path) -> None:
-    """The keys that a reader's message names where one is wrong; [remote] has an example of its own."""
+    """The keys that a reader's message names where one is wrong; [remote] and [encoder] have examples of their own."""
     card, pieces = files(README.read_text())[1:]
     file = tmp_path / "scenario.toml"
-    for table, spared in (("", {"slave_unit", "remote"}), ("[[on]]", set()), ("[cuts]", set()), ("[picture]", set())):
+    for table, spared in (
+        ("", {"slave_unit", "remote", "encoder"}),
+        ("[[on]]", set()),
+        ("[cuts]", set()),
+        ("[picture]", set()),
+    ):
         file.write_text(f"nonsense = 1\n{card}" if not table else card.replace(table, f"{table}\nnonsense = 1", 1))
         with pytest.raises(Exception, match="unknown key; there is") as error:
             load_scenario(file)
         for key in set(str(error.value).split("there is ")[1].split(", ")) - spared:
             assert re.search(rf"^(# )?(\[+(picture\.)?{key}\b|{key} =)", card, re.MULTILINE), key
+    encoder = re.search(r"```toml\n(\[encoder\].*?)```", README.read_text(), re.DOTALL)
+    assert encoder
+    file.write_text(f"{card}\n{encoder[1]}")
+    assert load_scenario(file).encoder == Encoder(0.1, 0.02, 0.004, 1.0005, 0.05, 500.0, 0.002, 1)
     file.write_text(pieces.replace("[cuts]", "[cuts]\nnonsense = 1"))
     with pytest.raises(Exception, match="unknown key; there is") as error:
         load_scenario(file)

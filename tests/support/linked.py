@@ -13,7 +13,7 @@ from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from motionsync_fmu.scenario.run.simulation import axis_inputs, scheduled_steps
+from motionsync_fmu.scenario.run.simulation import scheduled_steps, start_inputs
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.support.runs import BlockRun
@@ -31,7 +31,7 @@ def runs(name: str) -> list[BlockRun]:
 
 def _run(s: Scenario) -> BlockRun:
     steps = [(end - begin, values) for begin, end, values in islice(scheduled_steps(s, s.step_size), MAX_STEPS)]
-    return BlockRun({**s.start, **axis_inputs(s, s.master, 0.0, 0.0)}, steps)
+    return BlockRun({**s.start, **start_inputs(s)}, steps)
 
 
 def header(name: str, of: Sequence[BlockRun]) -> str:

@@ -9,6 +9,7 @@
 #define SCENARIO_RUN_H
 
 #include "block_memory.h"
+#include "encoder.h"
 #include "limits.h"
 #include <math.h>
 #include <stdbool.h>
@@ -65,9 +66,10 @@ typedef struct {
     double before; /* how long before a scan the outputs are sampled */
     int64_t events, taken, event_count;
     int64_t bundles, assignments, reactions, reaction_count;
-    int64_t breaks, motions, motion_count;
+    int64_t breaks, motions, motion_count, motion_capacity;
     int64_t indices, telegrams; /* of a remote axis, by its cycles; 0: there is a master */
     double cycle;
+    int64_t encoder; /* between the master and the block; 0: there is none */
     int64_t follows, kind; /* the velocity that the master follows; its offset is -1 if it is scripted */
     double gain, most, scan;
     int64_t times, axis, values; /* for each point; 0: nothing is recorded */
@@ -125,6 +127,34 @@ static double wrapped(double x, double period) {
     return rest < 0.0 ? rest + period : rest == 0.0 ? 0.0 : rest;
 }
 
+/* The true position at t, also before the start. */
+static double true_position(Run *r, const Encoder *e, double t) {
+    if (t >= 0.0) return motion_at(r, t).position;
+    return e->initial_position + t * (e->initial_velocity + t * e->initial_acceleration / 2.0);
+}
+
+/* Sample n of the encoder. */
+static double sample(Run *r, const Encoder *e, int64_t n) {
+    return measured(e, true_position(r, e, (double)n * e->interval - e->delay), n);
+}
+
+/* What the encoder shows at t: the difference of the latest two samples is the velocity. */
+static Telegram encoded(Run *r, double t) {
+    Encoder *e = ROWS(Encoder, r->encoder);
+    const int64_t n = (int64_t)(t / e->interval + SAMPLE_ROUNDING);
+    if (n != e->number) {
+        if (n > 0) e->former = n == e->number + 1 ? e->latest : sample(r, e, n - 1);
+        e->latest = sample(r, e, n);
+        e->number = n;
+    }
+    const bool is_between = e->sample_time == 0.0 && t != (double)n * e->interval;
+    const double shown = is_between ? measured(e, true_position(r, e, t - e->delay), n) : e->latest;
+    const double rest = r->period != 0.0 ? wrapped(shown, r->period) : shown;
+    const double position = r->period != 0.0 && rest == r->period ? 0.0 : rest;
+    if (n == 0) return (Telegram){position, e->start_velocity, e->start_acceleration};
+    return (Telegram){position, (e->latest - e->former) / e->interval, 0.0};
+}
+
 static int64_t at_least_0(int64_t i) {
     return i > 0 ? i : 0;
 }
@@ -141,6 +171,8 @@ static void run_show_axis(const Scenarios *s, Run *r, double t, double end) {
         const int64_t first = acted_cycles(s, r, t), last = acted_cycles(s, r, end) - 1, i = at_least_0(first < last ? first : last);
         shown = ROWS(const Telegram, r->telegrams)[i];
         AT(int64_t, r->block + s->cycle_index) = ROWS(const int64_t, r->indices)[i];
+    } else if (r->encoder) {
+        shown = encoded(r, r->end_of_step && end > t ? end : t);
     } else {
         const Motion m = r->end_of_step && end > t ? motion_until(r, end) : motion_at(r, t);
         const double position = r->period != 0.0 ? wrapped(m.position, r->period) : m.position;
@@ -196,12 +228,14 @@ static void sample_start(const Run *r) {
     for (int64_t i = 0; i < r->reaction_count; i++) reactions[i].held = holds(r, reactions + i);
 }
 
-/* Drop the earlier one of two motions: nothing is recorded, and the run is past it. */
+/* Drop the first motion: nothing is recorded, and the run is past it. */
 static void drop_first_motion(Run *r) {
-    ROWS(double, r->breaks)[0] = ROWS(double, r->breaks)[1];
-    ROWS(Motion, r->motions)[0] = ROWS(Motion, r->motions)[1];
-    r->motion_count = 1;
-    r->section = 0;
+    r->motion_count--;
+    for (int64_t i = 0; i < r->motion_count; i++) {
+        ROWS(double, r->breaks)[i] = ROWS(double, r->breaks)[i + 1];
+        ROWS(Motion, r->motions)[i] = ROWS(Motion, r->motions)[i + 1];
+    }
+    r->section = at_least_0(r->section - 1);
 }
 
 /* The master goes on from a scan with the acceleration that its drive gives it. */
@@ -210,7 +244,7 @@ static void follow_velocity(Run *r, double scan) {
     double a = (read(r->block, r->follows, r->kind) - m.velocity) * r->gain / r->scan;
     a = -r->most > a ? -r->most : a;
     a = r->most < a ? r->most : a;
-    if (!r->times && r->motion_count == 2) drop_first_motion(r);
+    if (r->motion_count == r->motion_capacity) drop_first_motion(r);
     ROWS(double, r->breaks)[r->motion_count] = scan;
     ROWS(Motion, r->motions)[r->motion_count++] = (Motion){m.position, m.velocity, a, 0.0};
 }

@@ -46,11 +46,17 @@ ASSIGNMENT = _record("real", "offset kind adds word real")
 EVENT = _record("at", "at what")
 BUNDLE = _record("", "first last")
 REACTION = _record("value margin", "offset kind comparison value margin at times what held happened")
+ENCODER = _record(
+    "resolution noise delay scale amplitude length sample_time interval initial_position initial_velocity"
+    " initial_acceleration start_velocity start_acceleration latest former",
+    "resolution noise delay scale amplitude length sample_time interval seed initial_position initial_velocity"
+    " initial_acceleration start_velocity start_acceleration number latest former",
+)
 RUN = _record(
     "close stop_time period before cycle gain most scan now step end",
     "block close stop_time period end_of_step points point_count scans scan_count before events taken event_count"
-    " bundles assignments reactions reaction_count breaks motions motion_count indices telegrams cycle follows kind"
-    " gain most scan times axis values column count now step end cause number section next point",
+    " bundles assignments reactions reaction_count breaks motions motion_count motion_capacity indices telegrams cycle"
+    " encoder follows kind gain most scan times axis values column count now step end cause number section next point",
 )
 SCENARIOS = _record(  # what all runs have in common, and the runs: rows of LIMITED, FIELD and RUN
     "longest closest",
@@ -64,6 +70,7 @@ LAYOUTS = {  # by the names of the structures in C
     "Event": EVENT,
     "Bundle": BUNDLE,
     "Reaction": REACTION,
+    "Encoder": ENCODER,
     "Run": RUN,
     "Scenarios": SCENARIOS,
 }
@@ -160,7 +167,8 @@ class RunTables:
         self._times = [_setting_times(scenario.scan, scenario.stop_time, r.after) for r in scenario.reactions]
         self.reactions = self._reactions()
         self.events = self._events()
-        self.breaks, self.motions = self._axis(len(self.scans) + 1 if outputs else 2)
+        self.breaks, self.motions = self._axis(len(self.scans) + 1 if outputs else self._motions_needed())
+        self.encoder = self._encoder()
         seen = scenario.remote and scenario.remote.telegrams  # by each cycle of a remote axis
         self._seen = (
             (np.array(seen.cycle_index, np.int64), np.ascontiguousarray(seen.motion)) if seen else (NEVER, NEVER)
@@ -224,6 +232,24 @@ class RunTables:
         breaks[0], motions[0] = 0.0, (start.position, start.velocity, 0.0, 0.0)
         return breaks, motions
 
+    def _motions_needed(self) -> int:
+        """How many motions of a master with a drive the run needs at the same time: those of the present scan, and
+        those that the encoder measures, which are as old as its delay and two samples."""
+        s, e = self.scenario, self.scenario.encoder
+        oldest = e.delay + 2.0 * (e.sample_time or s.step_size) if e else 0.0
+        return min(len(self.scans) + 1, 4 + int(oldest / s.scan)) if e else 2
+
+    def _encoder(self) -> Array:
+        """The encoder, as ENCODER; empty: there is none."""
+        s, e = self.scenario, self.scenario.encoder
+        if not e:
+            return np.empty(0, ENCODER)
+        shape = (e.resolution, e.noise, e.delay, e.scale, e.runout_amplitude, e.runout_length)
+        first = s.master.initial
+        initial = (first.position, first.velocity, first.acceleration)
+        times = (e.sample_time, e.sample_time or s.step_size)
+        return np.array([(*shape, *times, e.seed, *initial, *e.start_motion(s.master), -1, 0.0, 0.0)], ENCODER)
+
     def run(self, memory: int) -> tuple[Any, ...]:
         """The row of RUN, for a block whose memory has this address."""
         s, address = self.scenario, self._locate
@@ -233,7 +259,9 @@ class RunTables:
         events = (address(self.events), 0, len(self.timed), address(self.bundles), address(self.assignments))
         reactions = (address(self.reactions), len(self.reactions))
         motions = len(self.motions) if not s.drive else 1
-        axis = (address(self.breaks), address(self.motions), motions, *self._remote(), *self._drive())
+        table = (address(self.breaks), address(self.motions), motions, len(self.motions))
+        encoder = address(self.encoder) if s.encoder else 0
+        axis = (*table, *self._remote(), encoder, *self._drive())
         return (*head, *times, *events, *reactions, *axis, *self._columns(), 0, 0.0, 0.0, 0.0, Cause.NONE, 0, 0, 0, 0)
 
     def _remote(self) -> tuple[int, int, float]:
@@ -263,7 +291,7 @@ class RunTables:
         script = self.scenario.master
         if self.scenario.drive:
             count = run["motion_count"].item()
-            script = _Driven(self.breaks[:count], self.motions[:count])
+            script = _Driven(self.breaks[:count], self.motions[:count], script.initial)
         time, settings = self.target[0, :n], self.settings(run["taken"].item())
         computed = compute_columns(self.scenario, time, values)
         return Recording(time, values, axis, [], settings, self.unmet, script, computed)
@@ -293,7 +321,8 @@ class RunTables:
 class _Driven(Script):
     """The script of a master that has followed a velocity; its motions are made when they are read."""
 
-    def __init__(self, breaks: Reals, motions: Reals) -> None:
+    def __init__(self, breaks: Reals, motions: Reals, initial: AxisMotion) -> None:
+        self.initial = initial
         self.breaks = breaks.tolist()
         self._table = motions
 

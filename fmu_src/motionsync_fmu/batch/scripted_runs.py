@@ -22,7 +22,7 @@ from ..interface.roles import MOTION
 from ..interface.variables import LONGEST_STEP, Variable, message_text, shown, step_size_refusal, variables_in_message
 from ..scenario import clocks
 from ..scenario.recording import Recording
-from ..scenario.run.simulation import axis_inputs
+from ..scenario.run.simulation import start_inputs
 from ..scenario.scenario import Scenario
 from ..scenario.settings import UnmetReaction
 from .library import library
@@ -131,7 +131,7 @@ class _Runs:
         """Set the start values, and the inputs of the axis at time 0; the names of what is set."""
         columns: dict[str, tuple[list[int], list[Any]]] = {}
         for i, s in enumerate(self.scenarios):
-            for name, value in {**s.start, **axis_inputs(s, s.master, 0.0, 0.0)}.items():
+            for name, value in {**s.start, **start_inputs(s)}.items():
                 indices, values = columns.setdefault(name, ([], []))
                 indices.append(i)
                 values.append(value)

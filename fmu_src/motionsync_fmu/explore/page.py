@@ -25,7 +25,12 @@ from .data import page_data
 
 FOLDER = Path(__file__).parent
 VENDOR = FOLDER.parent / "pages" / "vendor"
-RUNNER = ("block_memory.h", "limits.h", "scenario_run.h")  # the runner of scenarios, in the folder of batches
+RUNNER = (
+    "block_memory.h",
+    "encoder.h",
+    "limits.h",
+    "scenario_run.h",
+)  # the runner of scenarios, in the folder of batches
 UNUSED = ("fmi", "memory")  # how the names of C files start that a page does not need
 SCRIPTS = (
     "tables.js",

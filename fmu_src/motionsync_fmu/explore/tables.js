@@ -306,6 +306,7 @@ function axisTables(unit, scenario, {axis, telegrams, scans}) {
   return {
     ...tables,
     motion_count: 1,
+    motion_capacity: scans.length + 1,
     follows: offset,
     kind: runner.kinds[kind],
     gain: drive.scan === h ? drive.gain : -Math.expm1(-h / drive.time_constant),

@@ -28,7 +28,7 @@ from ..scenario.evaluate.reference_files import csv_text, inputs_csv, options_te
 from ..scenario.files.example import load_example
 from ..scenario.files.reader import load_scenario
 from ..scenario.files.shipped import find_files
-from ..scenario.run.simulation import axis_inputs, communication_points
+from ..scenario.run.simulation import communication_points, start_inputs
 from ..scenario.scenario import Scenario
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -107,7 +107,7 @@ def recipe_of(scenario: Scenario) -> Recipe:
     declared = scenario.recipe.variables
     changed = dict.fromkeys(name for setting in scenario.settings for name in setting.values)
     new_inputs = [name for name in changed if declared[name].causality != "input"]
-    starts = {**scenario.start, **axis_inputs(scenario, scenario.master, 0.0, 0.0)}
+    starts = {**scenario.start, **start_inputs(scenario)}
     interface = scenario.recipe.interface
     new_inputs += [pattern for causality, pattern in interface.patterns() if causality == "input"]
     return replace(

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TextIO
 
+import numpy as np
+
 from ..paths import replace_files
 from ..scenario.evaluate.expectations import check_expectations
 from ..scenario.evaluate.key_figures import compute_key_figures
@@ -11,7 +13,7 @@ from ..scenario.evaluate.outcome import ScenarioOutcome
 from ..scenario.evaluate.reference_comparison import compare_with_reference
 from ..scenario.evaluate.reference_files import command_line, inputs_file, write_csv, write_inputs
 from ..scenario.files.shipped import scenario_name
-from ..scenario.recording import Recording
+from ..scenario.recording import Reals, Recording
 from ..scenario.scenario import Scenario
 from .report.page import NO_CHANGES, with_recorded_settings, write_report
 
@@ -74,20 +76,30 @@ def write_outcome(
 
 
 def write_outputs(out: TextIO, scenario: Scenario, recording: Recording) -> None:
-    """Write time, the scripted axis, the slave, the columns that are computed of it, state, in_sync, then the other
-    variables; only Reals have a point."""
+    """Write time, the scripted axis, what is measured of it, the slave, the columns that are computed of it, state,
+    in_sync, then the other variables; only Reals have a point."""
     kinds = {name: v.kind for name, v in scenario.columns.items()}
     values = recording.columns
     slave = [name for name in values if name.startswith("slave.")]
     names = [*slave, *recording.computed, *(name for name in FIRST if name in values)]
     names += [name for name in values if name not in names]
-    axis = "true_axis" if scenario.remote else "master"
-    types = [float] * (1 + len(MASTER)) + [float if kinds[n] == "Real" else int for n in names]
-    columns = [recording.time, *recording.master.T, *(values[n] for n in names)]
+    axis = "true_axis" if scenario.remote else "true.master" if scenario.encoder else "master"
+    measured = measured_inputs(scenario, recording)
+    types = [float] * (1 + len(MASTER) + len(measured)) + [float if kinds[n] == "Real" else int for n in names]
+    columns = [recording.time, *recording.master.T, *measured.values(), *(values[n] for n in names)]
 
     def rows() -> Iterator[tuple[float, ...]]:
         for i in range(0, len(recording.time), ROWS):
             parts = (column[i : i + ROWS] for column in columns)
             yield from zip(*(part.astype(t).tolist() for part, t in zip(parts, types, strict=True)), strict=True)
 
-    write_csv(out, ["time", *(f"{axis}.{n}" for n in MASTER), *names], rows())
+    write_csv(out, ["time", *(f"{axis}.{n}" for n in MASTER), *measured, *names], rows())
+
+
+def measured_inputs(scenario: Scenario, recording: Recording) -> dict[str, Reals]:
+    """What the encoder says of the master at the communication points, by the names of the inputs; none without one."""
+    encoder, line = scenario.encoder, recording.script or scenario.master
+    if not encoder:
+        return {}
+    rows = [encoder.inputs(line, t, scenario.step_size, scenario.period)[:2] for t in recording.time.tolist()]
+    return dict(zip(("master.position", "master.velocity"), np.array(rows).T, strict=True))

@@ -14,6 +14,7 @@ from ..interface.variables import Variable
 from .computed_columns import SLAVE_PERIOD, computed_variables
 from .cutting import CutSpec, PieceSpec
 from .drive import Drive
+from .encoder import Encoder
 from .load import Load
 from .remote_view import RemoteView
 from .script import Script
@@ -100,6 +101,7 @@ class Scenario:
         scan: the cycle of the reactions' program, in s: the step size in the file, whatever the run's is.
         tolerance: the tolerance of the reference, relative to the greatest magnitude of each variable in it.
         master: the scripted axis; where it is a remote one, the true axis; where it has a drive, how it starts.
+        encoder: what is between the true master and the inputs of the block; None: they are its true motion.
         remote: how the block sees a remote axis; None: the block has a master.
         settings: what is set, each at its time.
         reactions: what is set when an output fulfils a condition.
@@ -124,6 +126,7 @@ class Scenario:
     tolerance: float = 1e-9
     start: Mapping[str, Any]
     master: Script
+    encoder: Encoder | None = None
     remote: RemoteView | None = None
     settings: tuple[Setting, ...]
     expectations: tuple[Expectation, ...]

@@ -44,12 +44,19 @@ class AxisMotion:
 
 
 class Script:
-    """Segments, one after the other, from time 0 on. After the last one the velocity stays as it is."""
+    """Segments, one after the other, from time 0 on. After the last one the velocity stays as it is.
+
+    Attributes:
+        initial: the motion before time 0, as it is at 0.
+        breaks: the times at which the segments begin, the first one 0, in s.
+        motions: the motions at these times.
+    """
 
     def __init__(self, position: float, velocity: float, acceleration: float, segments: Iterable[Segment]) -> None:
+        self.initial = AxisMotion(position, velocity, acceleration, 0.0)
         self.breaks: list[float] = [0.0]
         self.motions: list[AxisMotion] = []
-        ending = AxisMotion(position, velocity, acceleration, 0.0)
+        ending = self.initial
         for segment in segments:
             begin = AxisMotion(
                 ending.position,

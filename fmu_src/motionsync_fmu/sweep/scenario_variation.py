@@ -218,6 +218,7 @@ class _CachingReader(BlockReader):
     start = _reused_while_unchanged(BlockReader.start)
     script = _reused_while_unchanged(BlockReader.script)
     remote = _reused_while_unchanged(BlockReader.remote)
+    encoder = _reused_while_unchanged(BlockReader.encoder)
     drive = _reused_while_unchanged(BlockReader.drive)
     settings = _reused_while_unchanged(BlockReader.settings)
     reactions = _reused_while_unchanged(BlockReader.reactions)

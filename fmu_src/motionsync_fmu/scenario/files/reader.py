@@ -18,6 +18,7 @@ from ...interface.units import BASES
 from ..computed_columns import computed_variables
 from ..cutting import CutSpec, PieceSpec, usual_tolerance
 from ..drive import Drive
+from ..encoder import Encoder
 from ..load import Load
 from ..remote_view import RemoteView
 from ..scenario import Expectation, Picture, Scenario
@@ -27,6 +28,7 @@ from ..settings import Reaction, Setting
 from .axis_tables import read_load, read_servo
 from .drive_table import KEYS as DRIVE
 from .drive_table import read_drive
+from .encoder_table import read_encoder, with_encoder
 from .expect_tables import read_expectation
 from .reaction_tables import read_reaction
 from .remote_table import KEYS as TELEGRAMS
@@ -35,7 +37,20 @@ from .toml_tables import TomlTable, read_toml
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "step_bound", "tolerance")
-TABLES = ("interface", "start", "master", "remote", "set", "on", "expect", "cuts", "picture", "servo", "load")
+TABLES = (
+    "interface",
+    "start",
+    "master",
+    "remote",
+    "encoder",
+    "servo",
+    "load",
+    "set",
+    "on",
+    "expect",
+    "cuts",
+    "picture",
+)
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 CONSTANT = ("velocity", "acceleration", "jerk")  # of these a segment has at most one, which is constant in it
 BRACED = ("segments", *LISTS)  # lists of tables in braces
@@ -66,7 +81,7 @@ def read_scenario(
     stop_time, step_size = read_times(top)
     reader = (make_reader or BlockReader)(top, name, stop_time)
     reader.check_axis()
-    start, script, settings = reader.start(), reader.script(), reader.settings()
+    start, script, settings, encoder = reader.start(), reader.script(), reader.settings(), reader.encoder()
     return Scenario(
         file=top.file,
         title=top.string("title"),
@@ -78,8 +93,9 @@ def read_scenario(
         step_size=step_size,
         scan=step_size,
         tolerance=top.number("tolerance", default=1e-9, above=0.0),
-        start=start,
+        start=with_encoder(start, encoder) if encoder else start,
         master=script,
+        encoder=encoder,
         remote=reader.remote(script, start, settings) if reader.axis else None,
         settings=settings,
         expectations=reader.expectations(),
@@ -162,9 +178,10 @@ class BlockReader:
     def check_axis(self) -> None:
         """Refuse the script of an axis that the block does not have."""
         other = "master" if self.axis else "remote"
-        if other in self.top:
-            inputs = f"{self.block.name} has no inputs {other}.*"
-            self.top.fail(other, f"{inputs}: its axis is scripted in [{self.scripted}]")
+        for key in (other, "encoder") if self.axis else (other,):
+            if key in self.top:
+                inputs = f"{self.block.name} has no inputs {other}.*"
+                self.top.fail(key, f"{inputs}: its axis is scripted in [{self.scripted}]")
 
     def start(self, key: str = "start") -> dict[str, Any]:
         """The start values in the table of this name."""
@@ -190,6 +207,10 @@ class BlockReader:
     def drive(self) -> Drive | None:
         """What moves the master; None: it is scripted."""
         return read_drive(self.axis_table, self.block)
+
+    def encoder(self) -> Encoder | None:
+        """What is between the true master and the inputs; None: the inputs are the true motion."""
+        return read_encoder(self.top.table("encoder")) if "encoder" in self.top else None
 
     def settings(self) -> tuple[Setting, ...]:
         return tuple(map(self._read_setting, self.top.tables("set")))

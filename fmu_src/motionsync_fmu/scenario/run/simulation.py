@@ -12,6 +12,7 @@ import numpy as np
 from motionsync.master import MasterInput
 
 from ...errors import UserError
+from ...interface.roles import MOTION
 from ...interface.stepper import RefusedError, Stepper
 from ..computed_columns import compute_columns
 from ..recording import Reals, Recording
@@ -21,6 +22,7 @@ from .fmu_instance import FmuError, FmuInstance
 from .reactions import ReactionProgram, scan_times
 
 Flags = np.ndarray[Any, np.dtype[np.bool_]]
+MASTER_INPUTS = tuple(f"master.{name}" for name in MOTION)
 CLOSE = 1e-9  # of a step: communication points nearer to one another are one
 
 
@@ -77,18 +79,25 @@ def _select_points(times: Reals, is_event: Flags, is_break: Flags, close: float)
     return remains
 
 
-def axis_inputs(scenario: Scenario, master: Script, t: float, end: float) -> dict[str, float]:
-    """The inputs that the scripted axis gives for the step from t to `end`: the telegram of a remote axis, or the
-    motion of the `master`, whose position is wrapped if the axis is a rotary one."""
+def start_inputs(scenario: Scenario) -> dict[str, float]:
+    """The inputs of the axis at time 0, when the block is initialized."""
+    return _axis_inputs(scenario, scenario.step_size, scenario.master, 0.0, 0.0)
+
+
+def _axis_inputs(scenario: Scenario, step_size: float, master: Script, t: float, end: float) -> dict[str, float]:
+    """The inputs that the scripted axis gives for the step from t to `end`: the telegram of a remote axis, what the
+    encoder measures of the `master`, or the motion of the `master`, whose position is wrapped if the axis is a rotary
+    one. `step_size`: that of the run."""
     if scenario.remote:
         return scenario.remote.inputs(t, end)
     mode = scenario.start.get("master.input_mode", MasterInput.START_OF_STEP)
-    motion = master.until(end) if mode == MasterInput.END_OF_STEP and end > t else master.at(t)
-    return {
-        "master.position": motion.position % scenario.period if scenario.period else motion.position,
-        "master.velocity": motion.velocity,
-        "master.acceleration": motion.acceleration,
-    }
+    is_ahead = mode == MasterInput.END_OF_STEP and end > t
+    if scenario.encoder:
+        motion = scenario.encoder.inputs(master, end if is_ahead else t, step_size, scenario.period)
+        return dict(zip(MASTER_INPUTS, motion, strict=True))
+    m = master.until(end) if is_ahead else master.at(t)
+    position = m.position % scenario.period if scenario.period else m.position
+    return dict(zip(MASTER_INPUTS, (position, m.velocity, m.acceleration), strict=True))
 
 
 Step = tuple[float, float, dict[str, Any]]
@@ -111,7 +120,7 @@ def _plan_steps(scenario: Scenario, step_size: float, program: ReactionProgram) 
         end = min(program.next_sample_time, program.next_setting_time)
         if end >= points[i] - close:
             end, i = points[i], i + 1
-        yield t, end, axis_inputs(scenario, program.master, t, end) | changed
+        yield t, end, _axis_inputs(scenario, step_size, program.master, t, end) | changed
         t = end
 
 
@@ -170,7 +179,7 @@ class _Model(Protocol):
 def _run_steps(scenario: Scenario, model: _Model, step_size: float, recorder: _Recorder) -> Iterator[float]:
     """Run the model along the scenario; yields the begin of each step, in s, before the step is made."""
     program = recorder.program
-    model.initialize({**scenario.start, **axis_inputs(scenario, program.master, 0.0, 0.0)})
+    model.initialize({**scenario.start, **start_inputs(scenario)})
     recorder.add(0.0, model.get(recorder.names))
     program.sample_start(model.get(program.names))
     for time, end, values in _plan_steps(scenario, step_size, program):
