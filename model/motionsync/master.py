@@ -14,7 +14,7 @@ from .grid import wrap
 from .master_path import MasterPath
 from .var import LARGEST_INPUT, Enumeration, Unit
 
-UNCERTAIN_TIMES = 3.0  # of the time that a measurement takes to act: for which noise may move a path one way
+UNCERTAIN_TIMES = 3.0  # of the reaction time: so long noise, or an overshoot, may move a measured path one way
 LARGEST_TURN_COUNT = 1e15  # with more turns the fraction of a turn is lost to rounding
 TOO_MANY_TURNS = (  # a refusal's text and the variables it names, for the blocks that have a master
     "the master's position and its prediction must be at most 1e15 periods",
@@ -189,13 +189,16 @@ class Master:
     def uncertain_travel(self) -> float:
         """How far the path may move although the line is at rest, or back although it runs on, u; 0 unless MEASURED.
 
-        It is the travel at the path's greatest speed over three times smoothing time, delay and time between two
-        measurements together. The path goes back from its overshoot by at most 1.5 times the travel over that time
-        after a sudden stop, and by at most 2.7 times by noise, at the greatest speed which that has made itself."""
+        It is the travel at the path's greatest speed in three reaction times. The path goes back from its overshoot by
+        at most 1.5 times the travel in one after a sudden stop, and by at most 2.7 times by noise, at the greatest
+        speed that the noise itself has made."""
         if self.input_mode != MasterInput.MEASURED:
             return 0.0
-        time = self.smoothing_time + self.delay + max(self.step, self.sample_time)
-        return UNCERTAIN_TIMES * time * self.fastest
+        return UNCERTAIN_TIMES * self.reaction_time() * self.fastest
+
+    def reaction_time(self) -> float:
+        """What a measurement takes to act on the path, s: smoothing time, delay, and time between two of them."""
+        return self.smoothing_time + self.delay + max(self.step, self.sample_time)
 
     def unwrap_in_current_turn(self, position: float) -> float:
         """`position`, unwrapped into the same turn as the present input."""

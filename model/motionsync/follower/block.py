@@ -73,6 +73,8 @@ class Follower(FollowerInterface):
             return Refusal.CYCLES
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
+        if not self.is_on_cam() and self.sequence.current.stage != Stage.TO_CYCLE:
+            self.master.watch_travel()
         self.travel(0)
         self.sequence.current.record_input(self.master.begin)
         self.obey()
@@ -138,9 +140,15 @@ class Follower(FollowerInterface):
             self.sequence.enter_undisturbed_cycle(self.variable_cycle, master)
 
     def can_be_positioned(self) -> bool:
-        """Whether a positioning may start: the slave is at rest, and there is no alarm."""
-        moving = max(abs(self.slave.velocity), abs(self.slave.acceleration))
-        return self.sequence.current.stage != Stage.BRAKING and moving <= REST_TOLERANCE
+        """Whether a positioning may start: the slave is at rest, and there is no alarm.
+
+        A slave that follows the noise of a measured line counts as at rest if the positioning can stop it within the
+        line's reaction time."""
+        is_at_rest = max(abs(self.slave.velocity), abs(self.slave.acceleration)) <= REST_TOLERANCE
+        if self.master.input_mode == MasterInput.MEASURED and is_usable(self.positioning.acceleration):
+            fastest = self.positioning.acceleration * self.master.reaction_time()
+            is_at_rest = is_at_rest or abs(self.slave.velocity) <= fastest
+        return self.sequence.current.stage != Stage.BRAKING and is_at_rest
 
     def try_move_to(self, target: float) -> bool:
         """Start the move to a position, or refuse it. A slave that is already there needs no limits."""
@@ -149,8 +157,11 @@ class Follower(FollowerInterface):
             self.motion.run_at(target, 0.0)
         elif self.positioning.limits_usable() and abs(target) <= 2.0 * LARGEST and abs(begin) <= 2.0 * LARGEST:
             limits = self.positioning
-            acceleration = limits.acceleration
-            self.motion.move(begin, 0.0, 0.0, target, limits.velocity, acceleration, acceleration, limits.jerk)
+            limit = limits.acceleration
+            is_measured = self.master.input_mode == MasterInput.MEASURED
+            velocity = self.slave.velocity if is_measured else 0.0
+            acceleration = self.slave.acceleration if is_measured else 0.0
+            self.motion.move(begin, velocity, acceleration, target, limits.velocity, limit, limit, limits.jerk)
         else:
             self.refuse_positioning()
             return False
@@ -209,7 +220,7 @@ class Follower(FollowerInterface):
     def try_event_to_cycle(self, section: int, end: float) -> bool:
         """The slave arrives in the cycle. A master that has moved before is an alarm."""
         current = self.sequence.current
-        tolerance = current.backward_tolerance
+        tolerance = current.backward_tolerance + self.master.uncertain_travel()
         if abs(end - current.highest) > tolerance:
             limit = current.highest + (tolerance if end > current.highest else -tolerance)
             time = self.master.path.crossing_time(section, limit)
@@ -298,10 +309,11 @@ class Follower(FollowerInterface):
             self.reached = clamp(position, min(self.reached, end), max(self.reached, end))
 
     def try_end_cam_section(self, section: int, end: float) -> bool:
-        """Go to the end of the cam section; False: it is beyond the section. A master that goes back is an alarm; of
-        mode POSITION_ONLY only the inputs are checked, since the path inside the step is a guess."""
+        """Go to the end of the cam section; False: it is beyond the section. A master that goes back, not by noise, is
+        an alarm; of mode POSITION_ONLY only the inputs are checked, since the path inside the step is a guess."""
         current = self.sequence.current
-        lowest = (current.highest_in_step if section > 0 else current.highest_input) - current.backward_tolerance
+        tolerance = current.backward_tolerance + self.master.uncertain_travel()
+        lowest = (current.highest_in_step if section > 0 else current.highest_input) - tolerance
         is_guessed = section > 0 and self.master.input_mode == MasterInput.POSITION_ONLY
         if end < lowest and not is_guessed:
             self.alarm_at(Fault.MASTER_BACKWARDS, section, lowest)
@@ -352,8 +364,7 @@ class Follower(FollowerInterface):
     # --- the slave ---
 
     def set_slave_at(self, time: float, master: float, velocity: float, acceleration: float) -> None:
-        """Set the slave for a time since the step's beginning, with the master at that position and moving so. A master
-        that has gone back counts as at rest at its highest position; its jerk counts as 0."""
+        """Set the slave for a time since the step's beginning, with the master at that position and moving so."""
         current = self.sequence.current
         match current.stage:
             case Stage.IDLE | Stage.WAITING | Stage.WAITING_NEXT_CYCLE:
@@ -362,9 +373,19 @@ class Follower(FollowerInterface):
                 position, v, a, j = self.motion.at(self.motion.clock.time + time)
                 self.set_slave(position, v, a, j)
             case _:
-                position, d1, d2, d3 = current.cam_section.at(max(master, current.highest))
-                v, a, j = chain_rule(d1, d2, d3, max(velocity, 0.0), acceleration)
-                self.set_slave(position, v, a, j)
+                self.set_slave_on_cam(master, velocity, acceleration)
+
+    def set_slave_on_cam(self, master: float, velocity: float, acceleration: float) -> None:
+        """Set the slave on its cam section. A master that has gone back takes the slave along if it is measured; else
+        it counts as at rest at its highest position. Its jerk counts as 0."""
+        section = self.sequence.current.cam_section
+        if self.master.input_mode == MasterInput.MEASURED:
+            position, d1, d2, d3 = section.at_or_before(master)
+        else:
+            position, d1, d2, d3 = section.at(max(master, self.sequence.current.highest))
+            velocity = max(velocity, 0.0)
+        v, a, j = chain_rule(d1, d2, d3, velocity, acceleration)
+        self.set_slave(position, v, a, j)
 
     def set_slave_at_input(self) -> None:
         """Set the slave for the master's present input, where the commands act."""
@@ -384,12 +405,15 @@ class Follower(FollowerInterface):
         self.state_code = self.state
         self.error = self.error_id != Fault.NONE
         self.show_meeting()
-        is_moving = self.is_in_cycle() and not current.is_parked()
-        self.local.progress = current.cam_section.progress(self.master.end) if is_moving else 0.0
+        self.local.progress = current.cam_section.progress(self.master.end) if self.is_on_cam() else 0.0
 
     def is_in_cycle(self) -> bool:
         """Whether the slave waits for a meeting or is on its way."""
         return self.sequence.current.stage not in (Stage.IDLE, Stage.TO_PARK, Stage.TO_CYCLE, Stage.BRAKING)
+
+    def is_on_cam(self) -> bool:
+        """Whether the slave is on its way, on a cam section."""
+        return self.is_in_cycle() and not self.sequence.current.is_parked()
 
     def show_meeting(self) -> None:
         """Show the meeting under way or, after it, the next one."""

@@ -106,6 +106,14 @@ class CamSection:
             case _:
                 return self.position, 0.0, 0.0, 0.0
 
+    def at_or_before(self, master: float) -> tuple[float, float, float, float]:
+        """As `at`; before the section the slave goes on as at its beginning, with the same d1."""
+        missing = max(self.begin - master, 0.0)
+        position, d1, d2, d3 = self.at(max(master, self.begin))
+        if missing == 0.0:
+            return position, d1, d2, d3
+        return position - d1 * missing, d1, 0.0, 0.0
+
     def ramp_at(self, q: float, d1: float, d2: float, d3: float) -> tuple[float, float, float, float]:
         """As `at`, from a ramp law over u = 0 to 1 and its derivatives by u: 1/2 long, with d1 = 1 at its fast end."""
         return (

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..grid import floor
+from ..master import MasterInput
 from .cam_section import FAR, QuinticPeaks
 from .cycle import CycleState
 from .faults import Fault
@@ -132,7 +133,8 @@ class CycleSequence:
         if not self.may_join(parameters):
             return False
         is_parked = self.current.is_parked()
-        begin = master if is_parked else max(master, self.current.highest)
+        goes_back = parameters.master.input_mode == MasterInput.MEASURED  # and the slave with it
+        begin = master if is_parked or goes_back else max(master, self.current.highest)
         meeting = self.meetings.new_meeting(parameters)
         tolerance = POSITION_TOLERANCE * parameters.master_cycle
         is_in_time = is_parked and meeting - self.approach_travel(parameters) >= begin - tolerance

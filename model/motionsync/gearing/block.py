@@ -74,6 +74,8 @@ class Gearing(GearingInterface):
         """From t to t+h: the input correction, the commands, then the master's path in the step."""
         if not self.master.try_advance(h):
             return Refusal.MASTER_TURNS
+        if self.manoeuvre.stage in (Stage.STOPPED, Stage.ACTIVE, Stage.FROZEN):
+            self.master.watch_travel()
         self.travel(0)
         self.obey()
         for section in range(1, self.master.path.sections):
@@ -265,7 +267,7 @@ class Gearing(GearingInterface):
                 manoeuvre.line.master = curve.trigger + curve.half()
                 manoeuvre.show_line_offset(self)
         is_reached = curve.is_reached_at(end)
-        is_left = not is_reached and curve.is_left_at(end)
+        is_left = not is_reached and curve.is_left_at(end, self.master.uncertain_travel())
         if is_reached:
             manoeuvre.point.go_to(self.master.path, section, curve.end())
             manoeuvre.end_transition(self)

@@ -64,9 +64,10 @@ class MasterCurve:
         margin = grid_tolerance(self.end(), self.distance, master)
         return self.direction * (master - self.end()) >= -margin and self.direction != 0.0
 
-    def is_left_at(self, master: float) -> bool:
-        """Whether a master at this position, u, has gone back before the trigger, by more than rounding."""
-        return self.travel(master) < -grid_tolerance(self.end(), self.distance, master)
+    def is_left_at(self, master: float, uncertain: float) -> bool:
+        """Whether a master at this position, u, has gone back before the trigger, by more than rounding and what is
+        uncertain of its travel, u."""
+        return self.travel(master) < -grid_tolerance(self.end(), self.distance, master) - uncertain
 
     def progress(self, master: float) -> float:
         """The share of the distance, > 0, that a master at this position has travelled, 0 to 1."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from .. import var
 from ..grid import first_on_grid_ahead, nearest_on_grid, wrap
 from ..laws import chain_rule
+from ..master import MasterInput
 from .curves import MasterCurve, TimeCurve, gear_in_curve, gear_out_curve
 from .faults import Fault
 from .interface import GearingInterface, Ratio, State, Transition
@@ -245,7 +246,7 @@ class Manoeuvre:
         if self.has_queued_edge:
             self.enter_stopped()
         else:
-            self.enter_waiting_for_start(self.gear_in_request.source == PositionSource.DIRECT)
+            self.enter_waiting_for_start(self.waits_for_same_trigger(block, self.gear_in_request))
         self.has_queued_edge = False
         self.set_line_in_advance(block)
 
@@ -335,7 +336,7 @@ class Manoeuvre:
             self.cancel_queued_edge(block)
             self.enter_active()
         else:
-            self.enter_waiting_for_stop(self.gear_out_request.source == PositionSource.DIRECT)
+            self.enter_waiting_for_stop(self.waits_for_same_trigger(block, self.gear_out_request))
 
     def cancel_queued_edge(self, block: GearingInterface) -> None:
         """If an edge waits for the end of the transition, the contrary edge cancels it: neither of them acts."""
@@ -355,6 +356,11 @@ class Manoeuvre:
         self.stop_at_target(block)
 
     # --- the triggers ---
+
+    def waits_for_same_trigger(self, block: GearingInterface, request: ManoeuvreRequest) -> bool:
+        """Whether a request that has fallen back waits for its own trigger: a direct one, whose direction was that of
+        the master. The direction of a measured one at rest was noise; the request waits for a motion again."""
+        return request.source == PositionSource.DIRECT and block.master.input_mode != MasterInput.MEASURED
 
     def starts_by_motion(self, request: ManoeuvreRequest) -> bool:
         """Whether the condition is the master's motion alone, not a trigger that the master crosses."""
@@ -426,8 +432,15 @@ class Manoeuvre:
                 self.set_slave(block, position, v, a, j)
 
     def set_slave_on_curve(self, block: GearingInterface, master: float, velocity: float, acceleration: float) -> None:
-        """Set the slave on the curve, with the master there and moving so."""
+        """Set the slave on the curve, with the master there and moving so. Before its beginning the slave goes on as it
+        began: a measured master may go back there by noise."""
         curve = self.master_curve
+        is_before = curve.travel(master) < 0.0 and block.master.input_mode == MasterInput.MEASURED
+        if is_before and self.stage == Stage.GEAR_OUT_MASTER_BASED:
+            line = self.line
+            position = self.begin_position + line.to_slave(master - curve.trigger)
+            self.set_slave(block, position, line.to_slave(velocity), line.to_slave(acceleration), 0.0)
+            return
         if self.stage == Stage.GEAR_IN_MASTER_BASED:
             travel, d1, d2, d3 = gear_in_curve(curve.travel(master), curve.distance)
         else:

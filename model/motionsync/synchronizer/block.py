@@ -143,6 +143,7 @@ class Synchronizer(SynchronizerInterface):
         self.local.transition_distance = self.transition.distance
         self.local.peak_acceleration_per_v2 = self.transition.peak_acceleration()
         self.local.peak_jerk_per_v3 = self.transition.peak_jerk()
+        self.master.watch_travel()
         self.enter_waiting()
 
     # --- the path ---
@@ -174,9 +175,10 @@ class Synchronizer(SynchronizerInterface):
         if self.transition.is_complete_at(end):
             self.complete()
             return True
-        if not self.transition.is_on_ramp_at(end):
+        uncertain = self.master.uncertain_travel() if self.stage == Stage.RAMPING else 0.0
+        if not self.transition.is_on_ramp_at(end, uncertain):
             self.transition.aim(end, self.master.period)
-        if self.transition.is_on_ramp_at(end):
+        if self.transition.is_on_ramp_at(end, uncertain):
             self.enter_ramping()
         else:
             self.enter_waiting()
@@ -217,7 +219,7 @@ class Synchronizer(SynchronizerInterface):
 
     def set_slave_at(self, master_position: float, velocity: float, acceleration: float) -> None:
         """The setpoint that belongs to this motion of the master, whose jerk is taken as 0 on the ramp."""
-        if self.stage == Stage.RAMPING:
+        if self.stage == Stage.RAMPING and self.transition.is_on_ramp_at(master_position, 0.0):
             position, d1, d2, d3 = self.transition.follow(master_position)
             v, a, j = chain_rule(d1, d2, d3, velocity, acceleration)
             self.slave.set(wrap(position, self.master.period), v, a, j)

@@ -82,9 +82,10 @@ class PhasingTransition:
         x = self.direction * master
         return self.armed and x >= self.end - self.tolerance(x)
 
-    def is_on_ramp_at(self, master: float) -> bool:
-        """Whether a master that has not reached the end of the ramp is at its beginning or farther on."""
-        return self.armed and self.direction * master >= self.begin
+    def is_on_ramp_at(self, master: float, uncertain: float) -> bool:
+        """Whether a master that has not reached the end of the ramp is at its beginning or farther on, or before it by
+        what is uncertain of its travel, u."""
+        return self.armed and self.direction * master >= self.begin - uncertain
 
     def follow(self, master: float) -> tuple[float, float, float, float]:
         """The slave's position (u) and its first three derivatives by the master's position (1, 1/u, 1/u2).
