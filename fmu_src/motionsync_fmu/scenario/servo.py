@@ -26,10 +26,15 @@ from .recording import Reals
 KINK = 1e-9  # of a step: a kink of the late setpoint that is nearer to a communication point belongs to that one
 ROUNDING = 1e-15  # relative to positions; what is smaller in the curvature of a step is their rounding
 
+EQUAL = 1e-11  # relative; lengths of steps that differ by less are those of equal steps
+DECAYED = 1e-25  # of a number: it is not seen beside a later one any more
 CHUNK = 4096  # points that are computed at a time: their arrays stay in the cache
 
 Numbers = NDArray[Any]
 """Real numbers, or complex ones where the roots are complex."""
+
+Times = Reals | float
+"""A time for each step, or one for all of them."""
 
 
 @dataclass(frozen=True)
@@ -64,20 +69,16 @@ class Servo:
 
         time, position, velocity: shape (points,), two points at least; the times rise.
         """
-        setpoint = _Setpoint(time, position, velocity)
+        setpoint = _Setpoint(time, np.diff(time), position, velocity)
         free = _FreeMotion.after(self, setpoint)
         x, v, a = (np.full(len(time), value) for value in (position[0], 0.0, 0.0))
-        for first in range(1, len(time), CHUNK):
-            rows = np.arange(first, min(first + CHUNK, len(time)))
-            late = time[rows] - self.dead_time
-            step = np.searchsorted(time, late - KINK * (time[rows] - time[rows - 1])) - 1  # whose setpoint acts
-            moves = step >= 0  # else the axis is still at rest
-            rows, step, t = rows[moves], step[moves], late[moves] - time[step[moves]]
-            if len(rows):
-                cubics = setpoint.cubics(slice(step[0], step[-1] + 1))
-                at = step - step[0]
-                parts = cubics.at(at, t), self.steady_offset(cubics).at(at, t), free.at(step, t)
-                x[rows], v[rows], a[rows] = (s + q + z for s, q, z in zip(*parts, strict=True))
+        at_rest = np.count_nonzero(time[1:] - self.dead_time - KINK * setpoint.steps <= time[0])
+        for first in range(1 + int(at_rest), len(time), CHUNK):
+            rows = slice(first, min(first + CHUNK, len(time)))
+            steps, at, t = setpoint.find(rows, self.dead_time)
+            cubics = setpoint.cubics(steps)
+            parts = cubics.at(at, t), self.steady_offset(cubics).at(at, t), free.at(steps, at, t)
+            x[rows], v[rows], a[rows] = (s + q + z for s, q, z in zip(*parts, strict=True))
         return ActualMotion(x, v, a)
 
     def steady_offset(self, s: "_Cubics") -> "_Cubics":
@@ -98,7 +99,7 @@ class _Cubics:
     c2: Reals
     c3: Reals
 
-    def at(self, step: Any, t: Reals) -> tuple[Reals, Reals, Reals]:
+    def at(self, step: Any, t: Times) -> tuple[Reals, Reals, Reals]:
         """Value, first and second derivative, a time t after the begin of the steps with these indices."""
         c0, c1, c2, c3 = self.c0[step], self.c1[step], self.c2[step], self.c3[step]
         value = c0 + t * (c1 + t * (c2 + t * c3))
@@ -107,9 +108,10 @@ class _Cubics:
 
 @dataclass(frozen=True)
 class _Setpoint:
-    """Positions (u) and velocities at both ends of each step, shape (points,)."""
+    """Positions (u) and velocities at both ends of each step; `steps`: the lengths of these, in s, shape (points - 1,)."""
 
     time: Reals
+    steps: Reals
     position: Reals
     velocity: Reals
 
@@ -119,11 +121,28 @@ class _Setpoint:
         In a very short step the difference of two positions is mostly rounding; the parabola of the velocities is exact
         enough there."""
         ends = slice(steps.start, steps.stop + 1)
-        h, position, velocity = np.diff(self.time[ends]), self.position[ends], self.velocity[ends]
-        p, v, difference = position[:-1], velocity[:-1], np.diff(velocity)
-        beyond = np.diff(position) - h * (v + 0.5 * difference)
-        beyond[np.abs(beyond) <= ROUNDING * np.maximum(np.abs(p), np.abs(position[1:]))] = 0.0
-        return _Cubics(p, v, (3.0 * beyond / h + 0.5 * difference) / h, -2.0 * beyond / (h * h * h))
+        position, velocity = self.position[ends], self.velocity[ends]
+        p, v, difference = position[:-1], velocity[:-1], velocity[1:] - velocity[:-1]
+        beyond = position[1:] - p - self.steps[steps] * (v + 0.5 * difference)
+        beyond[np.abs(beyond) <= ROUNDING * np.abs(p)] = 0.0
+        h = _joined(self.steps[steps])
+        return _Cubics(p, v, (3.0 / h) * beyond / h + (0.5 / h) * difference, (-2.0 / (h * h * h)) * beyond)
+
+    def find(self, rows: slice, dead_time: float) -> tuple[slice, Any, Times]:
+        """Which steps hold the setpoints that act at these communication points: the steps from the first to the last of
+        them, the index of each among these, and the time since its begin."""
+        late = self.time[rows] - dead_time
+        just_before = late - KINK * self.steps[rows.start - 1 : rows.stop - 1]
+        first, last = (np.searchsorted(self.time, just_before[[0, -1]]) - 1).tolist()
+        steps = slice(first, last + 1)
+        begins = self.time[steps]
+        if len(begins) == len(late):
+            t = late - begins
+            joined = _joined(t)
+            if np.ndim(joined) == 0 and np.ndim(_joined(self.steps[steps])) == 0 and 0.0 < joined:
+                return steps, slice(None), joined
+        at = np.searchsorted(begins, just_before) - 1
+        return steps, at, late - begins[at]
 
 
 @dataclass(frozen=True)
@@ -154,7 +173,7 @@ class _FreeMotion:
         for first in range(0, len(z) - 1, CHUNK):
             steps = slice(first, min(first + CHUNK + 1, len(z)))
             q = servo.steady_offset(setpoint.cubics(steps))
-            h = np.diff(time[steps])
+            h = _joined(setpoint.steps[first : steps.stop - 1])
             ends = q.at(slice(-1), h)
             jumps = ends[0] - q.c0[1:]
             of_z, of_p, of_both = _decays(slow, fast, h)
@@ -164,11 +183,11 @@ class _FreeMotion:
             z[steps] = _recurrence(of_z, jumps, z[first])
         return cls(slow, fast, z, p)
 
-    def at(self, step: Any, t: Reals) -> tuple[Reals, Reals, Reals]:
-        """Position, velocity and acceleration, a time t after the begin of the steps with these indices."""
+    def at(self, steps: slice, at: Any, t: Times) -> tuple[Reals, Reals, Reals]:
+        """Position, velocity and acceleration, a time t after the begin of the steps with these indices among `steps`."""
         of_z, of_p, of_both = _decays(self.slow, self.fast, t)
-        p = self.p[step]
-        z, p = of_z * self.z[step] + of_both * p, of_p * p
+        p = self.p[steps][at]
+        z, p = of_z * self.z[steps][at] + of_both * p, of_p * p
         v = self.slow * z + p
         a = self.slow * v + self.fast * p
         return z.real, v.real, a.real
@@ -187,7 +206,13 @@ def _roots(servo: Servo) -> tuple[complex, complex]:
     return root, root.conjugate()
 
 
-def _decays(slow: complex, fast: complex, t: Reals) -> tuple[Numbers, Numbers, Numbers]:
+def _joined(times: Reals) -> Times:
+    """One time for all steps if they differ by rounding alone: what is computed with it costs a fraction."""
+    least, greatest = float(times.min()), float(times.max())
+    return 0.5 * (least + greatest) if greatest - least <= EQUAL * greatest else times
+
+
+def _decays(slow: complex, fast: complex, t: Times) -> tuple[Any, Any, Any]:
     """exp(r1 t), exp(r2 t), and what p leaves in z after a time t: (exp(r1 t) - exp(r2 t)) / (r1 - r2)."""
     if isinstance(slow, complex):
         decay, angle = np.exp(slow.real * t), slow.imag * t
@@ -198,22 +223,16 @@ def _decays(slow: complex, fast: complex, t: Reals) -> tuple[Numbers, Numbers, N
     return of_slow, np.exp(fast * t), of_slow * (-np.expm1(-apart * t) / apart if apart else t)
 
 
-def _recurrence(factors: Numbers, terms: Numbers, start: complex) -> Numbers:
-    """The numbers y[0] = start, y[k + 1] = factors[k] y[k] + terms[k], one more than there are factors.
+def _recurrence(factors: Any, terms: Numbers, start: complex) -> Numbers:
+    """The numbers y[0] = start, y[k + 1] = factor[k] y[k] + term[k], one more than there are terms.
 
-    They are computed in rows, all rows at once as if each began with 0; what comes out of the row before is added then.
-    A column takes about as long as four rows."""
-    number = len(terms)
-    columns = math.isqrt(number // 4) + 1
-    rows = -(-number // columns)
-    of_rows = np.zeros((2, rows * columns), np.result_type(factors, terms))
-    of_rows[0, :number], of_rows[1, :number] = factors, terms
-    factors, y = of_rows.reshape(2, rows, columns).transpose(0, 2, 1).copy()
-    for column in range(1, columns):
-        y[column] += factors[column] * y[column - 1]
-    since_begin = np.cumprod(factors, axis=0)
-    before = [start]
-    for factor, own in zip(since_begin[-1].tolist(), y[-1].tolist(), strict=True):
-        before.append(factor * before[-1] + own)
-    y += since_begin * np.array(before[:-1])
-    return np.concatenate([[start], y.T.ravel()[:number]])
+    Each round adds what is up to twice as far back, until that has decayed.
+
+    factors: of shape (terms,), or one for all."""
+    y = np.concatenate([[start], terms])
+    distance = 1
+    while distance < len(y) and np.abs(factors).max() > DECAYED:
+        y[distance:] += factors * y[:-distance]
+        factors = factors * factors if np.ndim(factors) == 0 else factors[distance:] * factors[:-distance]
+        distance *= 2
+    return y
