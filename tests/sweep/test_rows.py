@@ -3,6 +3,7 @@
 The other side of the comparison is the block in Python, stepped one run at a time, and the whole evaluation and all
 figures of its recording of all outputs."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ import pytest
 from motionsync_fmu.batch.scripted_runs import ScriptedRun, run_scenarios
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
-from motionsync_fmu.scenario.evaluate.key_figures import SLAVE_OUTPUTS, compute_key_figures
+from motionsync_fmu.scenario.evaluate.key_figures import SLAVE_OUTPUTS, KeyFigures, compute_key_figures
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.shipped import shipped_folder
 from motionsync_fmu.scenario.recording import Recording
@@ -25,6 +26,7 @@ from motionsync_fmu.sweep import rows as of_sweep
 from motionsync_fmu.sweep.result_columns import measure_columns, schema
 from motionsync_fmu.sweep.rows import rows
 from motionsync_fmu.sweep.sweep_plan import SweepPlan
+from tests.support.scenario_texts import FREE_SAW
 
 SAW = load_example("FlyingSaw").file
 ALWAYS = ["passed", "refusal", "refused_at", "broken", "first_broken"]
@@ -85,7 +87,19 @@ def expected(scenario: Scenario) -> dict[str, Any]:
     error = {"passed": not broken, "refusal": "", "broken": len(broken), "first_broken": "".join(broken[:1])}
     figures = compute_key_figures(scenario, recording)
     limits = ", ".join(peak.name for peak in figures.peaks if peak.exceeded)
-    return error | {"limits_broken": limits} | cut(scenario, recording) | fault(recording)
+    return error | {"limits_broken": limits} | cut(scenario, recording) | fault(recording) | axis(figures)
+
+
+def axis(figures: KeyFigures) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    if error := figures.following_error:
+        result["following_error"] = error.greatest
+    if load := figures.load:
+        result |= {"force_rms": load.rms, "force_peak": load.peak}
+    if true := figures.true_pieces:
+        result |= {"true_length_mean": true.mean, "true_length_sigma": true.deviation, "c_pk": true.c_pk}
+        result |= {"true_length_worst": true.worst, "cut_movement": true.movement}
+    return {name: None if math.isnan(value) else value for name, value in result.items()}
 
 
 def cut(scenario: Scenario, recording: Recording) -> dict[str, Any]:
@@ -144,6 +158,31 @@ def test_the_rows_of_a_block_that_shows_its_pieces() -> None:
     assert {row["passed"] for row in result} == {True, False}
     assert {row["skipped"] for row in result} >= {0, 2, 18}
     assert {row["length_error"] for row in result} == {None, 0.0}
+
+
+def test_the_rows_of_a_servo_and_a_load(tmp_path: Path) -> None:
+    text = (shipped_folder() / "CutToLength/basic_cut/scenario.toml").read_text()
+    tables = "[servo]\nposition_gain = 50.0\n[load]\nmass = 100.0\npeak_force = 500.0\n"
+    moved = "[master]\nsegments = [{ duration = 2.5 }, { duration = 1.0, acceleration = -50.0 }]"
+    file = written(tmp_path, text.replace("[master]", moved) + tables)
+    settings = ("servo.position_gain=20,100", "servo.dead_time=0,0.004", "load.mass=50,200", "stop_time=5,9")
+    result = assert_same(plan(file, *settings))
+    assert {row["c_pk"] is None for row in result} == {True, False}
+    assert len({row["force_peak"] for row in result}) == 8
+    assert len({row["force_rms"] for row in result}) >= 8
+    assert len({row["true_length_worst"] for row in result if row["stop_time"] == 9.0}) == 4
+    assert {row["following_error"] > 3.0 for row in result} == {True, False}
+
+
+def test_a_servo_alone_and_a_load_alone(tmp_path: Path) -> None:
+    saw = "[servo]\nposition_gain = 50.0\n"
+    (row,) = assert_same(plan(written(tmp_path, FREE_SAW + saw), "servo.feedforward=0"))
+    assert row["following_error"] == pytest.approx(2.0, abs=1e-6)
+    assert "force_rms" not in row
+    assert "c_pk" not in row
+    (row,) = assert_same(plan(written(tmp_path, FREE_SAW + "[load]\nmass = 1.0\nfriction = 3.0\n"), "load.mass=2"))
+    assert row["force_peak"] == 3.0
+    assert "following_error" not in row
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rich.markup import escape
 
-from ..scenario.engineering import engineering
-from ..scenario.evaluate.key_figures import Peak
+from ..scenario.engineering import ROUNDING, engineering
+from ..scenario.evaluate.key_figures import KeyFigures, Peak
 from ..scenario.evaluate.outcome import ScenarioOutcome
 from ..scenario.evaluate.production import Production
 from .console import out, print_checks, print_headline
@@ -75,6 +75,7 @@ def _figures(outcome: ScenarioOutcome) -> Iterator[tuple[str, str]]:
         yield "saw", f"{figures.cuts_text}; {figures.tolerance_text} allowed"
     if figures.production:
         yield from _production_figures(figures.production)
+    yield from _true_figures(figures)
     for p in figures.peaks:
         yield p.name, f"{p.value_text:<22}  limit {p.limit_text}" if p.limit_text else p.value_text
     if outcome.expectations:
@@ -97,6 +98,36 @@ def _production_figures(production: Production) -> Iterator[tuple[str, str]]:
         yield "reserve", f"at least {production.reserve_text} of a cycle"
     if production.line:
         yield "line", f"{production.line.greatest_text:<22}  {production.line.limit_text}"
+
+
+def _true_figures(figures: KeyFigures) -> Iterator[tuple[str, str]]:
+    """What is true of the pieces, and what the axis needs: a name and a text each."""
+    if true := figures.true_pieces:
+        if true.pieces:
+            mean = engineering(true.mean, true.unit, digits=7)
+            worst = engineering(abs(true.worst), true.unit, scale=figures.scale)
+            yield "true length", f"{_counted(len(true.pieces), 'product')}: mean {mean}, error at most {worst}"
+        if len(true.pieces) > 1:
+            sigma, allowed = (
+                engineering(value, true.unit, scale=figures.scale) for value in (true.deviation, true.tolerance)
+            )
+            exact = true.deviation <= ROUNDING * figures.scale
+            yield "sigma", sigma if exact else f"{sigma:<22}  C_pk {engineering(true.c_pk)} for {allowed}"
+        yield "in the cut", f"the tool moves {engineering(true.movement, true.unit)} against the material at most"
+    if error := figures.following_error:
+        yield "following", f"{engineering(error.greatest, error.unit)} at most, at {engineering(error.at, 's')}"
+    if load := figures.load:
+        span = f"over {_counted(load.cycles, 'cycle')}" if load.cycles else "over the whole run"
+        work = "" if load.work is None else f", work {engineering(load.work, 'J')} a cycle"
+        yield "force rms", f"{_of_motor(load.rms, load.rms_share, load.unit):<22}  {span}"
+        peak = _of_motor(load.peak, load.peak_share, load.unit)
+        yield "force peak", f"{peak:<22}  at {engineering(load.peak_at, 's')}"
+        yield "power peak", f"{engineering(load.peak_power, 'W')}{work}"
+
+
+def _of_motor(force: float, share: float | None, unit: str) -> str:
+    """A force, and its share of what the motor can give: `712.3 N, 79.1 %`."""
+    return engineering(force, unit) + ("" if share is None else f", {100.0 * share:.3g} %")
 
 
 def _select_peaks(peaks: Sequence[Peak]) -> list[Peak]:

@@ -28,7 +28,7 @@ ROUNDING = 1e-15  # relative to positions; what is smaller in the curvature of a
 
 EQUAL = 1e-11  # relative; lengths of steps that differ by less are those of equal steps
 DECAYED = 1e-25  # of a number: it is not seen beside a later one any more
-CHUNK = 4096  # points that are computed at a time: their arrays stay in the cache
+CHUNK = 8192  # points that are computed at a time: their arrays stay in the cache
 
 Numbers = NDArray[Any]
 """Real numbers, or complex ones where the roots are complex."""
@@ -108,7 +108,7 @@ class _Cubics:
 
 @dataclass(frozen=True)
 class _Setpoint:
-    """Positions (u) and velocities at both ends of each step; `steps`: the lengths of these, in s, shape (points - 1,)."""
+    """Positions (u) and velocities at both ends of each step; `steps`: the lengths of these, in s."""
 
     time: Reals
     steps: Reals
@@ -129,8 +129,8 @@ class _Setpoint:
         return _Cubics(p, v, (3.0 / h) * beyond / h + (0.5 / h) * difference, (-2.0 / (h * h * h)) * beyond)
 
     def find(self, rows: slice, dead_time: float) -> tuple[slice, Any, Times]:
-        """Which steps hold the setpoints that act at these communication points: the steps from the first to the last of
-        them, the index of each among these, and the time since its begin."""
+        """Which setpoints act at these communication points: the steps from the first to the last that hold them, the
+        index of each among these, and the time since its begin."""
         late = self.time[rows] - dead_time
         just_before = late - KINK * self.steps[rows.start - 1 : rows.stop - 1]
         first, last = (np.searchsorted(self.time, just_before[[0, -1]]) - 1).tolist()
@@ -139,7 +139,7 @@ class _Setpoint:
         if len(begins) == len(late):
             t = late - begins
             joined = _joined(t)
-            if np.ndim(joined) == 0 and np.ndim(_joined(self.steps[steps])) == 0 and 0.0 < joined:
+            if np.ndim(joined) == 0 and np.ndim(_joined(self.steps[steps])) == 0 and joined > 0.0:
                 return steps, slice(None), joined
         at = np.searchsorted(begins, just_before) - 1
         return steps, at, late - begins[at]
@@ -184,7 +184,7 @@ class _FreeMotion:
         return cls(slow, fast, z, p)
 
     def at(self, steps: slice, at: Any, t: Times) -> tuple[Reals, Reals, Reals]:
-        """Position, velocity and acceleration, a time t after the begin of the steps with these indices among `steps`."""
+        """The motion and its two derivatives, a time t after the begin of the steps with these indices in `steps`."""
         of_z, of_p, of_both = _decays(self.slow, self.fast, t)
         p = self.p[steps][at]
         z, p = of_z * self.z[steps][at] + of_both * p, of_p * p
@@ -231,7 +231,7 @@ def _recurrence(factors: Any, terms: Numbers, start: complex) -> Numbers:
     factors: of shape (terms,), or one for all."""
     y = np.concatenate([[start], terms])
     distance = 1
-    while distance < len(y) and np.abs(factors).max() > DECAYED:
+    while distance < len(y) and np.max(np.abs(factors)) > DECAYED:
         y[distance:] += factors * y[:-distance]
         factors = factors * factors if np.ndim(factors) == 0 else factors[distance:] * factors[:-distance]
         distance *= 2

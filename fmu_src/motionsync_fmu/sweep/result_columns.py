@@ -22,6 +22,11 @@ ALWAYS = {
 }
 CUTS = {"cuts": pa.int64(), "cut_error": pa.float64()}
 PIECES = {"late": pa.int64(), "skipped": pa.int64(), "length_error": pa.float64()}
+TRUE_PIECES = dict.fromkeys(
+    ("true_length_mean", "true_length_sigma", "true_length_worst", "c_pk", "cut_movement"), pa.float64()
+)
+SERVO = {"following_error": pa.float64()}
+LOAD = {"force_rms": pa.float64(), "force_peak": pa.float64()}
 LIMITS = {LIMITS_BROKEN: pa.string()}
 FAULTS = {"fault": pa.int64(), "faulted_at": pa.float64()}
 
@@ -39,6 +44,8 @@ def result_columns(scenario: Scenario) -> dict[str, pa.DataType]:
     variables = scenario.recipe.variables
     reports_pieces = piece_variables(variables.values()) is not None
     columns = ALWAYS | (CUTS if scenario.cuts or reports_pieces else {}) | (PIECES if reports_pieces else {})
+    columns |= TRUE_PIECES if scenario.servo and (scenario.cuts or reports_pieces) else {}
+    columns |= (SERVO if scenario.servo else {}) | (LOAD if scenario.load else {})
     columns |= LIMITS if AxisLimitCheck(variables.values()) else {}
     return columns | (FAULTS if FAULT_VARIABLE in variables else {})
 

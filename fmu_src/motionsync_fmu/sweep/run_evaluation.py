@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..batch.scripted_runs import ScriptedRun
+from ..scenario.evaluate.axis_figures import find_following_error, find_load_figures
 from ..scenario.evaluate.cutting_results import CuttingResults
 from ..scenario.evaluate.expectations import check_expectations, check_reactions, checked_outputs
 from ..scenario.evaluate.key_figures import SLAVE_OUTPUTS, find_peaks
@@ -51,7 +52,7 @@ class RunEvaluation:
         if run.recording:
             results = CuttingResults(scenario, run.recording)
             checks = check_expectations(scenario, run.recording, results)
-            row = _cutting_row(results)
+            row = _cutting_row(results) | _true_row(results) | _axis_row(scenario, run.recording)
         else:
             checks = check_reactions(run.unmet)
         unmet = [check for check in checks if not check.passed]
@@ -105,3 +106,22 @@ def _cutting_row(results: CuttingResults) -> Row:
         "skipped": production.skipped,
         "length_error": abs(production.worst.error) if production.worst else None,
     }
+
+
+def _true_row(results: CuttingResults) -> Row:
+    true = results.true_pieces
+    if true is None:
+        return {}
+    return {
+        "true_length_mean": true.mean,
+        "true_length_sigma": true.deviation,
+        "true_length_worst": true.worst,
+        "c_pk": true.c_pk,
+        "cut_movement": true.movement,
+    }
+
+
+def _axis_row(scenario: Scenario, recording: Recording) -> Row:
+    error, load = find_following_error(scenario, recording), find_load_figures(scenario, recording)
+    row: Row = {"following_error": error.greatest} if error else {}
+    return row | ({"force_rms": load.rms, "force_peak": load.peak} if load else {})

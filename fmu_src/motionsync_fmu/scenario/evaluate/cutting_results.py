@@ -1,4 +1,5 @@
-"""The cuts or pieces of a run: of a saw whose marks the scenario gives, or of a block that reports its pieces."""
+"""The cuts or pieces of a run: of a saw whose marks the scenario gives, or of a block that reports its pieces; and what
+is true of them where the tool is not where its setpoint is."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,6 +8,7 @@ from ..recording import Recording
 from ..scenario import Scenario
 from .cuts import Cut, find_cuts
 from .production import Production, evaluate_production
+from .true_pieces import TruePieces, find_true_pieces
 
 
 @dataclass(frozen=True)
@@ -25,3 +27,8 @@ class CuttingResults:
     def production(self) -> Production | None:
         """What was made by a block that reports its pieces; None: it does not."""
         return evaluate_production(self.scenario, self.recording)
+
+    @cached_property
+    def true_pieces(self) -> TruePieces | None:
+        """The pieces as a tape measure finds them; None: nothing is cut, or the tool is where its setpoint is."""
+        return find_true_pieces(self.scenario, self.recording, self)

@@ -22,6 +22,7 @@ from .cuts import Cut
 from .cutting_results import CuttingResults
 from .production import Production
 from .remote_errors import remote_errors
+from .true_pieces import TruePieces
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ def check_expectations(scenario: Scenario, recording: Recording, results: Cuttin
         checks += _check_cuts(scenario.cuts, results.cuts, recording, unit)
     if results.production:
         checks.append(_check_skipped(scenario.pieces.skipped if scenario.pieces else 0, results.production.skipped))
-        checks += _check_pieces(scenario.pieces, results.production) if scenario.pieces else ()
+        checks += _check_pieces(scenario.pieces, results.production, results.true_pieces) if scenario.pieces else ()
     if scenario.remote:
         checks += _check_accuracy(scenario.remote, recording, unit)
     return checks
@@ -136,7 +137,8 @@ def _check_skipped(expected: int, skipped: int) -> Check:
     return Check(f"number of skipped cuts = {expected}", f"{skipped}", skipped == expected)
 
 
-def _check_pieces(spec: PieceSpec, production: Production) -> Iterator[Check]:
+def _check_pieces(spec: PieceSpec, production: Production, true_pieces: TruePieces | None) -> Iterator[Check]:
+    """`true_pieces`: None if the tool is where its setpoint is."""
     if spec.count is not None:
         yield Check(f"number of pieces = {spec.count}", f"{production.cuts}", production.cuts == spec.count)
     if spec.kinds is not None:
@@ -151,7 +153,12 @@ def _check_pieces(spec: PieceSpec, production: Production) -> Iterator[Check]:
         worst = max((abs(piece.error) for piece in production.products), default=math.inf)
         off = f"at most {production.worst_text} off" if production.products else "no piece"
         yield Check(f"products as long as ordered, within {allowed}", off, worst <= spec.tolerance)
-    if gaps := production.gaps:
+    if true_pieces:
+        if true_pieces.pieces:
+            worst = abs(true_pieces.worst)
+            off = f"at most {engineering(worst, production.unit, scale=production.scale, digits=3)} off"
+            yield Check(f"true lengths of products as ordered, within {allowed}", off, worst <= spec.tolerance)
+    elif gaps := production.gaps:
         distance = f"at most {engineering(max(gaps), production.unit, scale=production.scale, digits=3)} away"
         expected = f"cuts within {allowed} of where they are reported, by the positions of slave and material"
         yield Check(expected, distance, max(gaps) <= spec.tolerance)

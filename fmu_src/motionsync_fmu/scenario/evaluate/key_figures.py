@@ -17,10 +17,12 @@ from ..cutting import CutSpec
 from ..engineering import ROUNDING, engineering
 from ..recording import Reals, Recording, greatest_position
 from ..scenario import Scenario
+from .axis_figures import FollowingError, LoadFigures, find_following_error, find_load_figures
 from .cuts import Cut
 from .cutting_results import CuttingResults
 from .production import Production
 from .time_series import time_series
+from .true_pieces import TruePieces
 
 NOWHERE = 1e9  # u; an end position this far away bounds nothing
 MOST_MARKS = 10_000  # that passed uncut; more are not listed
@@ -95,6 +97,9 @@ class KeyFigures:
         uncut: the positions of the marks that passed the saw without a cut, in u, in the sequence of passing; at
             most MOST_MARKS of them.
         tolerance: how far a cut may be from its mark, in u; None: the scenario has no table [cuts].
+        true_pieces: the pieces as a tape measure finds them; None: as for `find_true_pieces`.
+        following_error: the greatest one; None: there is no servo.
+        load: what the motor has to give; None: this is not known.
         unit: the unit of the material's positions.
         scale: the greatest magnitude of the positions of material and saw, in u: errors are compared with it.
     """
@@ -104,6 +109,9 @@ class KeyFigures:
     cuts: tuple[Cut, ...]
     uncut: tuple[float, ...]
     tolerance: float | None
+    true_pieces: TruePieces | None
+    following_error: FollowingError | None
+    load: LoadFigures | None
     unit: str
     scale: float
 
@@ -151,6 +159,18 @@ class KeyFigures:
         count = f"{'at least ' * (number == MOST_MARKS)}{number} mark{'s' * (number > 1)}"
         return f"{count} passed uncut: {positions} {self.unit}".strip()
 
+    @property
+    def axis_notes(self) -> list[str]:
+        """What the motor cannot give, a sentence each."""
+        if not self.load:
+            return []
+        shares = (("peak", self.load.peak, self.load.peak_share), ("rms", self.load.rms, self.load.rms_share))
+        return [
+            f"beyond the motor: {name} force {engineering(force, self.load.unit)}, {100.0 * share:.3g} % of its own"
+            for name, force, share in shares
+            if share is not None and share > 1.0
+        ]
+
 
 def compute_key_figures(scenario: Scenario, recording: Recording) -> KeyFigures:
     """The figures of a run of a scenario."""
@@ -162,6 +182,9 @@ def compute_key_figures(scenario: Scenario, recording: Recording) -> KeyFigures:
         results.cuts,
         tuple(_find_uncut_marks(spec, results.cuts, recording)) if spec else (),
         spec.tolerance if spec else None,
+        results.true_pieces,
+        find_following_error(scenario, recording),
+        find_load_figures(scenario, recording),
         unit_name(Unit.POSITION, scenario.unit),
         greatest_position(recording),
     )

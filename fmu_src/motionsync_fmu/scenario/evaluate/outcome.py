@@ -63,6 +63,7 @@ class ScenarioOutcome:
             notes.append(self.figures.uncut_text)
         if self.figures.production:
             notes += self.figures.production.notes
+        notes += self.figures.axis_notes
         notes += self.unmet
         if not self.expectations and not self.reference:
             notes.append("nothing is checked: the scenario has no [[expect]], no [cuts] and no reference")
@@ -79,5 +80,6 @@ class ScenarioOutcome:
         del values["unmet"]  # it is among the notes
         if not values["overrides"]:
             del values["overrides"]
-        shown = {key: figures[key] for key in ("cuts", "uncut", "production", "peaks")}
+        given = [key for key in ("true_pieces", "following_error", "load") if figures[key] is not None]
+        shown = {key: figures[key] for key in ("cuts", "uncut", "production", *given, "peaks")}
         return values | shown | {"reference": reference, "notes": self.notes}

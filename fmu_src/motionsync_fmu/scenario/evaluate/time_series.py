@@ -20,3 +20,14 @@ def time_series(scenario: Scenario, recording: Recording, name: str) -> Reals:
         if name in setting.values:
             values[recording.time > setting.at + CLOSE] = float(setting.values[name])
     return values
+
+
+def value_at(scenario: Scenario, recording: Recording, name: str, point: int) -> float:
+    """The value of a variable at one of the communication points, as `time_series` has it."""
+    if name in recording.values:
+        return float(recording.values[name][point])
+    value = scenario.start.get(name, scenario.recipe.variables[name].start)
+    for setting in recording.settings or scenario.settings:
+        if name in setting.values and recording.time[point] > setting.at + CLOSE:
+            value = setting.values[name]
+    return float(value)

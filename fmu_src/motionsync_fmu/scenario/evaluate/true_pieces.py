@@ -1,0 +1,190 @@
+"""The pieces of a run as a tape measure finds them: by the master's true position and the tool's actual one.
+
+A place is a position on the material: what passed position 0 of the tool's axis when the master was there.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from motionsync.var import Unit
+
+from ...interface.roles import piece_variables
+from ...interface.units import unit_name
+from ..computed_columns import ACTUAL_POSITION
+from ..recording import Reals, Recording
+from ..scenario import Scenario
+from .find_pieces import coupling_factor
+from .time_series import value_at
+
+if TYPE_CHECKING:
+    from .cutting_results import CuttingResults
+
+
+@dataclass(frozen=True)
+class TrueCuts:
+    """The cuts that are over at the end of a run, each of shape (cuts,).
+
+    Attributes:
+        begin: the first point of each, in s.
+        place: the mean over its time of where on the material the tool is, in u.
+        movement: how far the tool moves against the material, in u.
+    """
+
+    begin: Reals
+    place: Reals
+    movement: Reals
+
+
+@dataclass(frozen=True)
+class TruePiece:
+    """A piece between two cuts. Lengths are in u.
+
+    Attributes:
+        number: that of the block, or counted from 1.
+        ordered: the length that it should have.
+        believed: the length that the block reports; None: it reports none.
+    """
+
+    number: int
+    length: float
+    ordered: float
+    believed: float | None
+
+    @property
+    def error(self) -> float:
+        """By how much it is too long, in u."""
+        return self.length - self.ordered
+
+
+@dataclass(frozen=True)
+class TruePieces:
+    """What the tape measure finds. Lengths are in u; NaN where there are too few pieces.
+
+    Attributes:
+        pieces: those with an ordered length, between two cuts that are over.
+        mean: the mean length.
+        deviation: one sigma of the errors, from two pieces on; where all are ordered alike, that of the lengths.
+        worst: the error of the greatest magnitude.
+        c_pk: the process capability: how many times 3 sigma the mean error is away from the tolerance.
+        movement: how far the tool moves against the material while it cuts, in the worst of all cuts.
+        tolerance: how far a length may be off.
+        unit: the unit of lengths.
+    """
+
+    pieces: tuple[TruePiece, ...]
+    mean: float
+    deviation: float
+    worst: float
+    c_pk: float
+    movement: float
+    tolerance: float
+    unit: str
+
+
+def cutting_flag(scenario: Scenario) -> str:
+    """The Boolean that is true while the tool cuts; empty: there is none."""
+    names = piece_variables(scenario.recipe.variables.values())
+    return names.cutting if names else scenario.cuts.name if scenario.cuts else ""
+
+
+def find_true_pieces(scenario: Scenario, recording: Recording, results: "CuttingResults") -> TruePieces | None:
+    """The true pieces of a run; None where nothing is cut, or the tool is where its setpoint is.
+
+    `results`: the cuts or pieces of the run, as the block sees them."""
+    if ACTUAL_POSITION not in recording.computed or not cutting_flag(scenario):
+        return None
+    cuts = find_true_cuts(scenario, recording)
+    pieces = tuple(_reported(scenario, recording, cuts, results) if results.production else _marked(cuts, results))
+    tolerance = (
+        results.production.tolerance if results.production else scenario.cuts.tolerance if scenario.cuts else 0.0
+    )
+    errors = [piece.error for piece in pieces]
+    return TruePieces(
+        pieces,
+        float(np.mean([piece.length for piece in pieces])) if pieces else math.nan,
+        _deviation(errors) if len(errors) > 1 else math.nan,
+        max(errors, key=abs, default=math.nan),
+        capability(errors, tolerance),
+        float(cuts.movement.max(initial=0.0)),
+        tolerance,
+        unit_name(Unit.POSITION, scenario.unit),
+    )
+
+
+def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
+    """The cuts of a run by the true positions."""
+    flag = recording.values[cutting_flag(scenario)] != 0.0
+    borders = np.flatnonzero(flag[1:] != flag[:-1]) + 1
+    if flag[0]:
+        borders = np.concatenate([[0], borders])
+    first, after = borders[: len(borders) // 2 * 2].reshape(-1, 2).T
+    if not len(first):
+        return TrueCuts(*np.zeros((3, 0)))
+    points = after - first
+    begins = np.cumsum(points) - points  # of the cuts, among the points of all
+    at = np.arange(points.sum()) + np.repeat(first - begins, points)
+    places = recording.master[at, 0] - recording.computed[ACTUAL_POSITION][at] / _ratio(scenario, recording)
+    spans = np.diff(recording.time[at], prepend=0.0)
+    spans[begins] = 0.0
+    weights = spans + np.append(spans[1:], 0.0)  # twice those of trapezoids
+    weights[begins[points == 1]] = 1.0
+    means = np.add.reduceat(weights * places, begins) / np.add.reduceat(weights, begins)
+    movement = np.maximum.reduceat(places, begins) - np.minimum.reduceat(places, begins)
+    return TrueCuts(recording.time[first], means, movement)
+
+
+def capability(errors: Sequence[float], tolerance: float) -> float:
+    """The process capability C_pk of errors that may be up to `tolerance` on both sides; NaN for fewer than two.
+
+    Where all are the same it is infinite: positive within the tolerance, negative beyond."""
+    if len(errors) < 2:
+        return math.nan
+    margin, sigma = tolerance - abs(float(np.mean(errors))), _deviation(errors)
+    return margin / (3.0 * sigma) if sigma else math.copysign(math.inf, margin)
+
+
+def _deviation(errors: Sequence[float]) -> float:
+    """One sigma, estimated from two errors or more; 0, without rounding, where all are the same."""
+    return float(np.std(errors, ddof=1)) if min(errors) < max(errors) else 0.0
+
+
+def _ratio(scenario: Scenario, recording: Recording) -> float:
+    """The tool's travel over the material's true travel in sync, which is that of the true master."""
+    names = piece_variables(scenario.recipe.variables.values())
+    if names is None:
+        return scenario.cuts.ratio if scenario.cuts else 1.0
+    first, second = (value_at(scenario, recording, name, 0) for name in names.factors)
+    return coupling_factor(scenario, recording) / (first * second)
+
+
+def _reported(
+    scenario: Scenario, recording: Recording, cuts: TrueCuts, results: "CuttingResults"
+) -> Iterator[TruePiece]:
+    """The products of a block that reports its pieces, between two cuts that follow one another."""
+    names = piece_variables(scenario.recipe.variables.values())
+    if not names or not results.production:
+        return
+    number_at = {time: i for i, time in enumerate(cuts.begin.tolist())}
+    before = None
+    for piece in results.production.pieces:
+        cut = number_at.get(piece.cut[0]) if piece.cut else None
+        if piece.product and piece.measured is not None and cut is not None and cut - 1 == before:
+            reported = int(np.searchsorted(recording.time, piece.reported_at))
+            kerf = value_at(scenario, recording, names.kerf, reported)
+            length = float(cuts.place[cut] - cuts.place[cut - 1]) - kerf
+            yield TruePiece(piece.number, length, piece.ordered, piece.length)
+        before = cut
+
+
+def _marked(cuts: TrueCuts, results: "CuttingResults") -> Iterator[TruePiece]:
+    """The pieces of a saw that cuts at marks: they should be as long as the marks are apart."""
+    marks = np.diff([cut.mark for cut in results.cuts[: len(cuts.place)]])
+    pieces = zip(np.diff(cuts.place).tolist(), marks.tolist(), strict=True)
+    for number, (length, ordered) in enumerate(pieces, 1):
+        if ordered:
+            sign = math.copysign(1.0, ordered)
+            yield TruePiece(number, sign * length, sign * ordered, None)
