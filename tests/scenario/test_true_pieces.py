@@ -48,15 +48,15 @@ def run(folder: Path, text: str) -> tuple[Scenario, Recording]:
 
 
 def run_of(scenario: Scenario) -> tuple[Scenario, Recording]:
-    (result,) = run_compiled(scenario)
-    assert result.recording
-    return scenario, result.recording
+    (compiled,) = run_compiled(scenario)
+    assert compiled.recording
+    return scenario, compiled.recording
 
 
 def true_pieces(scenario: Scenario, recording: Recording) -> TruePieces:
-    found = CuttingResults(scenario, recording).true_pieces
-    assert found
-    return found
+    result = CuttingResults(scenario, recording).true_pieces
+    assert result
+    return result
 
 
 def by_the_oracle(recording: Recording, flag: str, ratio: float = 1.0) -> oracle.TrueCuts:
@@ -76,25 +76,25 @@ def test_pieces_are_those_of_the_oracle(start: str, ratio: float, tmp_path: Path
     scenario, recording = run(tmp_path, LINE.replace("kerf", f"{start}kerf") + SERVO)
     cuts = by_the_oracle(recording, "tool.cutting", ratio)
     lengths = cuts.lengths(4.0)
-    found = true_pieces(scenario, recording)
-    assert len(found.pieces) == len(lengths) >= 3
-    for piece, exact in zip(found.pieces, lengths, strict=True):
+    result = true_pieces(scenario, recording)
+    assert len(result.pieces) == len(lengths) >= 3
+    for piece, exact in zip(result.pieces, lengths, strict=True):
         assert piece.length == pytest.approx(float(exact), abs=1e-9)
         assert (piece.ordered, piece.believed) == (800.0, pytest.approx(800.0, abs=1e-9))
     errors = [length - 800 for length in lengths]
-    assert found.mean == pytest.approx(float(oracle.mean(lengths)), abs=1e-9)
-    assert found.deviation == pytest.approx(float(oracle.deviation(errors)), abs=1e-9)
-    assert found.worst == pytest.approx(float(oracle.worst(errors)), abs=1e-9)
-    assert found.c_pk == pytest.approx(float(oracle.c_pk(errors, 0.5)), rel=1e-6)
-    assert found.movement == pytest.approx(float(cuts.movement), abs=1e-9)
-    assert [piece.number for piece in found.pieces] == [*range(2, 2 + len(lengths))]
+    assert result.mean == pytest.approx(float(oracle.mean(lengths)), abs=1e-9)
+    assert result.deviation == pytest.approx(float(oracle.deviation(errors)), abs=1e-9)
+    assert result.worst == pytest.approx(float(oracle.worst(errors)), abs=1e-9)
+    assert result.c_pk == pytest.approx(float(oracle.c_pk(errors, 0.5)), rel=1e-6)
+    assert result.movement == pytest.approx(float(cuts.movement), abs=1e-9)
+    assert [piece.number for piece in result.pieces] == [*range(2, 2 + len(lengths))]
 
 
 def test_a_slower_line_gives_a_shorter_piece_behind_a_dead_time(tmp_path: Path) -> None:
     """At 500 mm/s the blade is 1 mm behind its place, at 300 mm/s 0.6 mm: the piece in between is 0.4 mm too short."""
-    found = true_pieces(*run(tmp_path, LINE + LATE))
-    errors = [piece.error for piece in found.pieces]
-    assert min(errors) == found.worst == pytest.approx(-0.4, abs=2e-3)
+    result = true_pieces(*run(tmp_path, LINE + LATE))
+    errors = [piece.error for piece in result.pieces]
+    assert min(errors) == result.worst == pytest.approx(-0.4, abs=2e-3)
     assert sorted(map(abs, errors))[:-1] == pytest.approx([0.0] * (len(errors) - 1), abs=2e-3)
 
 
@@ -111,13 +111,13 @@ def test_the_marks_of_a_saw(tmp_path: Path) -> None:
     scenario, recording = run_of(replace(saw, servo=served, expectations=()))
     assert scenario.cuts
     cuts = by_the_oracle(recording, scenario.cuts.name, scenario.cuts.ratio)
-    found = true_pieces(scenario, recording)
-    assert len(found.pieces) == len(cuts.lengths()) >= 2
-    for piece, exact in zip(found.pieces, cuts.lengths(), strict=True):
+    result = true_pieces(scenario, recording)
+    assert len(result.pieces) == len(cuts.lengths()) >= 2
+    for piece, exact in zip(result.pieces, cuts.lengths(), strict=True):
         assert piece.length == pytest.approx(float(exact), abs=1e-9)
         assert (piece.ordered, piece.believed) == (pytest.approx(scenario.cuts.length), None)
-    assert found.movement == pytest.approx(float(cuts.movement), abs=1e-9)
-    assert found.tolerance == scenario.cuts.tolerance
+    assert result.movement == pytest.approx(float(cuts.movement), abs=1e-9)
+    assert result.tolerance == scenario.cuts.tolerance
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -133,10 +133,10 @@ def test_cuts_of_every_kind_are_those_of_the_oracle(seed: int) -> None:
     flag = np.array([float(random.random() < share) for _ in range(points)])
     axis = np.column_stack([master, *np.zeros((3, points))])
     recording = Recording(time, {scenario.cuts.name: flag}, axis, [], computed={ACTUAL_POSITION: slave})
-    found = find_true_cuts(scenario, recording)
+    result = find_true_cuts(scenario, recording)
     cuts = by_the_oracle(recording, scenario.cuts.name, scenario.cuts.ratio)
-    assert found.place.tolist() == pytest.approx([float(place) for place in cuts.places], abs=1e-9)
-    assert found.movement.max(initial=0.0) == pytest.approx(float(cuts.movement), abs=1e-9)
+    assert result.place.tolist() == pytest.approx([float(place) for place in cuts.places], abs=1e-9)
+    assert result.movement.max(initial=0.0) == pytest.approx(float(cuts.movement), abs=1e-9)
 
 
 @pytest.mark.parametrize("errors", [[0.1, -0.2, 0.05], [0.3, 0.3], [0.7, 0.7, 0.7], [-2.0, -2.5]])
@@ -168,8 +168,8 @@ def test_a_run_is_as_expected_if_the_true_lengths_are(tolerance: float, passed: 
 def test_the_figures_of_the_motor_are_those_of_the_oracle(tmp_path: Path) -> None:
     motor = "peak_force = 3000.0\ncontinuous_force = 900.0\n"
     scenario, recording = run(tmp_path, LINE + SERVO + LOAD + motor)
-    found = compute_key_figures(scenario, recording).load
-    assert found
+    result = compute_key_figures(scenario, recording).load
+    assert result
     cutting = recording.values["tool.cutting"]
     starts = np.flatnonzero(np.diff(cutting) > 0.0) + 1
     inside = slice(starts[0], starts[-1] + 1)
@@ -177,24 +177,24 @@ def test_the_figures_of_the_motor_are_those_of_the_oracle(tmp_path: Path) -> Non
     rms, peak = load_oracle.rms(time, force[inside].tolist()), load_oracle.peak(force.tolist())
     power = recording.computed["load.power"]
     work = load_oracle.integral(time, power[inside].tolist()) / (len(starts) - 1)
-    assert (found.begin, found.end, found.cycles) == (time[0], time[-1], len(starts) - 1)
-    assert found.rms == pytest.approx(float(rms), rel=1e-12)
-    assert found.peak == pytest.approx(float(peak), rel=1e-12)
-    assert found.peak == abs(force[np.searchsorted(recording.time, found.peak_at)])
-    assert found.peak_power == pytest.approx(float(load_oracle.peak(power.tolist())), rel=1e-12)
-    assert found.work == pytest.approx(float(work), rel=1e-9)
-    assert found.rms_share == pytest.approx(float(load_oracle.used(rms, 900.0)), rel=1e-12)
-    assert found.peak_share == pytest.approx(float(load_oracle.used(peak, 3000.0)), rel=1e-12)
+    assert (result.begin, result.end, result.cycles) == (time[0], time[-1], len(starts) - 1)
+    assert result.rms == pytest.approx(float(rms), rel=1e-12)
+    assert result.peak == pytest.approx(float(peak), rel=1e-12)
+    assert result.peak == abs(force[np.searchsorted(recording.time, result.peak_at)])
+    assert result.peak_power == pytest.approx(float(load_oracle.peak(power.tolist())), rel=1e-12)
+    assert result.work == pytest.approx(float(work), rel=1e-9)
+    assert result.rms_share == pytest.approx(float(load_oracle.used(rms, 900.0)), rel=1e-12)
+    assert result.peak_share == pytest.approx(float(load_oracle.used(peak, 3000.0)), rel=1e-12)
 
 
 def test_without_cuts_the_whole_run_counts(tmp_path: Path) -> None:
     """A saw at a constant 100 mm/s has its friction alone."""
-    found = compute_key_figures(*run(tmp_path, FREE_SAW + LOAD)).load
-    assert found
-    assert (found.begin, found.end, found.cycles, found.work) == (0.0, 2.0, 0, None)
-    assert (found.peak, found.rms) == (150.0, pytest.approx(150.0, rel=1e-12))
-    assert found.peak_power == pytest.approx(15.0, rel=1e-12)
-    assert (found.peak_share, found.rms_share) == (None, None)
+    result = compute_key_figures(*run(tmp_path, FREE_SAW + LOAD)).load
+    assert result
+    assert (result.begin, result.end, result.cycles, result.work) == (0.0, 2.0, 0, None)
+    assert (result.peak, result.rms) == (150.0, pytest.approx(150.0, rel=1e-12))
+    assert result.peak_power == pytest.approx(15.0, rel=1e-12)
+    assert (result.peak_share, result.rms_share) == (None, None)
 
 
 def outcome(figures: KeyFigures) -> ScenarioOutcome:
