@@ -18,6 +18,7 @@ from motionsync_fmu.scenario.evaluate.true_pieces import TruePieces, capability,
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.scenario.servo import Servo
 from tests import ROOT
 from tests.oracle import load as load_oracle
 from tests.oracle import true_pieces as oracle
@@ -61,7 +62,10 @@ def true_pieces(scenario: Scenario, recording: Recording) -> TruePieces:
 
 def by_the_oracle(recording: Recording, flag: str, ratio: float = 1.0) -> oracle.TrueCuts:
     values = recording.values[flag] != 0.0
-    master, slave = recording.master[:, 0], recording.computed[ACTUAL_POSITION]
+    master, slave = (
+        recording.master[:, 0],
+        recording.computed.get(ACTUAL_POSITION, recording.values.get("slave.position")),
+    )
     return oracle.TrueCuts(recording.time.tolist(), master.tolist(), slave.tolist(), values.tolist(), ratio=ratio)
 
 
@@ -124,7 +128,7 @@ def test_the_marks_of_a_saw(tmp_path: Path) -> None:
 def test_cuts_of_every_kind_are_those_of_the_oracle(seed: int) -> None:
     """Cuts of one row, from the first row on, up to the last one; and no cut."""
     random = Random(seed)
-    scenario = load_scenario(CYCLIC_CUT)
+    scenario = replace(load_scenario(CYCLIC_CUT), servo=Servo(50.0))
     assert scenario.cuts
     points = random.choice((2, 3, 10, 40))
     share = random.choice((0.0, 0.3, 0.6, 1.0))
@@ -132,7 +136,9 @@ def test_cuts_of_every_kind_are_those_of_the_oracle(seed: int) -> None:
     master, slave = np.array([[random.uniform(0.0, 1e3) for _ in range(points)] for _ in range(2)])
     flag = np.array([float(random.random() < share) for _ in range(points)])
     axis = np.column_stack([master, *np.zeros((3, points))])
-    recording = Recording(time, {scenario.cuts.name: flag}, axis, [], computed={ACTUAL_POSITION: slave})
+    recording = Recording(
+        time, {scenario.cuts.name: flag, "slave.position": 0.0 * slave}, axis, [], computed={ACTUAL_POSITION: slave}
+    )
     result = find_true_cuts(scenario, recording)
     cuts = by_the_oracle(recording, scenario.cuts.name, scenario.cuts.ratio)
     assert result.place.tolist() == pytest.approx([float(place) for place in cuts.places], abs=1e-9)
@@ -149,7 +155,18 @@ def test_one_piece_has_no_capability() -> None:
     assert math.isnan(capability([], 0.5))
 
 
-def test_without_a_servo_nothing_but_the_setpoint_is_known(tmp_path: Path) -> None:
+def test_with_an_encoder_alone_the_tool_is_where_its_setpoint_is(tmp_path: Path) -> None:
+    """A wheel that measures 1 in 1000 too much makes pieces shorter by as much, kerf and all."""
+    scenario, recording = run(tmp_path, LINE + "[encoder]\nscale = 1.001\n")
+    result, lengths = true_pieces(scenario, recording), by_the_oracle(recording, "tool.cutting").lengths(4.0)
+    assert [piece.length for piece in result.pieces] == pytest.approx([float(length) for length in lengths], abs=1e-9)
+    steady = [piece.error for piece in result.pieces if abs(piece.error - result.worst) < 1e-3]
+    assert len(steady) >= 2
+    assert steady == pytest.approx([804.0 / 1.001 - 804.0] * len(steady), abs=1e-3)
+    assert result.pieces[0].believed == pytest.approx(800.0, abs=0.1)
+
+
+def test_without_servo_and_encoder_the_block_knows_the_true_places(tmp_path: Path) -> None:
     assert CuttingResults(*run(tmp_path, LINE + LOAD)).true_pieces is None
 
 

@@ -167,6 +167,11 @@ class Scenario:
         return float(self.start.get(SLAVE_PERIOD, 0.0))
 
     @property
+    def has_true_places(self) -> bool:
+        """Whether what the block takes for the places of the material or the tool is known to differ from the truth."""
+        return bool(self.encoder or self.servo)
+
+    @property
     def columns(self) -> dict[str, Variable]:
         """The variables of the block, and the columns that are computed after the run, by name."""
         computed = computed_variables(servo=self.servo is not None, load=self.load is not None)

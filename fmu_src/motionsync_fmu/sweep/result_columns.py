@@ -44,7 +44,7 @@ def result_columns(scenario: Scenario) -> dict[str, pa.DataType]:
     variables = scenario.recipe.variables
     reports_pieces = piece_variables(variables.values()) is not None
     columns = ALWAYS | (CUTS if scenario.cuts or reports_pieces else {}) | (PIECES if reports_pieces else {})
-    columns |= TRUE_PIECES if scenario.servo and (scenario.cuts or reports_pieces) else {}
+    columns |= TRUE_PIECES if scenario.has_true_places and (scenario.cuts or reports_pieces) else {}
     columns |= (SERVO if scenario.servo else {}) | (LOAD if scenario.load else {})
     columns |= LIMITS if AxisLimitCheck(variables.values()) else {}
     return columns | (FAULTS if FAULT_VARIABLE in variables else {})

@@ -1,5 +1,5 @@
 """The cuts or pieces of a run: of a saw whose marks the scenario gives, or of a block that reports its pieces; and what
-is true of them where the tool is not where its setpoint is."""
+is true of them where the block does not know the true places."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,5 +30,5 @@ class CuttingResults:
 
     @cached_property
     def true_pieces(self) -> TruePieces | None:
-        """The pieces as a tape measure finds them; None: nothing is cut, or the tool is where its setpoint is."""
+        """The pieces as a tape measure finds them; None: nothing is cut, or the block knows the true places."""
         return find_true_pieces(self.scenario, self.recording, self)

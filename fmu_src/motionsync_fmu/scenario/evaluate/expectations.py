@@ -138,7 +138,7 @@ def _check_skipped(expected: int, skipped: int) -> Check:
 
 
 def _check_pieces(spec: PieceSpec, production: Production, true_pieces: TruePieces | None) -> Iterator[Check]:
-    """`true_pieces`: None if the tool is where its setpoint is."""
+    """`true_pieces`: None if the block knows the true places."""
     if spec.count is not None:
         yield Check(f"number of pieces = {spec.count}", f"{production.cuts}", production.cuts == spec.count)
     if spec.kinds is not None:

@@ -92,10 +92,10 @@ def cutting_flag(scenario: Scenario) -> str:
 
 
 def find_true_pieces(scenario: Scenario, recording: Recording, results: "CuttingResults") -> TruePieces | None:
-    """The true pieces of a run; None where nothing is cut, or the tool is where its setpoint is.
+    """The true pieces of a run; None where nothing is cut, or where the block knows the true places.
 
     `results`: the cuts or pieces of the run, as the block sees them."""
-    if ACTUAL_POSITION not in recording.computed or not cutting_flag(scenario):
+    if not scenario.has_true_places or not cutting_flag(scenario):
         return None
     cuts = find_true_cuts(scenario, recording)
     pieces = tuple(_reported(scenario, recording, cuts, results) if results.production else _marked(cuts, results))
@@ -127,7 +127,8 @@ def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
     points = after - first
     begins = np.cumsum(points) - points  # of the cuts, among the points of all
     at = np.arange(points.sum()) + np.repeat(first - begins, points)
-    places = recording.master[at, 0] - recording.computed[ACTUAL_POSITION][at] / _ratio(scenario, recording)
+    tool = recording.computed.get(ACTUAL_POSITION, recording.values["slave.position"])
+    places = recording.master[at, 0] - tool[at] / _ratio(scenario, recording)
     spans = np.diff(recording.time[at], prepend=0.0)
     spans[begins] = 0.0
     weights = spans + np.append(spans[1:], 0.0)  # twice those of trapezoids
