@@ -27,7 +27,7 @@ def plan_line(
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
-            help="A parameter of CutToLength, in place of the file's value; may be repeated.",
+            help="A parameter of CutToLength or load.NAME, in place of the file's value; may be repeated.",
         ),
     ] = None,
     length: Annotated[
@@ -66,6 +66,10 @@ def plan_line(
         [start]
         "axis.max_velocity" = 1500.0
         "tool.cut_time" = 0.25
+
+    With a table [load], as in a scenario, or --set load.mass=120, the plan has the
+    rms and the peak of the force that the motor has to give in each cycle, and with
+    load.continuous_force and load.peak_force the share of the motor that is used.
 
     Examples:
 

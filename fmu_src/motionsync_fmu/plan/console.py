@@ -72,6 +72,7 @@ def table_columns(plan: LinePlan, predictions: Sequence[Prediction]) -> dict[str
     columns |= {f"{100.0 * SHARE:g} % brings": [gains_text(p) for p in predictions]}
     columns |= {"cycle s": [_time(p.cycle.time) if p.cycle else "" for p in predictions]} | times
     columns |= _column("stroke", u, [p.stroke for p in predictions])
+    columns |= _motor_columns(predictions)
     columns |= {"confirmed": [_confirmed(p) for p in predictions]}
     return columns
 
@@ -79,6 +80,20 @@ def table_columns(plan: LinePlan, predictions: Sequence[Prediction]) -> dict[str
 def _column(name: str, unit: str, values: Sequence[float | None]) -> dict[str, list[str]]:
     texts = ["none" if value is None else engineering(value, digits=DIGITS) for value in values]
     return {f"{name} {unit}".strip(): texts}
+
+
+def _motor_columns(predictions: Sequence[Prediction]) -> dict[str, list[str]]:
+    """The forces of the motor, with the share of what it can give: `450.4, 50 %`; none if the load is not known."""
+    used = [p.motor for p in predictions]
+    unit = next((motor.unit for motor in used if motor), "")
+    return {
+        f"force {name} {unit}": [_force(getattr(m, name), getattr(m, f"{name}_share")) if m else "" for m in used]
+        for name in ("rms", "peak")
+    }
+
+
+def _force(force: float, share: float | None) -> str:
+    return engineering(force) + ("" if share is None else f", {100.0 * share:.3g} %{'!' * (share > 1.0)}")
 
 
 def _time(value: float) -> str:

@@ -1,7 +1,7 @@
 """A plan of a line: what its machine can do at each of some lengths, and at each of some line velocities."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from matplotlib.ticker import MaxNLocator
@@ -11,6 +11,7 @@ from motionsync.cut_to_length.machine_limits import shortest_pitch
 from ..errors import UserError
 from .confirmation import confirm
 from .machine_data import MachineData
+from .motor import predict_motor_use
 from .prediction import Prediction, predict_greatest_velocity, predict_shortest_length
 
 DEFAULT_COUNT = 9  # about so many lengths or velocities are planned where none are given
@@ -80,7 +81,19 @@ def make_plan(data: MachineData, lengths: Sequence[float], velocities: Sequence[
         )
     lengths, velocities = lengths or default_lengths(data), velocities or default_velocities(data)
     over_length = [confirm(data, predict_greatest_velocity(data, length)) for length in lengths]
-    return LinePlan(data, over_length, [confirm(data, predict_shortest_length(data, v)) for v in velocities])
+    over_velocity = [confirm(data, predict_shortest_length(data, velocity)) for velocity in velocities]
+    return LinePlan(data, _with_motor(data, over_length), _with_motor(data, over_velocity))
+
+
+def _with_motor(data: MachineData, predictions: list[Prediction]) -> list[Prediction]:
+    """The predictions with what the motor has to give, where the load is known, and there is a cycle."""
+    load = data.load
+    if load is None:
+        return predictions
+    return [
+        replace(p, motor=predict_motor_use(data, load, p.length, p.velocity)) if p.cycle and p.length else p
+        for p in predictions
+    ]
 
 
 def default_velocities(data: MachineData) -> list[float]:

@@ -10,6 +10,7 @@ from motionsync.cut_to_length.machine_limits import Machine, max_line_velocity
 from ..errors import UserError
 from ..interface.recipe import Recipe
 from ..interface.stepper import RefusedError, Stepper
+from ..scenario.load import Load
 
 BLOCK = "CutToLength"
 ENDLESS_PITCH = 1e300  # with it the cycle time limits nothing
@@ -26,6 +27,7 @@ class MachineData:
         recipe: the block's FMU.
         unit: the unit of positions, a key of BASES.
         start: values of parameters and inputs of the block, by name; the others have their own start values.
+        load: what the carriage moves; None: this is not known.
     """
 
     title: str
@@ -34,6 +36,7 @@ class MachineData:
     recipe: Recipe
     unit: str
     start: Mapping[str, Any]
+    load: Load | None = None
 
     def value(self, name: str) -> Any:
         """The value of a parameter or input."""

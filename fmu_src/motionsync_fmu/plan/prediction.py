@@ -19,6 +19,7 @@ from motionsync.cut_to_length.machine_limits import (
 
 from ..scenario.evaluate.expectations import Check
 from .machine_data import ENDLESS_PITCH, MachineData
+from .motor import MotorUse
 
 SHARE = 0.01  # by which limits are raised, and times and distances reduced, to compute gains
 TOLERANCE = 1e-9  # relative; nearer to a limit means at it
@@ -82,6 +83,7 @@ class Prediction:
         stroke: the distance from home that the carriage travels, in u.
         checks: what runs of the block were expected to do, and did; empty: it was not run.
         note: a limitation of the confirmation; empty: none.
+        motor: what the carriage's motor has to give; None: there is no cycle, or the load is not known.
     """
 
     given: str
@@ -94,6 +96,7 @@ class Prediction:
     stroke: float
     checks: list[Check] = field(default_factory=list)
     note: str = ""
+    motor: MotorUse | None = None
 
     @property
     def is_confirmed(self) -> bool:

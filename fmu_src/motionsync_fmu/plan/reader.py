@@ -9,14 +9,17 @@ from motionsync.var import LARGEST_INPUT
 from ..errors import UserError, choose, resolve_name
 from ..interface.recipe import Recipe, parse
 from ..interface.units import BASES
+from ..scenario.files.axis_tables import read_load
 from ..scenario.files.reader import load_scenario
 from ..scenario.files.shipped import find_scenario, scenario_name
-from ..scenario.files.toml_tables import TomlTable, read_toml
+from ..scenario.files.toml_tables import TomlTable, read_text, read_toml
 from ..scenario.files.variable_tables import StartTable, Subject
+from ..scenario.load import Load
 from .line_plan import round_values
 from .machine_data import BLOCK, MachineData
 
-KEYS = ("title", "unit", "start", "lengths", "velocities")
+KEYS = ("title", "unit", "start", "load", "lengths", "velocities")
+LOAD = "load."  # the names of a load's values begin so
 MASTER_SOURCE = "the line velocities of the plan"  # where the master's inputs come from
 RANGE = ".."
 
@@ -33,18 +36,39 @@ def read_machine(
         UserError: the first mistake, with file, line and key, or with the option.
     """
     default = MachineData(f"A machine with {BLOCK}", "machine", "", Recipe(BLOCK), "mm", {})
-    data, lengths, velocities = _from_file(path) if path else (default, [], [])
-    given = {name: _setting(data.recipe, name, text) for name, text in settings.items()}
+    top = _read_top(path) if path else read_text("", Path("--set"))
+    data, lengths, velocities = _from_file(top) if path else (default, [], [])
+    given = {n: _setting(data.recipe, n, text) for n, text in settings.items() if not n.startswith(LOAD)}
     unit = resolve_name(BASES, unit, "unit") if unit else data.unit
-    data = MachineData(data.title, data.name, data.origin, data.recipe, unit, {**data.start, **given})
+    load = _read_load(top, {n: text for n, text in settings.items() if n.startswith(LOAD)}, unit)
+    data = MachineData(data.title, data.name, data.origin, data.recipe, unit, {**data.start, **given}, load)
     for length in lengths:
         check_length(data, length)
     return data, lengths, velocities
 
 
-def _from_file(path: Path) -> tuple[MachineData, list[float], list[float]]:
-    file = path if path.is_file() else find_scenario(path)
-    top = read_toml(file)
+def _read_top(path: Path) -> TomlTable:
+    return read_toml(path if path.is_file() else find_scenario(path))
+
+
+def _read_load(top: TomlTable, settings: dict[str, str], unit: str) -> Load | None:
+    """The load in a file's table, with the values of options `--set`; None if there is neither."""
+    if "load" not in top and not settings:
+        return None
+    table = top.table("load", required=False)
+    given = {name.removeprefix(LOAD): _read_value(name, text) for name, text in settings.items()}
+    return read_load(table.with_values({**table.values, **given}), unit)
+
+
+def _read_value(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise UserError(f"--set {name}={text}: {text!r} is not a number") from None
+
+
+def _from_file(top: TomlTable) -> tuple[MachineData, list[float], list[float]]:
+    file = top.file
     if "fmu" in top:
         return _read_scenario(file, top), [], []
     top.allow_only(*KEYS)

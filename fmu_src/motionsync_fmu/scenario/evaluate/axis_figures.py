@@ -83,8 +83,8 @@ def find_load_figures(scenario: Scenario, recording: Recording) -> LoadFigures |
         float(time[0]),
         float(time[-1]),
         cycles,
-        _share(peak, load.peak_force),
-        _share(rms, load.continuous_force),
+        share(peak, load.peak_force),
+        share(rms, load.continuous_force),
         force_unit(load),
     )
 
@@ -114,5 +114,6 @@ def _cut_starts(scenario: Scenario, recording: Recording) -> list[int]:
     return [0, *starts] if flag[0] else starts
 
 
-def _share(value: float, given: float | None) -> float | None:
+def share(value: float, given: float | None) -> float | None:
+    """A force as a share of what the motor can give; None: this is not known."""
     return None if given is None else value / given
