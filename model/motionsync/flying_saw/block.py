@@ -10,6 +10,7 @@ from ..computable_range import clamp
 from ..cosine import cosine
 from ..exceeded_limit import ExceededLimit, Limit
 from ..grid import wrap
+from ..master import MasterInput
 from ..motion import Motion
 from .axis_outputs import show_limits, show_plcopen_state, show_state
 from .commands import Command, GearInVelo, Halt, Phase
@@ -246,6 +247,7 @@ class FlyingSaw(FlyingSawInterface):
         """Start the plan made for this instant, s since the step's beginning."""
         self.characteristics.show(self.plan, self.master.period)
         self.coupling_position = master_position
+        self.master.watch_travel()
         self.local.coupling_position = wrap(master_position, self.master.period)
         nominal = self.plan.master.velocity
         self.direction = 1.0 if nominal > 0.0 else -1.0 if nominal < 0.0 else 0.0
@@ -361,9 +363,11 @@ class FlyingSaw(FlyingSawInterface):
         self.stage = Stage.IN_SYNC
         self.report_sync(Phase.REACHED)
 
-    def enter_parked(self, time: float) -> None:
+    def enter_parked(self, section: int) -> None:
         """The master passes the coupling position backwards: to rest at once, or along the ramp of gear_in_velo."""
-        self.set_slave_at(time, self.coupling_position, self.master.velocity_at(time), self.master.end_acceleration)
+        position = self.coupling_position - self.direction * self.master.uncertain_travel()
+        time = self.master.path.crossing_time(section, position)
+        self.set_slave_at(time, position, self.master.velocity_at(time), self.master.end_acceleration)
         self.profile.start(ProfileKind.NONE, self.slave.position)
         self.planned_exceeded.clear()
         request = self.active_request
@@ -378,7 +382,7 @@ class FlyingSaw(FlyingSawInterface):
                 self.plan.extremes.measure(self.profile)
                 self.plan.extremes.check_limits(self.axis, self.planned_exceeded)
         self.halt_time = -time
-        self.reached_position = self.coupling_position
+        self.reached_position = position
         self.stage = Stage.PARKED
         self.report_sync(Phase.BUSY)
 
@@ -456,8 +460,8 @@ class FlyingSaw(FlyingSawInterface):
             self.reached_position = self.master_sync
             self.enter_in_sync()
             return True
-        if self.distance_beyond_coupling(end) < 0.0:
-            self.enter_parked(self.master.path.crossing_time(section, self.coupling_position))
+        if self.distance_beyond_coupling(end) < -self.master.uncertain_travel():
+            self.enter_parked(section)
             return True
         return False
 
@@ -495,9 +499,10 @@ class FlyingSaw(FlyingSawInterface):
             if abs(end - self.coupling_position) > SAME_PLACE * (abs(end) + abs(self.coupling_position)):
                 self.direction = 1.0 if end > self.coupling_position else -1.0
             return False
-        passed = self.distance_beyond_coupling(end) < 0.0 <= self.distance_beyond_coupling(self.reached_position)
+        back = -self.master.uncertain_travel()
+        passed = self.distance_beyond_coupling(end) < back <= self.distance_beyond_coupling(self.reached_position)
         if self.active_request.mode.rollback_lock and passed:
-            self.enter_parked(self.master.path.crossing_time(section, self.coupling_position))
+            self.enter_parked(section)
             return True
         return False
 
@@ -527,7 +532,9 @@ class FlyingSaw(FlyingSawInterface):
                 self.slave.set(position, k * velocity, k * acceleration, 0.0)
             case Stage.PROFILE:
                 distance = master_position - self.coupling_position
-                position, v, a, j = self.profile.follow(distance, velocity, acceleration, self.per_nominal_velocity)
+                per_velocity = self.per_nominal_velocity
+                is_measured = self.master.input_mode == MasterInput.MEASURED
+                position, v, a, j = self.profile.follow(distance, velocity, acceleration, per_velocity, is_measured)
                 self.slave.set(position, v, a, j)
             case Stage.PARKED | Stage.UNCOUPLED_HALT:
                 position, v, a, j = self.profile.at_or_at_rest(self.halt_time + time)

@@ -103,14 +103,20 @@ class Profile:
         return self.origin + self.distance(), 0.0, 0.0, 0.0
 
     def follow(
-        self, distance: float, velocity: float, acceleration: float, per_nominal_velocity: float
+        self, distance: float, velocity: float, acceleration: float, per_nominal_velocity: float, may_be_before: bool
     ) -> tuple[float, float, float, float]:
         """Position (u), velocity, acceleration and jerk for a master that has travelled `distance` since the start.
 
         The master moves with `velocity` and `acceleration`; its jerk is taken as 0. `per_nominal_velocity` is 1 / v_m.
         The master may have been nearly at rest at the start, so its velocity and acceleration over v_m are limited to
-        where products stay finite."""
-        position, v, a, j = self.at(distance * per_nominal_velocity)
+        where products stay finite. Where it `may_be_before` the start, there the slave goes on at its velocity then."""
+        time = distance * per_nominal_velocity
+        is_before = may_be_before and time < 0.0
+        position, v, a, j = self.at(0.0 if is_before else time)
+        if is_before:
+            position += v * time
+            a = 0.0
+            j = 0.0
         relative_velocity = clamp(velocity * per_nominal_velocity, -LARGEST_RATIO, LARGEST_RATIO)
         relative_acceleration = clamp(acceleration * per_nominal_velocity, -LARGEST_RATIO, LARGEST_RATIO)
         v, a, j = chain_rule(v, a, j, relative_velocity, relative_acceleration)
