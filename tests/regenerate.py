@@ -24,10 +24,12 @@ from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from motionsync_fmu.scenario.settings import Reaction, Setting
 from tests import ROOT
+from tests.oracle.measured_master import MeasuredMaster
 from tests.oracle.reactions import settled
 from tests.support.by_block import block_folder
 
 SCENARIOS = ROOT / "scenarios"
+SMOOTHED = ("time", "master.smoothed_position", "master.smoothed_velocity", "master.smoothed_acceleration")
 POINTS = 200  # of a reference, about
 Keep: TypeAlias = Callable[[object, Callable[[], Any]], Any]
 """`keep(question, find)` is what `find()` returns, or what it has returned for an equal question."""
@@ -64,15 +66,19 @@ def files(scenario_file: Path, keep: Keep = find_anew) -> dict[Path, str]:
     steps = round(scenario.stop_time / scenario.step_size)
     stride = max(steps // POINTS, 1)
     times = [i * scenario.step_size for i in range(0, steps + 1, stride)]
-    independent = oracle(name)
-    if scenario.remote:
+    independent, columns = oracle(name), SMOOTHED
+    if scenario.start.get("master.input_mode") == MasterInput.MEASURED:
+        rows = smoothed(scenario, times[1:], keep)
+    elif scenario.remote:
+        columns = ("time", *independent.COLUMNS)
         rows = stepped(getattr(independent, f"{name}Oracle"), scenario, times[1:], keep)
     else:
+        columns = ("time", *independent.COLUMNS)
         script, rows = solved(scenario, times, keep)
         if scenario.reacts:
             scenario = scenario.with_recorded_inputs(settings(script), master(scenario, script))
-    estimated = scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY  # an estimate lags at jumps
-    columns = ("time", *(("slave.position",) if estimated else independent.COLUMNS))
+    if scenario.start.get("master.input_mode") == MasterInput.POSITION_ONLY:  # an estimate lags at jumps
+        columns = ("time", "slave.position")
     texts = {
         f"{name}_in.csv": inputs_csv(scenario),
         f"{name}_ref.csv": csv_text(columns, [[row[c] + 0.0 for c in columns] for row in rows]),
@@ -175,6 +181,38 @@ def stepped(
         return rows
 
     rows: list[dict[str, float]] = keep((oracle_type.__name__, parameters, inputs, steps, required), find)
+    return rows
+
+
+def smoothed(scenario: Scenario, times: Sequence[float], keep: Keep = find_anew) -> list[dict[str, float]]:
+    """The master as the block follows it, at some of the steps' ends, in mode MEASURED: the oracles of the blocks know
+    an ideal master only.
+
+    Raises:
+        LookupError: the scenario reacts.
+    """
+    if scenario.reacts:
+        raise LookupError(f"{scenario.file}: the oracle of a measured master finds no reactions")
+    parameters = ("smoothing_time", "delay", "sample_time", "period")
+    given = {name: scenario.start[f"master.{name}"] for name in parameters if f"master.{name}" in scenario.start}
+    names = [f"master.{name}" for name in ("position", "velocity", "acceleration")]
+    first = [start_inputs(scenario)[name] for name in names]
+    steps = [
+        (end, end - t, [values[name] for name in names])
+        for t, end, values in scheduled_steps(scenario, scenario.step_size)
+    ]
+    required = {round(t / scenario.step_size, 6): t for t in times}
+
+    def find() -> list[dict[str, float]]:
+        line, rows = MeasuredMaster(*first, **given), []
+        for end, h, inputs in steps:
+            line.step(h, *inputs)
+            if (step := round(end / scenario.step_size, 6)) in required:
+                path = (line.wrapped, line.path.velocity, line.path.acceleration)
+                rows.append(dict(zip(SMOOTHED, (required[step], *map(float, path)), strict=True)))
+        return rows
+
+    rows: list[dict[str, float]] = keep(("measured_master", given, first, steps, required), find)
     return rows
 
 

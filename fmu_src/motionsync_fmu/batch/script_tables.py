@@ -323,7 +323,7 @@ class _Driven(Script):
 
     def __init__(self, breaks: Reals, motions: Reals, initial: AxisMotion) -> None:
         self.initial = initial
-        self.breaks = breaks.tolist()
+        self.breaks = self.points = breaks.tolist()
         self._table = motions
 
     @cached_property

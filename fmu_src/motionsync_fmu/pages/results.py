@@ -83,7 +83,9 @@ def write_outputs(out: TextIO, scenario: Scenario, recording: Recording) -> None
     slave = [name for name in values if name.startswith("slave.")]
     names = [*slave, *recording.computed, *(name for name in FIRST if name in values)]
     names += [name for name in values if name not in names]
-    axis = "true_axis" if scenario.remote else "true.master" if scenario.encoder else "master"
+    axis = (
+        "true_axis" if scenario.remote else "true.master" if scenario.encoder and not scenario.is_recorded else "master"
+    )
     measured = measured_inputs(scenario, recording)
     types = [float] * (1 + len(MASTER) + len(measured)) + [float if kinds[n] == "Real" else int for n in names]
     columns = [recording.time, *recording.master.T, *measured.values(), *(values[n] for n in names)]
@@ -99,7 +101,7 @@ def write_outputs(out: TextIO, scenario: Scenario, recording: Recording) -> None
 def measured_inputs(scenario: Scenario, recording: Recording) -> dict[str, Reals]:
     """What the encoder says of the master at the communication points, by the names of the inputs; none without one."""
     encoder, line = scenario.encoder, recording.script or scenario.master
-    if not encoder:
+    if not encoder or scenario.is_recorded:
         return {}
     rows = [encoder.inputs(line, t, scenario.step_size, scenario.period)[:2] for t in recording.time.tolist()]
     return dict(zip(("master.position", "master.velocity"), np.array(rows).T, strict=True))

@@ -16,7 +16,7 @@ import numpy as np
 
 from motionsync.cosine import cosine
 
-from .script import AxisMotion, Script
+from .script import Script
 
 SAMPLE_ROUNDING = 1e-9  # of the interval of samples: a time that is before a sample by less has it already
 GREATEST_NOISE = 4.0  # sigma
@@ -65,23 +65,18 @@ class Encoder:
 
     def start_motion(self, line: Script) -> tuple[float, float]:
         """Velocity and acceleration with which the measured line starts, u/s and u/s2."""
-        start = motion_before(line, -self.delay)
+        start = line.start_motion(self.delay)
         return start.velocity * self.scale, start.acceleration * self.scale
 
     def _measure(self, line: Script, t: float, n: int) -> float:
         """The position that is measured at t, unwrapped, with the noise of sample n."""
-        true = motion_before(line, t - self.delay).position
+        true = line.before(t - self.delay).position
         measured = true * self.scale
         if self.runout_amplitude:
             measured += self.runout_amplitude * sine(true / self.runout_length)
         if self.noise:
             measured += self.noise * noise_sample(self.seed, n)
         return measured / self.resolution // 1.0 * self.resolution if self.resolution else measured
-
-
-def motion_before(line: Script, t: float) -> AxisMotion:
-    """The true motion at t; before 0 the initial one, carried on backwards with its acceleration."""
-    return line.initial.after(t) if t < 0.0 else line.at(t)
 
 
 def sine(turns: float) -> float:

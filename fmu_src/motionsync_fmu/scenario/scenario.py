@@ -178,6 +178,11 @@ class Scenario:
         return {**self.recipe.variables, **computed}
 
     @property
+    def is_recorded(self) -> bool:
+        """Whether the line was recorded by an encoder, so that its true motion is not known."""
+        return self.master.is_recorded
+
+    @property
     def reacts(self) -> bool:
         """Whether inputs depend on outputs: then only a run determines them."""
         return bool(self.reactions or self.drive)

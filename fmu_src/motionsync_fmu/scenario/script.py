@@ -50,7 +50,11 @@ class Script:
         initial: the motion before time 0, as it is at 0.
         breaks: the times at which the segments begin, the first one 0, in s.
         motions: the motions at these times.
+        points: the breaks at which a run has a communication point.
+        is_recorded: whether the line was recorded by an encoder, so that its true motion is not known.
     """
+
+    is_recorded = False
 
     def __init__(self, position: float, velocity: float, acceleration: float, segments: Iterable[Segment]) -> None:
         self.initial = AxisMotion(position, velocity, acceleration, 0.0)
@@ -68,6 +72,7 @@ class Script:
             self.breaks.append(self.breaks[-1] + segment.duration)
             ending = begin.after(segment.duration)
         self.motions.append(AxisMotion(ending.position, ending.velocity, 0.0, 0.0))
+        self.points = self.breaks
 
     def accelerate_from(self, t: float, acceleration: float) -> None:
         """Continue from t on, a time after the last break, with this constant acceleration."""
@@ -79,6 +84,14 @@ class Script:
         """The motion at t; where it jumps at t, the motion after the jump."""
         i = max(bisect_right(self.breaks, t) - 1, 0)
         return self.motions[i].after(t - self.breaks[i])
+
+    def start_motion(self, delay: float) -> AxisMotion:
+        """The motion a time before the start, in s, with which a delayed line starts."""
+        return self.before(-delay)
+
+    def before(self, t: float) -> AxisMotion:
+        """The motion at t; before 0 the initial one, carried on backwards with its acceleration."""
+        return self.initial.after(t) if t < 0.0 else self.at(t)
 
     def table(self) -> NDArray[np.float64]:
         """The motions at the breaks, shape (breaks, 4): u, u/s, u/s2, u/s3."""

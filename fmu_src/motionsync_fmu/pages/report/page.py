@@ -83,7 +83,7 @@ def write_report(
         starts=_with_units(scenario, scenario.start),
         limits=limit_rows(scenario.recipe.variables, scenario.start, scenario.unit, scenario.slave_unit),
         origin=_origin(scenario, recording, step_size, fmu, results),
-        axis=list(zip(filed.master.breaks, filed.master.motions, strict=True)),
+        axis=[] if filed.is_recorded else list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
         kind_colour=kind_colour,
         measured=_measured,

@@ -34,23 +34,14 @@ from .reaction_tables import read_reaction
 from .remote_table import KEYS as TELEGRAMS
 from .remote_table import LISTS, read_remote
 from .toml_tables import TomlTable, read_toml
+from .trace_file import KEY as RECORDED
+from .trace_file import read_trace
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
 SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "step_bound", "tolerance")
-TABLES = (
-    "interface",
-    "start",
-    "master",
-    "remote",
-    "encoder",
-    "servo",
-    "load",
-    "set",
-    "on",
-    "expect",
-    "cuts",
-    "picture",
-)
+REAL = ("encoder", "servo", "load")  # what a real line has, and an ideal one has not
+TABLES = ("interface", "start", "master", "remote", *REAL, "set", "on", "expect", "cuts", "picture")
+PERIOD = "master.period"
 SCRIPT = ("position", "velocity", "acceleration", "segments")
 CONSTANT = ("velocity", "acceleration", "jerk")  # of these a segment has at most one, which is constant in it
 BRACED = ("segments", *LISTS)  # lists of tables in braces
@@ -194,7 +185,9 @@ class BlockReader:
 
     def script(self) -> Script:
         table = self.axis_table
-        table.allow_only(*SCRIPT, *(TELEGRAMS if self.axis else DRIVE))
+        table.allow_only(*SCRIPT, *(TELEGRAMS if self.axis else (*DRIVE, RECORDED)))
+        if RECORDED in table:
+            return read_trace(table, self.top.table("start", required=False).values.get(PERIOD, 0.0), self.stop_time)
         p, v, a = (table.number(key, default=0.0) for key in ("position", "velocity", "acceleration"))
         return Script(p, v, a, [_read_segment(t) for t in table.tables("segments", "{ duration = ..., ... }")])
 
@@ -210,6 +203,10 @@ class BlockReader:
 
     def encoder(self) -> Encoder | None:
         """What is between the true master and the inputs; None: the inputs are the true motion."""
+        if not self.axis and RECORDED in self.axis_table:
+            if "encoder" in self.top:
+                self.top.fail("encoder", "a recorded line has been measured already: leave out [encoder]")
+            return Encoder()
         return read_encoder(self.top.table("encoder")) if "encoder" in self.top else None
 
     def settings(self) -> tuple[Setting, ...]:

@@ -34,10 +34,10 @@ def communication_points(scenario: Scenario, step_size: float) -> Reals:
     extra = [s.at for s in scenario.settings]
     extra += [e.at for e in scenario.expectations if isinstance(e, AtTime)]
     extra += [t for e in scenario.expectations if isinstance(e, Within) for t in (e.begin, e.end)]
-    extra += [*scenario.master.breaks[1:], scenario.stop_time]
+    extra += [*scenario.master.points[1:], scenario.stop_time]
     scan = scenario.scan if scenario.reacts else math.inf
     # Of points at nearly the same time the script's break remains: `until` then gives the motion that ends there.
-    breaks = None if scenario.drive else tuple(scenario.master.breaks)
+    breaks = None if scenario.drive else tuple(scenario.master.points)
     return _merge_points(step_size, scenario.stop_time, scan, tuple(extra), breaks)
 
 

@@ -1,0 +1,48 @@
+"""A recorded line: positions at times, as an encoder measured them, and straight lines between them."""
+
+from functools import cached_property
+
+import numpy as np
+
+from .recording import Reals
+from .script import AxisMotion, Script
+
+START_SPAN = 0.1 * (
+    1.0 - 1e-9
+)  # s: how long the recording's beginning is from which the velocity at the start is taken
+
+
+class Trace(Script):
+    """A line of which only measured positions are known; it starts with the first of them.
+
+    Its breaks are no communication points: the block sees the positions at its own times."""
+
+    is_recorded = True
+
+    def __init__(self, times: Reals, positions: Reals, period: float) -> None:
+        """`times`: rising, s; `positions`: u, of the same shape (rows,), at least two; with a period each is in the
+        turn that is nearest to the one before."""
+        breaks = times - times[0]
+        steps = np.diff(positions)
+        if period:
+            steps -= period * np.rint(steps / period)
+            positions = positions[0] + np.concatenate([[0.0], np.cumsum(steps)])
+        velocities = steps / np.diff(breaks)
+        self._table = np.zeros((len(breaks), 4))
+        self._table[:, 0] = positions
+        self._table[:, 1] = np.append(velocities, velocities[-1])
+        end = min(int(np.searchsorted(breaks, START_SPAN)), len(breaks) - 1)
+        self.initial = AxisMotion(float(positions[0]), float((positions[end] - positions[0]) / breaks[end]), 0.0, 0.0)
+        self.breaks = breaks.tolist()
+        self.points = self.breaks[:1]
+
+    @cached_property
+    def motions(self) -> list[AxisMotion]:  # type: ignore[override]
+        return [AxisMotion(*row) for row in self._table.tolist()]
+
+    def table(self) -> Reals:
+        return self._table
+
+    def start_motion(self, delay: float) -> AxisMotion:
+        """The mean motion of the beginning: neighbouring positions alone would show their rounding."""
+        return self.initial

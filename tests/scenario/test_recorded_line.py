@@ -1,0 +1,208 @@
+"""A line that was recorded: the file that [master] names, what the block gets of it, and mistakes in both."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from motionsync.master import MasterInput
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.pages.report.page import write_report
+from motionsync_fmu.pages.results import write_outputs
+from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.files.toml_tables import read_file
+from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
+from motionsync_fmu.scenario.scenario import Scenario
+from motionsync_fmu.sweep.scenario_variation import ScenarioVariation
+from tests.support import recorded_line
+from tests.support.recordings import assert_as_in_python
+from tests.support.scenario_texts import write_scenario
+
+TEXT = """\
+title = "A recorded line"
+fmu = "Synchronizer"
+stop_time = 0.3
+step_size = 0.01
+
+[start]
+"master.period" = 0.0
+
+[master]
+file = "trace.csv"
+"""
+ROWS = "time,position\n5.0,10.0\n5.1,20.0\n5.25,20.0\n5.3,-5.0\n"
+"""100 u/s for a tenth of a second, rest, and back with 500 u/s."""
+
+
+def load(folder: Path, rows: str = ROWS, text: str = TEXT) -> Scenario:
+    (folder / "trace.csv").write_text(rows, "utf-8")
+    return load_scenario(write_scenario(text, folder))
+
+
+def positions(scenario: Scenario) -> list[float]:
+    return [values["master.position"] for _, _, values in scheduled_steps(scenario, scenario.step_size)]
+
+
+def expected() -> list[float]:
+    """At 0.00, 0.01 ... 0.29 s."""
+    return [*np.linspace(10.0, 20.0, 11), *[20.0] * 15, *np.linspace(15.0, 0.0, 4)]
+
+
+def test_the_block_smooths_the_line_between_its_rows_from_the_first_one_on(tmp_path: Path) -> None:
+    scenario = load(tmp_path)
+    assert scenario.start["master.input_mode"] == MasterInput.MEASURED
+    assert scenario.is_recorded
+    assert positions(scenario) == pytest.approx(expected(), abs=1e-9)
+    first = next(scheduled_steps(scenario, scenario.step_size))[2]
+    assert (first["master.velocity"], first["master.acceleration"]) == pytest.approx((100.0, 0.0))
+
+
+def test_rows_make_no_communication_points(tmp_path: Path) -> None:
+    """At a step of 0.04 s there are those of the steps, and the end."""
+    times = run_in_process(load(tmp_path), 0.04).time
+    assert times == pytest.approx([0.0, 0.04, 0.08, 0.12, 0.16, 0.2, 0.24, 0.28, 0.3])
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        ROWS.removeprefix("time,position\n"),
+        ROWS.replace(",", ";"),
+        ROWS.replace(",", "\t").replace("\n", "\r\n"),
+        "\ufeff" + ROWS + "\n",
+        ROWS.replace("time,position", '"t [s]", "x [mm]"'),
+        "number,position,time\n1,10.0,5.0\n2,20,5.1\n3,2e1,5.25\n\n4,-5.0,5.3\n",
+    ],
+)
+def test_other_forms_of_the_same_file(tmp_path: Path, rows: str) -> None:
+    assert positions(load(tmp_path, rows)) == pytest.approx(expected(), abs=1e-9)
+
+
+def test_a_parquet_file(tmp_path: Path) -> None:
+    rows = np.genfromtxt(io.StringIO(ROWS), delimiter=",", names=True)
+    pq.write_table(pa.table({name: rows[name] for name in ("position", "time")}), tmp_path / "trace.parquet")
+    scenario = load_scenario(write_scenario(TEXT.replace(".csv", ".parquet"), tmp_path))
+    assert positions(scenario) == pytest.approx(expected(), abs=1e-9)
+
+
+def test_wrapped_positions_go_on_in_the_nearest_turn(tmp_path: Path) -> None:
+    """A turn of 10: forwards by 4, by 4, back by 3; the block gets them wrapped."""
+    text = TEXT.replace('period" = 0.0', 'period" = 10.0')
+    scenario = load(tmp_path, "0,3\n0.1,7\n0.2,1\n0.3,8\n", text)
+    assert [scenario.master.at(t).position for t in (0.0, 0.1, 0.2, 0.3)] == pytest.approx([3.0, 7.0, 11.0, 8.0])
+    assert positions(scenario)[15] == pytest.approx(9.0)
+    assert max(positions(scenario)) < 10.0
+
+
+def test_the_velocity_at_the_start_is_the_mean_of_a_tenth_of_a_second(tmp_path: Path) -> None:
+    """Neighbouring rows alone say 0 or 100 u/s: they are rounded."""
+    rows = "".join(f"{i / 100},{i // 2}\n" for i in range(40))
+    first = next(scheduled_steps(load(tmp_path, rows), 0.01))[2]
+    assert first["master.velocity"] == pytest.approx(50.0)
+
+
+def test_another_input_mode_gets_differences(tmp_path: Path) -> None:
+    scenario = load(tmp_path, text=TEXT.replace('"master.period" = 0.0', '"master.input_mode" = "START_OF_STEP"'))
+    velocities = [values["master.velocity"] for _, _, values in scheduled_steps(scenario, 0.01)]
+    assert velocities == pytest.approx([100.0] * 11 + [0.0] * 15 + [-500.0] * 4, abs=1e-6)
+
+
+@pytest.mark.parametrize("period", [0.0, 10.0])
+def test_compiled_code_has_the_bits_of_python(tmp_path: Path, period: float) -> None:
+    scenario = load(tmp_path, text=TEXT.replace('period" = 0.0', f'period" = {period}'))
+    assert not assert_as_in_python(scenario).failure
+
+
+def test_results_and_report_do_not_claim_a_true_line(tmp_path: Path) -> None:
+    scenario = load(tmp_path)
+    recording = run_in_process(scenario, scenario.step_size)
+    out = io.StringIO()
+    write_outputs(out, scenario, recording)
+    assert out.getvalue().startswith('"time","master.position","master.velocity"')
+    assert "true.master" not in out.getvalue()
+    write_report(tmp_path / "report.html", scenario, recording, [], [], scenario.step_size)
+    assert "where it truly was is not known" in (tmp_path / "report.html").read_text("utf-8")
+
+
+def test_start_values_vary_in_a_sweep_of_a_recorded_line(tmp_path: Path) -> None:
+    load(tmp_path)
+    file = tmp_path / "scenario.toml"
+    variation = ScenarioVariation(read_file(file), file)
+    varied = variation.with_values([(variation.target("master.smoothing_time"), 0.5)])
+    assert varied.start["master.smoothing_time"] == 0.5
+    assert varied.is_recorded
+
+
+def test_the_shipped_recording_is_the_one_that_is_made() -> None:
+    assert recorded_line.FILE.read_text("utf-8") == recorded_line.recording()
+
+
+# --- mistakes ---
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("", "trace.csv: a recorded line has at least two rows, not 0"),
+        ("time,position\n0.0,1.0\n", "trace.csv: a recorded line has at least two rows, not 1"),
+        (
+            ROWS.replace("5.25", "5.1"),
+            "trace.csv:4: time = 5.1 is not allowed: it must be > 5.1, the time of the row before",
+        ),
+        (ROWS.replace("-5.0", "nan"), "trace.csv:5: position = nan is not allowed: it must be finite"),
+        (ROWS.replace("-5.0", "-1e13"), "trace.csv:5: position = -1e+13 is not allowed: it must be -1e+12 to 1e+12"),
+        (ROWS.replace("5.1", "inf"), "trace.csv:3: time = inf is not allowed: it must be finite"),
+        (ROWS.replace("-5.0", "far"), "trace.csv:5: position: 'far' is not a number"),
+        (ROWS.replace("5.1", ""), "trace.csv:3: time: '' is not a number"),
+        (ROWS.replace(",-5.0", ""), "trace.csv:5: position: '' is not a number"),
+        ("t,x,y\n0,0,0\n", "trace.csv:1: there must be the columns time and position, not the columns t, x, y"),
+        ("0,0,0\n1,0,0\n", "trace.csv:1: there must be the columns time and position, not 3 columns without names"),
+        (ROWS.replace("5.3,", "5.29,"), "scenario.toml:10: file: trace.csv has 0.29 s, and stop_time = 0.3 is later"),
+    ],
+)
+def test_a_mistake_in_the_file_is_one_line_with_its_place(tmp_path: Path, rows: str, message: str) -> None:
+    with pytest.raises(UserError) as error:
+        load(tmp_path, rows)
+    assert str(error.value) == f"{tmp_path}/{message}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"trace.csv"', '"no.csv"', "10: file: 'no.csv' cannot be read: No such file or directory"),
+        ('"trace.csv"', '"."', "10: file: '.' cannot be read: Is a directory"),
+        ('"trace.csv"', "3", "10: file: 3 is not a text"),
+        (
+            '"trace.csv"',
+            '"trace.csv"\nvelocity = 3.0',
+            "11: velocity: a line that is recorded in a file has nothing else",
+        ),
+        (
+            '"trace.csv"',
+            '"trace.csv"\nfollows = "x"',
+            "11: follows: a line that is recorded in a file has nothing else",
+        ),
+        (
+            '"trace.csv"',
+            '"trace.csv"\n[encoder]\nnoise = 0.1',
+            "11: encoder: a recorded line has been measured already: leave out [encoder]",
+        ),
+    ],
+)
+def test_a_mistake_in_the_table_is_one_line_with_its_place(tmp_path: Path, old: str, new: str, message: str) -> None:
+    with pytest.raises(UserError) as error:
+        load(tmp_path, text=TEXT.replace(old, new))
+    assert str(error.value) == f"{tmp_path}/scenario.toml:{message}"
+
+
+def test_a_file_that_is_no_text_or_no_parquet(tmp_path: Path) -> None:
+    load(tmp_path)
+    (tmp_path / "trace.csv").write_bytes(b"\xff\xfe\x00")
+    (tmp_path / "trace.parquet").write_bytes(b"nonsense")
+    for name, message in (("trace.csv", "not a text in UTF-8"), ("trace.parquet", "not a Parquet file of numbers: ")):
+        with pytest.raises(UserError) as error:
+            load_scenario(write_scenario(TEXT.replace("trace.csv", name), tmp_path))
+        assert str(error.value).startswith(f"{tmp_path / name}: {message}")
