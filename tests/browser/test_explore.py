@@ -12,7 +12,7 @@ import pytest
 
 from motionsync_fmu.explore import page as explore_page
 from motionsync_fmu.explore.data import explored as shown
-from motionsync_fmu.explore.page import scenarios_of
+from motionsync_fmu.explore.page import scenarios_of, write_page
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.machine.fragment import scene_data
 from motionsync_fmu.scenario.files.example import load_example
@@ -70,6 +70,70 @@ def test_scenarios_of_each_kind_have_the_native_bits_in_the_browser(
     }"""
     assert all(native_sums.values())
     assert open_block(block).page.evaluate(sums, list(native_sums)) == native_sums
+
+
+MEASURED = """\
+title = "A measured line"
+fmu = "Gearing"
+stop_time = 1.0
+step_size = 0.01
+[start]
+"gear_in.start_mode" = "CW_CCW_DIRECT"
+"gear_in.transition" = "NONE"
+"gearing.denominator" = 2
+"master.period" = 30.0
+[[set]]
+at = 0.1003
+start = true
+"""
+LINES = {
+    "sampled": """\
+[master]
+velocity = 300.0
+acceleration = 100.0
+segments = [{ duration = 0.1501, acceleration = 800.0 }, { duration = 0.1, jerk = -9000.0 }, { duration = 0.1 }]
+[encoder]
+resolution = 0.05
+noise = 0.02
+delay = 0.0135
+scale = 1.0005
+runout = { amplitude = 0.05, length = 500.0 }
+sample_time = 0.004
+seed = 4294967295
+""",
+    "fresh": "[master]\nposition = -7.0\nvelocity = 100.0\n[encoder]\nnoise = 0.02\nseed = 5\n",
+    "driven": """\
+[master]
+velocity = 100.0
+follows = "slave.velocity"
+time_constant = 0.3
+[encoder]
+delay = 0.137
+noise = 0.01
+""",
+    "recorded": '[master]\nfile = "trace.csv"\n',
+}
+TRACE = "time,position\n7.0,29\n7.1,3.5\n7.33,28\n7.9,8.25\n8.1,9\n"
+
+
+def test_a_measured_line_has_the_native_bits_in_the_browser(open_page: Open, fmus: Fmus, tmp_path: Path) -> None:
+    """Also in the file into which the page writes the run."""
+    (tmp_path / "trace.csv").write_text(TRACE)
+    for name, line in LINES.items():
+        (tmp_path / f"{name}.toml").write_text(MEASURED + line)
+    page = tmp_path / "Gearing.html"
+    scenarios = [load_scenario(tmp_path / f"{name}.toml") for name in LINES]
+    write_page("Gearing", scenarios, fmus.native("Gearing"), page)
+    visit = open_page(page)
+    visit.page.wait_for_selector("html[data-ready]")
+    for name, scenario in zip(LINES, scenarios, strict=True):
+        expected = sum_of(run_in_process(shown(scenario), scenario.step_size), "Gearing")
+        run = f"motionsyncExplore.fingerprint(motionsyncExplore.run('{name}'))"
+        assert visit.page.evaluate(f"async () => await {run}") == expected, name
+    file, fingerprint = save_run(visit, tmp_path)
+    loaded = load_scenario(file)
+    assert loaded.encoder == scenarios[0].encoder
+    assert sum_of(run_in_process(loaded, loaded.step_size), "Gearing") == fingerprint
 
 
 def test_the_badge_compares_what_is_shown(open_block: OpenBlock, fmus: Fmus) -> None:

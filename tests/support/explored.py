@@ -13,7 +13,7 @@ from typing import Any
 from motionsync_fmu.explore.page import scenarios_of, write_page
 from tests.support.fmus import Fmus
 
-INPUTS = ("axis", "drive", "remote", "settings", "reactions", "cuts")
+INPUTS = ("axis", "encoder", "drive", "remote", "settings", "reactions", "cuts")
 """What the page makes the inputs of a run from, beside the start values."""
 
 

@@ -147,7 +147,8 @@ def _scenario(s: Scenario, name: str, fmu: Path) -> dict[str, Any]:
         "units": _units_of(s),
         "interface": raw.get("interface", {}),
         "start": plain_values(s.start),
-        "axis": {key: raw[_axis(s)][key] for key in SCRIPT if key in raw[_axis(s)]},
+        "axis": _recorded(s) if s.is_recorded else {key: raw[_axis(s)][key] for key in SCRIPT if key in raw[_axis(s)]},
+        "encoder": asdict(s.encoder) if s.encoder else None,
         "drive": _drive(s),
         "remote": _remote(s.remote) if s.remote else None,
         "settings": [{"at": setting.at, "values": plain_values(setting.values)} for setting in s.settings],
@@ -160,6 +161,12 @@ def _scenario(s: Scenario, name: str, fmu: Path) -> dict[str, Any]:
 
 def _axis(s: Scenario) -> str:
     return "remote" if s.remote else "master"
+
+
+def _recorded(s: Scenario) -> dict[str, Any]:
+    """A recorded line: its rows, with unwrapped positions, and the velocity with which it starts."""
+    positions = [m.position for m in s.master.motions]
+    return {"times": s.master.breaks, "positions": positions, "velocity": s.master.initial.velocity}
 
 
 def _drive(s: Scenario) -> dict[str, Any] | None:

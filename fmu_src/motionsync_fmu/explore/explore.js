@@ -110,6 +110,7 @@ function another(label, choices, act) {
 
 function axisRows() {
   const {axis, remote, drive} = scenario, first = untouched.axis, rows = [];
+  if (axis.times) return [newElement("p", {className: "soft"}, "The line is recorded: measured positions, and straight lines between them.")];
   const of = {position: "POSITION", velocity: "VELOCITY", acceleration: "ACCELERATION", jerk: "JERK", duration: "s"};
   for (const name of ["position", "velocity"]) {
     axis[name] ??= 0;

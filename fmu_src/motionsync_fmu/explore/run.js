@@ -108,7 +108,8 @@ function run(unit, scenario, {cycle = null, normals = {}, storage = null} = {}) 
   }
   const begin = performance.now();
   const {position, velocity} = scenario.axis;
-  const axis = new Script(scenario.drive ? {position, velocity} : scenario.axis);
+  const isRecorded = "times" in scenario.axis;
+  const axis = isRecorded ? Script.recorded(scenario.axis) : new Script(scenario.drive ? {position, velocity} : scenario.axis);
   const starts = (name) => scenario.start[name] ?? unit.declared(name).start;
   const telegrams = scenario.remote && new Telegrams(scenario.remote, axis, starts, stop, normals, unit.runner);
   unit.reset();

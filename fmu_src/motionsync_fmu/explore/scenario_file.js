@@ -37,7 +37,7 @@ function toml(scenario, block, variables, remarks) {
       ...Object.entries(scenario.interface).map(([name, patterns]) => `${name} = ${JSON.stringify(patterns)}`),
     );
   }
-  lines.push("", "[start]", ...rows(scenario.start), "", ...axisTable(scenario));
+  lines.push("", "[start]", ...rows(scenario.start), "", ...axisTable(scenario), ...encoderLines(scenario));
   for (const s of [...scenario.settings].sort((a, b) => a.at - b.at))
     lines.push("", "[[set]]", `at = ${written(s.at)}`, ...rows(s.values));
   for (const r of scenario.reactions) {
@@ -65,7 +65,21 @@ function conditionOf(r, v) {
   return r.value === r.first ? r.when : `${r.name} ${r.comparison} ${valueOf(v, r.value)}`;
 }
 
+/** The table [encoder]: what differs from an encoder that is ideal. */
+function encoderLines({encoder: e, axis}) {
+  if (!e || axis.times) return [];
+  const ideal = {resolution: 0, noise: 0, delay: 0, scale: 1, sample_time: 0};
+  const given = Object.entries(ideal).filter(([name, x]) => e[name] !== x);
+  const lines = ["", "[encoder]", ...given.map(([name]) => `${name} = ${written(e[name])}`)];
+  if (e.runout_amplitude) {
+    lines.push(`runout = { amplitude = ${written(e.runout_amplitude)}, length = ${written(e.runout_length)} }`);
+  }
+  if (e.seed) lines.push(`seed = ${e.seed}`);
+  return lines;
+}
+
 function axisTable({axis, drive, remote}) {
+  if (axis.times) return ["[master]", `file = "trace.csv" # the file of the scenario`];
   const lines = [
     remote ? "[remote]" : "[master]",
     ...MOTION.filter((name) => name in axis).map((name) => `${name} = ${written(axis[name])}`),

@@ -60,8 +60,8 @@ function scanTimes({step_size, stop_time}) {
 /** The communication points that are determined before the run. */
 function communicationPoints(scenario, axis, scans, close) {
   const {step_size: h, stop_time: stop} = scenario;
-  const named = [...scenario.settings.map((s) => s.at), ...scans, ...axis.breaks.slice(1), stop].filter((t) => t <= stop);
-  const breaks = new Set(scenario.drive ? scans : axis.breaks), exact = new Set(named);
+  const named = [...scenario.settings.map((s) => s.at), ...scans, ...axis.points.slice(1), stop].filter((t) => t <= stop);
+  const breaks = new Set(scenario.drive ? scans : axis.points), exact = new Set(named);
   const grid = Float64Array.from({length: Math.floor((stop / h) * (1 + 1e-12)) + 1}, (_, i) => i * h);
   const times = new Float64Array(grid.length + named.length), points = [];
   times.set(grid);
@@ -81,7 +81,9 @@ class Script {
   constructor({position = 0, velocity = 0, acceleration = 0, segments = []}) {
     this.breaks = [0];
     this.motions = [];
-    let ending = [position, velocity, acceleration, 0];
+    this.initial = [position, velocity, acceleration, 0];
+    this.points = this.breaks;
+    let ending = this.initial;
     for (const s of segments) {
       const first = s.jerk === undefined ? (s.acceleration ?? 0) : ending[2];
       this.motions.push([ending[0], s.velocity ?? ending[1], first, s.jerk ?? 0]);
@@ -89,6 +91,25 @@ class Script {
       ending = Script.after(this.motions.at(-1), s.duration);
     }
     this.motions.push([ending[0], ending[1], 0, 0]);
+  }
+
+  /** A recorded line, of which positions at times are known. */
+  static recorded({times, positions, velocity}) {
+    const line = new Script({position: positions[0], velocity});
+    line.breaks = times;
+    line.motions = positions.map((p, i) => {
+      const k = Math.min(i, positions.length - 2);
+      return [p, (positions[k + 1] - positions[k]) / (times[k + 1] - times[k]), 0, 0];
+    });
+    line.points = times.slice(0, 1);
+    line.isRecorded = true;
+    return line;
+  }
+
+  /** The motion a time before the start with which a delayed line starts. */
+  startMotion(delay) {
+    if (this.isRecorded) return this.initial;
+    return delay > 0 ? Script.after(this.initial, -delay) : this.at(0);
   }
 
   /** Position, velocity, acceleration and jerk a time t later, with constant jerk. */
@@ -315,6 +336,26 @@ function axisTables(unit, scenario, {axis, telegrams, scans}) {
   };
 }
 
+/** The address of the encoder between the line and the block; 0: there is none. */
+function encoderTable({memory}, {encoder: e, step_size: h}, axis) {
+  if (!e) return 0;
+  const [initial_position, initial_velocity, initial_acceleration] = axis.initial;
+  const [, velocity, acceleration] = axis.startMotion(e.delay);
+  const row = {
+    ...e,
+    amplitude: e.runout_amplitude,
+    length: e.runout_length,
+    interval: e.sample_time || h,
+    initial_position,
+    initial_velocity,
+    initial_acceleration,
+    start_velocity: velocity * e.scale,
+    start_acceleration: acceleration * e.scale,
+    number: -1,
+  };
+  return memory.writeRows("Encoder", [row]);
+}
+
 /** `more`: so many motions can follow. */
 function scriptTables(memory, {breaks, motions}, more = 0) {
   const tables = {breaks: memory.writeReals(breaks)};
@@ -351,6 +392,7 @@ function writeTables(unit, scenario, {axis, telegrams}) {
     before: runner.sample_lead * h,
     ...given,
     ...axisTables(unit, scenario, {axis, telegrams, scans}),
+    encoder: encoderTable(unit, scenario, axis),
   };
   const capacity = points.length + scans.length + events;
   run.times = memory.reserve((5 + variables.length) * capacity);

@@ -23,11 +23,11 @@ class Trace(Script):
         """`times`: rising, s; `positions`: u, of the same shape (rows,), at least two; with a period each is in the
         turn that is nearest to the one before."""
         breaks = times - times[0]
-        steps = np.diff(positions)
         if period:
+            steps = np.diff(positions)
             steps -= period * np.rint(steps / period)
             positions = positions[0] + np.concatenate([[0.0], np.cumsum(steps)])
-        velocities = steps / np.diff(breaks)
+        velocities = np.diff(positions) / np.diff(breaks)
         self._table = np.zeros((len(breaks), 4))
         self._table[:, 0] = positions
         self._table[:, 1] = np.append(velocities, velocities[-1])
