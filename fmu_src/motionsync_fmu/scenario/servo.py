@@ -27,7 +27,7 @@ KINK = 1e-9  # of a step: a kink of the late setpoint that is nearer to a commun
 ROUNDING = 1e-15  # relative to positions; what is smaller in the curvature of a step is their rounding
 
 EQUAL = 1e-11  # relative; lengths of steps that differ by less are those of equal steps
-DECAYED = 1e-25  # of a number: it is not seen beside a later one any more
+DECAYED = 1e-20  # of a number: it is not seen beside a later one any more
 CHUNK = 8192  # points that are computed at a time: their arrays stay in the cache
 
 Numbers = NDArray[Any]
@@ -76,18 +76,20 @@ class Servo:
         for first in range(1 + int(at_rest), len(time), CHUNK):
             rows = slice(first, min(first + CHUNK, len(time)))
             steps, at, t = setpoint.find(rows, self.dead_time)
-            cubics = setpoint.cubics(steps)
-            parts = cubics.at(at, t), self.steady_offset(cubics).at(at, t), free.at(steps, at, t)
-            x[rows], v[rows], a[rows] = (s + q + z for s, q, z in zip(*parts, strict=True))
+            s = setpoint.cubics(steps)
+            q0, q1, q2 = self.steady_offset(s)
+            steady = _Cubics(s.c0 + q0, s.c1 + q1, s.c2 + q2, s.c3)
+            parts = zip(steady.at(at, t), free.at(steps, at, t), strict=True)
+            x[rows], v[rows], a[rows] = (of_steady + of_free for of_steady, of_free in parts)
         return ActualMotion(x, v, a)
 
-    def steady_offset(self, s: "_Cubics") -> "_Cubics":
-        """The cubics q: the coefficients of s + q fulfil the equation of motion."""
+    def steady_offset(self, s: "_Cubics") -> tuple[Reals, Reals, Reals]:
+        """The coefficients of q, a parabola in each step: those of s + q fulfil the equation of motion."""
         k, tv, less = self.position_gain, self.velocity_time_constant, self.feedforward - 1.0
-        q2 = 3.0 * less * s.c3 / k
-        q1 = 2.0 * (less * s.c2 - q2 - 3.0 * tv * s.c3) / k
-        q0 = (less * s.c1 - q1 - 2.0 * tv * (s.c2 + q2)) / k
-        return _Cubics(q0, q1, q2, np.zeros(len(q0)))
+        q2 = (3.0 * less / k) * s.c3
+        q1 = (2.0 / k) * (less * s.c2 - q2 - (3.0 * tv) * s.c3)
+        q0 = (1.0 / k) * (less * s.c1 - q1 - (2.0 * tv) * (s.c2 + q2))
+        return q0, q1, q2
 
 
 @dataclass(frozen=True)
@@ -166,19 +168,18 @@ class _FreeMotion:
         time = setpoint.time
         z, p = np.zeros((2, len(time) - 1), complex if isinstance(slow, complex) else float)
         s = setpoint.cubics(slice(0, 1))
-        q = servo.steady_offset(s)
-        z[0] = -q.c0[0]
+        q0, q1, _ = servo.steady_offset(s)
+        z[0] = -q0[0]
         if servo.velocity_time_constant:
-            p[0] = -q.c1[0] - s.c1[0] - slow * z[0]
+            p[0] = -q1[0] - s.c1[0] - slow * z[0]
         for first in range(0, len(z) - 1, CHUNK):
             steps = slice(first, min(first + CHUNK + 1, len(z)))
-            q = servo.steady_offset(setpoint.cubics(steps))
+            q0, q1, q2 = servo.steady_offset(setpoint.cubics(steps))
             h = _joined(setpoint.steps[first : steps.stop - 1])
-            ends = q.at(slice(-1), h)
-            jumps = ends[0] - q.c0[1:]
+            jumps = q0[:-1] - q0[1:] + h * (q1[:-1] + h * q2[:-1])
             of_z, of_p, of_both = _decays(slow, fast, h)
             if servo.velocity_time_constant:
-                p[steps] = _recurrence(of_p, ends[1] - q.c1[1:] - slow * jumps, p[first])
+                p[steps] = _recurrence(of_p, q1[:-1] - q1[1:] + (2.0 * h) * q2[:-1] - slow * jumps, p[first])
                 jumps = jumps + of_both * p[steps][:-1]
             z[steps] = _recurrence(of_z, jumps, z[first])
         return cls(slow, fast, z, p)

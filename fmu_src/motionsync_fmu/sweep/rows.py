@@ -127,4 +127,5 @@ def _memory(scenario: Scenario, outputs: int) -> float:
     scans = scenario.stop_time / scenario.scan if scenario.reacts else 0.0
     points = scenario.stop_time / scenario.step_size + scans * (1.0 + 0.5 * len(scenario.reactions))
     telegrams = TELEGRAM * scenario.remote.cycles if scenario.remote else 0.0
-    return telegrams + points * (POINT + VALUE * outputs if outputs else VALUE)
+    computed = len(scenario.columns) - len(scenario.recipe.variables)
+    return telegrams + points * (POINT + VALUE * (outputs + computed) if outputs else VALUE)
