@@ -12,13 +12,15 @@ from motionsync.master import MasterInput
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.page import write_report
 from motionsync_fmu.pages.results import write_outputs
+from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.scenario.evaluate.key_figures import compute_key_figures
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.toml_tables import read_file
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.sweep.scenario_variation import ScenarioVariation
 from tests.support import recorded_line
-from tests.support.recordings import assert_as_in_python
+from tests.support.recordings import assert_as_in_python, run_compiled
 from tests.support.scenario_texts import write_scenario
 
 TEXT = """\
@@ -125,6 +127,20 @@ def test_results_and_report_do_not_claim_a_true_line(tmp_path: Path) -> None:
     assert "true.master" not in out.getvalue()
     write_report(tmp_path / "report.html", scenario, recording, [], [], scenario.step_size)
     assert "where it truly was is not known" in (tmp_path / "report.html").read_text("utf-8")
+
+
+def test_pieces_are_those_that_the_block_reports() -> None:
+    """Nothing is said of their true lengths, and no check compares them with the positions of the recording."""
+    scenario = load_scenario(recorded_line.FILE.with_name("scenario.toml"))
+    (run,) = run_compiled(scenario)
+    assert run.recording
+    figures = compute_key_figures(scenario, run.recording)
+    assert figures.true_pieces is None
+    assert figures.production
+    assert len(figures.production.pieces) == 26
+    assert {(piece.measured, piece.wander) for piece in figures.production.pieces} == {(None, 0.0)}
+    expected = [check.expected for check in check_expectations(scenario, run.recording)]
+    assert not [text for text in expected if "true" in text or "positions of slave" in text]
 
 
 def test_start_values_vary_in_a_sweep_of_a_recorded_line(tmp_path: Path) -> None:

@@ -169,7 +169,7 @@ class Scenario:
     @property
     def has_true_places(self) -> bool:
         """Whether what the block takes for the places of the material or the tool is known to differ from the truth."""
-        return bool(self.encoder or self.servo)
+        return bool(self.encoder or self.servo) and not self.is_recorded
 
     @property
     def columns(self) -> dict[str, Variable]:

@@ -31,9 +31,10 @@ class Piece:
         reserve: the share of its cycle that was left.
         begin, end: the places of the cuts before and after it, of the tool's middle.
         cut: the first and the last point of the cut that ended it, in s; None: it was shorter than a step.
-        wander: how far the tool went from its place on the material during this cut, in u.
+        wander: how far the tool went from its place on the material during this cut, in u; 0 where the line is
+            recorded, so that its true place is not known.
         measured: its length by the positions of slave and master, in u; None: one of its cuts cannot be seen, or it is
-            the first one after a start.
+            the first one after a start, or the line is recorded.
     """
 
     number: int
@@ -112,6 +113,7 @@ class _Finder:
 
     def __init__(self, scenario: Scenario, recording: Recording, names: PieceVariables) -> None:
         self._names = names
+        self._is_recorded = scenario.is_recorded
         self._recording = recording
         self._kinds = {int(m): str(m.name) for m in scenario.recipe.variables[names.kind].choices}
         self._rises = rises(recording.values[names.pieces])
@@ -145,7 +147,7 @@ class _Finder:
         end = float(places.mean())
         factor, removed = self._readings[at].tolist()
         measured = None
-        if seen and last and last.cut:
+        if seen and last and last.cut and not self._is_recorded:
             measured = self._measured(end - last.end, length, before, at)
         time = self._recording.time
         return Piece(
@@ -161,7 +163,7 @@ class _Finder:
             begin=last.end if last else end - (length + removed) / factor,
             end=end,
             cut=(float(time[inside.start]), float(time[inside.stop - 1])) if seen else None,
-            wander=float(np.abs(places - end).max()),
+            wander=0.0 if self._is_recorded else float(np.abs(places - end).max()),
             measured=measured,
         )
 
