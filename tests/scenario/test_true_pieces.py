@@ -166,6 +166,13 @@ def test_with_an_encoder_alone_the_tool_is_where_its_setpoint_is(tmp_path: Path)
     assert result.pieces[0].believed == pytest.approx(800.0, abs=0.1)
 
 
+def test_the_true_places_of_a_recorded_line_are_not_known() -> None:
+    recorded = load_scenario(ROOT / "scenarios/CutToLength/recorded_line/scenario.toml")
+    scenario, recording = run_of(replace(recorded, servo=Servo(50.0), expectations=()))
+    assert ACTUAL_POSITION in recording.computed
+    assert CuttingResults(scenario, recording).true_pieces is None
+
+
 def test_without_servo_and_encoder_the_block_knows_the_true_places(tmp_path: Path) -> None:
     assert CuttingResults(*run(tmp_path, LINE + LOAD)).true_pieces is None
 

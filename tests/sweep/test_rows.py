@@ -162,14 +162,14 @@ def test_the_rows_of_a_block_that_shows_its_pieces() -> None:
 
 def test_the_rows_of_a_servo_and_a_load(tmp_path: Path) -> None:
     text = (shipped_folder() / "CutToLength/basic_cut/scenario.toml").read_text()
-    tables = "[servo]\nposition_gain = 50.0\n[load]\nmass = 100.0\npeak_force = 500.0\n"
+    tables = "[servo]\nposition_gain = 50.0\nvelocity_time_constant = 0.003\n[load]\nmass = 100.0\npeak_force = 500.0\n"
     moved = "[master]\nsegments = [{ duration = 2.5 }, { duration = 1.0, acceleration = -50.0 }]"
     file = written(tmp_path, text.replace("[master]", moved) + tables)
     settings = ("servo.position_gain=20,100", "servo.dead_time=0,0.004", "load.mass=50,200", "stop_time=5,9")
     result = assert_same(plan(file, *settings))
     assert {row["c_pk"] is None for row in result} == {True, False}
-    assert len({row["force_peak"] for row in result}) == 8
-    assert len({row["force_rms"] for row in result}) >= 8
+    for name in ("force_peak", "force_rms"):
+        assert len({row[name] for row in result}) >= 8
     assert len({row["true_length_worst"] for row in result if row["stop_time"] == 9.0}) == 4
     assert {row["following_error"] > 3.0 for row in result} == {True, False}
 

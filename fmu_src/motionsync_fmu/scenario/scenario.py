@@ -168,7 +168,9 @@ class Scenario:
 
     @property
     def has_true_places(self) -> bool:
-        """Whether what the block takes for the places of the material or the tool is known to differ from the truth."""
+        """Whether it is known how far the places of material and tool are from where the block takes them to be.
+
+        Of a recorded line only the measured positions are known."""
         return bool(self.encoder or self.servo) and not self.is_recorded
 
     @property
