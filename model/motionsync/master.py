@@ -15,6 +15,8 @@ from .master_path import MasterPath
 from .var import LARGEST_INPUT, Enumeration, Unit
 
 UNCERTAIN_TIMES = 3.0  # of the reaction time: so long noise, or an overshoot, may move a measured path one way
+ROUNDED = 1e-8  # of the position: a second difference up to here may be rounding, and harms nobody
+ALTERNATIONS = 30  # of the second difference, between two values: no line does that, but a counter
 LARGEST_TURN_COUNT = 1e15  # with more turns the fraction of a turn is lost to rounding
 TOO_MANY_TURNS = (  # a refusal's text and the variables it names, for the blocks that have a master
     "the master's position and its prediction must be at most 1e15 periods",
@@ -42,6 +44,45 @@ class MasterInput(Enumeration):
     END_OF_STEP = 2, "the master at t+h (sequential masters that have stepped the master axis first)"
     POSITION_ONLY = 3, "only the position at t; velocity and acceleration are estimated from the last three"
     MEASURED = 4, "a measured position, smoothed and carried on over its delay"
+
+
+class InputWarning(Enumeration):
+    """What is wrong with the master's inputs"""
+
+    NONE = 0, "nothing that can be seen"
+    COUNTS = (
+        1,
+        "master.position comes in counts, as from an encoder, and the setpoint jumps with them; "
+        "master.input_mode MEASURED smooths it",
+        "master.position",
+    )
+
+
+@dataclass(slots=True)
+class ResolutionWatch:
+    """Whether positions come in counts: those of a line of constant velocity have second differences of 0, one count
+    up and one down, the last two in turns. An ideal line has constant ones; noise has any."""
+
+    position: float = 0.0
+    change: float = 0.0
+    second_difference: float = 0.0
+    step: float = 0.0
+    alternations: int = 0
+
+    def add(self, position: float, h: float) -> None:
+        """The position, u, of a step of h seconds."""
+        change = position - self.position
+        second_difference = change - self.change
+        is_regular = abs(h - self.step) <= 1e-9 * h
+        self.position = position
+        self.change = change
+        self.step = h
+        if abs(second_difference) <= ROUNDED * (abs(position) + abs(change)):
+            return
+        error = abs(second_difference + self.second_difference)
+        is_alternating = is_regular and error <= 1e-3 * abs(second_difference)
+        self.alternations = min(self.alternations + 1, ALTERNATIONS) if is_alternating else 0
+        self.second_difference = second_difference
 
 
 @dataclass(slots=True)
@@ -93,6 +134,7 @@ class Master:
     )
     smoothed_velocity: float = var.local(0.0, "its velocity", Unit.VELOCITY, depends=VELOCITY_SOURCES)
     smoothed_acceleration: float = var.local(0.0, "its acceleration", Unit.ACCELERATION, depends=ACCELERATION_SOURCES)
+    input_warning: int = var.local(0, "1: the position comes in counts, and is not smoothed", codes=InputWarning)
     begin: float = 0.0
     begin_velocity: float = 0.0
     begin_acceleration: float = 0.0
@@ -107,6 +149,7 @@ class Master:
     second_last_sample: float = 0.0
     second_last_step: float = 0.0
     encoder: EncoderFilter = var.part(EncoderFilter)
+    resolution: ResolutionWatch = var.part(ResolutionWatch)
     fastest: float = 0.0
 
     def try_initialize(self) -> bool:
@@ -222,6 +265,7 @@ class Master:
             self.last_sample -= turns
             self.second_last_sample -= turns
             self.encoder.position -= turns
+            self.resolution.position -= turns
 
     def try_predict(self, h: float, position: float, velocity: float, acceleration: float) -> bool:
         """Set the path from the unwrapped input at t, with constant acceleration, to t+h; False: too many turns."""
@@ -242,6 +286,7 @@ class Master:
         self.second_last_step = self.last_step
         self.last_sample = position
         self.last_step = h
+        self.watch_resolution(position, h)
         self.show()
         return True
 
@@ -303,8 +348,15 @@ class Master:
         self.end = position
         self.end_velocity = self.velocity
         self.end_acceleration = self.acceleration
+        self.watch_resolution(position, h)
         self.show()
         return True
+
+    def watch_resolution(self, position: float, h: float) -> None:
+        """Warn of a position, unwrapped, that comes in counts; in mode MEASURED it is the path's, and never does."""
+        self.resolution.add(position, h)
+        if self.resolution.alternations == ALTERNATIONS:
+            self.input_warning = InputWarning.COUNTS
 
     def show(self) -> None:
         """Set the outputs to the end of the step."""

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from motionsync.blocks import BLOCKS
@@ -44,6 +45,7 @@ def test_the_block_does_what_its_scenario_expects(file: Path, all_parts: bool) -
     scenario = load_scenario(file)
     recording = recorded_compiled(scenario)
     assert_as_expected(scenario, recording)
+    assert not recording.values.get("master.input_warning", np.zeros(1)).any()
     if not all_parts:
         return
     assert_same(run_in_process(scenario, scenario.step_size), recording)
