@@ -16,6 +16,7 @@ PIECES = "CutToLength/cyclic_orders"
 ALL = (
     CYCLIC_CUT,
     PIECES,
+    "CutToLength/measured_line",
     "FlyingSaw/diagonal_saw",
     "Follower/cyclic_through",
     "Follower/linear_wait_in_park",

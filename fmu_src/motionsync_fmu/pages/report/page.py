@@ -27,6 +27,7 @@ from .limit_rows import limit_rows
 from .motion import chart_motion, chart_remote_errors
 from .origin import describe_fmu, origin_rows
 from .piece_charts import chart_piece_list, chart_pieces, error_text, kind_key
+from .real_machine import chart_axis, chart_force_over_velocity, chart_histogram, chart_true_errors
 
 Settings = list[tuple[float, list[tuple[str, str]]]]
 """What is set during a run: times, each with names and values as texts."""
@@ -152,7 +153,8 @@ def colour_keys(lanes: list[Lane]) -> list[tuple[str, list[tuple[str, str, str]]
 
 def run_charts(scenario: Scenario, recording: Recording) -> dict[str, Chart]:
     """The charts of a run: "cuts" (if there is a table [cuts]), "list" and "pieces" (of a block that reports pieces),
-    "errors" (of a remote axis), "motion" and "lanes"."""
+    "histogram" and "true" (where true pieces are known), "axis" and "force" (of an axis with servo or load), "errors"
+    (of a remote axis), "motion" and "lanes"."""
     scenario = with_recorded_settings(scenario, recording)
     lanes = find_lanes(scenario, recording)
     return _charts(scenario, recording, compute_key_figures(scenario, recording), lanes, list_settings(scenario))
@@ -169,6 +171,13 @@ def _charts(
     if figures.production:
         charts |= {"list": chart_piece_list(scenario, figures.production)} if figures.production.pieces else {}
         charts["pieces"] = chart_pieces(scenario, recording, figures, figures.production, required)
+    if figures.true_pieces and figures.true_pieces.pieces:
+        charts["histogram"] = chart_histogram(figures.true_pieces)
+        charts["true"] = chart_true_errors(scenario, figures.true_pieces)
+    if figures.following_error or figures.load:
+        charts["axis"] = chart_axis(scenario, recording, figures.load, required)
+    if figures.load:
+        charts["force"] = chart_force_over_velocity(scenario, recording, figures.load)
     if scenario.remote:
         charts["errors"] = chart_remote_errors(scenario.remote, scenario, recording, required)
     charts["motion"] = chart_motion(scenario, recording, figures, lanes, times, required)

@@ -45,11 +45,13 @@ class TruePiece:
 
     Attributes:
         number: that of the block, or counted from 1.
+        at: when the cut at its end began, in s.
         ordered: the length that it should have.
         believed: the length that the block reports; None: it reports none.
     """
 
     number: int
+    at: float
     length: float
     ordered: float
     believed: float | None
@@ -177,15 +179,15 @@ def _reported(
             reported = int(np.searchsorted(recording.time, piece.reported_at))
             kerf = value_at(scenario, recording, names.kerf, reported)
             length = float(cuts.place[cut] - cuts.place[cut - 1]) - kerf
-            yield TruePiece(piece.number, length, piece.ordered, piece.length)
+            yield TruePiece(piece.number, float(cuts.begin[cut]), length, piece.ordered, piece.length)
         before = cut
 
 
 def _marked(cuts: TrueCuts, results: "CuttingResults") -> Iterator[TruePiece]:
     """The pieces of a saw that cuts at marks: they should be as long as the marks are apart."""
     marks = np.diff([cut.mark for cut in results.cuts[: len(cuts.place)]])
-    pieces = zip(np.diff(cuts.place).tolist(), marks.tolist(), strict=True)
-    for number, (length, ordered) in enumerate(pieces, 1):
+    pieces = zip(cuts.begin[1:].tolist(), np.diff(cuts.place).tolist(), marks.tolist(), strict=True)
+    for number, (at, length, ordered) in enumerate(pieces, 1):
         if ordered:
             sign = math.copysign(1.0, ordered)
-            yield TruePiece(number, sign * length, sign * ordered, None)
+            yield TruePiece(number, at, sign * length, sign * ordered, None)
