@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..master import Master
+from ..master import ACCELERATION_SOURCES, POSITION_SOURCES, VELOCITY_SOURCES, Master
 from ..slave import Slave
 from ..var import Enumeration, Unit
 from .faults import Fault
@@ -28,9 +28,9 @@ class ShifterInterface:
     slave: Slave = var.part(
         Slave,
         depends={
-            "position": ("master.position", "master.period"),
-            "velocity": ("master.velocity", "master.input_mode"),
-            "acceleration": ("master.acceleration", "master.input_mode"),
+            "position": POSITION_SOURCES,
+            "velocity": VELOCITY_SOURCES,
+            "acceleration": ACCELERATION_SOURCES,
         },
     )
     state: State = var.output(State.FOLLOWING, "where the slave runs")

@@ -9,6 +9,7 @@ from motionsync.shifter.block import Shifter
 from motionsync.shifter.faults import Fault
 from motionsync.shifter.interface import State
 from motionsync_fmu.interface.roles import MOTION
+from tests.support.masters import INPUT_MODES
 from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 
@@ -17,7 +18,7 @@ def runs(draw: st.DrawFn, steps: int) -> BlockRun:
     """A master that moves with changing velocity, and offsets of which some are too great."""
     r = Random(draw(st.integers(0, 2**32 - 1)))
     period = draw(st.sampled_from((0.0, 360.0)))
-    start: dict[str, Any] = {"master.period": period, "master.input_mode": draw(st.sampled_from((1, 2, 3)))}
+    start: dict[str, Any] = {"master.period": period, **draw(INPUT_MODES)}
     start |= {f"master.{name}": draw(st.floats(-1e3, 1e3)) for name in MOTION}
     position = start["master.position"]
     run_steps: list[tuple[float, dict[str, Any]]] = []
