@@ -66,14 +66,14 @@ def _borders(errors: Reals, reach: float) -> Reals:
     bars = min(max(LEAST_BARS, round(sqrt(len(errors)))), MOST_BARS)
     width = spread / bars
     first, last = (int(np.floor(x / width + 0.5)) for x in (errors.min(), errors.max()))
-    return (np.arange(first, last + 2) - 0.5) * width
+    return np.asarray((np.arange(first, last + 2) - 0.5) * width, np.float64)
 
 
 def _normal(x: Reals, true: TruePieces, mean: float, width: float, count: int) -> Reals:
     """How many pieces a bar of this width around x would have on average."""
     scaled = (np.stack([x - 0.5 * width, x + 0.5 * width]) - mean) / (sqrt(2.0) * true.deviation)
     below, until = ([0.5 * (1.0 + erf(value)) for value in row] for row in scaled.tolist())
-    return count * (np.array(until) - np.array(below))
+    return np.asarray(count * (np.array(until) - np.array(below)), np.float64)
 
 
 def chart_true_errors(scenario: Scenario, true: TruePieces) -> Chart:
