@@ -21,9 +21,9 @@ def table(heading: str) -> list[list[str]]:
 
 
 def number(text: str) -> float:
-    found = re.match(r"[\d.]+", text)
-    assert found, text
-    return float(found[0])
+    result = re.match(r"[\d.]+", text)
+    assert result, text
+    return float(result[0])
 
 
 def figures(*changes: str) -> KeyFigures:
@@ -36,11 +36,16 @@ def figures(*changes: str) -> KeyFigures:
 
 @pytest.mark.parametrize("row", table("`--set`"), ids=lambda row: row[0])
 def test_the_table_has_the_figures_of_the_runs(row: list[str]) -> None:
-    found = figures(*re.findall(r"`([^`]+)`", row[0]))
-    assert found.true_pieces
-    assert found.load
-    true = found.true_pieces
-    computed = (f"{abs(true.worst):.4f} mm", f"{true.deviation:.4f} mm", f"{true.c_pk:.2f}", f"{found.load.peak:.0f} N")
+    result = figures(*re.findall(r"`([^`]+)`", row[0]))
+    assert result.true_pieces
+    assert result.load
+    true = result.true_pieces
+    computed = (
+        f"{abs(true.worst):.4f} mm",
+        f"{true.deviation:.4f} mm",
+        f"{true.c_pk:.2f}",
+        f"{result.load.peak:.0f} N",
+    )
     assert tuple(row[1:]) == computed
 
 

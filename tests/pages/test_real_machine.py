@@ -96,6 +96,6 @@ def test_the_axis_is_drawn_behind_its_setpoint(charts: dict[str, Chart], recordi
     block = np.interp(setpoint["x"], recording.time, recording.values["slave.position"])
     assert setpoint["y"] == pytest.approx(block.tolist(), abs=1e-3)
     there = np.interp(error["x"], actual["x"], actual["y"])
-    wanted = np.interp(error["x"], setpoint["x"], setpoint["y"])
-    assert (wanted - there).tolist() == pytest.approx(error["y"], abs=0.15)  # the curves are thinned
+    expected = np.interp(error["x"], setpoint["x"], setpoint["y"])
+    assert (expected - there).tolist() == pytest.approx(error["y"], abs=0.15)  # the curves are thinned
     assert max(error["y"]) > 1.0
