@@ -37,7 +37,7 @@ def messages(mode: MasterInput, positions: Any) -> list[str]:
 
 def test_limits_that_noise_exceeds_all_the_time_are_two_lines_each() -> None:
     """With POSITION_ONLY velocity, acceleration and more are beyond the axis in thousands of steps."""
-    log = messages(MasterInput.POSITION_ONLY, noisy(500.0 * times(4.0), 0.1, 1)[0])
+    log = messages(MasterInput.POSITION_ONLY, noisy(500.0 * times(3.0), 0.1, 1)[0])
     limits = [text for text in log if "limit exceeded" in text]
     kinds = {text.partition(" (")[0] for text in limits}
     assert len(kinds) >= 3
@@ -52,14 +52,14 @@ def test_limits_that_noise_exceeds_all_the_time_are_two_lines_each() -> None:
 
 @pytest.mark.parametrize("mode", [MasterInput.POSITION_ONLY, MasterInput.START_OF_STEP, MasterInput.END_OF_STEP])
 def test_a_position_in_counts_is_logged_once(mode: MasterInput) -> None:
-    log = messages(mode, counted(487.3 * times(2.0), 0.1))
+    log = messages(mode, counted(487.3 * times(0.5), 0.1))
     assert sum(text.startswith(COUNTS) for text in log) == 1
 
 
 def test_nothing_is_logged_of_a_measured_line() -> None:
-    line = counted(noisy(500.0 * times(6.0), 0.02, 1)[0], 0.1)
+    line = counted(noisy(500.0 * times(2.0), 0.02, 1)[0], 0.1)
     assert messages(MasterInput.MEASURED, line) == []
 
 
 def test_nothing_is_logged_of_an_ideal_line() -> None:
-    assert messages(MasterInput.POSITION_ONLY, 500.0 * np.array(times(2.0))) == []
+    assert messages(MasterInput.POSITION_ONLY, 500.0 * np.array(times(1.0))) == []
