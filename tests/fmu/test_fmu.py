@@ -138,7 +138,6 @@ def test_the_interface_is_the_specified_one(fmu: Path) -> None:
         "master.smoothed_velocity": ("local", "continuous", "Real", None),
         "master.smoothed_acceleration": ("local", "continuous", "Real", None),
         "master.input_warning": ("local", "discrete", "Integer", None),
-        "master.input_warning": ("local", "discrete", "Integer", None),
         "curve": ("parameter", "fixed", "Enumeration", "2"),
         "output_phasing": ("parameter", "tunable", "Real", "90.0"),
         "active": ("input", "discrete", "Boolean", "true"),
