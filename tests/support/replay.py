@@ -6,12 +6,15 @@ import struct
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from hashlib import sha256
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import fmpy
 import pytest
 
+from motionsync_fmu import paths
 from motionsync_fmu.interface.recipe import Fmi
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import OF_VERSION, ROWS, parts
@@ -104,18 +107,21 @@ def orders(host: FmuInstance, run: BlockRun) -> Iterator[tuple[str, str]]:
         yield all_values()
 
 
-def host_program(target: str, fmi: Fmi, shared: Shared) -> Path:
-    """The host for libraries of zig's target and of a version of FMI, compiled once in a test run."""
-    name = f"replay{'.exe' if 'windows' in target else ''}"
+def host_program(target: str, fmi: Fmi) -> Path:
+    """The host for libraries of zig's target and of a version of FMI, compiled once for all test runs: zig has to
+    compile a C library for it first, which takes a minute and a half for Windows."""
     processor, system = parts(target)
-    runs_on, sources = HOSTS[system]
-
-    def fill(folder: Path) -> None:
-        compiler = [sys.executable, "-m", "ziglang", "cc", "-target", f"{processor}-{runs_on}", "-O1"]
-        options = [f"-DFMI={fmi}", f"-I{HEADERS}", "-o", str(folder / name)]
-        subprocess.run([*compiler, *options, *(str(SOURCES / source) for source in sources)], check=True)
-
-    return shared.once(f"replay-{target}-{fmi}", fill) / name
+    runs_on, names = HOSTS[system]
+    sources = [SOURCES / name for name in names]
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", f"{processor}-{runs_on}", "-O1", f"-DFMI={fmi}"]
+    contents = [*compiler[1:], metadata.version("ziglang"), *map(Path.read_text, sources)]
+    folder = paths.cache_folder() / "replay" / sha256("\0".join(contents).encode()).hexdigest()[:32]
+    program = folder / f"replay{'.exe' if system == 'windows' else ''}"
+    if not program.exists():
+        with paths.replace_files(folder) as part:
+            options = [f"-I{HEADERS}", "-o", str(part / program.name)]
+            subprocess.run([*compiler, *options, *map(str, sources)], check=True)
+    return program
 
 
 def wine_environment(start: Sequence[str], shared: Shared) -> dict[str, str]:
@@ -137,7 +143,7 @@ def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path, sh
     description = fmpy.read_model_description(str(folder))
     fmi = fmi_version(description)
     kinds = "".join(KINDS[fmi][v.type] for v in description.modelVariables)
-    program = host_program(target, fmi, shared)
+    program = host_program(target, fmi)
     (platform,) = (platform for platform in OF_VERSION[fmi] if target in platform.targets)
     orders_file, answers_file = scratch / "orders.txt", scratch / "answers.txt"
     orders_file.write_text("".join(f"{order}\n" for order in orders))
