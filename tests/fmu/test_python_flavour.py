@@ -11,6 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
 
@@ -215,3 +216,28 @@ def test_an_instance_that_has_gone_leaves_next_to_nothing(fmu: Path) -> None:
         come_and_go(10)
         assert come_and_go(100) < 100 * 20
         assert len(sys.path) == paths
+
+
+BUILD_AFTER_RUN = """
+import sys
+from pathlib import Path
+from zipfile import ZipFile
+from motionsync_fmu.build.fmu import BuildOptions, Flavour, build
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
+assert "pythonfmu" not in sys.modules
+with FmuInstance(Path(sys.argv[1])) as host:
+    host.initialize({})
+assert "site-packages" not in sys.modules["pythonfmu"].__file__
+target = build(Recipe("Synchronizer"), Path(sys.argv[2]) / "Synchronizer.fmu", BuildOptions(Flavour.PYTHON))
+print(*sorted(ZipFile(target).namelist()), sep="\\n")
+"""
+
+
+def test_an_fmu_is_complete_that_is_built_after_another_one_has_run(fmu: Path, tmp_path: Path) -> None:
+    """The process has imported the copy of PythonFMU in the FMU that has run, whose folder is gone."""
+    command = [sys.executable, "-c", BUILD_AFTER_RUN, str(fmu), str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    with ZipFile(fmu) as z:
+        assert done.stdout.split() == sorted(z.namelist())

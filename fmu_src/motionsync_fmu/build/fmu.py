@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from importlib import metadata
-from importlib.resources import files as package_files
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import ParseError, fromstring
@@ -123,7 +122,8 @@ def build_python(recipe: Recipe, target: Path) -> Path:
     }
     files |= {f"resources/{package}_{tag}/{n}": text for n, text in collect_sources(type(block).__module__).items()}
     files |= {f"resources/motionsync_fmu_{tag}/{n}": text for n, text in python_runtime().items()}
-    pythonfmu = Path(str(package_files("pythonfmu")))
+    # The installed one: a process that has run such an FMU may have imported the copy in its folder, which is gone.
+    pythonfmu = Path(str(metadata.distribution("pythonfmu").locate_file("pythonfmu")))
     files |= {f"resources/pythonfmu/{p.name}": p.read_bytes() for p in pythonfmu.glob("*.py")}
     libraries = list((pythonfmu / "resources" / "binaries").glob("*/*"))
     for library in libraries:
