@@ -35,12 +35,6 @@ def evenly_spaced(count: int, most: int) -> Indices:
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
-def true_stretches(values: NDArray[Any]) -> list[tuple[int, int]]:
-    """The stretches in which the values are true: of each its first index, and the one after its last."""
-    borders = np.flatnonzero(np.diff(values.astype(bool), prepend=False, append=False)).tolist()
-    return list(zip(borders[::2], borders[1::2], strict=True))
-
-
 def rounded(values: Iterable[float], digits: int = DIGITS) -> list[Any]:
     """The values with so many significant digits, as JSON has them: None is a gap, whole numbers are integers."""
     return [_number(float(f"{value:.{digits}g}")) for value in values]

@@ -26,13 +26,13 @@ from ..scenario.cutting import CutSpec
 from ..scenario.evaluate.cuts import passages, reach
 from ..scenario.evaluate.find_pieces import Piece, coupling_factor, find_pieces
 from ..scenario.evaluate.remote_errors import remote_errors
+from ..scenario.evaluate.time_series import true_stretches
 from ..scenario.files.example import load_example
 from ..scenario.recording import Reals, Recording
 from ..scenario.remote_view import RemoteView
 from ..scenario.run.simulation import run_in_process
 from ..scenario.scenario import Scenario
 from .compact import compact
-from .numbers import true_stretches
 from .style import MASTER, SLAVE
 
 STYLE: Any = {  # the same picture at every build

@@ -83,10 +83,8 @@ def write_outputs(out: TextIO, scenario: Scenario, recording: Recording) -> None
     slave = [name for name in values if name.startswith("slave.")]
     names = [*slave, *recording.computed, *(name for name in FIRST if name in values)]
     names += [name for name in values if name not in names]
-    axis = (
-        "true_axis" if scenario.remote else "true.master" if scenario.encoder and not scenario.is_recorded else "master"
-    )
     measured = measured_inputs(scenario, recording)
+    axis = "true_axis" if scenario.remote else "true.master" if measured else "master"
     types = [float] * (1 + len(MASTER) + len(measured)) + [float if kinds[n] == "Real" else int for n in names]
     columns = [recording.time, *recording.master.T, *measured.values(), *(values[n] for n in names)]
 

@@ -58,9 +58,10 @@ class Encoder:
         n = int(t / interval + SAMPLE_ROUNDING)
         latest = self._measure(line, n * interval, n)
         position = self._measure(line, t, n) if not self.sample_time and t != n * interval else latest
-        velocity, acceleration = self.start_motion(line)
         if n > 0:
             velocity, acceleration = (latest - self._measure(line, (n - 1) * interval, n - 1)) / interval, 0.0
+        else:
+            velocity, acceleration = self.start_motion(line)
         return _wrap(position, period) if period else position, velocity, acceleration
 
     def start_motion(self, line: Script) -> tuple[float, float]:

@@ -14,9 +14,10 @@ from ...scenario.engineering import ROUNDING, engineering
 from ...scenario.evaluate.find_pieces import Piece, coupling_factor
 from ...scenario.evaluate.key_figures import KeyFigures
 from ...scenario.evaluate.production import Production
+from ...scenario.evaluate.time_series import true_stretches
 from ...scenario.recording import Reals, Recording
 from ...scenario.scenario import Scenario
-from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, evenly_spaced, rounded, true_stretches
+from ..numbers import BUCKETS, NONE, TIME_DIGITS, Indices, evenly_spaced, rounded
 from ..style import with_unit
 from .chart import BAD, CLEAR, INK, LIMIT, MASTER, MUTED, OK, REFERENCE, SLAVE, Chart, Style, kind_colour
 from .motion import NEAR, bounds, draw_bound

@@ -11,6 +11,7 @@ from ..computed_columns import FOLLOWING_ERROR, FORCE, POWER
 from ..load import Load
 from ..recording import Reals, Recording
 from ..scenario import Scenario
+from .time_series import true_stretches
 from .true_pieces import cutting_flag
 
 
@@ -107,11 +108,7 @@ def integral(time: Reals, values: Reals) -> float:
 def _cut_starts(scenario: Scenario, recording: Recording) -> list[int]:
     """The points at which cuts start."""
     name = cutting_flag(scenario)
-    if not name:
-        return []
-    flag = recording.values[name] != 0.0
-    starts: list[int] = (np.flatnonzero(flag[1:] > flag[:-1]) + 1).tolist()
-    return [0, *starts] if flag[0] else starts
+    return [first for first, _ in true_stretches(recording.values[name])] if name else []
 
 
 def share(value: float, given: float | None) -> float | None:

@@ -1,6 +1,9 @@
-"""Any variable of a run over time: recorded, or as the scenario and its reactions have set it."""
+"""Any variable of a run over time: recorded, or as the scenario and its reactions have set it; where one is true."""
+
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..recording import Reals, Recording
 from ..scenario import Scenario
@@ -22,12 +25,7 @@ def time_series(scenario: Scenario, recording: Recording, name: str) -> Reals:
     return values
 
 
-def value_at(scenario: Scenario, recording: Recording, name: str, point: int) -> float:
-    """The value of a variable at one of the communication points, as `time_series` has it."""
-    if name in recording.values:
-        return float(recording.values[name][point])
-    value = scenario.start.get(name, scenario.recipe.variables[name].start)
-    for setting in recording.settings or scenario.settings:
-        if name in setting.values and recording.time[point] > setting.at + CLOSE:
-            value = setting.values[name]
-    return float(value)
+def true_stretches(values: NDArray[Any]) -> list[tuple[int, int]]:
+    """The stretches in which the values are true: of each its first index, and the one after its last."""
+    borders = np.flatnonzero(np.diff(values.astype(bool), prepend=False, append=False)).tolist()
+    return list(zip(borders[::2], borders[1::2], strict=True))

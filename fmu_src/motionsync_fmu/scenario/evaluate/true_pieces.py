@@ -18,7 +18,7 @@ from ..computed_columns import ACTUAL_POSITION
 from ..recording import Reals, Recording
 from ..scenario import Scenario
 from .find_pieces import coupling_factor
-from .time_series import value_at
+from .time_series import time_series, true_stretches
 
 if TYPE_CHECKING:
     from .cutting_results import CuttingResults
@@ -119,13 +119,11 @@ def find_true_pieces(scenario: Scenario, recording: Recording, results: "Cutting
 
 def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
     """The cuts of a run by the true positions."""
-    flag = recording.values[cutting_flag(scenario)] != 0.0
-    borders = np.flatnonzero(flag[1:] != flag[:-1]) + 1
-    if flag[0]:
-        borders = np.concatenate([[0], borders])
-    first, after = borders[: len(borders) // 2 * 2].reshape(-1, 2).T
-    if not len(first):
+    stretches = true_stretches(recording.values[cutting_flag(scenario)])
+    over = [(first, after) for first, after in stretches if after < len(recording.time)]
+    if not over:
         return TrueCuts(*np.zeros((3, 0)))
+    first, after = np.array(over).T
     points = after - first
     begins = np.cumsum(points) - points  # of the cuts, among the points of all
     at = np.arange(points.sum()) + np.repeat(first - begins, points)
@@ -160,8 +158,8 @@ def _ratio(scenario: Scenario, recording: Recording) -> float:
     names = piece_variables(scenario.recipe.variables.values())
     if names is None:
         return scenario.cuts.ratio if scenario.cuts else 1.0
-    first, second = (value_at(scenario, recording, name, 0) for name in names.factors)
-    return coupling_factor(scenario, recording) / (first * second)
+    first, second = (time_series(scenario, recording, name)[0] for name in names.factors)
+    return coupling_factor(scenario, recording) / float(first * second)
 
 
 def _reported(
@@ -171,14 +169,14 @@ def _reported(
     names = piece_variables(scenario.recipe.variables.values())
     if not names or not results.production:
         return
+    kerfs = time_series(scenario, recording, names.kerf)
     number_at = {time: i for i, time in enumerate(cuts.begin.tolist())}
     before = None
     for piece in results.production.pieces:
         cut = number_at.get(piece.cut[0]) if piece.cut else None
         if piece.product and piece.measured is not None and cut is not None and cut - 1 == before:
-            reported = int(np.searchsorted(recording.time, piece.reported_at))
-            kerf = value_at(scenario, recording, names.kerf, reported)
-            length = float(cuts.place[cut] - cuts.place[cut - 1]) - kerf
+            kerf = kerfs[np.searchsorted(recording.time, piece.reported_at)]
+            length = float(cuts.place[cut] - cuts.place[cut - 1] - kerf)
             yield TruePiece(piece.number, float(cuts.begin[cut]), length, piece.ordered, piece.length)
         before = cut
 

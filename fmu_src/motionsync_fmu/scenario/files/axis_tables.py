@@ -18,13 +18,9 @@ def read_servo(table: TomlTable) -> Servo:
         UserError: the first mistake in it.
     """
     table.allow_only("position_gain", "velocity_time_constant", "feedforward", "dead_time")
-    time_constant = table.number("velocity_time_constant", default=0.0, least=0.0, most=LONGEST)
-    if 0.0 < time_constant < SHORTEST:
-        allowed = f"0, or {SHORTEST:g} to {LONGEST:g}"
-        table.fail("velocity_time_constant", f"{time_constant:g} is not allowed: it must be {allowed}")
     return Servo(
         table.number("position_gain", above=0.0, most=MOST_GAIN),
-        time_constant,
+        table.number_or_0("velocity_time_constant", smallest=SHORTEST, most=LONGEST),
         table.number("feedforward", default=1.0, least=0.0, most=MOST_FEEDFORWARD),
         table.number("dead_time", default=0.0, least=0.0, most=LONGEST),
     )

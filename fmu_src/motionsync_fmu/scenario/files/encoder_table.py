@@ -24,23 +24,15 @@ def read_encoder(table: TomlTable) -> Encoder:
     runout.allow_only("amplitude", "length")
     has_runout = "runout" in table
     return Encoder(
-        _zero_or_more(table, "resolution", MOST),
+        table.number_or_0("resolution", smallest=SMALLEST, most=MOST),
         table.number("noise", default=0.0, least=0.0, most=MOST),
         table.number("delay", default=0.0, least=0.0, most=LONGEST),
         table.number("scale", default=1.0, above=0.0, most=MOST),
         runout.number("amplitude", least=0.0, most=MOST) if has_runout else 0.0,
         runout.number("length", least=SMALLEST, most=MOST) if has_runout else 1.0,
-        _zero_or_more(table, "sample_time", LONGEST),
+        table.number_or_0("sample_time", smallest=SMALLEST, most=LONGEST),
         _seed(table),
     )
-
-
-def _zero_or_more(table: TomlTable, key: str, most: float) -> float:
-    """0, or a number from SMALLEST on."""
-    value = table.number(key, default=0.0, least=0.0, most=most)
-    if 0.0 < value < SMALLEST:
-        table.fail(key, f"{value:g} is not allowed: it must be 0, or {SMALLEST:g} to {most:g}")
-    return value
 
 
 def _seed(table: TomlTable) -> int:

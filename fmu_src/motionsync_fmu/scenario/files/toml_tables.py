@@ -173,6 +173,13 @@ class TomlTable:
             self.fail(key, f"{value:g} is not allowed: it must be {text}")
         return value
 
+    def number_or_0(self, key: str, *, smallest: float, most: float) -> float:
+        """0, which is the default, or a number within these limits."""
+        value = self.number(key, default=0.0, least=0.0, most=most)
+        if 0.0 < value < smallest:
+            self.fail(key, f"{value:g} is not allowed: it must be 0, or {smallest:g} to {most:g}")
+        return value
+
     def whole(self, key: str, *, default: int | None = None, most: float = math.inf) -> int:
         """A number >= 0 without a fraction."""
         value = self.number(key, default=default, least=0.0, most=most)

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...pages.numbers import rounded, true_stretches
+from ...pages.numbers import rounded
 from ...pages.report.chart import INK, PAPER, Chart, Style
 from ...pages.style import typeset
+from ...scenario.evaluate.time_series import true_stretches
 from ...scenario.recording import Reals
 from .cells import Axis, CellStatistic
 from .curves import Boundary
