@@ -156,7 +156,7 @@ class Master:
         """Set the master to its inputs; with POSITION_ONLY its velocity is not available yet and taken as 0.
 
         False if the position has too many turns; nothing has changed then."""
-        age = self.delay if self.input_mode == MasterInput.MEASURED else 0.0
+        age = self.delay if self.is_measured() else 0.0
         position = self.position + (self.velocity + 0.5 * self.acceleration * age) * age
         if self.has_too_many_turns(self.position) or self.has_too_many_turns(position):
             return False
@@ -225,6 +225,10 @@ class Master:
             return clamp((self.end_velocity - self.begin_velocity) / self.step, -LARGEST_INPUT, LARGEST_INPUT)
         return self.begin_acceleration
 
+    def is_measured(self) -> bool:
+        """Whether the path follows measurements, so that noise moves it."""
+        return self.input_mode == MasterInput.MEASURED
+
     def watch_travel(self) -> None:
         """From the present step on `uncertain_travel` counts."""
         self.fastest = max(abs(self.begin_velocity), abs(self.end_velocity))
@@ -235,7 +239,7 @@ class Master:
         It is the travel at the path's greatest speed in three reaction times. The path goes back from its overshoot by
         at most 1.5 times the travel in one after a sudden stop, and by at most 2.7 times by noise, at the greatest
         speed that the noise itself has made."""
-        if self.input_mode != MasterInput.MEASURED:
+        if not self.is_measured():
             return 0.0
         return UNCERTAIN_TIMES * self.reaction_time() * self.fastest
 

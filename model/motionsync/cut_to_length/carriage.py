@@ -7,7 +7,7 @@ from ..clock import Clock
 from ..exceeded_limit import end_tolerance
 from ..grid import rounding_tolerance
 from ..laws import chain_rule
-from ..master import Master, MasterInput
+from ..master import Master
 from ..motion import stopping_distance
 from ..motion_start import MotionStart, attainable_acceleration
 from ..var import Enumeration
@@ -132,7 +132,7 @@ class Carriage:
         time = until_start * PUNCTUAL - machine.homing_settle_time - spare_time
         self.homing.plan_eased(machine, slowest, now, self.homing_start, time)
         self.homing.eased_velocity = line_velocity
-        if self.homing.is_eased and master.input_mode == MasterInput.MEASURED:
+        if self.homing.is_eased and master.is_measured():
             self.homing.eased_velocity += 0.5 * spare_time / until_start * line_velocity
         self.homing.eased_cut = cut
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..master import Master, MasterInput
+from ..master import Master
 from ..motion import Motion
 from ..motion_start import MotionStart
 from .machine_limits import Machine, change_time, return_time
@@ -88,4 +88,4 @@ class HomingMotion:
 def is_accelerating(master: Master) -> bool:
     """Whether the line gets faster in the present step; of a measured one nobody can say."""
     begin = master.begin_velocity
-    return master.input_mode != MasterInput.MEASURED and master.end_velocity - begin > FASTER * abs(begin)
+    return not master.is_measured() and master.end_velocity - begin > FASTER * abs(begin)

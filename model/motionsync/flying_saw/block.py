@@ -10,7 +10,6 @@ from ..computable_range import clamp
 from ..cosine import cosine
 from ..exceeded_limit import ExceededLimit, Limit
 from ..grid import wrap
-from ..master import MasterInput
 from ..motion import Motion
 from .axis_outputs import show_limits, show_plcopen_state, show_state
 from .commands import Command, GearInVelo, Halt, Phase
@@ -533,7 +532,7 @@ class FlyingSaw(FlyingSawInterface):
             case Stage.PROFILE:
                 distance = master_position - self.coupling_position
                 per_velocity = self.per_nominal_velocity
-                is_measured = self.master.input_mode == MasterInput.MEASURED
+                is_measured = self.master.is_measured()
                 position, v, a, j = self.profile.follow(distance, velocity, acceleration, per_velocity, is_measured)
                 self.slave.set(position, v, a, j)
             case Stage.PARKED | Stage.UNCOUPLED_HALT:

@@ -145,7 +145,7 @@ class Follower(FollowerInterface):
         A slave that follows the noise of a measured line counts as at rest if the positioning can stop it within the
         line's reaction time."""
         is_at_rest = max(abs(self.slave.velocity), abs(self.slave.acceleration)) <= REST_TOLERANCE
-        if self.master.input_mode == MasterInput.MEASURED and is_usable(self.positioning.acceleration):
+        if self.master.is_measured() and is_usable(self.positioning.acceleration):
             fastest = self.positioning.acceleration * self.master.reaction_time()
             is_at_rest = is_at_rest or abs(self.slave.velocity) <= fastest
         return self.sequence.current.stage != Stage.BRAKING and is_at_rest
@@ -158,7 +158,7 @@ class Follower(FollowerInterface):
         elif self.positioning.limits_usable() and abs(target) <= 2.0 * LARGEST and abs(begin) <= 2.0 * LARGEST:
             limits = self.positioning
             limit = limits.acceleration
-            is_measured = self.master.input_mode == MasterInput.MEASURED
+            is_measured = self.master.is_measured()
             velocity = self.slave.velocity if is_measured else 0.0
             acceleration = self.slave.acceleration if is_measured else 0.0
             self.motion.move(begin, velocity, acceleration, target, limits.velocity, limit, limit, limits.jerk)
@@ -379,7 +379,7 @@ class Follower(FollowerInterface):
         """Set the slave on its cam section. A master that has gone back takes the slave along if it is measured; else
         it counts as at rest at its highest position. Its jerk counts as 0."""
         section = self.sequence.current.cam_section
-        if self.master.input_mode == MasterInput.MEASURED:
+        if self.master.is_measured():
             position, d1, d2, d3 = section.at_or_before(master)
         else:
             position, d1, d2, d3 = section.at(max(master, self.sequence.current.highest))

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from .. import var
 from ..grid import floor
-from ..master import MasterInput
 from .cam_section import FAR, QuinticPeaks
 from .cycle import CycleState
 from .faults import Fault
@@ -133,7 +132,7 @@ class CycleSequence:
         if not self.may_join(parameters):
             return False
         is_parked = self.current.is_parked()
-        goes_back = parameters.master.input_mode == MasterInput.MEASURED  # and the slave with it
+        goes_back = parameters.master.is_measured()  # and the slave with it
         begin = master if is_parked or goes_back else max(master, self.current.highest)
         meeting = self.meetings.new_meeting(parameters)
         tolerance = POSITION_TOLERANCE * parameters.master_cycle

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from .. import var
 from ..grid import first_on_grid_ahead, nearest_on_grid, wrap
 from ..laws import chain_rule
-from ..master import MasterInput
 from .curves import MasterCurve, TimeCurve, gear_in_curve, gear_out_curve
 from .faults import Fault
 from .interface import GearingInterface, Ratio, State, Transition
@@ -360,7 +359,7 @@ class Manoeuvre:
     def waits_for_same_trigger(self, block: GearingInterface, request: ManoeuvreRequest) -> bool:
         """Whether a request that has fallen back waits for its own trigger: a direct one, whose direction was that of
         the master. The direction of a measured one at rest was noise; the request waits for a motion again."""
-        return request.source == PositionSource.DIRECT and block.master.input_mode != MasterInput.MEASURED
+        return request.source == PositionSource.DIRECT and not block.master.is_measured()
 
     def starts_by_motion(self, request: ManoeuvreRequest) -> bool:
         """Whether the condition is the master's motion alone, not a trigger that the master crosses."""
@@ -435,7 +434,7 @@ class Manoeuvre:
         """Set the slave on the curve, with the master there and moving so. Before its beginning the slave goes on as it
         began: a measured master may go back there by noise."""
         curve = self.master_curve
-        is_before = curve.travel(master) < 0.0 and block.master.input_mode == MasterInput.MEASURED
+        is_before = curve.travel(master) < 0.0 and block.master.is_measured()
         if is_before and self.stage == Stage.GEAR_OUT_MASTER_BASED:
             line = self.line
             position = self.begin_position + line.to_slave(master - curve.trigger)
