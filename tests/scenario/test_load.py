@@ -10,7 +10,7 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.load import Load
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests.oracle import load as oracle
-from tests.support.scenario_texts import FREE_SAW, write_scenario
+from tests.support.scenario_texts import FREE_SAW, check_mistake, write_scenario
 
 UNITS = ("mm", "m", "deg", "rad", "1")
 
@@ -58,14 +58,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize(("text", "key", "why"), MISTAKES.values(), ids=MISTAKES)
 def test_a_mistake_is_one_line_with_its_place(text: str, key: str, why: str, tmp_path: Path) -> None:
-    whole = f"{FREE_SAW}[load]\n{text}\n"
-    with pytest.raises(UserError) as error:
-        load_scenario(write_scenario(whole, tmp_path))
-    at = next((n for n, line in enumerate(whole.split("\n"), 1) if line.startswith(f"{key} =")), None)
-    line = at or whole[: whole.index("[load]")].count("\n") + 1
-    assert str(error.value).startswith(f"{tmp_path / 'scenario.toml'}:{line}: {key}: ")
-    assert why in str(error.value)
-    assert "\n" not in str(error.value)
+    check_mistake("load", text, key, why, tmp_path)
 
 
 def test_an_axis_that_turns_has_an_inertia(tmp_path: Path) -> None:

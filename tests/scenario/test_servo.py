@@ -21,7 +21,7 @@ from motionsync_fmu.scenario.servo import CHUNK, Servo
 from tests import ROOT
 from tests.oracle.servo import Servo as Oracle
 from tests.support.recordings import assert_as_in_python
-from tests.support.scenario_texts import EVEN_RAMP, FREE_SAW, write_scenario
+from tests.support.scenario_texts import EVEN_RAMP, FREE_SAW, check_mistake, write_scenario
 
 SERVO = "[servo]\nposition_gain = 50.0\nvelocity_time_constant = 0.003\ndead_time = 0.002\n"
 SERVOS = {
@@ -229,14 +229,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize(("text", "key", "why"), MISTAKES.values(), ids=MISTAKES)
 def test_a_mistake_is_one_line_with_its_place(text: str, key: str, why: str, tmp_path: Path) -> None:
-    whole = f"{FREE_SAW}[servo]\n{text}\n"
-    with pytest.raises(UserError) as error:
-        scenario(tmp_path, whole)
-    at = next((n for n, line in enumerate(whole.split("\n"), 1) if line.startswith(f"{key} =")), None)
-    line = at or whole[: whole.index("[servo]")].count("\n") + 1
-    assert str(error.value).startswith(f"{tmp_path / 'scenario.toml'}:{line}: {key}: ")
-    assert why in str(error.value)
-    assert "\n" not in str(error.value)
+    check_mistake("servo", text, key, why, tmp_path)
 
 
 def test_a_servo_of_another_step_size_is_the_same_table(tmp_path: Path) -> None:

@@ -2,6 +2,11 @@
 
 from pathlib import Path
 
+import pytest
+
+from motionsync_fmu.errors import UserError
+from motionsync_fmu.scenario.files.reader import load_scenario
+
 FREE_SAW = """\
 title = "A free saw at 100 mm/s"
 fmu = "FlyingSaw"
@@ -85,3 +90,15 @@ def write_scenario(text: str, folder: Path) -> Path:
     file = folder / "scenario.toml"
     file.write_text(text, "utf-8")
     return file
+
+
+def check_mistake(table: str, text: str, key: str, why: str, folder: Path) -> None:
+    """Check that a free saw with this text in a table is refused by one line with the key's place, and why."""
+    whole = f"{FREE_SAW}[{table}]\n{text}\n"
+    with pytest.raises(UserError) as error:
+        load_scenario(write_scenario(whole, folder))
+    at = next((n for n, line in enumerate(whole.split("\n"), 1) if line.startswith(f"{key} =")), None)
+    line = at or whole[: whole.index(f"[{table}]")].count("\n") + 1
+    assert str(error.value).startswith(f"{folder / 'scenario.toml'}:{line}: {key}: ")
+    assert why in str(error.value)
+    assert "\n" not in str(error.value)
