@@ -66,9 +66,12 @@ def parts(path: Path) -> Iterator[Part]:
 def refused(part: Part, words: Mapping[str, Mapping[str, str]]) -> Iterator[tuple[int, str, str]]:
     """The words of a part that are refused: line, word, and what to use instead."""
     line, kind, text = part
+    pattern = NAME if kind == "identifiers" else WORD
+    if words[kind].keys().isdisjoint(map(str.lower, pattern.findall(text))):
+        return
     for exception in words["exceptions"]:
         text = text.replace(exception, "-" * len(exception))
-    for match in (NAME if kind == "identifiers" else WORD).finditer(text):
+    for match in pattern.finditer(text):
         if instead := words[kind].get(match[0].lower()):
             yield line + text.count("\n", 0, match.start()), match[0], instead
 
