@@ -2,15 +2,14 @@
  *
  *     host LIBRARY GUID
  *
- * One command a line. r is a value reference; a Real may be written in hexadecimal, and is printed so:
+ * One command a line. r is a value reference; a Real may be written in hexadecimal:
  *
  *     real r x            set a Real
  *     integer r i         set an Integer or Enumeration
  *     boolean r b         set a Boolean
  *     initialize          from instantiation to step mode, at time 0
  *     step h              doStep, s
- *     reals r ...         print variables, on one line
- *     integers r ...
+ *     integers r ...      print Integers or enumerations, on one line
  *     booleans r ...
  *
  * and to measure, with a master that moves by v h a step:
@@ -118,16 +117,9 @@ static void initialize(void) {
 }
 
 static void print(const char *kind, const References *list) {
-    fmi2Real reals[MOST];
-    fmi2Integer integers[MOST];
-    switch (*kind) {
-    case 'r': want(fmi.GetReal(unit, list->r, list->n, reals), "fmi2GetReal"); break;
-    case 'i': want(fmi.GetInteger(unit, list->r, list->n, integers), "fmi2GetInteger"); break;
-    default: want(fmi.GetBoolean(unit, list->r, list->n, integers), "fmi2GetBoolean");
-    }
-    for (size_t i = 0; i < list->n; i++)
-        if (*kind == 'r') printf("%s%a", i ? " " : "", reals[i]);
-        else printf("%s%d", i ? " " : "", integers[i]);
+    fmi2Integer values[MOST];
+    want((*kind == 'i' ? fmi.GetInteger : fmi.GetBoolean)(unit, list->r, list->n, values), "getting Integers or Booleans");
+    for (size_t i = 0; i < list->n; i++) printf("%s%d", i ? " " : "", values[i]);
     printf("\n");
 }
 
@@ -304,7 +296,7 @@ static void obey(char *line) {
         double h = strtod(rest, NULL);
         want(fmi.DoStep(unit, now, h, fmi2True), "fmi2DoStep");
         now += h;
-    } else if (!strcmp(line, "reals") || !strcmp(line, "integers") || !strcmp(line, "booleans")) {
+    } else if (!strcmp(line, "integers") || !strcmp(line, "booleans")) {
         References list = references(rest);
         print(line, &list);
     } else if (!strcmp(line, "master")) {

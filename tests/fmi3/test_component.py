@@ -14,7 +14,7 @@ from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.native.wasm.component import component_files
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from tests.fmi3.test_same_bits import saved
+from tests.support.native_host import saved
 from tests.support.random_runs import draw_accepted_run
 
 RESOURCE = "co-simulation-instance"

@@ -1,12 +1,13 @@
 """What happens again and again is logged where it happens first, and once at its end: how often, the worst value."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 
+from motionsync_fmu.build.fmu import Flavour
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.fmus import Fmus
+from tests.support.native_host import state_functions
 
 AXIS = "axis.max_velocity = 1200"
 LIMIT = "local: limit exceeded: the slave is faster than its axis can be"
@@ -101,7 +102,7 @@ def test_a_restored_state_goes_on_with_what_it_had(saw: FmuInstance) -> None:
     line = Line(saw, 0.1)
     for velocity in (1300.0, 1000.0, 1310.0, 1000.0):
         line.run(velocity, 0.1)
-    save, serialize, deserialize, restore = states_of(saw.unit)
+    save, serialize, deserialize, restore, _ = state_functions(saw)
     state, position = save(), line.position
     packed = serialize(state)
     for given in (state, deserialize(packed)):
@@ -116,8 +117,18 @@ def test_a_restored_state_goes_on_with_what_it_had(saw: FmuInstance) -> None:
         assert saw.messages[before:] == [all_of(3, "2.1", "2.5", "1320")]
 
 
-def states_of(unit: Any) -> tuple[Any, Any, Any, Any]:
-    """What saves, serializes, deserializes and restores states, by the version of FMI."""
-    if hasattr(unit, "getFMUState"):
-        return unit.getFMUState, unit.serializeFMUState, unit.deserializeFMUState, unit.setFMUState
-    return unit.getFMUstate, unit.serializeFMUstate, unit.deSerializeFMUstate, unit.setFMUstate
+@pytest.mark.parametrize("flavour", Flavour)
+def test_an_exceeded_limit_is_logged_once_with_its_value(fmus: Fmus, flavour: Flavour) -> None:
+    """A move of a FlyingSaw at 300 u/s, whose axis can do 200; its end takes the output back."""
+    limited = []
+    with FmuInstance(fmus.built(flavour, "FlyingSaw")) as saw:
+        saw.initialize({"axis.max_velocity": 200.0, "move_absolute.position": 900.0, "move_absolute.velocity": 300.0})
+        for _ in range(40):
+            saw.step(0.1, {"move_absolute.execute": True})
+            limited.append(saw.get(["limit_exceeded"])["limit_exceeded"])
+        messages = [text for text in saw.messages if "limit exceeded" in text]
+    assert limited == [True] * sum(limited) + [False] * (40 - sum(limited))
+    assert 30 < sum(limited) < 40  # 3 s at 300 u/s, with short ramps
+    assert len(messages) == 1
+    assert "local.exceeded_value = 300" in messages[0]
+    assert "axis.max_velocity = 200" in messages[0]

@@ -19,7 +19,6 @@ from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP, variables
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.compiled import Compiled, equal
-from tests.support.cosim import cosim
 from tests.support.fmus import Shared
 from tests.support.importers import bits
 from tests.support.random_runs import draw_runs, draw_until, load_strategy
@@ -151,37 +150,3 @@ def test_a_host_in_c_without_python_gets_the_same_bits(
     answers = replayed(target, folder, [order for order, _ in expected], tmp_path, shared)
     for (order, answer), result in zip(expected, answers, strict=True):
         assert result == answer, order
-
-
-def test_libcosim_gives_the_same_bits(native: Path) -> None:
-    """libcosim steps in nanoseconds: a step of 2^-7 s is one exactly. It cannot set enumerations."""
-    h, steps = 2.0**-7, 400
-    start = {"master.period": 360.0, "output_phasing": 45.0, "rest_value": 200.0, "master.velocity": 300.0}
-    execution = cosim().CosimExecution.from_step_size(int(h * 1e9))
-    index = execution.add_local_slave(cosim().CosimLocalSlave(str(native), "synchronizer"))
-    manipulator, observer = cosim().CosimManipulator.create_override(), cosim().CosimObserver.create_last_value()
-    execution.add_manipulator(manipulator)
-    execution.add_observer(observer)
-    with FmuInstance(native) as host:
-        host.initialize(start)
-        reference = {name: r for name, (r, _) in host.kinds.items()}
-        for name, value in start.items():
-            execution.real_initial_value(index, reference[name], value)
-        reals, integers, booleans = (
-            [v.valueReference for v in host.description.modelVariables if v.type == kind]
-            for kind in ("Real", "Integer", "Boolean")
-        )
-        seen = set()
-        for i in range(steps):
-            values = {"master.position": (300.0 * i * h) % 360.0, "stop": i > 40, "start": i > 200}
-            manipulator.slave_real_values(index, [reference["master.position"]], [values["master.position"]])
-            manipulator.slave_boolean_values(index, [reference["stop"], reference["start"]], [i > 40, i > 200])
-            execution.step()
-            host.step(h, values)
-            outputs = host.get()
-            seen.add(outputs["state_code"] + 10 * int(outputs["syn_ramp_on"]))
-            by_reference = {reference[n]: v for n, v in outputs.items()}
-            assert observer.last_real_values(index, reals) == [by_reference[r] for r in reals]
-            assert observer.last_integer_values(index, integers) == [by_reference[r] for r in integers]
-            assert observer.last_boolean_values(index, booleans) == [bool(by_reference[r]) for r in booleans]
-    assert seen == {0, 1, 11}

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from motionsync_fmu.interface.recipe import Fmi
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 
 OK, WARNING, DISCARD, ERROR = range(4)
@@ -29,11 +30,28 @@ def refused(host: FmuInstance, message: str = "") -> Iterator[None]:
 
 def saved(host: FmuInstance) -> bytes:
     """The unit's whole state, as bytes."""
-    state = host.unit.getFMUstate()
+    save, serialize, _, _, free = state_functions(host)
+    state = save()
     try:
-        return bytes(host.unit.serializeFMUstate(state))
+        return bytes(serialize(state))
     finally:
-        host.unit.freeFMUstate(state)
+        free(state)
+
+
+def restore(host: FmuInstance, packed: bytes) -> None:
+    """Bring back a state from its bytes."""
+    _, _, deserialize, restore_state, free = state_functions(host)
+    state = deserialize(packed)
+    restore_state(state)
+    free(state)
+
+
+def state_functions(host: FmuInstance) -> tuple[Any, ...]:
+    """What saves, serializes, deserializes, restores and frees states, by the version of FMI."""
+    unit = host.unit
+    if host.fmi == Fmi.TWO:
+        return unit.getFMUstate, unit.serializeFMUstate, unit.deSerializeFMUstate, unit.setFMUstate, unit.freeFMUstate
+    return unit.getFMUState, unit.serializeFMUState, unit.deserializeFMUState, unit.setFMUState, unit.freeFMUState
 
 
 def run_steps(host: FmuInstance, steps: int, h: float = 0.01, **values: Any) -> list[dict[str, Any]]:

@@ -18,16 +18,14 @@ from motionsync_fmu import paths
 from motionsync_fmu.interface.recipe import Fmi
 from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import OF_VERSION, ROWS, parts
-from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance, fmi_version
+from motionsync_fmu.scenario.run.fmu_instance import TYPES, FmuError, FmuInstance, fmi_version
 from tests import ROOT
 from tests.support.fmus import Shared
 from tests.support.runs import BlockRun
 
-KINDS = {  # those of the orders, by the types of the variables
-    Fmi.TWO: {"Real": "R", "Integer": "I", "Enumeration": "I", "Boolean": "B"},
-    Fmi.THREE: {"Float64": "R", "Int32": "I", "Enumeration": "E", "Boolean": "B"},
-}
-
+# The letters of the orders, by the types of FMI's get and set functions.
+LETTERS = {"Real": "R", "Float64": "R", "Integer": "I", "Int32": "I", "Int64": "E", "Boolean": "B"}
+REFUSED = {Fmi.TWO: "3", Fmi.THREE: "2"}  # the status of a native unit's refused step
 SOURCES = ROOT / "tests" / "fmu"
 # The host for libraries of each system: zig's name of the system it runs on itself and of its C library, its sources.
 HOSTS = {
@@ -80,20 +78,22 @@ def double(x: float) -> str:
 
 
 def orders(host: FmuInstance, run: BlockRun) -> Iterator[tuple[str, str]]:
-    """A run as lines for the host in C, and what the FMU in `host` answers to each."""
+    """A run as lines for the host in C, and what it answers to each, by the values of the FMU in `host`."""
+    letters = {name: LETTERS[kind] for name, (_, kind) in host.kinds.items()}
 
     def setting(values: dict[str, Any]) -> Iterator[tuple[str, str]]:
         for name, value in values.items():
-            reference, kind = host.kinds[name]
             host.set({name: value})
-            yield f"{kind[0]} {reference} {double(value) if kind == 'Real' else int(value)}", "0"
+            bits = double(value) if letters[name] == "R" else int(value)
+            yield f"{letters[name]} {host.kinds[name][0]} {bits}", "0"
 
     def all_values() -> tuple[str, str]:
         result = host.get()
-        return "g", " ".join(double(result[n]) if k == "Real" else str(result[n]) for n, (_, k) in host.kinds.items())
+        return "g", " ".join(double(result[n]) if k == "R" else str(int(result[n])) for n, k in letters.items())
 
     yield "n", "0"
-    host.unit.setupExperiment(startTime=0.0)
+    if host.fmi == Fmi.TWO:
+        host.unit.setupExperiment(startTime=0.0)
     host.unit.enterInitializationMode()
     yield "e", "0"
     yield from setting(run.start)
@@ -102,8 +102,8 @@ def orders(host: FmuInstance, run: BlockRun) -> Iterator[tuple[str, str]]:
     yield "x", "0"
     for h, values in run.steps:
         yield from setting(values)
-        refused = tried(host.step, h)
-        yield f"s {double(host.time)} {double(h)}", "3" if refused else "0"
+        order = f"s {double(host.time)} {double(h)}"
+        yield order, REFUSED[host.fmi] if tried(host.step, h) else "0"
         yield all_values()
 
 
@@ -142,7 +142,7 @@ def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path, sh
     start = launcher(target)
     description = fmpy.read_model_description(str(folder))
     fmi = fmi_version(description)
-    kinds = "".join(KINDS[fmi][v.type] for v in description.modelVariables)
+    kinds = "".join(LETTERS[TYPES[fmi][v.type]] for v in description.modelVariables)
     program = host_program(target, fmi)
     (platform,) = (platform for platform in OF_VERSION[fmi] if target in platform.targets)
     orders_file, answers_file = scratch / "orders.txt", scratch / "answers.txt"
