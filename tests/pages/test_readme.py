@@ -28,20 +28,13 @@ from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import read_readme
 from motionsync_fmu.pages.state_diagram import read_diagram
 from tests import ROOT
+from tests.model.cut_to_length.harness import machine_data
 from tests.support.fmus import Fmus
 
 README = (ROOT / "README.md").read_text("utf-8")
 WIRING = (ROOT / "docs" / "wiring.md").read_text("utf-8")
 PYTHON = (ROOT / "docs" / "python.md").read_text("utf-8")
 SOURCES = {"mv_follow2"}  # a source that is written like a variable
-REFERENCE = Machine(  # of the CutToLength's README
-    max_velocity=1500.0,
-    max_position=650.0,
-    approach_reserve=0.0,
-    approach_jerk=2e5,
-    homing_velocity=1500.0,
-    homing_jerk=2e5,
-)
 SECTIONS = ("How to use it", "Names in the source system", "Decisions where the source is silent", "States")
 
 
@@ -250,7 +243,7 @@ def test_how_far_its_start_values_carry() -> None:
 
 def test_the_parts_of_its_cycle() -> None:
     """Of the reference machine, at 500 and at 1000 mm/s; a cut takes 0.25 s: the way from home is D + 0.25 V."""
-    text, machine = read_readme(CutToLength), REFERENCE
+    text, machine = read_readme(CutToLength), machine_data()
     for i, v in enumerate((500.0, 1000.0)):
         distance, cycle = approach_distance(machine, v), cycle_time(machine, v)
         away = distance + 0.25 * v
@@ -274,7 +267,7 @@ def test_what_its_limits_cost() -> None:
         r"it is (\S+) mm/s for a pitch of 500, (\S+) for 1000, (\S+) for 1500, and (\S+), for the stroke", text
     )
     pitches = (500.0, 1000.0, 1500.0, 2000.0)
-    assert velocities == [tuple(f"{max_line_velocity(REFERENCE, pitch):.1f}" for pitch in pitches)]
+    assert velocities == [tuple(f"{max_line_velocity(machine_data(), pitch):.1f}" for pitch in pitches)]
 
 
 # --- of the blocks ---

@@ -18,8 +18,8 @@ from motionsync_fmu.plan.prediction import (
     predict_greatest_velocity,
     predict_shortest_length,
 )
-from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, to
-from tests.plan.machines import JERKLESS, REFERENCE, machine
+from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, result_of, to
+from tests.plan.machines import JERKLESS, REFERENCE, machine, variant
 
 ONE_PER_CENT = math.sqrt(1.01) - 1.0  # of what goes with the square of the velocity
 
@@ -50,28 +50,20 @@ def test_the_shortest_length_and_the_parts_of_its_cycle() -> None:
 
 
 def test_settling_clearing_and_rest_are_parts_of_the_cycle() -> None:
-    limits = {"homing.velocity": "1200", "homing.acceleration": "6000", "homing.deceleration": "8000"}
-    times = {
-        "homing.jerk": "1e5",
-        "tool.settle_time": "0.05",
-        "tool.retract_time": "0.04",
-        "homing.settle_time": "0.02",
-    }
-    point = predict_shortest_length(machine(REFERENCE | limits | times), 800.0)
+    point = predict_shortest_length(variant("slower"), 800.0)
     assert point.cycle
-    assert point.length == pytest.approx(988.802845, abs=5e-7)
+    assert point.length == to(6, result_of("slower", "shortest_pitch", 800.0))
     assert (point.cycle.settling, point.cycle.clearing, point.cycle.rest) == (pytest.approx(0.05), 0.04, 0.02)
-    assert point.cycle.way_home == pytest.approx(0.721084222, abs=5e-10)
-    assert point.cycle.time == pytest.approx(1.236003556, abs=5e-10)
+    assert point.cycle.way_home == to(9, result_of("slower", "return_time", 800.0))
+    assert point.cycle.time == to(9, result_of("slower", "cycle_time", 800.0))
 
 
 def test_kerf_measuring_wheel_mitre_and_gap() -> None:
     """L 812, b 4, f 1.02: the pitch is 800. The gap of 10 over 150 takes as long as the carriage needs for 150."""
-    more = {"material_factor": "1.02", "diagonal_angle": "30", "kerf": "4", "gap.distance": "10", "gap.travel": "150"}
-    point = predict_greatest_velocity(machine(REFERENCE | more, axis_max_position="900"), 812.0)
+    point, fastest = predict_greatest_velocity(variant("mitre"), 812.0), result_of("mitre", "max_line_velocity", 800.0)
     assert point.cycle
-    assert point.velocity == pytest.approx(674.114819, abs=5e-7)
-    assert point.cycle.gap == pytest.approx(150.0 / (674.114819 * 1.02 / math.cos(math.pi / 6.0)), rel=1e-8)
+    assert point.velocity == to(6, fastest)
+    assert point.cycle.gap == pytest.approx(150.0 / (fastest * 1.02 / math.cos(math.pi / 6.0)), rel=1e-8)
 
 
 def test_a_velocity_that_is_too_great_has_no_length() -> None:

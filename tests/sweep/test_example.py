@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motionsync.cut_to_length.machine_limits import Machine, shortest_pitch
+from motionsync.cut_to_length.machine_limits import shortest_pitch
 from tests import ROOT
+from tests.model.cut_to_length.harness import machine_data
+from tests.model.cut_to_length.machine_results import CYCLES
 from tests.support.command_line import Command
 from tools.shortest_length_picture import BoundaryCurves, compare_with, draw_picture
 
@@ -113,14 +115,12 @@ def test_the_examples_in_python_run(
     assert sum(ast.literal_eval(columns)["passed"]) == passing()
     exec(searching, {"__name__": "__main__"})
     lengths = [row["length"] for row in ast.literal_eval(capsys.readouterr().out)]
-    assert lengths == pytest.approx([372.937142, 997.606774], rel=1e-6)  # of the block's README, with all digits
+    assert lengths == pytest.approx([cycle.shortest_pitch for cycle in CYCLES.values()], rel=1e-6)
 
 
 def passing() -> int:
     """At how many of the example's points pieces are long enough, by the prediction of the block."""
-    machine = Machine(
-        max_velocity=1500.0, approach_reserve=0.0, approach_jerk=2e5, homing_velocity=1500.0, homing_jerk=2e5
-    )
+    machine = machine_data()
     return sum(
         length >= shortest_pitch(machine, velocity)
         for length in np.linspace(600.0, 1500.0, 10)

@@ -7,25 +7,18 @@ import pytest
 
 from motionsync.cut_to_length.block import CutToLength
 from motionsync.cut_to_length.interface import State
+from motionsync.cut_to_length.machine_limits import Machine
 from motionsync.cutting.interface import PieceKind
 from motionsync.master import MasterInput
+from tests.model.cut_to_length.machine_results import REFERENCE
 from tests.support.harness import MOTION, BlockHarness
 
 INSTANT = 2.0**-40  # s, a step in which nothing moves
 JUST = 1e-6  # s, just before or just after an event
 LEAD = 86.60254037844386  # u, lead(1000) of the reference machine: sqrt(1.5 1000^3 / 200000) > 0.75 1000^2 / 10000
 
-# The reference machine, its approach planned for the present line.
-REFERENCE: dict[str, Any] = {
-    "axis.max_velocity": 1500.0,
-    "axis.max_acceleration": 10000.0,
-    "axis.max_deceleration": 10000.0,
-    "axis.max_jerk": 200000.0,
-    "axis.min_position": -250.0,
-    "axis.max_position": 650.0,
-    "approach.reserve": 0.0,
-}
-# The same with an approach over 100, for pieces of 1500. On a line of 1000 u/s that is at m = 1000 t, all is round:
+# The reference machine with an approach over 100, for pieces of 1500. On a line of 1000 u/s that is at m = 1000 t, all
+# is round:
 #   start at C - 100, sync 0.2 s later at s = 100, the cut ends 0.25 s later at s = S = 350. The way home: R(x) =
 #   x / a + a / j = x / 10000 + 0.05, G(1500) = 250 R(2500) + 750 R(1500) = 75 + 150 = 225 < S, so T_r = R(2500) +
 #   R(1500) + (350 - 225) / 1500 = 0.5 + 0.083333 = 0.583333. T_c = 1.033333, p_min = 1033.333, stroke =
@@ -114,6 +107,12 @@ class CutToLengthHarness(BlockHarness):
 
     def kinds(self) -> list[PieceKind]:
         return [piece.kind for piece in self.pieces]
+
+
+def machine_data(values: dict[str, Any] | None = None) -> Machine:
+    """What the block computes its predictions from, of the reference machine with these values."""
+    machine: Machine = CutToLengthHarness({**REFERENCE, **(values or {})}).block.carriage.machine
+    return machine
 
 
 def near(*values: float, tolerance: float = 1e-9) -> Any:

@@ -1,7 +1,5 @@
-"""What a machine can do, predicted: hand-computed rows, a solution in mpmath from phases of constant jerk, and laws.
-
-The reference machine has the axis 1500 / 10000 / 10000 / 200000 up to 650, home 0, a cut of 0.25 s and no reserve.
-"""
+"""What a machine can do, predicted: hand-computed results (`machine_results.py`), a solution in mpmath from phases of
+constant jerk, and laws."""
 
 import math
 from collections.abc import Callable
@@ -29,29 +27,13 @@ from motionsync.cut_to_length.machine_limits import (
     way_out,
 )
 from motionsync.motion import Motion
-from tests.model.cut_to_length.machine_results import CYCLES, GREATEST_VELOCITIES, Cycle, rounded, to
+from tests.model.cut_to_length.harness import machine_data
+from tests.model.cut_to_length.machine_results import EACH_RESULT, MACHINES, Result, pitch_without_jerk, to
 
 settings.register_profile("limits", derandomize=True, deadline=None, max_examples=150)
 repeatable = settings.get_profile("limits")
 
-REFERENCE = Machine(
-    max_position=650.0,
-    max_velocity=1500.0,
-    approach_reserve=0.0,
-    approach_jerk=200000.0,
-    homing_velocity=1500.0,
-    homing_jerk=200000.0,
-)
-CLAMPED = replace(
-    REFERENCE,
-    settle_time=0.05,
-    retract_time=0.04,
-    homing_velocity=1200.0,
-    homing_acceleration=6000.0,
-    homing_deceleration=8000.0,
-    homing_jerk=100000.0,
-    homing_settle_time=0.02,
-)
+REFERENCE = machine_data()
 
 
 def cut_travel(machine: Machine, velocity: float) -> float:
@@ -66,86 +48,45 @@ def time_in_sync(machine: Machine, velocity: float) -> float:
     return time
 
 
-def within(digits: float) -> float:
-    """The tolerance of a number that is given with so many decimal places."""
-    return 0.5000001 * 10.0**-digits
+# --- results computed by hand -----------------------------------------------------------------------------------------
 
 
-# --- rows computed by hand --------------------------------------------------------------------------------------------
+def way_home(machine: Machine, velocity: float) -> float:
+    """T_r, in s."""
+    v, limits = machine.coupling * velocity, (machine.homing_deceleration, machine.homing_jerk, machine.homing_velocity)
+    turning = min(machine.homing_acceleration, machine.homing_deceleration)
+    return return_time(v, cut_travel(machine, velocity), turning, *limits)
 
 
-@pytest.mark.parametrize("velocity", CYCLES)
-def test_what_the_reference_machine_needs_for_a_cut(velocity: float) -> None:
-    distance, travel = approach_distance(REFERENCE, velocity), cut_travel(REFERENCE, velocity)
-    assert lead(REFERENCE, velocity) == distance
-    assert time_in_sync(REFERENCE, velocity) == 0.25
-    cycle = Cycle(
-        distance,
-        2.0 * distance / velocity,
-        travel,
-        return_time(velocity, travel, 1e4, 1e4, 2e5, 1500.0),
-        cycle_time(REFERENCE, velocity),
-        shortest_pitch(REFERENCE, velocity),
-        stroke(REFERENCE, velocity),
-    )
-    assert cycle == rounded(CYCLES[velocity])
+QUANTITIES: dict[str, Callable[[Machine, float], float]] = {
+    "coupling": lambda machine, _: machine.coupling,
+    "approach_distance": approach_distance,
+    "approach_time": lambda machine, v: 2.0 * approach_distance(machine, v) / (machine.coupling * v),
+    "cut_travel": cut_travel,
+    "return_time": way_home,
+    "cycle_time": cycle_time,
+    "shortest_pitch": shortest_pitch,
+    "stroke": stroke,
+    "max_line_velocity": max_line_velocity,
+}
 
 
-@pytest.mark.parametrize(("pitch", "velocity"), [*GREATEST_VELOCITIES.items(), (1e300, GREATEST_VELOCITIES[2000.0])])
-def test_greatest_line_velocity_of_the_reference_machine(pitch: float, velocity: float) -> None:
-    assert max_line_velocity(REFERENCE, pitch) == to(6, velocity)
+@EACH_RESULT
+def test_what_a_machine_can_do(result: Result) -> None:
+    machine = machine_data(MACHINES[result.machine])
+    assert QUANTITIES[result.quantity](machine, result.at) == to(result.digits, result.value)
 
 
-def test_a_reserve_of_the_approach_costs_line_velocity() -> None:
-    machine = replace(REFERENCE, approach_reserve=0.02)
-    assert approach_distance(machine, 1000.0) == pytest.approx(89.213563991, abs=within(9))
-    assert lead(machine, 1000.0) == lead(REFERENCE, 1000.0)
-    assert max_line_velocity(machine, 1504.0) == pytest.approx(1293.533469, abs=within(6))
-
-
-@pytest.mark.parametrize(
-    ("reserve", "distance", "time", "pitch", "velocity"),
-    [
-        (0.0, 61.967733539, 1.236003556, 988.802845, 1048.596584),
-        (0.1, 71.491538, 1.267749571, 1014.199657, 1031.077820),
-    ],
-)
-def test_settling_retracting_and_a_slow_way_home(
-    reserve: float, distance: float, time: float, pitch: float, velocity: float
-) -> None:
-    machine = replace(CLAMPED, approach_reserve=reserve)
-    assert approach_distance(machine, 800.0) == pytest.approx(distance, abs=within(6))
-    assert cycle_time(machine, 800.0) == pytest.approx(time, abs=within(9))
-    assert shortest_pitch(machine, 800.0) == pytest.approx(pitch, abs=within(6))
-    assert max_line_velocity(machine, 1504.0) == pytest.approx(velocity, abs=within(6))
-
-
-def test_parts_of_the_cycle_with_settling_and_retracting() -> None:
-    """S = 61.967733539 + 800 (0.05 + 0.25 + 0.04)."""
-    assert cut_travel(CLAMPED, 800.0) == pytest.approx(333.967733539, abs=within(9))
-    home = return_time(800.0, cut_travel(CLAMPED, 800.0), 6000.0, 8000.0, 1e5, 1200.0)
-    assert home == pytest.approx(0.721084222, abs=within(9))
-
-
-def test_a_long_approach_costs_line_velocity() -> None:
-    assert max_line_velocity(replace(REFERENCE, approach_distance=150.0), 1000.0) == pytest.approx(
-        856.617072, abs=within(6)
-    )
-
-
-def test_a_mitre_with_a_gap() -> None:
-    """k = 1.02/cos 30 deg = 1.177794549; pitch (812 + 4)/1.02 = 800."""
-    machine = replace(
-        REFERENCE, coupling=1.02 / math.sqrt(0.75), max_position=900.0, gap_distance=10.0, gap_travel=150.0
-    )
-    assert machine.coupling == pytest.approx(1.177794549, abs=within(9))
-    assert max_line_velocity(machine, 800.0) == pytest.approx(674.114819, abs=within(6))
+def test_a_reserve_of_the_approach_does_not_change_its_lead() -> None:
+    assert lead(machine_data(MACHINES["reserve"]), 1000.0) == lead(REFERENCE, 1000.0)
+    assert lead(REFERENCE, 1000.0) == approach_distance(REFERENCE, 1000.0)
+    assert time_in_sync(REFERENCE, 1000.0) == 0.25
 
 
 def test_a_delay_of_the_tool_longer_than_the_approach_waits_in_sync() -> None:
     """At 1000 the approach takes 0.173205 s: of a delay of 0.3 s, 0.126795 s is waited in sync."""
     machine = replace(REFERENCE, on_delay=0.3, settle_time=0.1)
-    assert time_in_sync(machine, 1000.0) == pytest.approx(0.126794919 + 0.25, abs=within(9))
+    assert time_in_sync(machine, 1000.0) == to(9, 0.126794919 + 0.25)
     assert time_in_sync(replace(machine, settle_time=0.2), 1000.0) == 0.2 + 0.25
 
 
@@ -219,7 +160,6 @@ machines = st.builds(
 @repeatable
 @given(st.floats(0.1, 10.0), st.floats(0.1, 10.0), st.floats(0.0, 2.0))
 def test_without_a_jerk_limit_the_shortest_pitch_is_a_closed_form(v: float, a: float, t: float) -> None:
-    """2D/V = 1.5 v/a; S = 0.75 v2/a + v t; the way home: v/a, then from standstill 2 sqrt((S + 0.5 v2/a)/a)."""
     fast = 1e12
     machine = Machine(
         max_velocity=fast,
@@ -232,10 +172,7 @@ def test_without_a_jerk_limit_the_shortest_pitch_is_a_closed_form(v: float, a: f
         homing_jerk=fast,
         cut_time=t,
     )
-    expected = v * (2.5 * v / a + t + 2.0 * math.sqrt((1.25 * v * v / a + v * t) / a))
-    assert shortest_pitch(machine, v) == pytest.approx(expected, rel=1e-9)
-    if t == 0.0:
-        assert expected == pytest.approx(4.736 * v * v / a, rel=1e-4)
+    assert shortest_pitch(machine, v) == pytest.approx(pitch_without_jerk(v, a, t), rel=1e-9)
 
 
 @repeatable
