@@ -26,16 +26,17 @@ Further readings of the specification that it leaves open:
 - A slave that has reached its target velocity 0 is at STANDSTILL, still with in_velocity.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from tests.oracle import mp
+from tests.oracle.event_run import Event, EventRun, events_of, rows_of
 from tests.oracle.flying_saw_commands import ABORTED, BUSY, DONE, ERROR, GROUPS, Command
 from tests.oracle.flying_saw_coupling import Coupling, passing_time
 from tests.oracle.flying_saw_curves import ZERO, Curve
 from tests.oracle.flying_saw_inputs import DEFAULTS, read_request
-from tests.oracle.flying_saw_laws import WINDOW, Follow, Law
+from tests.oracle.flying_saw_laws import Follow, Law
 from tests.oracle.flying_saw_limits import INSTANT_STOP, AxisData, by_motion, by_plan
 from tests.oracle.flying_saw_limits import NONE as WITHIN_LIMITS
 from tests.oracle.flying_saw_motion import Phases
@@ -62,11 +63,10 @@ from tests.oracle.flying_saw_rows import (
     SYNCHRONIZED_MOTION,
     SYNCHRONIZING,
     FlyingSawRows,
-    Snapshot,
+    SawSnapshot,
     step_ends,
 )
 from tests.oracle.flying_saw_time_based import TimeBasedRamp
-from tests.oracle.latest_runs import run_of
 from tests.oracle.master import CLOSE, Motion, Stretch, stretches
 from tests.oracle.motion_start import begin_of_own_motion
 from tests.oracle.mp import Number
@@ -106,9 +106,7 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
     The script has `stop_time`, `step_size`, `[start]` values, the `[master]` script and `[[set]]` tables. Two rows,
     just before and just after, where the motion jumps or changes its state within 1e-9 s of a time.
     """
-    requested = sorted(set(times))
-    run = run_of(FlyingSawRun, script, mp.mpf(max([script["stop_time"], *requested])) + WINDOW)
-    return [row for time in requested for row in run.recording.rows(time)]
+    return rows_of(FlyingSawRun, script, times)
 
 
 def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
@@ -116,11 +114,10 @@ def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
 
     Raises ValueError for a set at or before 0 and for a set of something that is neither an input nor tunable.
     """
-    run = run_of(FlyingSawRun, script, mp.mpf(script["stop_time"]))
-    return [(float(time), name) for time, name in run.log]
+    return events_of(FlyingSawRun, script)
 
 
-class FlyingSawRun:
+class FlyingSawRun(EventRun):
     """One run of the block: everything that it knows between two events, and the snapshots it has gone through."""
 
     def __init__(self, script: Mapping[str, Any], horizon: Number) -> None:
@@ -148,12 +145,12 @@ class FlyingSawRun:
         self.time = ZERO
         self.given = False
         self.log: list[tuple[Number, str]] = []
-        self.snapshots: list[Snapshot] = []
+        self.snapshots: list[SawSnapshot] = []
         self._snap(-mp.inf)
         sets = gathered(script.get("set", ()), DEFAULTS)
         self._run([(mp.mpf(at), values) for at, values in sets.items()], horizon)
         pulses = sorted((p for c in self.commands.values() for p in c.pulses), key=lambda p: p.time)
-        self.recording = FlyingSawRows(self.snapshots, self.master, self.begin_times, pulses, step_ends(script))
+        self.outputs = FlyingSawRows(self.snapshots, self.master, self.begin_times, pulses, step_ends(script))
 
     # --- the course of events -------------------------------------------------------------------------------------
 
@@ -176,7 +173,7 @@ class FlyingSawRun:
 
     def _snap(self, time: Number) -> None:
         axis = AxisData.of(self.inputs)
-        self.snapshots.append(Snapshot(time, self.given, self.law, self._outputs(), axis, self.exceeded))
+        self.snapshots.append(SawSnapshot(time, self.given, self.law, self._outputs(), axis, self.exceeded))
 
     def _enter(self, stretch: Stretch) -> None:
         """The master goes on by another stretch; a time-based ramp is planned anew where its target jumps."""
@@ -188,20 +185,9 @@ class FlyingSawRun:
             self.coupling.direction = stretch.direction
         self._note()
 
-    def _until(self, until: Number) -> None:
-        """Everything that happens by itself until then."""
-        for _ in range(100_000):
-            event = self._next(until)
-            if event is None:
-                self.time = until
-                return
-            self.time, act = event
-            act()
-        raise ArithmeticError(f"no progress at {self.time}")
-
-    def _next(self, until: Number) -> tuple[Number, Callable[[], None]] | None:
+    def _next(self, until: Number) -> Event | None:
         """The first thing that happens until then."""
-        result: list[tuple[Number, Callable[[], None]]] = []
+        result: list[Event] = []
         if self.phase_end <= until:
             result.append((self.phase_end, self._phase_over))
         if isinstance(self.law, Follow):
@@ -214,7 +200,7 @@ class FlyingSawRun:
         result += self._coupling_events(until)
         return min(result, key=lambda event: event[0]) if result else None
 
-    def _coupling_events(self, until: Number) -> list[tuple[Number, Callable[[], None]]]:
+    def _coupling_events(self, until: Number) -> list[Event]:
         coupling = self.coupling
         if not coupling:
             return []

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tests.oracle import mp
+from tests.oracle.event_run import WINDOW
 from tests.oracle.flying_saw_curves import ZERO, value
 from tests.oracle.flying_saw_curves import derivative as derived
 from tests.oracle.flying_saw_plan import Plan
 from tests.oracle.master import Motion
 from tests.oracle.mp import Number
-
-WINDOW = mp.mpf("1e-9")
-"""Time (s) around a requested one within which a jump makes two rows."""
 
 
 @dataclass(frozen=True, slots=True)

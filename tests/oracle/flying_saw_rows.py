@@ -1,14 +1,15 @@
 """The rows of a run of the FlyingSaw's oracle: what the step that ends at a time puts out."""
 
-from bisect import bisect_left, bisect_right
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from tests.oracle import mp
+from tests.oracle.event_run import WINDOW, Snapshot, SnapshotRows
 from tests.oracle.flying_saw_commands import Pulse, shown
 from tests.oracle.flying_saw_curves import ZERO
-from tests.oracle.flying_saw_laws import WINDOW, Follow, Law
+from tests.oracle.flying_saw_laws import Follow, Law
 from tests.oracle.flying_saw_limits import NONE as WITHIN_LIMITS
 from tests.oracle.flying_saw_limits import AxisData, by_instant
 from tests.oracle.master import Stretch
@@ -23,14 +24,9 @@ STANDSTILL, DISCRETE_MOTION, CONTINUOUS_MOTION, SYNCHRONIZED_MOTION, STOPPING = 
 
 
 @dataclass(frozen=True, slots=True)
-class Snapshot:
-    """The law and the outputs that hold from a time on; `given`: because of something set at that time.
+class SawSnapshot(Snapshot):
+    """`axis`: the machine data then; `exceeded`: which limit the motion under way exceeds, as it was planned."""
 
-    `axis`: the machine data then; `exceeded`: which limit the motion under way exceeds, as it was planned.
-    """
-
-    time: Number
-    given: bool
     law: Law | Follow
     outputs: Mapping[str, float]
     axis: AxisData
@@ -38,32 +34,18 @@ class Snapshot:
 
 
 @dataclass(frozen=True, slots=True)
-class FlyingSawRows:
+class FlyingSawRows(SnapshotRows[SawSnapshot]):
     """A whole run: its snapshots, the master's stretches with their times, the pulses by time, and the steps' ends."""
 
-    snapshots: Sequence[Snapshot]
+    snapshots: list[SawSnapshot]
     master: Sequence[Stretch]
     begin_times: Sequence[Number]
     pulses: Sequence[Pulse]
     grid: Sequence[float]
 
-    def rows(self, time: float) -> list[dict[str, float]]:
-        """One row for `time`, or two if the motion changes a column within the window around it."""
-        t = mp.mpf(time)
-        first = bisect_left(self.snapshots, t - WINDOW, key=lambda s: s.time) - 1
-        last = bisect_right(self.snapshots, t + WINDOW, key=lambda s: s.time)
-        latest = first
-        while latest + 1 < last and not self.snapshots[latest + 1].given:
-            latest += 1
-        early = self._row(t, self.snapshots[first], -1)
-        late = self._row(t, self.snapshots[latest], +1) if time > 0 else early
-        return [early] if early == late else [early, late]
-
-    def _row(self, t: Number, snapshot: Snapshot, side: int) -> dict[str, float]:
+    def _row(self, t: Number, snapshot: SawSnapshot, side: int) -> dict[str, float]:
         """The outputs of a snapshot at `t`, with the master's velocity and the pulses of one side (-1 or 1) of it."""
-        stretch = self.master[bisect_right(self.begin_times, t + side * WINDOW) - 1]
-        position = self.master[bisect_right(self.begin_times, t) - 1].at(t).position
-        s, v, a, j = snapshot.law.at(t, replace(stretch.at(t), position=position), side)
+        s, v, a, j = snapshot.law.at(t, self.master_at(t, side), side)
         outputs = dict(snapshot.outputs)
         state = outputs.pop("coupled_state") or _own_state(v, a)
         for pulse in self._pulses(t, side):

@@ -53,6 +53,7 @@ from dataclasses import replace
 from typing import Any
 
 from tests.oracle import mp
+from tests.oracle.event_run import Event, EventRun, events_of, rows_of
 from tests.oracle.flying_saw_curves import ZERO
 from tests.oracle.flying_saw_motion import move
 from tests.oracle.follower_cycle import (
@@ -90,8 +91,7 @@ from tests.oracle.follower_cycle import (
 )
 from tests.oracle.follower_inputs import EDGES, FIXED, SETTABLE, STILL, has_limits, snapped, step_ends
 from tests.oracle.follower_master import CYCLE, MOVED, MasterCrossings, wrapped_start
-from tests.oracle.follower_outputs import WINDOW, FollowerRows, Snapshot
-from tests.oracle.latest_runs import run_of
+from tests.oracle.follower_outputs import FollowerRows, FollowerSnapshot
 from tests.oracle.master import Motion, Stretch, stretches
 from tests.oracle.mp import Number
 from tests.oracle.sets import gathered
@@ -120,8 +120,7 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
     The script has `stop_time`, `step_size`, `[start]` values, the `[master]` script and `[[set]]` tables. Two rows,
     just before and just after, where the motion jumps or changes its state within 1e-9 s of a time.
     """
-    run = run_of(FollowerRun, script, mp.mpf(max([script["stop_time"], *times])) + WINDOW)
-    return [row for time in sorted(set(times)) for row in run.outputs.rows(time)]
+    return rows_of(FollowerRun, script, times)
 
 
 def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
@@ -130,11 +129,10 @@ def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
     Raises ValueError for a set at or before 0, for a set of something that is neither an input nor tunable, and for
     parameters with which the block does not initialize (faults 3, 4, 5).
     """
-    run = run_of(FollowerRun, script, mp.mpf(script["stop_time"]))
-    return [(float(time), name) for time, name in run.log]
+    return events_of(FollowerRun, script)
 
 
-class FollowerRun(MasterCrossings):
+class FollowerRun(MasterCrossings, EventRun):
     """One run of the block: everything that it knows between two events, and the snapshots it has gone through.
 
     `phase`: the cycle's, None in idle and alarm; in positioning the one aimed at. `aimed_at`: the master's position
@@ -193,7 +191,7 @@ class FollowerRun(MasterCrossings):
         """What is now holds from now on."""
         shown = self.phase.points if self.phase and self.state != POSITIONING else None
         self.outputs.snapshots.append(
-            Snapshot(self.time, self.given, self.law, self.state, self.cycle, self.error_id, shown),
+            FollowerSnapshot(self.time, self.given, self.law, self.state, self.cycle, self.error_id, shown),
         )
         if name:
             self.log.append((self.time, name))
@@ -206,18 +204,7 @@ class FollowerRun(MasterCrossings):
             self.law = self._floored(self.law)
         self._note()
 
-    def _until(self, until: Number) -> None:
-        """Everything that happens by itself until then."""
-        for _ in range(100_000):
-            event = self._next(until)
-            if event is None:
-                self.time = until
-                return
-            self.time, act = event
-            act()
-        raise ArithmeticError(f"no progress at {self.time}")
-
-    def _next(self, until: Number) -> tuple[Number, Callable[[], None]] | None:
+    def _next(self, until: Number) -> Event | None:
         """The first thing that happens until then."""
         possible: list[tuple[Number | None, Callable[[], None]]] = []
         if self.timed_end <= until:

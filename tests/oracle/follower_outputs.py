@@ -1,24 +1,19 @@
 """The outputs of a Follower's run at given times, from the snapshots that its oracle has taken."""
 
-from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from tests.oracle import mp
+from tests.oracle.event_run import WINDOW, Snapshot, SnapshotRows
 from tests.oracle.follower_cycle import Law
 from tests.oracle.master import Stretch
 from tests.oracle.mp import Number
 
-WINDOW = mp.mpf("1e-9")
-"""Time (s) around a requested one within which a jump makes two rows."""
-
 
 @dataclass(frozen=True, slots=True)
-class Snapshot:
-    """What holds from a time on; `given`: because of something set at that time, or after the end of that step."""
+class FollowerSnapshot(Snapshot):
+    """`given`: also after the end of that step."""
 
-    time: Number
-    given: bool
     law: Law
     state: int
     cycle: int
@@ -27,33 +22,20 @@ class Snapshot:
 
 
 @dataclass(frozen=True)
-class FollowerRows:
+class FollowerRows(SnapshotRows[FollowerSnapshot]):
     """What holds when, and the master's stretches, which start at `begin_times` (s)."""
 
     master: Sequence[Stretch]
     begin_times: Sequence[Number]
     slave_cycle: Number
-    snapshots: list[Snapshot] = field(default_factory=list)
+    snapshots: list[FollowerSnapshot] = field(default_factory=list)
 
-    def rows(self, time: float) -> list[dict[str, float]]:
-        """One row for `time`, or two if the motion changes a column within the window around it."""
-        t = mp.mpf(time)
-        first = bisect_left(self.snapshots, t - WINDOW, key=lambda s: s.time) - 1
-        last = bisect_right(self.snapshots, t + WINDOW, key=lambda s: s.time)
-        latest = max(first, 0)
-        while latest + 1 < last and not self.snapshots[latest + 1].given:
-            latest += 1
-        early = self._row(t, self.snapshots[max(first, 0)], -1)
-        late = self._row(t, self.snapshots[latest], +1) if time > 0 else early
-        return [early] if early == late else [early, late]
-
-    def _row(self, t: Number, snapshot: Snapshot, side: int) -> dict[str, float]:
+    def _row(self, t: Number, snapshot: FollowerSnapshot, side: int) -> dict[str, float]:
         """The outputs of a snapshot at `t`, with the master's velocity on one side (-1 or 1) of it."""
-        stretch = self.master[bisect_right(self.begin_times, t + side * WINDOW) - 1]
-        position = self.master[bisect_right(self.begin_times, t) - 1].at(t).position
-        s, v, a, j = snapshot.law.at(t, replace(stretch.at(t), position=position), side, WINDOW)
-        points = snapshot.points or (position, position, position)
-        to_start, to_sync, to_out = (max(float(point - position), 0.0) for point in points)
+        master = self.master_at(t, side)
+        s, v, a, j = snapshot.law.at(t, master, side, WINDOW)
+        points = snapshot.points or (master.position, master.position, master.position)
+        to_start, to_sync, to_out = (max(float(point - master.position), 0.0) for point in points)
         return {
             "time": float(t),
             "slave.position": self._wrapped(s, v, side),

@@ -40,11 +40,12 @@ Readings of the specification that it leaves open:
 - The jerk of the slave takes the master's jerk as 0, as far as a unit can know.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from tests.oracle import mp
+from tests.oracle.event_run import Event, EventRun, events_of, rows_of
 from tests.oracle.gearing_inputs import (
     ACTIVE,
     DEFAULTS,
@@ -78,8 +79,7 @@ from tests.oracle.gearing_laws import (
     timed,
     zero_of,
 )
-from tests.oracle.gearing_outputs import WINDOW, GearingRows, Snapshot, progress_of
-from tests.oracle.latest_runs import run_of
+from tests.oracle.gearing_outputs import GearingRows, GearingSnapshot, progress_of
 from tests.oracle.master import CLOSE, Motion, Stretch, stretches
 from tests.oracle.mp import Number
 from tests.oracle.sets import gathered
@@ -106,9 +106,7 @@ def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[st
     The script has `stop_time`, `[start]` values, the `[master]` script and `[[set]]` tables. Two rows, just before and
     just after, where something but a set changes a column within 1e-9 s of a time. Raises ValueError as `events` does.
     """
-    instants = sorted(set(times))
-    run = run_of(GearingRun, script, mp.mpf(max([script["stop_time"], *instants])) + WINDOW)
-    return [row for time in instants for row in run.outputs.rows(time)]
+    return rows_of(GearingRun, script, times)
 
 
 def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
@@ -117,12 +115,13 @@ def events(script: Mapping[str, Any]) -> list[tuple[float, str]]:
     Raises ValueError for start values that are refused, for a set at or before 0 and for a set of something that is
     neither an input nor tunable.
     """
-    run = run_of(GearingRun, script, mp.mpf(script["stop_time"]))
-    return [(float(time), name) for time, name in run.log]
+    return events_of(GearingRun, script)
 
 
-class GearingRun:
+class GearingRun(EventRun):
     """One run of the block: everything that it knows between two events, and the snapshots it has gone through."""
+
+    outputs: GearingRows
 
     def __init__(self, script: Mapping[str, Any], horizon: Number) -> None:
         start = script.get("start", {})
@@ -179,7 +178,7 @@ class GearingRun:
     def _note(self, name: str = "") -> None:
         """The present state holds from now on."""
         self.outputs.snapshots.append(
-            Snapshot(
+            GearingSnapshot(
                 self.time,
                 self.given,
                 self.code,
@@ -200,20 +199,11 @@ class GearingRun:
         self.code, self.law, self.triggers = code, law, triggers
         self._note(entered)
 
-    def _until(self, until: Number) -> None:
-        """Everything that happens by itself until then."""
-        for _ in range(100_000):
-            event = self._next(until) if self.active else None
-            if event is None:
-                self.time = until
-                return
-            self.time, act = event
-            act()
-        raise ArithmeticError(f"no progress at {self.time}")
-
-    def _next(self, until: Number) -> tuple[Number, Callable[[], None]] | None:
+    def _next(self, until: Number) -> Event | None:
         """The next thing that happens by itself, None if there is none until then."""
         match self.code:
+            case _ if not self.active:
+                return None
             case _ if self.code in (WAITING_FOR_STARTPOSITION, WAITING_FOR_STOPPOSITION):
                 return self._next_waiting(until)
             case _ if self.code not in (GEAR_IN, GEAR_OUT):
@@ -229,7 +219,7 @@ class GearingRun:
         at = self._passes(towards, until, beyond=act == self._back) if direction else None
         return None if at is None else (at, act)
 
-    def _next_waiting(self, until: Number) -> tuple[Number, Callable[[], None]] | None:
+    def _next_waiting(self, until: Number) -> Event | None:
         direction, request = self.stretch.direction, self.request
         assert request
         if self.triggers is None:

@@ -5,14 +5,13 @@ Within a stretch a threshold is crossed at most once. A command with a period th
 backwards has no events: its aimed occurrence is a function of the position, evaluated where it is needed.
 """
 
-import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from tests.oracle import mp
-from tests.oracle.latest_runs import run_of
+from tests.oracle.event_run import WINDOW, events_of, rows_of, wrapped_position
 from tests.oracle.master import CLOSE, Motion, Stretch, stretches
 from tests.oracle.mp import Number
 from tests.oracle.sets import gathered
@@ -31,9 +30,6 @@ COLUMNS = (
     "local.distance_to_end",
 )
 """What a scenario's reference holds beside the time."""
-
-WINDOW = mp.mpf("1e-9")
-"""Time (s) around a requested one within which an event makes two rows."""
 
 ZERO = mp.mpf(0)
 RELATIVE, ROUNDING = mp.mpf(1e-9), mp.mpf(1e-15)
@@ -151,9 +147,7 @@ def reference(scenario: Mapping[str, Any], times: Sequence[float]) -> list[dict[
     Two rows, just before and just after, where an event lies within 1e-9 s of a time and changes a column; if it is
     undone within the window, the second row is the one in between. Both rows have the master's position at that time.
     """
-    requested = sorted(set(times))
-    path = run_of(_Path, scenario, mp.mpf(max([scenario["stop_time"], *requested])) + WINDOW)
-    return [row for time in requested for row in path.rows(time)]
+    return rows_of(_Path, scenario, times)
 
 
 def events(scenario: Mapping[str, Any]) -> list[tuple[float, str]]:
@@ -162,8 +156,7 @@ def events(scenario: Mapping[str, Any]) -> list[tuple[float, str]]:
     The scenario has `stop_time`, `[start]` values, the `[master]` script and `[[set]]` tables. Raises ValueError for a
     set at or before 0 and for a set of something that is no input of the block.
     """
-    path = run_of(_Path, scenario, mp.mpf(scenario["stop_time"]))
-    return [(float(time), name) for time, name in path.log]
+    return events_of(_Path, scenario)
 
 
 class _Path:
@@ -341,7 +334,7 @@ class _Path:
         turns_side = side if time >= WINDOW else max(side, 0)  # nothing was before 0
         row = {
             "time": float(time),
-            "slave.position": self._wrapped(slave[0], slave[1], turns_side),
+            "slave.position": wrapped_position(slave[0], slave[1], turns_side, self.period),
             "slave.velocity": float(slave[1]),
             "slave.acceleration": float(slave[2]),
             "slave.jerk": float(slave[3]),
@@ -357,17 +350,6 @@ class _Path:
         }
         return row | self._distances(state, aside.position) | self._characteristics(ramp)
 
-    def _wrapped(self, position: Number, velocity: Number, side: int) -> float:
-        """`position` modulo the period, with the turns counted on one side of this time, or just at it (0)."""
-        if self.period == 0:
-            return float(position)
-        turns = mp.floor((position + side * velocity * WINDOW) / self.period)
-        wrapped = float(position - turns * self.period)
-        if wrapped >= self.period:
-            beyond = position - turns * self.period >= self.period
-            return math.nextafter(float(self.period), 0.0) if beyond else 0.0
-        return max(wrapped, 0.0)
-
     def _distances(self, state: State, master: Number) -> dict[str, float]:
         """Master travel still missing to x_b and x_e; not armed: the way back to x_b, and from there to x_e again."""
         begin = end = ZERO
@@ -381,7 +363,7 @@ class _Path:
         """Limits and peaks of the aimed occurrence; 0 before the first command."""
         values = [ZERO] * 5
         if ramp:
-            limits = (self._wrapped(ramp.d * x, ZERO, 0) for x in (ramp.begin, ramp.end))
+            limits = (wrapped_position(ramp.d * x, ZERO, 0, self.period) for x in (ramp.begin, ramp.end))
             peaks = [1 / (2 * ramp.size), ZERO]
             if not ramp.parabola:
                 peaks = [peaks[0] * 128 * mp.sqrt(3) / 135, mp.mpf(512) / 225 / ramp.size**2]
