@@ -38,6 +38,23 @@ def test_a_grid_of_an_integer_has_whole_numbers() -> None:
 @pytest.mark.parametrize(
     ("text", "kind", "values"),
     [
+        ("0:3", ValueKind(), [0.0, 1.0, 2.0, 3.0]),
+        ("-1:1", INTEGER, [-1, 0, 1]),
+        ("100:102", REAL, [100.0, 101.0, 102.0]),
+    ],
+)
+def test_the_whole_numbers_from_the_first_to_the_last(text: str, kind: ValueKind, values: list[object]) -> None:
+    result = read_values(text, kind)
+    assert isinstance(result, Linear)
+    assert result.count == len(values)
+    at = result.at(np.arange(result.count)).tolist()
+    assert at == values
+    assert type(at[0]) is type(values[0])
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "values"),
+    [
         ("100, 2e2,3", REAL, [100.0, 200.0, 3.0]),
         ("7", REAL, [7.0]),
         ("-7", INTEGER, [-7]),
@@ -98,7 +115,11 @@ def test_what_is_no_value_is_an_expression(text: str) -> None:
         ("2..1", REAL, "the range is reversed"),
         ("2..2", REAL, "the range is empty"),
         ("-1e308..1e308", REAL, "the range is too great"),
-        ("1:2", REAL, "write NAME=start:stop:count"),
+        ("1:2.5", REAL, "first:last is for whole numbers; write start:stop:count for others"),
+        ("0.5:2", INTEGER, "0.5 is no Integer"),
+        ("3:3", REAL, "the range is empty"),
+        ("0:9007199254740992", REAL, "first:last is for whole numbers"),
+        ("0:1", MODE, "it must be 0 TRIM, 1 CONTINUE, one by one with commas"),
         ("1:2:3:4", REAL, "write NAME=start:stop:count"),
         ("1..2..3", REAL, "write NAME=start:stop:count"),
         ("nan", REAL, "nan is not allowed: it must be finite"),

@@ -50,6 +50,7 @@ def sweep(
 
     \b
         --set master.velocity=200:400:11          11 values from 200 to 400
+        --set encoder.seed=0:999                  the whole numbers from 0 to 999
         --set cuts.length=500,600,800             these values
         --set axis.max_jerk=1e5..1e6              a range, which is sampled; needs --samples
         --set axis.max_deceleration=axis.max_acceleration

@@ -15,7 +15,7 @@ from ..errors import UserError
 from .expressions import Array, Expression, parse
 
 HELP = (
-    "write NAME=start:stop:count, NAME=a,b,c, NAME=low..high, NAME=value or NAME=expression, as in: "
+    "write NAME=start:stop:count, NAME=first:last, NAME=a,b,c, NAME=low..high, NAME=value or NAME=expression, as in: "
     "--set master.velocity=200:400:11"
 )
 BETWEEN = ".."
@@ -129,6 +129,12 @@ def _range(text: str, kind: ValueKind) -> Range:
 
 def _linear(text: str, kind: ValueKind) -> Linear:
     parts = text.split(":")
+    whole = kind.name == "Integer"
+    if len(parts) == 2:
+        first, last = _bounds(parts, 2, kind)
+        if not (float(first).is_integer() and float(last).is_integer() and last - first < EXACT):
+            raise UserError("first:last is for whole numbers; write start:stop:count for others")
+        return Linear(first, last, int(last - first) + 1, whole)
     start, stop = _bounds(parts, 3, kind)
     try:
         count = int(parts[2])
@@ -138,7 +144,6 @@ def _linear(text: str, kind: ValueKind) -> Linear:
         raise UserError(f"a count of {count} is not allowed: it must be >= 2; for one value write NAME=value")
     if count >= EXACT:
         raise UserError(f"a count of {parts[2].strip()} is not allowed: it must be < {EXACT}")
-    whole = kind.name == "Integer"
     if whole and (stop - start) % (count - 1):
         raise UserError(f"{start + (stop - start) / (count - 1):g} is no Integer")
     return Linear(start, stop, count, whole)
