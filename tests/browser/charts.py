@@ -26,6 +26,39 @@ class ChartView:
         """The names in the legend."""
         return list(self.frame.locator(".legend .legendtext").evaluate_all("all => all.map(e => e.textContent)"))
 
+    @property
+    def texts(self) -> list[str]:
+        """All texts of the chart: title, legend, numbers at the axes, notes."""
+        return [text for text, *_ in self._boxes()]
+
+    def hidden_texts(self) -> list[str]:
+        """The texts that are cut off at the chart's border, and those that lie on another one."""
+        frame = self.frame.bounding_box()
+        boxes = self._boxes()
+        hidden = [
+            text
+            for text, left, right, top, bottom in boxes
+            if left < frame["x"] - 0.5
+            or right > frame["x"] + frame["width"] + 0.5
+            or top < frame["y"] - 0.5
+            or bottom > frame["y"] + frame["height"] + 0.5
+        ]
+        for i, (text, left, right, top, bottom) in enumerate(boxes):
+            for other, other_left, other_right, other_top, other_bottom in boxes[:i]:
+                if left < other_right and other_left < right and top < other_bottom and other_top < bottom:
+                    hidden.append(f"{text} on {other}")
+        return hidden
+
+    def _boxes(self) -> list[tuple[str, float, float, float, float]]:
+        """Each text that is drawn, with left, right, top and bottom in px of the window; without the margins above and
+        below the letters of a line."""
+        shown = "e => e.textContent && e.getClientRects().length && !e.closest('.hoverlayer')"
+        read = f"""all => all.filter({shown}).map(e => {{
+            const b = e.getBoundingClientRect(), margin = 0.2 * b.height;
+            return [e.textContent, b.left, b.right, b.top + margin, b.bottom - margin];
+        }})"""
+        return [tuple(box) for box in self.frame.locator(".main-svg text").evaluate_all(read)]
+
     def scale(self) -> tuple[float, float]:
         """Where 0 s is, in px of the window, and how many px a second has: from two numbers below the chart."""
         read = "all => all.map(e => [e.textContent, e.getBoundingClientRect().x + e.getBoundingClientRect().width / 2])"

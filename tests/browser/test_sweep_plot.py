@@ -10,12 +10,14 @@ from motionsync_fmu.commands.run_set import load_with_values
 from motionsync_fmu.sweep.plot.page import make_page
 from motionsync_fmu.sweep.plot.view import Question
 from motionsync_fmu.sweep.sweep_plan import SweepPlan
+from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
 from tests.browser.visit import Visit, contrast
 from tests.sweep import example_plans
 
 V, A, LENGTH = "master.velocity", "axis.max_acceleration", "length"
 MAP, BOUNDARY = ".plot[aria-label^='The share']", ".plot[aria-label^='The least']"
+HISTOGRAM = ".plot[aria-label^='Histogram']"
 
 
 @pytest.fixture(scope="module")
@@ -26,6 +28,14 @@ def sweep(tmp_path_factory: pytest.TempPathFactory) -> Path:
     make_page(folder, Question(V, LENGTH, A))
     make_page(folder, Question("slave.velocity.max", "slave.acceleration.max"), folder / "front.html")
     return folder
+
+
+@pytest.fixture(scope="module")
+def monte_carlo(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """300 seeds of the measured line; of all products one is out of tolerance: it is of run 7, 0.12 mm too short."""
+    folder = tmp_path_factory.mktemp("seeds")
+    example_plans.seeds(folder, 300)
+    return make_page(folder, Question("true_length_errors"))
 
 
 def at(visit: Visit, chart: str, right: float, up: float) -> tuple[float, float]:
@@ -156,5 +166,53 @@ def test_a_page_fits_a_narrow_window(open_page: Open, sweep: Path, page: str, sc
     visit.page.locator(".plot .main-svg").last.wait_for()
     point(visit, ".plot >> nth=0", 0.5, 0.5)
     assert visit.overflow() <= 0.0
+    text, ground = visit.colours(".picked .where")[0], visit.colours(".picked")[1]
+    assert contrast(text, ground) >= 7.0
+
+
+def test_a_bar_of_the_histogram_shows_a_run_with_such_a_product(open_page: Open, monte_carlo: Path) -> None:
+    """The axis goes from -0.125 to 0.125 mm; the only product at -0.12 mm is of run 7."""
+    visit = open_page(monte_carlo)
+    point(visit, HISTOGRAM, 0.005 / 0.25, 0.5)
+    assert shown_text(visit).startswith("true length error -0.12")
+    assert shown_text(visit).endswith("products: 1 (1 run)")
+    assert visit.page.locator(".picked .bad").inner_text().startswith("Run 7 did not pass: cuts within")
+    assert given(visit) == {"encoder.seed": "7"}
+
+
+def test_the_keys_go_from_bar_to_bar(open_page: Open, monte_carlo: Path) -> None:
+    visit = open_page(monte_carlo)
+    visit.page.locator(HISTOGRAM).focus()
+    visit.page.keyboard.press("ArrowRight")
+    assert shown_text(visit).endswith("products: 0 (0 runs)")
+    assert not visit.page.locator(".picked code").count()
+    visit.page.keyboard.press("ArrowLeft")
+    assert shown_text(visit).startswith("true length error -0.12")
+    assert given(visit) == {"encoder.seed": "7"}
+
+
+def test_the_bars_have_the_colours_of_the_tolerance(open_page: Open, monte_carlo: Path) -> None:
+    """Red is the one bar beyond -0.1 mm, green are all others that have products; the curve is in the legend."""
+    visit = open_page(monte_carlo, color_scheme="light")
+    visit.page.locator(f"{HISTOGRAM} .points path").first.wait_for()
+    read = """all => all.map(e => [getComputedStyle(e).fill, e.getBoundingClientRect().height])"""
+    drawn = [
+        fill for fill, height in visit.page.locator(f"{HISTOGRAM} .points path").evaluate_all(read) if height > 0.5
+    ]
+    assert drawn[0] == "rgb(179, 38, 30)"
+    assert set(drawn[1:]) == {"rgb(23, 113, 58)"}
+    assert ChartView(visit, "Histogram").legend == ["normal distribution"]
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(390, "light"), (390, "dark"), (1280, "light")])
+def test_the_page_of_a_monte_carlo_fits(open_page: Open, monte_carlo: Path, width: int, scheme: str) -> None:
+    """No text of the chart is cut off, and none lies on another one."""
+    visit = open_page(monte_carlo, width=width, color_scheme=scheme)
+    visit.page.locator(f"{HISTOGRAM} .points path").first.wait_for()
+    assert visit.overflow() <= 0.0
+    chart = ChartView(visit, "Histogram")
+    assert {"-0.1 mm", "0.1 mm", "products", "true length error in mm"} <= set(chart.texts)
+    assert chart.hidden_texts() == []
+    point(visit, HISTOGRAM, 0.5, 0.3)
     text, ground = visit.colours(".picked .where")[0], visit.colours(".picked")[1]
     assert contrast(text, ground) >= 7.0

@@ -9,6 +9,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
+import numpy as np
 import psutil
 import pyarrow.parquet as pq
 import pytest
@@ -49,6 +50,37 @@ def test_the_summary_counts_what_the_rows_say(motionsync: Command) -> None:
     # master and slave run at the same velocity, which the ramps leave and never exceed
     assert rows["slave.velocity.max"].to_pylist()[::2] == pytest.approx([80.0 + i for i in range(21)], rel=1e-6)
     assert [pq.read_metadata(part).num_rows for part in sorted(Path("out").glob("part-*"))] == [20, 20, 2]
+
+
+def test_a_monte_carlo_ends_with_what_its_true_lengths_say(motionsync: Command) -> None:
+    """NumPy has the errors of all rows at once; the seeds alone vary, so that the plot is their histogram."""
+    options = ("sweep", "CutToLength/measured_line", "--set", "encoder.seed=3:8", "--workers", "1", "--output", "out")
+    lines = motionsync(*options).out.splitlines()
+    errors = np.concatenate(table(Path("out"))["true_length_errors"].to_pylist())
+    assert len(errors) == 72
+    mean, sigma = errors.mean(), errors.std(ddof=1)
+    worst = max(errors, key=abs)
+    low, high = np.quantile(errors, (0.005, 0.995), method="inverted_cdf")
+    at = lines.index(f"  true lengths of 72 products: mean error {mean:.5f} mm, sigma {sigma:.5f} mm")
+    assert (
+        lines[at + 1] == f"  99 % of them are between {low:.5f} mm and {high:.5f} mm off, the worst one {worst:.5f} mm"
+    )
+    start = f"  0 out of tolerance (+-0.1 mm): C_pk {(0.1 - abs(mean)) / (3.0 * sigma):.2f}, "
+    assert lines[at + 2].startswith(start)
+    assert lines[at + 2].endswith(" with 95 % confidence")
+    assert lines[-1] == "plot them: motionsync sweep-plot out --x true_length_errors --open"
+    shown = json.loads(motionsync(*options, "--json").out)["true_length_errors"]
+    assert (shown["count"], shown["runs"]) == (72, 6)
+    assert shown["mean"] == pytest.approx(mean, rel=1e-9)
+    assert shown["capability"]["low"] < shown["capability"]["c_pk"] < shown["capability"]["high"]
+
+
+def test_a_sweep_of_the_smoothing_time_is_plotted_over_it(motionsync: Command) -> None:
+    options = ("--set", "encoder.seed=0:1", "--set", "master.smoothing_time=0.02,0.04", "--workers", "1")
+    outcome = motionsync("sweep", "CutToLength/measured_line", *options, "--output", "out")
+    assert outcome.out.splitlines()[-1] == (
+        "plot them: motionsync sweep-plot out --x master.smoothing_time --y true_length_sigma --open"
+    )
 
 
 def test_what_is_there_is_reported_and_not_done_again(motionsync: Command) -> None:

@@ -273,3 +273,127 @@ def test_a_changed_scenario_is_repeated_from_the_copy(tmp_path: Path, motionsync
         page = (tmp_path / "sweep" / "plot.html").read_text("utf-8")
         assert data(page)["command"] == f"motionsync run {file}"
         own_file.write_text("", "utf-8")
+
+
+# --- the histogram of one column ---
+
+
+@pytest.fixture
+def seeds(tmp_path: Path, motionsync: Command) -> Callable[..., str]:
+    """The text of a page of a made-up Monte Carlo over 300 seeds."""
+    example_plans.seeds(tmp_path / "seeds", 300)
+
+    def page(*options: str) -> str:
+        outcome = motionsync("sweep-plot", tmp_path / "seeds", *options)
+        assert (outcome.status, outcome.err) == (0, "")
+        return (tmp_path / "seeds" / "plot.html").read_text("utf-8")
+
+    return page
+
+
+def figure(page: str, name: str) -> tuple[str, str]:
+    """The value and the remark of a figure at the top of a page."""
+    ((value, remark),) = re.findall(rf"<dt>{re.escape(name)}</dt><dd>(.*?)<small>(.*?)</small>", page)
+    return value.replace("\N{NARROW NO-BREAK SPACE}", ""), remark.replace("\N{NARROW NO-BREAK SPACE}", "")
+
+
+def cells(page: str, heading: str) -> list[list[str]]:
+    """The cells of the table below a heading, without its head."""
+    table = page.split(f"<h2>{heading}</h2>")[1].split("</table>", maxsplit=1)[0]
+    return [re.findall("<td>(.*?)</td>", row) for row in table.splitlines() if "<td>" in row]
+
+
+def test_the_histogram_has_the_products_of_all_runs(seeds: Callable[..., str], tmp_path: Path) -> None:
+    """NumPy counts the errors of all runs between the borders of the bars."""
+    errors = example_plans.seeds(tmp_path / "same", 300)
+    page = seeds("--x", "true_length_errors")
+    (chart,) = charts(page).values()
+    bars = chart["data"][0]
+    borders = np.array(data(page)["x"]["edges"])
+    assert bars["y"] == np.histogram(errors, borders)[0].tolist()
+    assert bars["x"] == pytest.approx((0.5 * (borders[1:] + borders[:-1])).tolist(), abs=1e-9)
+    assert [c == "--bad" for c in bars["marker"]["color"]] == [abs(x) > 0.1 for x in bars["x"]]
+    assert sorted(shape["x0"] for shape in chart["layout"]["shapes"]) == [-0.1, 0.1]
+    numbers = example_plans.unpacked(data(page)["runs"]["numbers"])
+    for bar, (runs, place) in enumerate(bars["customdata"]):
+        inside = (errors >= borders[bar]) & (errors < borders[bar + 1])
+        assert runs == np.count_nonzero(inside.any(axis=1))
+        assert (place >= 0) == (runs > 0)
+        if runs:  # the example is the run with the value that is farthest from the mean
+            farthest = np.abs(np.where(inside, errors - errors.mean(), 0.0)).max(axis=1).argmax()
+            assert numbers[place] == farthest
+
+
+def test_the_page_of_a_monte_carlo_has_quantiles_and_the_capability(seeds: Callable[..., str], tmp_path: Path) -> None:
+    errors = example_plans.seeds(tmp_path / "same", 300)
+    page = seeds("--x", "true_length_errors")
+    assert figure(page, "products") == ("3600", "1 out of tolerance, ±0.1 mm")
+    low, high = np.quantile(errors, (0.005, 0.995), method="inverted_cdf")
+    assert figure(page, "99 % of the products") == (
+        f"{low:.4f} mm to {high:.4f} mm", "the farthest from 0 is -0.1200 mm"
+    )  # fmt: skip
+    assert figure(page, "mean true length error") == (
+        f"{errors.mean():.4f} mm", f"one sigma is {errors.std(ddof=1):.4f} mm"
+    )  # fmt: skip
+    value, remark = figure(page, "process capability")
+    c_pk = (0.1 - errors.mean()) / (3.0 * errors.std(ddof=1))
+    assert value == f"C_pk {c_pk:.2f}"
+    ends = [float(text) for text in re.findall(r"\d\.\d\d", remark)]
+    assert ends[0] < c_pk < ends[1]
+    assert f"C_pk is {remark}." in page
+    quantiles = cells(page, "Quantiles")
+    for share, error in quantiles:
+        expected = np.quantile(errors, float(share.split()[0]) / 100.0, method="inverted_cdf")
+        assert float(error.removesuffix(" mm")) == pytest.approx(expected, abs=0.6e-4)
+    assert len(quantiles) == 10
+    worst = next(row for row in cells(page, "From run to run") if row[0] == "greatest length error")
+    expected = np.quantile(np.abs(errors).max(axis=1), (0.0, 0.05, 0.5, 0.95, 1.0))
+    assert [float(text.split()[0]) for text in worst[1:]] == pytest.approx(expected.tolist(), rel=1e-3)
+
+
+def test_any_result_has_a_histogram(seeds: Callable[..., str], folder: Path, motionsync: Command, rows: Rows) -> None:
+    page = seeds("--x", "true_length_sigma")
+    (chart,) = charts(page).values()
+    assert sum(chart["data"][0]["y"]) == 300
+    assert chart["layout"]["shapes"] == []
+    assert "process capability" not in page
+    outcome = motionsync("sweep-plot", folder, "--x", "cut_error", "--output", "page.html")
+    assert outcome.status == 0
+    page = Path("page.html").read_text("utf-8")
+    (chart,) = charts(page).values()
+    assert sum(chart["data"][0]["y"]) == np.count_nonzero(np.isfinite(rows["cut_error"])) == 1050
+    assert "<li>30 runs without a value of cut_error: they are not in the histogram.</li>" in page
+    assert f"whatever their {' and '.join(example_plans.FACTORS)} is" in page
+
+
+def test_runs_that_differ_in_more_than_their_seed_are_said_to_be_counted_together(
+    tmp_path: Path, motionsync: Command
+) -> None:
+    example_plans.seeds(tmp_path / "alone", 8)
+    example_plans.seeds(tmp_path / "both", 8, "master.smoothing_time=0.02")
+    message = "The values of all runs are counted together, whatever their master.smoothing_time is."
+    for name in ("alone", "both"):
+        assert motionsync("sweep-plot", name, "--x", "true_length_errors").status == 0
+        assert (message in (tmp_path / name / "plot.html").read_text("utf-8")) == (name == "both")
+
+
+@pytest.mark.parametrize(
+    ("options", "parts"),
+    [
+        (("--x", "true_length_errors", "--colour", "passed"), ("--colour passed", "add --y")),
+        (("--x", "true_length_errors", "--amount", "max"), ("--amount max", "add --y")),
+        (("--x", "true_length_errors", "--better", "x=min"), ("--better x=min", "add --y")),
+        (("--x", "true_length_errors", "--beside", "c_pk"), ("--beside c_pk", "add --y")),
+        (("--x", "refusal"), ("--x refusal", "texts", "numbers")),
+        (("--x", "passed"), ("--x passed", "true or false")),
+        (("--x", "encoder.seed", "--y", "true_length_errors"), ("--y true_length_errors", "several numbers in a row")),
+        (("--x", "true_length_errors", "--y", "c_pk"), ("--x true_length_errors", "several numbers in a row")),
+        (("--x", "c_pk", "--y", "cut_movement", "--colour", "true_length_errors"), ("--colour", "several numbers")),
+        (("--x", "c_pk", "--passed", "true_length_errors < 1"), ("true_length_errors", "several numbers in a row")),
+    ],
+)
+def test_what_a_histogram_cannot_show_is_reported(
+    tmp_path: Path, motionsync: Command, options: tuple[str, ...], parts: tuple[str, ...]
+) -> None:
+    example_plans.seeds(tmp_path / "seeds", 8)
+    assert_one_line(motionsync("sweep-plot", "seeds", *options), *parts)

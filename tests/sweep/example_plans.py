@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from motionsync_fmu.sweep.sweep_plan import SweepPlan
 
 EXAMPLE = Path(__file__).parents[2] / "model/motionsync/cut_to_length/example.toml"
+MEASURED = Path(__file__).parents[2] / "scenarios/CutToLength/measured_line/scenario.toml"
 MARK = "cuts within 0.1 mm of a mark, one mark each 500 mm"
 FACTORS = ("master.velocity", "axis.max_acceleration", "length", "tool.cut_time")
 REFUSED = "axis.max_acceleration must be less than 9000, but is 10000"
@@ -67,6 +68,27 @@ def sweep(folder: Path, *counts: int, part: int = 500) -> SweepPlan:
     plan.write(folder)
     write(folder, rows(plan), part)
     return plan
+
+
+def seeds(folder: Path, runs: int, *more: str) -> NDArray[np.float64]:
+    """A finished sweep of the measured line over seeds, with made-up rows; the true length errors, shape (runs, 12).
+
+    Run 7 alone has a product out of tolerance: its third is 0.12 mm too short. `more`: further settings."""
+    folder.mkdir(parents=True, exist_ok=True)
+    plan = SweepPlan.of(MEASURED, [f"encoder.seed=0:{runs - 1}", *more])
+    plan.write(folder)
+    errors = np.random.default_rng(8).normal(0.01, 0.012, (runs, 12))
+    errors[7, 2] = -0.12
+    passed = np.arange(runs) != 7
+    sigma, worst = errors.std(axis=1, ddof=1), np.abs(errors).max(axis=1)
+    columns = {"run": np.arange(runs)} | plan.values(0, runs)
+    columns |= {"passed": passed, "refusal": np.full(runs, ""), "first_broken": np.where(passed, "", MARK)}
+    columns |= {"true_length_mean": 800.0 + errors.mean(axis=1), "true_length_sigma": sigma}
+    columns |= {"true_length_worst": worst, "c_pk": (0.1 - np.abs(errors.mean(axis=1))) / (3.0 * sigma)}
+    columns |= {"cut_movement": np.full(runs, 0.1), "tolerance": np.full(runs, 0.1)}
+    table = pa.table(columns | {"true_length_errors": pa.array(errors.tolist())})
+    pq.write_table(table, folder / "part-000000.parquet")
+    return errors
 
 
 def unpacked(column: Any) -> list[Any]:

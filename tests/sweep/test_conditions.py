@@ -15,6 +15,7 @@ ROWS = pa.table(
         "cut_error": [1e-9, 0.5, math.nan, -1.0],
         "refusal": ["", "no limit", "", ""],
         "slave.acceleration.above:500": [0.0, 0.25, 0.5, 0.0],
+        "true_length_errors": [[0.1, 0.2], [], None, [0.3]],
     }
 )
 
@@ -77,6 +78,7 @@ def test_a_text_that_is_no_condition_is_reported(text: str, message: str) -> Non
         ("passed == 1", "passed == 1: compare passed with true or false"),
         ("passed < true", "passed is true or false, which == and != compare"),
         ("refusal == 0", "refusal == 0: compare refusal with a text in quotes"),
+        ("true_length_errors < 1", "true_length_errors has several numbers in a row: nothing is compared with them"),
         ('cut_error == "0"', 'cut_error == "0": compare cut_error with a number'),
     ],
 )

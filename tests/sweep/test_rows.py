@@ -98,8 +98,9 @@ def axis(figures: KeyFigures) -> dict[str, Any]:
         result |= {"force_rms": load.rms, "force_peak": load.peak}
     if true := figures.true_pieces:
         result |= {"true_length_mean": true.mean, "true_length_sigma": true.deviation, "c_pk": true.c_pk}
-        result |= {"true_length_worst": true.worst, "cut_movement": true.movement}
-    return {name: None if math.isnan(value) else value for name, value in result.items()}
+        result |= {"true_length_worst": true.worst, "cut_movement": true.movement, "tolerance": true.tolerance}
+    errors = {"true_length_errors": [piece.error for piece in true.pieces]} if true else {}
+    return {name: None if math.isnan(value) else value for name, value in result.items()} | errors
 
 
 def cut(scenario: Scenario, recording: Recording) -> dict[str, Any]:
@@ -171,6 +172,10 @@ def test_the_rows_of_a_servo_and_a_load(tmp_path: Path) -> None:
     for name in ("force_peak", "force_rms"):
         assert len({row[name] for row in result}) >= 8
     assert len({row["true_length_worst"] for row in result if row["stop_time"] == 9.0}) == 4
+    for row in result:
+        errors = row["true_length_errors"]
+        assert row["true_length_worst"] == max(errors, key=abs, default=None)
+    assert {len(row["true_length_errors"]) > 1 for row in result} == {True, False}
     assert {row["following_error"] > 3.0 for row in result} == {True, False}
 
 

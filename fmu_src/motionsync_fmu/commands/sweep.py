@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
+from motionsync.var import Unit
+
 from ..errors import UserError
+from ..interface.units import unit_name
 from ..optional_dependencies import require
 from ..pages.console import out
 from ..pages.progress import CountReport, report_count, report_progress
@@ -139,6 +142,8 @@ def _print_summary(totals: "Summary", plan: "SweepPlan", folder: Path, rate: _Ru
         out.print(f"  {name:24}{number:>14,}  {number / totals.runs:7.2%}")
     for line in totals.reason_lines:
         out.print(f"  first not met in {escape(line)}")
+    for line in totals.true_length_lines(unit_name(Unit.POSITION, plan.variation.scenario.unit)):
+        out.print(f"  {escape(line)}")
     if rate.runs:
         out.print(f"{rate.runs:,} of them now, {rate.runs_per_second:,.4g} runs/s")
     out.print(f"rows: {escape(str(folder))}")
@@ -146,10 +151,18 @@ def _print_summary(totals: "Summary", plan: "SweepPlan", folder: Path, rate: _Ru
 
 
 def _plot_command(plan: "SweepPlan", folder: Path) -> str:
-    """The command that plots the rows over the first two numbers that vary, or a result over the only one."""
-    from ..sweep.result_columns import schema
+    """The command that plots the rows over the first two numbers that vary, or a result over the only one. If only the
+    seeds of random numbers vary, it shows how the true lengths are distributed."""
+    from ..sweep.factors import is_seed
+    from ..sweep.result_columns import TRUE_LENGTH_ERRORS, schema
 
-    values = plan.values(0, 1)
-    x, *more = [name for name in plan.independent if values[name].dtype.kind in "if"] or ["run"]
-    y = next(iter(more), "cut_error" if "cut_error" in schema(plan).names else "passed")
-    return shlex.join(["motionsync", "sweep-plot", str(folder), "--x", x, "--y", y, "--open"])
+    values, names = plan.values(0, 1), schema(plan).names
+    numbers = [name for name in plan.independent if values[name].dtype.kind in "if"]
+    varied = [name for name in numbers if not is_seed(name)]
+    if numbers and not varied and TRUE_LENGTH_ERRORS in names:
+        axes = ["--x", TRUE_LENGTH_ERRORS]
+    else:
+        results = (name for name in ("true_length_sigma", "cut_error", "passed") if name in names)
+        x, y, *_ = *(varied or numbers or ["run"]), *results
+        axes = ["--x", x, "--y", y]
+    return shlex.join(["motionsync", "sweep-plot", str(folder), *axes, "--open"])

@@ -25,7 +25,14 @@ class AmountOption(StrEnum):
 def sweep_plot(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a sweep: its plan.toml and its parts.")],
     x: Annotated[str, typer.Option("--x", metavar="NAME", help="The column along the x axis, with numbers.")],
-    y: Annotated[str, typer.Option("--y", metavar="NAME", help="The column along the y axis; Booleans are allowed.")],
+    y: Annotated[
+        str,
+        typer.Option(
+            "--y",
+            metavar="NAME",
+            help="The column along the y axis; Booleans are allowed. Without it, a histogram of x.",
+        ),
+    ] = "",
     colour: Annotated[
         str,
         typer.Option(
@@ -61,6 +68,10 @@ def sweep_plot(
         x and y are varied    from which y on the runs pass, over x; the map
         y is a result         y over x, a line for each value of --colour
         both are results      the map, and the Pareto front
+        there is no y         the histogram of x, and its quantiles
+
+    Of true_length_errors the histogram has the products of all runs, with their tolerance, and the process capability
+    C_pk with its confidence interval.
 
     The page has cells in place of single rows, and stays below 3 MB. Under the pointer, or with the arrow keys, each
     cell shows how many runs it has, and the command that repeats one of them.
@@ -72,8 +83,10 @@ def sweep_plot(
         motionsync sweep-plot out --x master.velocity --y cut_error --colour axis.max_acceleration
 
         motionsync sweep-plot out --x slave.acceleration.max --y cuts --better x=min,y=max
+
+        motionsync sweep-plot out --x true_length_errors
     """
-    require("sweep", "duckdb", "pyarrow")
+    require("sweep", "duckdb", "pyarrow", "scipy")
     from ..sweep.plot.page import make_page
     from ..sweep.plot.view import Question
 

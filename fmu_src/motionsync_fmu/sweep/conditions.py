@@ -70,7 +70,10 @@ class RowCondition:
         """
         kinds = {field.name: field.type for field in schema}
         for c in self.comparisons:
-            expected_type, example = _expected_type(choose(kinds, c.column, "column of a row"))
+            kind = choose(kinds, c.column, "column of a row")
+            if pa.types.is_list(kind):
+                raise UserError(f"{c.column} has several numbers in a row: nothing is compared with them")
+            expected_type, example = _expected_type(kind)
             if type(c.value) is not expected_type:
                 value = f'"{c.value}"' if isinstance(c.value, str) else f"{c.value:g}"
                 raise UserError(f"{c.column} {c.sign} {value}: compare {c.column} with {example}")

@@ -19,6 +19,7 @@ HELP = (
     "--set master.velocity=200:400:11"
 )
 BETWEEN = ".."
+SEED = "seed"
 EXACT = 2**53  # whole numbers below it are exact as Reals
 FLAGS = {"true": True, "false": False}
 
@@ -92,6 +93,11 @@ class ValueKind:
 
     name: str = ""
     members: Collection[tuple[int, str]] = ()
+
+
+def is_seed(name: str) -> bool:
+    """Whether a name is that of the seed of random numbers: runs that differ in it alone are samples of one thing."""
+    return name.rpartition(".")[2] == SEED
 
 
 def split_setting(setting: str) -> tuple[str, str]:

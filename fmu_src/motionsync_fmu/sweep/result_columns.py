@@ -22,9 +22,10 @@ ALWAYS = {
 }
 CUTS = {"cuts": pa.int64(), "cut_error": pa.float64()}
 PIECES = {"late": pa.int64(), "skipped": pa.int64(), "length_error": pa.float64()}
+TRUE_LENGTH_ERRORS, TOLERANCE = "true_length_errors", "tolerance"
 TRUE_PIECES = dict.fromkeys(
-    ("true_length_mean", "true_length_sigma", "true_length_worst", "c_pk", "cut_movement"), pa.float64()
-)
+    ("true_length_mean", "true_length_sigma", "true_length_worst", "c_pk", "cut_movement", TOLERANCE), pa.float64()
+) | {TRUE_LENGTH_ERRORS: pa.list_(pa.float64())}  # of a list, a value for each piece
 SERVO = {"following_error": pa.float64()}
 LOAD = {"force_rms": pa.float64(), "force_peak": pa.float64()}
 LIMITS = {LIMITS_BROKEN: pa.string()}

@@ -15,7 +15,7 @@ from ..scenario.evaluate.key_figures import SLAVE_OUTPUTS, find_peaks
 from ..scenario.recording import Recording
 from ..scenario.scenario import Scenario
 from .axis_limit_check import AxisLimitCheck, Extent
-from .result_columns import FAULT_VARIABLE, LIMITS_BROKEN
+from .result_columns import FAULT_VARIABLE, LIMITS_BROKEN, TOLERANCE, TRUE_LENGTH_ERRORS
 
 Row = dict[str, Any]
 
@@ -118,6 +118,8 @@ def _true_row(results: CuttingResults) -> Row:
         "true_length_worst": true.worst,
         "c_pk": true.c_pk,
         "cut_movement": true.movement,
+        TOLERANCE: true.tolerance,
+        TRUE_LENGTH_ERRORS: [piece.error for piece in true.pieces],
     }
 
 

@@ -1,11 +1,16 @@
 """Counts the runs of a sweep by their results."""
 
+import math
 from collections import Counter
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import pyarrow.compute as pc
 
+from ..scenario.engineering import engineering
+from .distribution import MOST, Distribution, find_distribution
+from .result_columns import TRUE_LENGTH_ERRORS
 from .table import Rows
 
 PASSED, REFUSED, LIMITS, FAULT, UNMET = "passed", "refusal", "limits_broken", "fault", "first_broken"
@@ -24,6 +29,7 @@ class Summary:
         limits_broken: the slave exceeded a limit of its axis; None: the block has none.
         faults: the block showed a fault; None: it shows none.
         reasons: the expectations that were not met, each with the number of runs in which it was the first of them.
+        true_length_errors: those of all pieces; None: none is known.
     """
 
     runs: int = 0
@@ -33,16 +39,32 @@ class Summary:
     limits_broken: int | None = None
     faults: int | None = None
     reasons: dict[str, int] = field(default_factory=dict)
+    true_length_errors: Distribution | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """All of it, by its names."""
-        return asdict(self)
+        """All of it, by its names; true length errors only where there are any."""
+        errors = self.true_length_errors
+        others = asdict(replace(self, true_length_errors=None))
+        del others[TRUE_LENGTH_ERRORS]
+        return others | ({TRUE_LENGTH_ERRORS: errors.as_json()} if errors else {})
 
     @property
     def reason_lines(self) -> list[str]:
         """The most frequent reasons why runs are not as expected: `18 runs: number of pieces = 6`."""
         first = Counter(self.reasons).most_common(SHOWN)
         return [f"{number:,} run{'s' * (number != 1)}: {reason}" for reason, number in first]
+
+    def true_length_lines(self, unit: str) -> Iterator[str]:
+        """What the true lengths of all runs together say, a sentence each. `unit`: that of lengths."""
+        if d := self.true_length_errors:
+            low, high, worst, mean = (d.shown(x, unit) for x in (*map(d.quantile, MOST), d.worst, d.mean))
+            sigma = f", sigma {d.shown(d.sigma, unit)}" if d.count > 1 else ""
+            yield f"true lengths of {d.count:,} product{'s' * (d.count != 1)}: mean error {mean}{sigma}"
+            yield f"99 % of them are between {low} and {high} off, the worst one {worst}"
+            if c := d.capability:
+                allowed = f"{c.outside:,} out of tolerance (+-{engineering(c.tolerance, unit)})"
+                c_pk = f": C_pk {c.c_pk:.2f}" if math.isfinite(c.c_pk) else ""
+                yield f"{allowed}{c_pk}{f', {c.interval}' if c.interval else ''}"
 
     def counts(self) -> dict[str, int]:
         """The numbers of runs by what happened to them, in words; without what does not apply."""
@@ -76,6 +98,8 @@ def summarize(rows: Rows) -> Summary:
             result.limits_broken += _count(pc.not_equal(batch[LIMITS], ""))
         if result.faults is not None:
             result.faults += _count(pc.not_equal(batch[FAULT], 0))
+    if TRUE_LENGTH_ERRORS in rows.schema.names:
+        result.true_length_errors = find_distribution(rows, TRUE_LENGTH_ERRORS)
     result.unexpected = result.runs - result.passed - result.refused
     return result
 

@@ -123,10 +123,11 @@ class Chart:
         self.layout[axis_key(self.axes)] = self._axis() | {"domain": self.axis(row)["domain"], "anchor": "x"} | given
         return self.axes
 
-    def draw_vertical_line(self, value: float, text: str = "") -> None:
+    def draw_vertical_line(self, value: float, text: str = "", colour: str = MUTED) -> None:
         """Draw a line through all rows at a value of the horizontal axis."""
         line = {"type": "line", "xref": "x", "yref": "paper", "x0": value, "x1": value, "y0": 0, "y1": 1}
-        style = {"line": {"color": MUTED, "width": 1, "dash": "dot"}, "opacity": 0.5, "layer": "below"}
+        opacity = 0.5 if colour == MUTED else 1.0
+        style = {"line": {"color": colour, "width": 1, "dash": "dot"}, "opacity": opacity, "layer": "below"}
         self.layout["shapes"].append(line | style)
         if text:
             anchor = "left" if 2.0 * value < sum(self.span) else "right"  # so that it does not leave the chart

@@ -1,8 +1,6 @@
 """What is true on a real machine: the lengths of the pieces by the tape measure, the axis behind its setpoint, and what
 its motor has to give."""
 
-from math import erf, sqrt
-
 import numpy as np
 
 from motionsync.var import Unit
@@ -12,68 +10,25 @@ from ...scenario.computed_columns import ACTUAL_POSITION, ACTUAL_VELOCITY, FOLLO
 from ...scenario.engineering import engineering
 from ...scenario.evaluate.axis_figures import LoadFigures, force_unit
 from ...scenario.evaluate.true_pieces import TruePieces
-from ...scenario.recording import Reals, Recording
+from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ..numbers import DIGITS, TIME_DIGITS, Indices, evenly_spaced, rounded
 from ..style import with_unit
-from .chart import BAD, INK, LIMIT, MASTER, OK, RECEIVED, REFERENCE, SLAVE, Chart, Style, hover_template
+from .chart import LIMIT, MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style, hover_template
+from .histogram import Histogram, bar_borders
 
-MOST_BARS, LEAST_BARS = 40, 5
-BEYOND = 0.25  # of the tolerance: so far behind it the histogram goes on where no error is
 MOST_POINTS = 4000  # of the force over the velocity
-CURVE = 200  # points of the normal curve
 
 
 def chart_histogram(true: TruePieces) -> Chart:
     """How many pieces have which true error, within the tolerance, with the normal curve of the same mean and sigma."""
     errors = np.array([piece.error for piece in true.pieces])
-    reach = max(float(np.abs(errors).max()), true.tolerance * (1.0 + BEYOND))
-    borders = _borders(errors, reach)
-    counts, _ = np.histogram(errors, borders)
-    span = (min(-reach, float(borders[0])), max(reach, float(borders[-1])))
-    chart = Chart(
-        "Histogram of the true length errors",
-        [220],
-        with_unit("true length error", true.unit),
-        span,
-        hover="closest",
-        timed=False,
-    )
-    chart.write_title(1, "pieces")
-    width, middles = borders[1] - borders[0], 0.5 * (borders[1:] + borders[:-1])
-    texts = [
-        f"{engineering(low, true.unit)} to {engineering(high, true.unit)}"
-        for low, high in zip(borders[:-1].tolist(), borders[1:].tolist(), strict=True)
-    ]
-    bars = {"type": "bar", "x": rounded(middles), "y": counts.tolist(), "width": float(width), "customdata": texts}
-    colours = [BAD if abs(middle) > true.tolerance else OK for middle in middles.tolist()]
-    template = "%{y} pieces: %{customdata}<extra></extra>"
-    chart.add_trace(1, "pieces", bars | {"marker": {"color": colours}, "hovertemplate": template}, legend=False)
-    if true.deviation > 0.0:
-        x = np.linspace(*span, CURVE)
-        expected = _normal(x, true, float(errors.mean()), float(width), len(errors))
-        line = {"type": "scatter", "mode": "lines", "hoverinfo": "skip", "line": {"color": INK, "width": 1.4}}
-        chart.add_trace(1, "normal distribution", line | {"x": rounded(x), "y": rounded(expected, 4)})
-    for limit in (-true.tolerance, true.tolerance):
-        chart.draw_vertical_line(limit, f"tolerance {engineering(limit, true.unit)}")
-    chart.axis(1)["rangemode"] = "tozero"
-    return chart
-
-
-def _borders(errors: Reals, reach: float) -> Reals:
-    """Those of bars of equal width, one of which has its middle at 0; about as many bars as the root of the pieces."""
-    spread = float(np.ptp(errors)) or 0.02 * reach
-    bars = min(max(LEAST_BARS, round(sqrt(len(errors)))), MOST_BARS)
-    width = spread / bars
-    first, last = (int(np.floor(x / width + 0.5)) for x in (errors.min(), errors.max()))
-    return np.asarray((np.arange(first, last + 2) - 0.5) * width, np.float64)
-
-
-def _normal(x: Reals, true: TruePieces, mean: float, width: float, count: int) -> Reals:
-    """How many pieces a bar of this width around x would have on average."""
-    scaled = (np.stack([x - 0.5 * width, x + 0.5 * width]) - mean) / (sqrt(2.0) * true.deviation)
-    below, until = ([0.5 * (1.0 + erf(value)) for value in row] for row in scaled.tolist())
-    return np.asarray(count * (np.array(until) - np.array(below)), np.float64)
+    least, greatest = float(errors.min()), float(errors.max())
+    borders = bar_borders(least, greatest, len(errors), max(-least, greatest, true.tolerance))
+    counts = np.histogram(errors, borders)[0].tolist()
+    mean = float(errors.mean())
+    shown = Histogram("true length error", true.unit, "pieces", borders, counts, mean, true.deviation, true.tolerance)
+    return shown.chart("Histogram of the true length errors", 220)
 
 
 def chart_true_errors(scenario: Scenario, true: TruePieces) -> Chart:

@@ -19,7 +19,7 @@ from ..conditions import Comparison, RowCondition
 
 CODES = ("fault",)  # numbers that are names: nobody asks for their mean; 0 is none
 NOTHING: Mapping[str, str] = {}
-TRUTH, TEXT = "BOOLEAN", "VARCHAR"  # as DuckDB names them
+TRUTH, TEXT, LIST = "BOOLEAN", "VARCHAR", "DOUBLE[]"  # as DuckDB names them
 
 Answer = dict[str, NDArray[Any]]
 """Columns of an answer by name, with a value for each row."""
@@ -31,6 +31,7 @@ class ColumnKind(Enum):
     NUMBER = "numbers"
     TRUTH = "true or false"
     TEXT = "texts"
+    LIST = "several numbers in a row"
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,7 @@ def _text(text: str) -> str:
 
 
 def _kind(declared: str) -> ColumnKind:
-    return {TRUTH: ColumnKind.TRUTH, TEXT: ColumnKind.TEXT}.get(declared, ColumnKind.NUMBER)
+    return {TRUTH: ColumnKind.TRUTH, TEXT: ColumnKind.TEXT, LIST: ColumnKind.LIST}.get(declared, ColumnKind.NUMBER)
 
 
 def _filled(values: Any) -> NDArray[Any]:

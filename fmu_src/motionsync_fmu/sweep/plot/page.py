@@ -22,6 +22,14 @@ from . import texts
 from .cells import Axis
 from .charts import boundary_chart, boundary_line, comparison_lines, curves_chart, front_line, map_chart
 from .database import Database
+from .distribution_view import (
+    HEIGHT,
+    DistributionView,
+    Table,
+    build_distribution,
+    distribution_figures,
+    distribution_text,
+)
 from .packing import bytes_packed, texts_packed
 from .units import units
 from .view import Question, View, build_view
@@ -44,6 +52,28 @@ class Section:
     key: list[tuple[str, str]] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class Content:
+    """What a page has of a question's answer.
+
+    Attributes:
+        figures: names, values and remarks.
+        front: runs of the Pareto front; `front_columns`: what their numbers are.
+        left_out: what the page does not show, a sentence each.
+        script: what the page's script needs.
+    """
+
+    title: str
+    passing: str
+    figures: list[tuple[str, str, str]]
+    sections: list[Section]
+    left_out: list[str]
+    script: dict[str, Any]
+    front: list[tuple[int, int, str, str]] = field(default_factory=list)
+    front_columns: list[str] = field(default_factory=list)
+    tables: list[Table] = field(default_factory=list)
+
+
 def make_page(folder: Path, question: Question, file: Path | None = None) -> Path:
     """Write the page of a sweep's folder; the answer is its file. `file`: None: plot.html in the folder.
 
@@ -56,31 +86,69 @@ def make_page(folder: Path, question: Question, file: Path | None = None) -> Pat
     plan = rows.plan
     db = Database(folder, rows.files, [factor.name for factor in plan.factors], units(plan))
     page = file or folder / "plot.html"
-    write_page(page, folder, plan, db, build_view(db, question))
+    if question.y:
+        content = _view_content(plan, db, build_view(db, question))
+    else:
+        content = _distribution_content(plan, db, build_distribution(db, rows, question))
+    write_page(page, folder, plan, content)
     return page
 
 
-def write_page(file: Path, folder: Path, plan: SweepPlan, db: Database, view: View) -> None:
+def write_page(file: Path, folder: Path, plan: SweepPlan, content: Content) -> None:
     """Write the page; it loads nothing from elsewhere. `folder`: that of the sweep."""
     scenario = plan.variation.scenario
-    sections, paint = _sections(view)
+    scenario_file = repeated(folder, plan)
+    data = {"command": f"motionsync run {shlex.quote(scenario_file)}"} | content.script
     text = load_template(TEMPLATES, "sweep.html.j2").render(
-        title=texts.title(view),
-        lead=f"A sweep of {texts.counted(view.runs['runs'])} of {scenario.recipe.name}: {scenario.title}.",
-        passing=texts.passing(view),
-        figures=texts.figures(view),
-        sections=sections,
-        front=_front_rows(view),
-        front_columns=[view.x.column.title, view.y.title],
+        content=content,
+        lead=f"A sweep of {texts.counted(plan.runs)} of {scenario.recipe.name}: {scenario.title}.",
         varied=[(factor.name, factor.text) for factor in plan.factors],
-        origin=texts.origin(plan, repeated(folder, plan)),
-        left_out=texts.left_out(plan, view),
+        origin=texts.origin(plan, scenario_file),
         lines=LINES,
-        data=htmlsafe_json_dumps(_data(folder, plan, db, view) | {"paint": paint}, dumps=to_compact_json),
+        data=htmlsafe_json_dumps(data, dumps=to_compact_json),
         bundle=plotly_script(),
     )
     with replace_file(file) as part:
         part.write_text(text, "utf-8")
+
+
+def _view_content(plan: SweepPlan, db: Database, view: View) -> Content:
+    sections, paint = _sections(view)
+    return Content(
+        texts.title(view),
+        texts.passing(view.condition),
+        texts.figures(view),
+        sections,
+        texts.left_out(plan, view),
+        _data(db, view) | {"paint": paint},
+        _front_rows(view),
+        [view.x.column.title, view.y.title],
+    )
+
+
+def _distribution_content(plan: SweepPlan, db: Database, view: DistributionView) -> Content:
+    title = f"Histogram of the {view.name}"
+    chart = view.histogram().chart(title, HEIGHT)
+    indices = view.examples.indices_of(view.bars["pick"])
+    places = dict(zip(view.bars["cx"].tolist(), zip(view.bars["runs"].tolist(), indices, strict=True), strict=True))
+    chart.traces[0]["customdata"] = [list(places.get(bar, (0, -1))) for bar in range(len(view.x))]
+    chart.layout["meta"] |= {"role": "curves", "groups": "", "shows": {"what": f"{view.counted}: ", "unit": ""}}
+    condition_columns = [db.columns[name] for name in view.condition.columns] if view.condition else []
+    return Content(
+        f"Distribution of the {view.name}",
+        texts.passing(view.condition),
+        [*texts.run_figures(view.runs), *distribution_figures(view)],
+        [Section(title, distribution_text(view), chart.html())],
+        texts.left_out_of_distribution(plan, view.column, view.runs),
+        {
+            "x": _packed_axis(view.x) | {"name": view.name},
+            "runs": view.examples.packed(db, [*condition_columns, *view.shown_columns(db)]),
+            "by_expectations": not view.condition,
+            "statistic": None,
+            "map": None,
+        },
+        tables=[*view.tables()],
+    )
 
 
 def repeated(folder: Path, plan: SweepPlan) -> str:
@@ -119,10 +187,9 @@ def _sections(view: View) -> tuple[list[Section], dict[str, Any]]:
     return sections, paint
 
 
-def _data(folder: Path, plan: SweepPlan, db: Database, view: View) -> dict[str, Any]:
+def _data(db: Database, view: View) -> dict[str, Any]:
     column = view.statistic.column
     return {
-        "command": f"motionsync run {shlex.quote(repeated(folder, plan))}",
         "x": _packed_axis(view.x),
         "runs": view.examples.packed(db, view.columns),
         "by_expectations": not view.condition_columns,

@@ -8,11 +8,13 @@ import numpy as np
 from ... import __version__
 from ...pages.report.origin import current_time, describe_platform
 from ...pages.style import with_unit
+from ..conditions import RowCondition
+from ..factors import is_seed
 from ..sweep_plan import SweepPlan
 from .cells import Axis
 from .charts import NO_VALUE, OTHER, TEXTS
 from .curves import PASSED
-from .database import ColumnKind
+from .database import Column, ColumnKind
 from .view import View
 
 SPACE = "\N{NARROW NO-BREAK SPACE}"
@@ -28,18 +30,22 @@ def title(view: View) -> str:
     return f"{view.y.name} over {view.x.column.name}"
 
 
-def passing(view: View) -> str:
-    """What makes a run pass."""
+def passing(condition: RowCondition | None) -> str:
+    """What makes a run pass. `condition`: None: the expectations of its scenario."""
     expected = "all expectations of its scenario are met, and nothing is refused"
-    what = view.condition.text if view.condition else expected
-    return f"A run passes if {what}."
+    return f"A run passes if {condition.text if condition else expected}."
+
+
+def run_figures(counts: Mapping[str, int]) -> list[tuple[str, str, str]]:
+    """How many runs there are, and how many of them passed: names, values and remarks."""
+    runs, passed = counts["runs"], counts["passed"]
+    refused = f"{counted(counts['refused'])} refused" if counts["refused"] else "none refused"
+    return [("runs", f"{runs:,}".replace(",", SPACE), refused), ("passed", _share(passed, runs), counted(passed))]
 
 
 def figures(view: View) -> list[tuple[str, str, str]]:
     """Names, values and remarks: the sweep at a glance."""
-    runs, passed = view.runs["runs"], view.runs["passed"]
-    refused = f"{counted(view.runs['refused'])} refused" if view.runs["refused"] else "none refused"
-    rows = [("runs", f"{runs:,}".replace(",", SPACE), refused), ("passed", _share(passed, runs), counted(passed))]
+    rows = run_figures(view.runs)
     if view.overall:
         x, y = view.x, view.y
         surely = view.overall.points["surely"]
@@ -171,20 +177,35 @@ def _better_results(view: View) -> str:
 
 def left_out(plan: SweepPlan, view: View) -> list[str]:
     """What the page does not show, and what is put together, a sentence each."""
-    return [*_missing(plan, view), *_together(view)]
+    return [*missing_runs(plan, view.runs), *_without(view), *_together(view)]
 
 
-def _missing(plan: SweepPlan, view: View) -> Iterator[str]:
-    runs = view.runs
+def left_out_of_distribution(plan: SweepPlan, column: Column, counts: Mapping[str, int]) -> list[str]:
+    """What a page of one column does not show, and what is put together. `counts`: of the runs, `without` a value."""
+    sentences = [*missing_runs(plan, counts)]
+    if counts["without"]:
+        sentences.append(
+            f"{counted(counts['without'])} without a value of {column.name}: they are not in the histogram."
+        )
+    if others := [factor.name for factor in plan.factors if not is_seed(factor.name) and factor.name != column.name]:
+        sentences.append(f"The values of all runs are counted together, whatever their {' and '.join(others)} is.")
+    return [*sentences, "A bar shows one of its runs: the one whose value is farthest from the mean."]
+
+
+def missing_runs(plan: SweepPlan, runs: Mapping[str, int]) -> Iterator[str]:
+    """What is not there of a sweep, a sentence each."""
     if plan.version != __version__:
         yield f"The rows are of motionsync {plan.version}, and this is {__version__}: its runs may differ from them."
     if (missing := plan.runs - runs["runs"]) > 0:
         yield f"The sweep is not finished: {counted(missing)} of {counted(plan.runs)} have no row yet."
     if runs["refused"]:
         yield f"{_were(runs['refused'])} refused; a refused run counts as one that did not pass."
+
+
+def _without(view: View) -> Iterator[str]:
     for key, column in (("no_x", view.x.column), ("no_y", view.y), ("no_value", view.statistic.column)):
-        if column and runs[key]:
-            yield f"{counted(runs[key])} without a value of {column.name}: no curve and no mean has them."
+        if column and view.runs[key]:
+            yield f"{counted(view.runs[key])} without a value of {column.name}: no curve and no mean has them."
 
 
 def _were(runs: int) -> str:

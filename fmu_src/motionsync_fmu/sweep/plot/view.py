@@ -28,6 +28,7 @@ class Question:
     """What a user asks for, as the names of columns.
 
     Attributes:
+        y: empty: how the values of x are distributed.
         colour: what the colours of the map show, or what the lines are for; empty: whether runs passed.
         amount: what is statistic of the runs in a cell: mean, min, max or count; empty: what suits the column.
         better: whether less or more of x and y is better: `x=min,y=max`; empty: less.
@@ -36,7 +37,7 @@ class Question:
     """
 
     x: str
-    y: str
+    y: str = ""
     colour: str = ""
     amount: str = ""
     better: str = ""
@@ -100,6 +101,8 @@ def build_view(db: Database, question: Question) -> View:
     if x == y:
         raise UserError(f"--x and --y are both {x.name}: choose two columns")
     colour = db.column("--colour", question.colour or PASSED)
+    if colour.kind is ColumnKind.LIST:
+        raise UserError(f"--colour {colour.name}: this column has {colour.kind.value}")
     most_x, most_y = _most(db)
     along = divide_into_cells(db, x, "x", most_x)
     grouping = colour if colour.varied else _few(db, (x, y)) if y.varied else None
@@ -125,7 +128,7 @@ def build_view(db: Database, question: Question) -> View:
 
 def _number(db: Database, option: str, name: str) -> Column:
     column = db.column(option, name)
-    if column.kind is ColumnKind.TEXT or (option != "--y" and column.kind is not ColumnKind.NUMBER):
+    if column.kind in (ColumnKind.TEXT, ColumnKind.LIST) or (option != "--y" and column.kind is not ColumnKind.NUMBER):
         raise UserError(f"{option} {name}: this column has {column.kind.value}; {option} takes one with numbers")
     return column
 
@@ -156,12 +159,20 @@ def _most(db: Database) -> tuple[int, int]:
 
 
 def _counts(db: Database, x: Column, y: Column, statistic: Column | None) -> dict[str, int]:
-    refused = "refusal <> ''" if "refusal" in db.columns else "false"
     has_number = f"({statistic.number})" if statistic and statistic.kind is ColumnKind.NUMBER else "1"
     counts = db.one(
-        f"SELECT count(*) AS runs, count(*) FILTER ({PASSED}) AS passed, count(*) FILTER ({refused}) AS refused,"
-        f" count(*) - count({x.number if x.kind is ColumnKind.NUMBER else x.sql}) AS no_x,"
+        f"SELECT count(*) - count({x.number if x.kind is ColumnKind.NUMBER else x.sql}) AS no_x,"
         f" count(*) - count({y.number}) AS no_y, count(*) - count({has_number}) AS no_value FROM runs"
+    )
+    return count_runs(db) | {name: int(value) for name, value in counts.items()}
+
+
+def count_runs(db: Database) -> dict[str, int]:
+    """How many `runs` there are, how many of them `passed`, and how many are `refused`."""
+    refused = "refusal <> ''" if "refusal" in db.columns else "false"
+    counts = db.one(
+        f"SELECT count(*) AS runs, count(*) FILTER ({PASSED}) AS passed, count(*) FILTER ({refused}) AS refused"
+        " FROM runs"
     )
     return {name: int(value) for name, value in counts.items()}
 
