@@ -8,7 +8,7 @@ from motionsync_fmu.plan.line_plan import make_plan
 from motionsync_fmu.plan.report import write_plan
 from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
-from tests.plan.machines import REFERENCE, machine
+from tests.plan.machines import LOADED, REFERENCE, machine
 
 
 @pytest.fixture(scope="module")
@@ -16,6 +16,12 @@ def plan_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of the reference machine with a reserve of the approach."""
     plan = make_plan(machine(REFERENCE, approach_reserve="0.02"), [500.0, 1500.0, 2000.0], [500.0, 1000.0, 1480.0])
     return write_plan(plan, tmp_path_factory.mktemp("plan"))
+
+
+@pytest.fixture(scope="module")
+def loaded_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the reference machine with a load."""
+    return write_plan(make_plan(machine(LOADED), [1500.0], [500.0]), tmp_path_factory.mktemp("loaded"))
 
 
 def test_the_page_of_a_plan_shows_the_greatest_line_velocity(open_page: Open, plan_page: Path) -> None:
@@ -31,3 +37,19 @@ def test_the_page_of_a_plan_fits_a_narrow_window(open_page: Open, plan_page: Pat
     visit = open_page(plan_page, width=500, color_scheme="dark")
     visit.page.locator(".plot .main-svg").last.wait_for()
     assert visit.overflow() <= 0.0
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_the_page_of_a_plan_shows_the_use_of_the_motor(open_page: Open, loaded_page: Path, width: int) -> None:
+    """The peak is 1350 N of 3000 N; no text is cut off, and none lies on another one."""
+    visit = open_page(loaded_page, width=width)
+    for name in ("The greatest line velocity over the length", "The shortest length over the line velocity"):
+        chart = ChartView(visit, name)
+        assert {"rms of the motor", "peak of the motor", "all that the motor can give"} <= set(chart.legend)
+        assert "use of the motor's force in %" in chart.texts
+        assert chart.hidden_texts() == []
+    assert visit.overflow() <= 0.0
+    if width == 1280:
+        _, values = ChartView(visit, "The greatest line velocity over the length").hover_values(1500.0)
+        assert values["peak of the motor"] == pytest.approx(45.0, abs=0.1)
+        assert 0.0 < values["rms of the motor"] < 100.0

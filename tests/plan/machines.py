@@ -5,6 +5,12 @@ from motionsync_fmu.plan.reader import read_machine
 from tests.model.cut_to_length import machine_results
 
 REFERENCE = {name: f"{value:g}" for name, value in machine_results.REFERENCE.items()}
+LOADED = REFERENCE | {
+    "load.mass": "120",
+    "load.friction": "150",
+    "load.continuous_force": "900",
+    "load.peak_force": "3000",
+}
 JERKLESS = {  # so great a jerk that it limits nothing, no time but that of the motion: T_c goes with v/a
     "axis.max_velocity": "1e6",
     "axis.max_jerk": "1e12",

@@ -9,11 +9,14 @@ from motionsync.cut_to_length.interface import State
 from motionsync.var import Unit
 
 from ..interface.units import unit_name
-from ..pages.report.chart import BAD, OK, REFERENCE, SLAVE, Chart, Style
+from ..pages.numbers import evenly_spaced
+from ..pages.report.chart import BAD, INK, OK, RECEIVED, REFERENCE, SLAVE, Chart, Style
 from ..pages.style import with_unit
+from ..scenario.evaluate.axis_figures import force_unit
 from ..scenario.recording import Reals
 from .line_plan import LinePlan
 from .machine_data import MachineData
+from .motor import predict_motor_use
 from .prediction import (
     CYCLE,
     NEEDS,
@@ -30,6 +33,7 @@ CURVE_POINTS = 120  # points of a curve
 CYCLE_STEPS = 1500  # of the run of one cycle
 MARGIN = 0.05  # of the range of the plan, below and above it
 ROWS = (300, 190, 190)
+MOTOR_POINTS, MOTOR_ROW = 30, 150  # of a motor's curve; px
 BOUND_COLOURS = {CYCLE: "--band-0", STROKE: "--band-3", VELOCITY: "--band-1"}  # of what limits
 # colours of the parts of a cycle, and of the gains by limits and by needs, in their sequence
 PART_COLOURS = ("--tone-0", "--band-1", "--cut", "--band-3", "--band-5", "--tone-1", "--band-0")
@@ -58,6 +62,7 @@ def chart_over_length(plan: LinePlan) -> Chart:
     _draw_result(chart, what, unit, points, plan.over_length, _length, _velocity)
     _draw_parts(chart, points, _length)
     _draw_gains(chart, points, _length)
+    _draw_motor(chart, data, points, _length)
     return chart
 
 
@@ -73,6 +78,7 @@ def chart_over_velocity(plan: LinePlan) -> Chart:
     _draw_result(chart, what, unit_name(Unit.POSITION, data.unit), points, plan.over_velocity, _velocity, _length)
     _draw_parts(chart, points, _velocity)
     _draw_gains(chart, points, _velocity)
+    _draw_motor(chart, data, points, _velocity)
     chart.draw_vertical_line(top, "greatest line velocity")
     return chart
 
@@ -119,7 +125,8 @@ def _span(values: Sequence[float]) -> tuple[float, float]:
 
 
 def _chart(plan: LinePlan, name: str, title: str, kind: Unit, span: tuple[float, float]) -> Chart:
-    return Chart(name, ROWS, with_unit(title, unit_name(kind, plan.data.unit)), span, timed=False)
+    heights = [*ROWS, *([MOTOR_ROW] if plan.data.load else [])]
+    return Chart(name, heights, with_unit(title, unit_name(kind, plan.data.unit)), span, timed=False)
 
 
 Value = Callable[[Prediction], float]
@@ -178,3 +185,29 @@ def _draw_gains(chart: Chart, points: list[Prediction], x: Value) -> None:
         values = 100.0 * _values(points, lambda point, name=name: point.gains[name])  # type: ignore[misc]
         if values.any():
             chart.draw_curve(3, f"{'less' if name in NEEDS else 'more'} {name}", along, values, style, unit="%")
+
+
+def _draw_motor(chart: Chart, data: MachineData, points: list[Prediction], x: Value) -> None:
+    """Draw how much of the motor is used, or its forces where it is not known what it can give."""
+    if data.load is None:
+        return
+    row = len(ROWS) + 1
+    cycles = [p for p in points if p.cycle and p.length]
+    selected = [cycles[i] for i in evenly_spaced(len(cycles), MOTOR_POINTS).tolist()]
+    used = [predict_motor_use(data, data.load, p.length or 0.0, p.velocity) for p in selected]
+    along = _values(selected, x)
+    curves = (
+        ("rms of the motor", "rms", data.load.continuous_force, Style(RECEIVED, 2.0)),
+        ("peak of the motor", "peak", data.load.peak_force, Style(INK, 2.0)),
+    )
+    shares = data.load.continuous_force is not None or data.load.peak_force is not None
+    unit = "%" if shares else force_unit(data.load)
+    quantity = "torque" if data.load.turns else "force"
+    chart.write_title(row, f"use of the motor's {quantity} in %" if shares else with_unit(f"motor's {quantity}", unit))
+    for name, key, can_give, style in curves:
+        if can_give is not None or not shares:
+            scale = 100.0 / can_give if can_give else 1.0
+            chart.draw_curve(row, name, along, scale * np.array([getattr(m, key) for m in used]), style, unit=unit)
+    if shares:
+        chart.draw_horizontal_line(row, "all that the motor can give", 100.0)
+    chart.include(row, 0.0)
