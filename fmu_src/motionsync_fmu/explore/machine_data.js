@@ -245,10 +245,17 @@ function marksOf(run, picture, {spec, pieces, span: drawn}) {
   return picture.product_distance ? {places: productsOf(run, picture, drawn)} : null;
 }
 
-/** Where the products are: the slave meets each at the beginning of its zone. */
+/** How far the master, as the block takes it, is off from the true one: turns do not count. */
+function masterErrors(course) {
+  const taken = course.column("master.smoothed_position"), period = course.scenario.start["master.period"] ?? 0;
+  return course.axis(0).map((x, k) => taken[k] - x).map((off) => (period ? off - period * Math.round(off / period) : off));
+}
+
+/** Where the products are: the slave meets each at the beginning of its zone, where the block has the master. */
 function productsOf(run, picture, drawn) {
   const missing = run.values(picture.product_distance), before = run.start(picture.zone[0]) / run.start(picture.ratio);
-  const meetings = [...run.master.map((m, k) => m + missing[k])].filter((_, k) => missing[k] > 0);
+  const off = masterErrors(run.course);
+  const meetings = [...run.master.map((m, k) => m + off[k] + missing[k])].filter((_, k) => missing[k] > 0);
   const places = [...new Set(meetings.map((m) => Number(m.toFixed(6)) - before))].sort((a, b) => a - b);
   return places.filter((place, i) => !i || place - places[i - 1] > 1e-6 * drawn);
 }

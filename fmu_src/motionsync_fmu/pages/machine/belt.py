@@ -85,10 +85,11 @@ def _marks(run: Run, picture: dict[str, Any], pieces: list[Piece], span: float) 
 
 
 def _products(run: Run, picture: dict[str, Any], span: float) -> list[float]:
-    """Where the products are: the slave meets each at the beginning of its zone."""
-    missing = run.values(picture["product_distance"])
-    ahead = missing > 0.0
-    meetings = run.recording.master[ahead, 0] + missing[ahead]
+    """Where the products are: the slave meets each at the beginning of its zone, where the block has the master."""
+    missing, true = run.values(picture["product_distance"]), run.recording.master[:, 0]
+    off, period = run.values("master.smoothed_position") - true, run.scenario.period
+    taken = true + (off - period * np.round(off / period) if period else off)
+    meetings = (taken + missing)[missing > 0.0]
     places = np.unique(np.round(meetings, 6)) - run.start(picture["zone"][0]) / run.start(picture["ratio"])
     return rounded(places[np.diff(places, prepend=-np.inf) > 1e-6 * span], DIGITS)
 
