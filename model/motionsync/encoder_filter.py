@@ -26,9 +26,10 @@ class EncoderFilter:
     """The estimate of the line's motion at the instant of the latest measurement, in u, u/s and u/s2, and the
     acceleration of the path that leads to it, in u/s2.
 
-    `age` is the time since the latest measurement, `sample_clock` the time since the latest multiple of the sample
-    time, both in s and at the start of the coming step. `share` and `frequency` are those of `interval`, the latest
-    step: while steps are equal, nothing is divided.
+    All else is that of the start of the coming step: `age` is the time since the latest measurement, `sample_clock` the
+    time since the latest multiple of the sample time, both in s; a measurement `is_due` then or not; where it is
+    expected, and with which velocity. `share` and `frequency` are those of `interval`, the age of the latest estimate
+    that was corrected: while measurements come at equal distances, nothing is divided.
     """
 
     position: float = 0.0
@@ -36,58 +37,27 @@ class EncoderFilter:
     acceleration: float = 0.0
     path_acceleration: float = 0.0
     age: float = 0.0
+    sample_clock: Clock = var.part(Clock)
+    is_due: bool = False
+    expected_position: float = 0.0
+    expected_velocity: float = 0.0
     interval: float = 0.0
     share: float = 0.0
     frequency: float = 0.0
-    sample_clock: Clock = var.part(Clock)
 
-    def start(self) -> None:
-        """The coming step begins with the first measurement."""
-        self.age = 0.0
-        self.sample_clock.start(0.0)
-
-    def is_sampled(self, sample_time: float) -> bool:
-        """Whether a measurement is taken at the start of the coming step, which is not the first."""
-        return self.sample_clock.time >= (1.0 - SAMPLE_ROUNDING) * sample_time
-
-    def expected_position(self) -> float:
-        """Where the estimate leads to at the start of the coming step, u."""
-        return self.position + (self.velocity + 0.5 * self.acceleration * self.age) * self.age
-
-    def correction(self, interval: float, smoothing_time: float) -> tuple[float, float]:
-        """The share of an error that is corrected after an interval, s, and its reciprocal, 1/s."""
-        if interval == self.interval:
-            return self.share, self.frequency
-        return correction_share(interval, smoothing_time), min(1.0 / interval, LARGEST_FREQUENCY)
-
-    def corrected(self, measured: float, smoothing_time: float) -> tuple[float, float, float]:
+    def corrected(self, measured: float) -> tuple[float, float, float]:
         """The estimate after a measurement at the start of the coming step."""
-        expected = self.expected_position()
-        error = measured - expected
-        share, frequency = self.correction(self.age, smoothing_time)
+        error = measured - self.expected_position
+        share = self.share
         theta = 1.0 - share
-        rate = share * share * frequency * error
-        velocity = self.velocity + self.acceleration * self.age + 1.5 * (1.0 + theta) * rate
-        acceleration = self.acceleration + share * frequency * rate
+        rate = share * share * self.frequency * error
+        velocity = self.expected_velocity + 1.5 * (1.0 + theta) * rate
+        acceleration = self.acceleration + share * self.frequency * rate
         return (
-            expected + (1.0 - theta * theta * theta) * error,
+            self.expected_position + (1.0 - theta * theta * theta) * error,
             clamp(velocity, -LARGEST_INPUT, LARGEST_INPUT),
             clamp(acceleration, -LARGEST_INPUT, LARGEST_INPUT),
         )
-
-    def leading_acceleration(
-        self,
-        missing: float,
-        missing_velocity: float,
-        acceleration: float,
-        interval: float,
-        smoothing_time: float,
-    ) -> float:
-        """The acceleration, u/s2, that leads to a motion with this acceleration, from a position and a velocity to
-        which so much is missing, if it is chosen anew after each interval, s."""
-        share, frequency = self.correction(interval, smoothing_time)
-        rate = 0.5 * share * (4.0 - share) * missing_velocity + share * share * frequency * missing
-        return clamp(acceleration + frequency * rate, -LARGEST_INPUT, LARGEST_INPUT)
 
     def set(self, position: float, velocity: float, acceleration: float, path_acceleration: float) -> None:
         """Take over an estimate of the start of the coming step."""
@@ -103,11 +73,38 @@ class EncoderFilter:
             passed = floor(self.sample_clock.time / sample_time + SAMPLE_ROUNDING)
             self.sample_clock.advance(-passed * sample_time)
             self.sample_clock.advance(h)
+        self.is_due = self.sample_clock.time >= (1.0 - SAMPLE_ROUNDING) * sample_time
         self.age += h
-        share, frequency = self.correction(h, smoothing_time)
-        self.interval = h
-        self.share = share
-        self.frequency = frequency
+        self.expect()
+        if self.is_due and self.age != self.interval:
+            share, frequency = correction(self.age, smoothing_time)
+            self.interval = self.age
+            self.share = share
+            self.frequency = frequency
+
+    def expect(self) -> None:
+        """Where the estimate leads to at the start of the coming step."""
+        self.expected_position = self.position + (self.velocity + 0.5 * self.acceleration * self.age) * self.age
+        self.expected_velocity = self.velocity + self.acceleration * self.age
+
+    def rebase(self, turns: float) -> None:
+        """Drop whole turns, u."""
+        self.position -= turns
+        self.expect()
+
+
+def leading_acceleration(
+    missing: float, missing_velocity: float, acceleration: float, share: float, frequency: float
+) -> float:
+    """The acceleration, u/s2, that leads to a motion with this acceleration, from a position and a velocity to which so
+    much is missing, if it is chosen anew after each interval, of which share and frequency are given."""
+    rate = 0.5 * share * (4.0 - share) * missing_velocity + share * share * frequency * missing
+    return clamp(acceleration + frequency * rate, -LARGEST_INPUT, LARGEST_INPUT)
+
+
+def correction(interval: float, smoothing_time: float) -> tuple[float, float]:
+    """The share of an error that is corrected after an interval, s, and the interval's reciprocal, 1/s."""
+    return correction_share(interval, smoothing_time), min(1.0 / interval, LARGEST_FREQUENCY)
 
 
 def correction_share(interval: float, smoothing_time: float) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from . import var
 from .computable_range import clamp
-from .encoder_filter import EncoderFilter
+from .encoder_filter import EncoderFilter, correction, leading_acceleration
 from .grid import wrap
 from .master_path import MasterPath
 from .var import LARGEST_INPUT, Enumeration, Unit
@@ -61,24 +61,15 @@ class InputWarning(Enumeration):
 @dataclass(slots=True)
 class ResolutionWatch:
     """Whether positions come in counts: those of a line of constant velocity have second differences of 0, one count
-    up and one down, the last two in turns. An ideal line has constant ones; noise has any."""
+    up and one down, the last two in turns. An ideal line has constant ones; noise has any.
 
-    position: float = 0.0
-    change: float = 0.0
+    `second_difference`, u, is the last one that is not 0 but for rounding."""
+
     second_difference: float = 0.0
-    step: float = 0.0
     alternations: int = 0
 
-    def add(self, position: float, h: float) -> None:
-        """The position, u, of a step of h seconds."""
-        change = position - self.position
-        second_difference = change - self.change
-        is_regular = abs(h - self.step) <= 1e-9 * h
-        self.position = position
-        self.change = change
-        self.step = h
-        if abs(second_difference) <= ROUNDED * (abs(position) + abs(change)):
-            return
+    def add(self, second_difference: float, is_regular: bool) -> None:
+        """A second difference, u, that is not 0; of steps of equal length, or not."""
         error = abs(second_difference + self.second_difference)
         is_alternating = is_regular and error <= 1e-3 * abs(second_difference)
         self.alternations = min(self.alternations + 1, ALTERNATIONS) if is_alternating else 0
@@ -97,7 +88,8 @@ class Master:
     In mode POSITION_ONLY velocity and acceleration are estimated from the present input and the two before it,
     `last_sample` and `second_last_sample`, with the lengths of the steps that followed each of them. The estimates are
     limited to +-1e12, as Real inputs are, so that samples taken at nearly the same instant cannot make them infinite.
-    The mode START_OF_STEP stores the samples, too, so that single steps of that mode may come in between.
+    START_OF_STEP and END_OF_STEP store the samples, too: `resolution` watches them, and single steps of START_OF_STEP
+    may come in between those of POSITION_ONLY.
 
     In mode MEASURED `encoder` estimates the motion of the line, and the path is led on to the estimate: it joins the
     path of the step before, without a correction. The parts of the path are what the slave follows, not what the inputs
@@ -161,11 +153,9 @@ class Master:
         if self.has_too_many_turns(self.position) or self.has_too_many_turns(position):
             return False
         has_velocity = self.input_mode != MasterInput.POSITION_ONLY
-        self.end = wrap(position, self.period)
-        self.end_velocity = self.velocity + self.acceleration * age if has_velocity else 0.0
-        self.end_acceleration = self.acceleration if has_velocity else 0.0
+        velocity = self.velocity + self.acceleration * age if has_velocity else 0.0
+        self.set_end(wrap(position, self.period), velocity, self.acceleration if has_velocity else 0.0)
         self.samples = 0
-        self.show()
         return True
 
     def try_advance(self, h: float) -> bool:
@@ -173,16 +163,12 @@ class Master:
         if self.has_too_many_turns(self.position):
             return False
         match self.input_mode:
-            case MasterInput.START_OF_STEP:
-                return self.try_predict(h, self.unwrap_input(self.end), self.velocity, self.acceleration)
             case MasterInput.END_OF_STEP:
                 return self.try_interpolate(h)
-            case MasterInput.POSITION_ONLY:
-                position = self.unwrap_input(self.end)
-                velocity, acceleration = self.estimate(position)
-                return self.try_predict(h, position, velocity, acceleration)
-            case _:
+            case MasterInput.MEASURED:
                 return self.try_follow_measurement(h)
+            case _:
+                return self.try_predict(h)
 
     def longest_travel(self, h: float) -> float:
         """An upper bound of the distance that the master travels, back and forth, in the coming step, u.
@@ -192,23 +178,22 @@ class Master:
         if self.has_too_many_turns(self.position):
             return 0.0
         match self.input_mode:
-            case MasterInput.START_OF_STEP:
-                correction = abs(self.unwrap_input(self.end) - self.end) if self.samples > 0 else 0.0
-                return correction + (abs(self.velocity) + 0.5 * abs(self.acceleration) * h) * h
             case MasterInput.END_OF_STEP:
                 expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
                 if self.has_too_many_turns(expected):
                     return 0.0
                 return abs(self.unwrap_input(expected) - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h
-            case MasterInput.POSITION_ONLY:
+            case MasterInput.MEASURED:
+                if self.samples == 0:
+                    speed = abs(self.velocity + self.acceleration * self.delay)
+                    return (speed + 0.5 * abs(self.acceleration) * h) * h
+                _, _, _, acceleration = self.follow_measurement(h)
+                return (abs(self.end_velocity) + 0.5 * abs(acceleration) * h) * h
+            case _:
                 position = self.unwrap_input(self.end)
                 correction = abs(position - self.end) if self.samples > 0 else 0.0
-                velocity, acceleration = self.estimate(position)
+                velocity, acceleration = self.input_motion(position)
                 return correction + (abs(velocity) + 0.5 * abs(acceleration) * h) * h
-            case _:
-                _, velocity = self.path_start()
-                _, _, _, acceleration = self.follow_measurement(h)
-                return (abs(velocity) + 0.5 * abs(acceleration) * h) * h
 
     def velocity_at(self, time: float) -> float:
         """The master's velocity at a time within the step, interpolated between the velocities at both ends.
@@ -262,79 +247,112 @@ class Master:
         """Drop whole turns, so that positions keep their last bits over any number of turns.
 
         A block may call this whenever none of its positions belongs to a particular turn."""
-        if self.period > 0.0:
+        if self.period > 0.0 and not 0.0 <= self.end < self.period:
             wrapped = wrap(self.end, self.period)
             turns = self.end - wrapped
             self.end = wrapped
             self.last_sample -= turns
             self.second_last_sample -= turns
-            self.encoder.position -= turns
-            self.resolution.position -= turns
+            self.encoder.rebase(turns)
 
-    def try_predict(self, h: float, position: float, velocity: float, acceleration: float) -> bool:
-        """Set the path from the unwrapped input at t, with constant acceleration, to t+h; False: too many turns."""
+    def try_predict(self, h: float) -> bool:
+        """Set the path from the input at t, with constant acceleration, to t+h; False: too many turns."""
+        position = self.unwrap_input(self.end)
+        velocity, acceleration = self.input_motion(position)
         end = position + (velocity + 0.5 * acceleration * h) * h
         if self.has_too_many_turns(end):
             return False
+        self.set_path(h, position, velocity, acceleration, end)
+        self.add_sample(position, h)
+        return True
+
+    def set_path(self, h: float, position: float, velocity: float, acceleration: float, end: float) -> None:
+        """Set the path of constant acceleration, from an unwrapped position to the end."""
         former = self.end if self.samples > 0 else position
         self.begin = position
         self.begin_velocity = velocity
         self.begin_acceleration = acceleration
         self.step = h
         self.path.set_parabola(former, position, velocity, acceleration, h)
-        self.end = end
-        self.end_velocity = velocity + acceleration * h
-        self.end_acceleration = acceleration
+        self.set_end(end, velocity + acceleration * h, acceleration)
+
+    def input_motion(self, position: float) -> tuple[float, float]:
+        """Velocity and acceleration at t, where the inputs hold the master at t; `position` is the unwrapped input."""
+        if self.input_mode == MasterInput.POSITION_ONLY:
+            return self.estimate(position)
+        return self.velocity, self.acceleration
+
+    def add_sample(self, position: float, h: float) -> None:
+        """Store an input, unwrapped, and warn where inputs come in counts."""
+        change = position - self.last_sample
+        second_difference = change - (self.last_sample - self.second_last_sample)
+        if abs(second_difference) > ROUNDED * (abs(position) + abs(change)):
+            self.watch_resolution(second_difference, h)
         self.samples = min(self.samples + 1, 3)
         self.second_last_sample = self.last_sample
         self.second_last_step = self.last_step
         self.last_sample = position
         self.last_step = h
-        self.watch_resolution(position, h)
-        self.show()
-        return True
+
+    def watch_resolution(self, second_difference: float, h: float) -> None:
+        """Warn of inputs that come in counts; one with this second difference, u, is that of a step of h seconds."""
+        self.resolution.add(second_difference, abs(h - self.last_step) <= 1e-9 * h)
+        if self.resolution.alternations == ALTERNATIONS:
+            self.input_warning = InputWarning.COUNTS
 
     def try_follow_measurement(self, h: float) -> bool:
         """Set the path that leads on to the estimate from the measurements; False: as `try_predict`."""
+        encoder = self.encoder
+        if self.samples == 0:
+            return self.try_start_measurement(h)
         position, velocity, acceleration, path_acceleration = self.follow_measurement(h)
-        begin, begin_velocity = self.path_start()
-        is_first = self.samples == 0
-        is_sampled = is_first or self.encoder.is_sampled(self.sample_time)
-        if not self.try_predict(h, begin, begin_velocity, path_acceleration):
+        end = self.end + (self.end_velocity + 0.5 * path_acceleration * h) * h
+        if self.has_too_many_turns(end):
             return False
-        if is_first:
-            self.encoder.start()
-        if is_sampled:
-            self.encoder.set(position, velocity, acceleration, path_acceleration)
-        self.encoder.advance(h, self.smoothing_time, self.sample_time)
+        if encoder.is_due:
+            encoder.set(position, velocity, acceleration, path_acceleration)
+        encoder.advance(h, self.smoothing_time, self.sample_time)
+        self.set_path(h, self.end, self.end_velocity, path_acceleration, end)
         self.fastest = max(self.fastest, abs(self.end_velocity))
         return True
 
-    def path_start(self) -> tuple[float, float]:
-        """Position and velocity, u and u/s, at the start of the coming step in mode MEASURED."""
-        if self.samples > 0:
-            return self.end, self.end_velocity
+    def try_start_measurement(self, h: float) -> bool:
+        """Set the path of the first step, along the line as the inputs say that it runs; False: as `try_predict`."""
         age = self.delay
         travel = (self.velocity + 0.5 * self.acceleration * age) * age
-        return self.unwrap_input(self.end - travel) + travel, self.velocity + self.acceleration * age
+        measured = self.unwrap_input(self.end - travel)
+        begin = measured + travel
+        velocity = self.velocity + self.acceleration * age
+        end = begin + (velocity + 0.5 * self.acceleration * h) * h
+        if self.has_too_many_turns(end):
+            return False
+        self.encoder.set(measured, self.velocity, self.acceleration, self.acceleration)
+        self.encoder.sample_clock.start(0.0)
+        self.encoder.advance(h, self.smoothing_time, self.sample_time)
+        self.set_path(h, begin, velocity, self.acceleration, end)
+        self.samples = 1
+        self.fastest = max(self.fastest, abs(self.end_velocity))
+        return True
 
     def follow_measurement(self, h: float) -> tuple[float, float, float, float]:
-        """The encoder's estimate at the start of the coming step, and the acceleration that leads to it."""
+        """The encoder's estimate at the start of the coming step, which is not the first, and the acceleration that
+        leads to it."""
         encoder = self.encoder
-        age = self.delay
-        if self.samples == 0:
-            travel = (self.velocity + 0.5 * self.acceleration * age) * age
-            return self.unwrap_input(self.end - travel), self.velocity, self.acceleration, self.acceleration
-        if not encoder.is_sampled(self.sample_time):
+        if not encoder.is_due:
             return encoder.position, encoder.velocity, encoder.acceleration, encoder.path_acceleration
-        measured = self.unwrap_input(encoder.expected_position())
-        position, velocity, acceleration = encoder.corrected(measured, self.smoothing_time)
-        path_acceleration = encoder.leading_acceleration(
+        interval = max(h, self.sample_time)
+        share = encoder.share
+        frequency = encoder.frequency
+        if interval != encoder.interval:
+            share, frequency = correction(interval, self.smoothing_time)
+        position, velocity, acceleration = encoder.corrected(self.unwrap_input(encoder.expected_position))
+        age = self.delay
+        path_acceleration = leading_acceleration(
             position + (velocity + 0.5 * acceleration * age) * age - self.end,
             velocity + acceleration * age - self.end_velocity,
             acceleration,
-            max(h, self.sample_time),
-            self.smoothing_time,
+            share,
+            frequency,
         )
         return position, velocity, acceleration, path_acceleration
 
@@ -349,24 +367,18 @@ class Master:
         self.begin_acceleration = self.end_acceleration
         self.step = h
         self.path.set_cubic(self.end, self.end_velocity, position, self.velocity, h)
-        self.end = position
-        self.end_velocity = self.velocity
-        self.end_acceleration = self.acceleration
-        self.watch_resolution(position, h)
-        self.show()
+        self.set_end(position, self.velocity, self.acceleration)
+        self.add_sample(position, h)
         return True
 
-    def watch_resolution(self, position: float, h: float) -> None:
-        """Warn of a position, unwrapped, that comes in counts; in mode MEASURED it is the path's, and never does."""
-        self.resolution.add(position, h)
-        if self.resolution.alternations == ALTERNATIONS:
-            self.input_warning = InputWarning.COUNTS
-
-    def show(self) -> None:
-        """Set the outputs to the end of the step."""
-        self.smoothed_position = wrap(self.end, self.period)
-        self.smoothed_velocity = self.end_velocity
-        self.smoothed_acceleration = self.end_acceleration
+    def set_end(self, position: float, velocity: float, acceleration: float) -> None:
+        """The master at the end of the step, and what is shown of it."""
+        self.end = position
+        self.end_velocity = velocity
+        self.end_acceleration = acceleration
+        self.smoothed_velocity = velocity
+        self.smoothed_acceleration = acceleration
+        self.smoothed_position = wrap(position, self.period)
 
     def estimate(self, position: float) -> tuple[float, float]:
         """Velocity and acceleration, at the newest sample `position`, of the parabola through the last three samples.
@@ -395,4 +407,4 @@ class Master:
 
     def has_too_many_turns(self, position: float) -> bool:
         """Whether a position is so many periods away from 0 that the fraction of a turn is lost."""
-        return self.period > 0.0 and abs(position) / self.period > LARGEST_TURN_COUNT
+        return self.period > 0.0 and abs(position) > LARGEST_TURN_COUNT * self.period

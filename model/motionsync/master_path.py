@@ -37,9 +37,14 @@ class MasterPath:
         """The path of constant acceleration over h, after the correction from `former`. It has at most one turning
         point."""
         self.start(former, origin, velocity, 0.5 * acceleration, 0.0)
+        end = origin + (velocity + 0.5 * acceleration * h) * h
         if velocity * (velocity + acceleration * h) < 0.0:
             self.add_turning_point(-velocity / acceleration)
-        self.end_section(h, origin + (velocity + 0.5 * acceleration * h) * h)
+            self.end_section(h, end)
+        else:
+            self.times[2] = h
+            self.positions[2] = end
+            self.sections = 2
 
     def set_cubic(self, origin: float, velocity: float, end: float, end_velocity: float, h: float) -> None:
         """The cubic with these positions and velocities at its ends, without a correction. It has at most two turning
@@ -54,18 +59,25 @@ class MasterPath:
         c = velocity + end_velocity - 2.0 * mean
         if isfinite(b / h) and isfinite(c / h / h):
             self.start(origin, origin, velocity, b / h, c / h / h)
-            root = sqrt(max(b * b - 3.0 * c * velocity, 0.0))
-            q = -(b + root) if b >= 0.0 else root - b  # the root of greater magnitude has no cancellation
-            first = velocity / q if q != 0.0 else 0.0
-            second = q / (3.0 * c) if c != 0.0 else 0.0
-            if root > 0.0:
-                if 0.0 < min(first, second) < 1.0:
-                    self.add_turning_point(min(first, second) * h)
-                if 0.0 < max(first, second) < 1.0:
-                    self.add_turning_point(max(first, second) * h)
+            # Bernstein's coefficients of the velocity are the values at its ends and this one: it is between them.
+            between = velocity + b
+            if min(velocity, between, end_velocity) <= 0.0 <= max(velocity, between, end_velocity):
+                self.add_turning_points(b, c, h)
         else:
             self.start(origin, origin, clamp(mean, -GREATEST_SPEED, GREATEST_SPEED), 0.0, 0.0)
         self.end_section(h, end)
+
+    def add_turning_points(self, b: float, c: float, h: float) -> None:
+        """Add the turning points of the cubic with these coefficients of its velocity."""
+        root = sqrt(max(b * b - 3.0 * c * self.velocity, 0.0))
+        q = -(b + root) if b >= 0.0 else root - b  # the root of greater magnitude has no cancellation
+        first = self.velocity / q if q != 0.0 else 0.0
+        second = q / (3.0 * c) if c != 0.0 else 0.0
+        if root > 0.0:
+            if 0.0 < min(first, second) < 1.0:
+                self.add_turning_point(min(first, second) * h)
+            if 0.0 < max(first, second) < 1.0:
+                self.add_turning_point(max(first, second) * h)
 
     def start(self, former: float, origin: float, velocity: float, c2: float, c3: float) -> None:
         """The coefficients of the path, and section 0 from `former` to `origin`."""
@@ -74,8 +86,9 @@ class MasterPath:
         self.c2 = c2
         self.c3 = c3
         self.positions[0] = former
-        self.sections = 0
-        self.end_section(0.0, origin)
+        self.times[1] = 0.0
+        self.positions[1] = origin
+        self.sections = 1
 
     def add_turning_point(self, time: float) -> None:
         """Add a turning point: a section ends there and the next one starts."""

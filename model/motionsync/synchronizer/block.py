@@ -62,7 +62,7 @@ class Synchronizer(SynchronizerInterface):
         self.was_active = self.active
         self.start_edge.take_level(self.start)
         self.stop_edge.take_level(self.stop)
-        self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
+        self.set_slave()
         self.show()
         return Refusal.NONE
 
@@ -74,7 +74,7 @@ class Synchronizer(SynchronizerInterface):
         self.obey()
         for section in range(1, self.master.path.sections):
             self.travel(section)
-        self.set_slave_at(self.master.end, self.master.end_velocity, self.master.end_acceleration)
+        self.set_slave()
         self.show()
         self.rebase()
         return Refusal.NONE
@@ -217,14 +217,15 @@ class Synchronizer(SynchronizerInterface):
 
     # --- the outputs ---
 
-    def set_slave_at(self, master_position: float, velocity: float, acceleration: float) -> None:
-        """The setpoint that belongs to this motion of the master, whose jerk is taken as 0 on the ramp."""
-        if self.stage == Stage.RAMPING and self.transition.is_on_ramp_at(master_position, 0.0):
-            position, d1, d2, d3 = self.transition.follow(master_position)
-            v, a, j = chain_rule(d1, d2, d3, velocity, acceleration)
-            self.slave.set(wrap(position, self.master.period), v, a, j)
+    def set_slave(self) -> None:
+        """The setpoint that belongs to the master at the end of the step, whose jerk is taken as 0 on the ramp."""
+        master = self.master
+        if self.stage == Stage.RAMPING and self.transition.is_on_ramp_at(master.end, 0.0):
+            position, d1, d2, d3 = self.transition.follow(master.end)
+            v, a, j = chain_rule(d1, d2, d3, master.end_velocity, master.end_acceleration)
+            self.slave.set(wrap(position, master.period), v, a, j)
         elif self.is_synchronized():
-            self.slave.set(wrap(master_position, self.master.period), velocity, acceleration, 0.0)
+            self.slave.set(master.smoothed_position, master.end_velocity, master.end_acceleration, 0.0)
         else:
             self.slave.set(self.rest, 0.0, 0.0, 0.0)
 
