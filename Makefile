@@ -57,9 +57,10 @@ format: $(TESTABLE) ## repair the style
 references: $(TESTABLE) ## the cross-check files of all scenarios, or of B=flying_saw alone, from scripts and oracles
 	$(BIN)/python -m tests.regenerate $(B)
 
-pictures: $(READY) ## the README's pictures
+pictures: $(READY) ## the pictures of the README and of docs/
 	$(BIN)/python -m motionsync_fmu.pages.pictures docs
 	$(BIN)/python -m tools.shortest_length_picture docs
+	$(BIN)/python -m tools.measured_line_pictures docs
 
 benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are like
 	$(BIN)/python benchmarks/step_cost.py

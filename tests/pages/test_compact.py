@@ -22,6 +22,10 @@ def test_a_curve_is_left_as_it_is() -> None:
     assert compact(b'<path d="M 1 2 \nQ 3 4 5 6 \n"/>') == b'<path d="M 1 2 \nQ 3 4 5 6 \n"/>'
 
 
+def test_a_text_keeps_its_digits() -> None:
+    assert compact(b'<text x="1.234">0.025 mm</text>') == b'<text x="1.2">0.025 mm</text>'
+
+
 def test_what_nobody_sees_is_left_out() -> None:
     drawn = b"""<?xml version="1.0" encoding="utf-8" standalone="no"?>
 <!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN"

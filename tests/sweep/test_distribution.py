@@ -39,20 +39,20 @@ def of(column: Sequence[object], kind: pa.DataType, tolerances: Sequence[float |
     return Made(pa.table(columns), batch)
 
 
-def found(rows: object, name: str = "value") -> Distribution | None:
+def distribution_of(rows: object, name: str = "value") -> Distribution | None:
     assert isinstance(rows, Made)
     return find_distribution(rows, name)  # type: ignore[arg-type]
 
 
 def pooled(runs: Sequence[Sequence[float]], tolerance: float = TOLERANCE, batch: int = 7) -> Distribution:
-    result = found(of(runs, pa.list_(pa.float64()), [tolerance] * len(runs), batch), ERRORS)
+    result = distribution_of(of(runs, pa.list_(pa.float64()), [tolerance] * len(runs), batch), ERRORS)
     assert result
     return result
 
 
 def test_numbers_are_counted_without_those_that_are_missing_or_infinite() -> None:
     """3, 1, 2, 10: mean 4, sigma sqrt((1 + 9 + 4 + 36) / 3)."""
-    d = found(of([3.0, None, 1.0, math.inf, 2.0, math.nan, 10.0], pa.float64(), batch=2))
+    d = distribution_of(of([3.0, None, 1.0, math.inf, 2.0, math.nan, 10.0], pa.float64(), batch=2))
     assert d
     assert (d.runs, d.count, d.mean, d.least, d.greatest, d.worst) == (4, 4, 4.0, 1.0, 10.0, 10.0)
     assert d.sigma == pytest.approx(math.sqrt(50.0 / 3.0), rel=1e-15)
@@ -61,18 +61,18 @@ def test_numbers_are_counted_without_those_that_are_missing_or_infinite() -> Non
 
 
 def test_whole_numbers_and_equal_ones_have_a_distribution() -> None:
-    d = found(of([3, 3, 3], pa.int64()))
+    d = distribution_of(of([3, 3, 3], pa.int64()))
     assert d
     assert (d.mean, d.sigma, d.quantile(0.5)) == (3.0, 0.0, 3.0)
-    single = found(of([-2.5], pa.float64()))
+    single = distribution_of(of([-2.5], pa.float64()))
     assert single
     assert math.isnan(single.sigma)
     assert (single.worst, single.quantile(0.01)) == (-2.5, -2.5)
 
 
 def test_without_any_value_there_is_no_distribution() -> None:
-    assert found(of([None, math.nan], pa.float64())) is None
-    assert found(of([[], None], pa.list_(pa.float64()), [0.1, None]), ERRORS) is None
+    assert distribution_of(of([None, math.nan], pa.float64())) is None
+    assert distribution_of(of([[], None], pa.list_(pa.float64()), [0.1, None]), ERRORS) is None
 
 
 @pytest.mark.parametrize("batch", [1, 13, 1000])
@@ -95,10 +95,10 @@ def test_the_pieces_of_all_runs_are_counted_together(batch: int) -> None:
 
 def test_a_capability_needs_one_tolerance() -> None:
     lists = pa.list_(pa.float64())
-    d = found(of([[0.01], [0.02]], lists, [0.1, 0.2]), ERRORS)
+    d = distribution_of(of([[0.01], [0.02]], lists, [0.1, 0.2]), ERRORS)
     assert d
     assert d.capability is None
-    refused = found(of([[0.01, 0.03], None, [0.02]], lists, [0.1, None, 0.1]), ERRORS)
+    refused = distribution_of(of([[0.01, 0.03], None, [0.02]], lists, [0.1, None, 0.1]), ERRORS)
     assert refused
     assert refused.capability
     assert refused.capability.c_pk == pytest.approx((0.1 - 0.02) / (3.0 * 0.01))

@@ -2,6 +2,8 @@
 
 import re
 
+TAG = re.compile(rb"<[^>]*>")  # with the coordinates; between tags are texts, whose numbers stay
+NUMBER = re.compile(rb"-?\d+\.\d{2,}")
 PATH = re.compile(rb' d="((?:[ML] \S+ \S+ \n|z\n)+)"')  # of straight lines only
 POINT = re.compile(rb"([MLz])(?: (\S+) (\S+))?")
 PLOT = re.compile(r"(<pre>.*?</pre>)", re.S)  # of characters: its lines and blanks are seen
@@ -22,7 +24,7 @@ def compact(drawing: bytes) -> bytes:
     """Matplotlib's drawing with coordinates to a tenth of a point, each relative to the one before it.
 
     Metadata, indentation, groups without a purpose, names that nothing refers to and rotations by 0 are left out."""
-    text = re.sub(rb"-?\d+\.\d{2,}", lambda number: b"%g" % round(float(number[0]), 1), drawing)
+    text = TAG.sub(lambda tag: NUMBER.sub(lambda number: b"%g" % round(float(number[0]), 1), tag[0]), drawing)
     text = re.sub(rb"\s*<metadata>.*?</metadata>|<\?xml.*?>\s*|<!DOCTYPE.*?>\s*", b"", text, flags=re.S)
     text = re.sub(rb' transform="rotate\(-?0 [^)]*\)"', b"", text)
     used = set(re.findall(rb"#(\w+)", text))

@@ -92,9 +92,9 @@ class Distribution:
         """All of it but the bins, by its names, with the quantiles; what is not known is None."""
         values = asdict(self) | {"quantiles": {f"{share:g}": self.quantile(share) for share in SHARES}}
         del values["counts"]
-        nested = {name: _known(value) for name, value in values.items()}
+        nested = {name: _finite(value) for name, value in values.items()}
         if self.capability:
-            nested["capability"] = {name: _known(value) for name, value in asdict(self.capability).items()}
+            nested["capability"] = {name: _finite(value) for name, value in asdict(self.capability).items()}
         return nested
 
 
@@ -123,8 +123,8 @@ def find_distribution(rows: Rows, name: str) -> Distribution | None:
         if capability:
             capability.add(values, runs)
     m = moments
-    found = capability.result() if capability else None
-    return Distribution(m.runs, m.count, m.mean, m.sigma, m.least, m.greatest, found, bins)
+    result = capability.result() if capability else None
+    return Distribution(m.runs, m.count, m.mean, m.sigma, m.least, m.greatest, result, bins)
 
 
 class _Moments:
@@ -204,5 +204,5 @@ def _values(column: Any) -> tuple[Reals, NDArray[np.int64]]:
     return values[is_finite], runs[is_finite].astype(np.int64)
 
 
-def _known(value: Any) -> Any:
+def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value

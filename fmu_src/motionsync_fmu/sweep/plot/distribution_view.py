@@ -158,8 +158,8 @@ def _run_quantiles(db: Database) -> dict[str, list[float]]:
         for i, value in enumerate(PER_RUN.values())
     )
     row = db.one(f"SELECT {figures} FROM runs")
-    found = {name: row[f"f{i}"] for i, name in enumerate(PER_RUN)}
-    return {name: [*map(float, values)] for name, values in found.items() if values is not None}
+    quantiles = {name: row[f"f{i}"] for i, name in enumerate(PER_RUN)}
+    return {name: [*map(float, values)] for name, values in quantiles.items() if values is not None}
 
 
 def distribution_figures(view: DistributionView) -> Iterator[tuple[str, str, str]]:
