@@ -173,3 +173,20 @@ def test_no_texts_over_the_pieces_touch(open_report: OpenReport, width: int) -> 
     for i, (_, left, right, top, bottom) in enumerate(upper):
         for _, other_left, other_right, other_top, other_bottom in upper[:i]:
             assert left >= other_right or other_left >= right or top >= other_bottom or other_top >= bottom
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_no_text_of_a_real_machine_is_hidden(open_report: OpenReport, width: int) -> None:
+    """Neither cut off at the border of a chart, nor on another text."""
+    visit = open_report("CutToLength/measured_line", width=width)
+    assert visit.overflow() <= 0.0
+    for name, text in (
+        ("Pieces passing", "0 for each product"),
+        ("Histogram of the true length errors", "0.1 mm"),
+        ("True length errors over time", "tolerance 0.1 mm"),
+        ("The axis and its motor", "continuous 900 N"),
+        ("Force over velocity", "peak 3000 N"),
+    ):
+        chart = ChartView(visit, name)
+        assert text in chart.texts
+        assert chart.hidden_texts() == [], name

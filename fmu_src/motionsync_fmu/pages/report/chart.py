@@ -124,10 +124,10 @@ class Chart:
         return self.axes
 
     def draw_vertical_line(self, value: float, text: str = "", colour: str = MUTED) -> None:
-        """Draw a line through all rows at a value of the horizontal axis."""
+        """Draw a line through all rows at a value of the horizontal axis; if it is not muted, over the grid."""
         line = {"type": "line", "xref": "x", "yref": "paper", "x0": value, "x1": value, "y0": 0, "y1": 1}
-        opacity = 0.5 if colour == MUTED else 1.0
-        style = {"line": {"color": colour, "width": 1, "dash": "dot"}, "opacity": opacity, "layer": "below"}
+        opacity, layer = (0.5, "below") if colour == MUTED else (1.0, "above")
+        style = {"line": {"color": colour, "width": 1, "dash": "dot"}, "opacity": opacity, "layer": layer}
         self.layout["shapes"].append(line | style)
         if text:
             anchor = "left" if 2.0 * value < sum(self.span) else "right"  # so that it does not leave the chart

@@ -259,7 +259,7 @@ def _draw_errors(chart: Chart, production: Production) -> None:
     _draw_stems(chart, production, most)
     if rounding and production.products:
         text = f"0 to rounding: at most {engineering(worst, production.unit)}" if worst else "0 for each product"
-        chart.annotate(text, yref="y3 domain", x=0.5, y=0.85)
+        chart.annotate(text, yref="y3 domain", x=0.5, y=0.3)  # between the errors, all at 0, and the lower tolerance
     chart.axis(3)["range"] = [-1.12 * most, 1.12 * most]
     if most < SMALL:
         chart.axis(3)["tickformat"] = ".2~e"

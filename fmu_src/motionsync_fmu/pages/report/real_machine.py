@@ -103,12 +103,15 @@ def _draw_motor_limits(chart: Chart, row: int, scenario: Scenario, load: LoadFig
     """Draw what the motor can give for moments and for ever, and the rms that it has to give."""
     if not scenario.load:
         return
-    limits = (("peak", scenario.load.peak_force, "dash"), ("continuous", scenario.load.continuous_force, "dot"))
-    for name, force, dash in limits:
+    limits = (
+        ("peak", scenario.load.peak_force, "dash", "top"),
+        ("continuous", scenario.load.continuous_force, "dot", "bottom"),  # below it is the rms
+    )
+    for name, force, dash, anchor in limits:
         if force is None:
             continue
         for limit in (-force, force):
             chart.draw_horizontal_line(row, f"{name} limit of the motor", limit, dash)
-        chart.write_limit(row, force, f"{name} {engineering(force, load.unit)}")
+        chart.write_limit(row, force, f"{name} {engineering(force, load.unit)}", anchor)
     rms = {"type": "scatter", "mode": "lines", "x": list(chart.span), "y": [load.rms] * 2, "hoverinfo": "skip"}
     chart.add_trace(row, "rms over the cycles", rms | {"line": {"color": LIMIT, "width": 1.6}})
