@@ -252,6 +252,207 @@ def test_what_the_block_refuses_is_shown_in_its_words(open_block: OpenBlock) -> 
     assert visit.page.locator("#problem").inner_text() == ""
 
 
+# --- the measured line ---
+
+SMOOTHED_VELOCITY = """() => {
+  const [velocity] = motionsyncExplore.plots().slice(1), [, , smoothed, line] = velocity.data;
+  return [Array.from(smoothed), Array.from(line)];
+}"""
+LOWEST_PLOT = """() => {
+  const plot = motionsyncExplore.plots().at(-1);
+  return [plot.axes[1].label, Array.from(plot.data[2])];
+}"""
+
+
+def switch(visit: Visit, on: bool) -> None:
+    """Move the switch *measured line*."""
+    visit.page.get_by_label("measured line", exact=True).set_checked(on)
+    settle(visit)
+
+
+def is_on(visit: Visit) -> bool:
+    return bool(visit.page.get_by_label("measured line", exact=True).is_checked())
+
+
+def line_key(visit: Visit) -> str:
+    """What the lines of the plots are, as the page has it above them."""
+    return " ".join(visit.page.locator(".key").inner_text().split())
+
+
+def off_by(visit: Visit) -> np.ndarray:
+    """The lowest plot: how far the master that the block takes is off from the true one."""
+    label, values = visit.page.evaluate(LOWEST_PLOT)
+    assert label.startswith("master off by")
+    return np.array(values, float)
+
+
+def test_every_block_with_a_master_has_the_switch(open_block: OpenBlock, block: str) -> None:
+    """On a telephone, too: the plots and the key change, the page does not get wider, and the machine plays."""
+    visit = open_block(block, width=390)
+    if "master.position" not in Recipe(block).variables:
+        assert visit.page.get_by_label("measured line", exact=True).count() == 0
+        assert visit.page.get_by_label("encoder.noise", exact=True).count() == 0
+        return
+    assert not is_on(visit)
+    assert "true master" not in line_key(visit)
+    plots = visit.page.locator(".plot").count()
+    switch(visit, True)
+    assert visit.page.locator("#problem").inner_text() == ""
+    assert visit.page.locator(".plot").count() == plots + 1
+    assert "true master" in line_key(visit)
+    assert "smoothed master, as the block takes it" in line_key(visit)
+    wide_open(visit)
+    smoothed, true = map(np.array, visit.page.evaluate(SMOOTHED_VELOCITY))
+    assert np.ptp(true) == 0.0  # the lines of all examples run at one velocity
+    assert 0.0 < np.std(smoothed) < 0.1 * abs(true[0])
+    assert np.mean(smoothed) == pytest.approx(true[0], rel=0.02)
+    visit.freeze()
+    visit.page.locator(".motionsync-machine").focus()
+    visit.page.keyboard.press(" ")
+    visit.wait(1000)
+    assert visit.time == pytest.approx(1.0, abs=0.2)
+
+
+def test_the_saw_makes_all_cuts_on_a_measured_line(open_block: OpenBlock) -> None:
+    """1000 mm/s for 5 s: two pieces of 1500 mm, as without the encoder. The blade is where the cut is due to within
+    some 0.1 mm, of which half a count and the noise make most."""
+    visit = open_block("CutToLength", "basic_cut")
+    switch(visit, True)
+    assert pieces_at_the_end(visit, 5.0) == 2
+    assert visit.readout("last piece") == "1500.00 mm PRODUCT"
+    assert "statistics.skipped 0" in lamps(visit)
+    assert "statistics.late 0" in lamps(visit)
+    assert log(visit) == "The block has logged nothing."
+    assert 0.02 < np.abs(off_by(visit)).max() < 0.2
+
+
+def test_the_noise_of_the_smoothed_line_is_that_of_the_filter(open_block: OpenBlock) -> None:
+    """One sigma at 1 ms and 20 ms, by the Lyapunov equation of the filter: 0.266 of the encoder's for the position, and
+    0.3193 mm/s with 0.02 mm for the velocity. The filter is linear: ten times the noise makes ten times of it."""
+    visit = open_block("CutToLength", "basic_cut")
+    visit.page.locator("summary", has_text="The run").click()
+    fill(visit, "step_size", "0.001")
+    switch(visit, True)
+    slide(visit, "encoder.resolution", 0.0)
+    slide(visit, "encoder.delay", 0.0)
+    few = off_by(visit)
+    velocity, _ = map(np.array, visit.page.evaluate(SMOOTHED_VELOCITY))
+    assert few[500:].std() == pytest.approx(0.266 * 0.02, rel=0.2)
+    assert velocity[500:].std() == pytest.approx(0.3193, rel=0.2)
+    slide(visit, "encoder.noise", 0.2)
+    assert off_by(visit)[500:] == pytest.approx(10.0 * few[500:], abs=1e-6)
+    slide(visit, "encoder.noise", 0.02)
+    slide(visit, "master.smoothing_time", 0.08)  # 1.187 sqrt(h / tau): half of it
+    assert off_by(visit)[500:].std() == pytest.approx(0.133 * 0.02, rel=0.35)
+
+
+def test_what_the_block_does_not_know_of_the_encoder_shows(open_block: OpenBlock) -> None:
+    """Without noise and counts, at 1000 mm/s: the block carries the position on over a delay that it knows; in another
+    mode it knows of none, and is 1000 mm/s times 5 ms late."""
+    visit = open_block("CutToLength", "basic_cut")
+    switch(visit, True)
+    for name, x in {"encoder.resolution": 0.0, "encoder.noise": 0.0, "encoder.delay": 0.005}.items():
+        slide(visit, name, x)
+    taken = visit.page.locator("#taken")
+    assert off_by(visit) == pytest.approx(0.0, abs=1e-6)
+    assert taken.inner_text() == (
+        "The block smooths it, and carries it on to the present: master.input_mode is MEASURED."
+    )
+    visit.page.get_by_label("Another one", exact=True).select_option("master.delay")
+    settle(visit)
+    fill(visit, "master.delay", "0.007")
+    assert "It does so by master.delay = 0.007 s, as the start values have it." in taken.inner_text()
+    assert off_by(visit)[100:] == pytest.approx(1000.0 * 0.002, abs=1e-6)
+    visit.page.get_by_label("Another one", exact=True).select_option("master.input_mode")
+    visit.page.get_by_label("master.input_mode", exact=True).select_option("START_OF_STEP")
+    settle(visit)
+    assert taken.inner_text() == "The block does not smooth it: the start value of master.input_mode is START_OF_STEP."
+    assert "smoothed" not in line_key(visit)
+    assert off_by(visit)[100:] == pytest.approx(-1000.0 * 0.005, abs=1e-6)
+
+
+def test_the_switch_gives_back_what_was_there(open_block: OpenBlock) -> None:
+    """Off, the line is ideal again; on, the encoder is as it was left. The keyboard stays on the switch."""
+    visit = open_block("CutToLength", "basic_cut")
+    switch(visit, True)
+    badge(visit, "changed")
+    slide(visit, "encoder.noise", 0.1)
+    slide(visit, "master.smoothing_time", 0.05)
+    visit.page.get_by_label("measured line", exact=True).focus()
+    visit.page.keyboard.press(" ")
+    settle(visit)
+    badge(visit, "same bits")
+    assert visit.page.get_by_label("encoder.noise", exact=True).count() == 0
+    assert "smoothed" not in line_key(visit)
+    visit.page.keyboard.press(" ")
+    settle(visit)
+    assert is_on(visit)
+    assert visit.page.get_by_label("encoder.noise", exact=True).input_value() == "0.1"
+    assert visit.page.get_by_label("master.smoothing_time", exact=True).input_value() == "0.05"
+    visit.page.get_by_role("button", name="As it was").click()
+    assert not is_on(visit)
+    badge(visit, "same bits")
+
+
+def test_a_scenario_with_an_encoder_begins_with_the_switch_on(open_block: OpenBlock) -> None:
+    visit = open_block("CutToLength", "measured_line")
+    badge(visit, "same bits")
+    assert is_on(visit)
+    assert visit.page.get_by_label("encoder.resolution", exact=True).input_value() == "0.05"
+    assert "master.delay = 0.004 s" in visit.page.locator("#taken").inner_text()
+    switch(visit, False)
+    badge(visit, "changed")
+    assert visit.page.locator("#problem").inner_text() == ""
+    switch(visit, True)
+    badge(visit, "same bits")
+
+
+def test_a_recorded_line_has_been_measured(open_block: OpenBlock) -> None:
+    """Nobody knows where it truly was: its smoothing time is all that can be chosen. While the line runs evenly, its
+    velocity changes by noise alone, which the longer time makes far less."""
+    visit = open_block("CutToLength", "recorded_line")
+    badge(visit, "same bits")
+    box = visit.page.get_by_label("measured line", exact=True)
+    assert (box.is_checked(), box.is_enabled()) == (True, False)
+    assert visit.page.get_by_label("encoder.noise", exact=True).count() == 0
+    assert "recorded master" in line_key(visit)
+    before = visit.page.evaluate(SMOOTHED_VELOCITY)
+    slide(visit, "master.smoothing_time", 0.1)
+    after = visit.page.evaluate(SMOOTHED_VELOCITY)
+    assert after[1] == before[1]
+    changes = [np.median(np.abs(np.diff(smoothed))) for smoothed, _ in (before, after)]
+    assert changes[1] < 0.1 * changes[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "resolution", "noise"),
+    [("mm", 0.05, 0.02), ("m", 0.00005, 0.00002), ("deg", 0.02, 0.008), ("turns", 0.05, 0.02)],
+)
+def test_the_encoder_suits_the_unit(
+    open_page: Open, fmus: Fmus, tmp_path: Path, name: str, resolution: float, noise: float
+) -> None:
+    """A wheel counts 0.05 mm. Else a turn has 7200 counts, or a count is the travel in 0.1 ms at the greatest velocity:
+    300 deg/s make 0.03, of which 0.02 is the next round number. The sliders go up to ten times that."""
+    unit, period = {"m": ("m", 0.0), "deg": ("deg", 0.0), "turns": ("deg", 360.0)}.get(name, ("mm", 0.0))
+    start = f'[start]\n"master.period" = {period}\n' if period else ""
+    file = tmp_path / f"{name}.toml"
+    head = f'title = "A line"\nfmu = "Gearing"\nunit = "{unit}"\nstop_time = 1.0\nstep_size = 0.01\n'
+    line = "[master]\nvelocity = 50.0\nsegments = [{ duration = 0.5, acceleration = 500.0 }]\n"
+    file.write_text(f"{head}{start}{line}")
+    page = tmp_path / "Gearing.html"
+    write_page("Gearing", [load_scenario(file)], fmus.native("Gearing"), page)
+    visit = open_page(page)
+    visit.page.wait_for_selector("html[data-ready]")
+    switch(visit, True)
+    for key, x in {"resolution": resolution, "noise": noise, "delay": 0.002}.items():
+        assert float(visit.page.get_by_label(f"encoder.{key}", exact=True).input_value()) == x
+        slider = visit.page.get_by_label(f"encoder.{key}, slider", exact=True)
+        assert float(slider.get_attribute("max")) == pytest.approx(10.0 * x)
+        assert float(slider.input_value()) == pytest.approx(x)
+    units = visit.page.locator('[data-name="encoder.noise"] .unit').inner_text()
+    assert units == unit
+
+
 # --- what the saw cannot do, and what is refused ---
 
 
@@ -313,6 +514,14 @@ def test_a_warning_leads_to_its_time(open_block: OpenBlock) -> None:
         ("stop_time", "-1", "stop_time = -1 is not allowed: it must be > 0"),
         ("step_size", "1e-6", "step_size = 0.000001 is not allowed: it must be >= 0.000025, for at most 200000 steps"),
         ("time of the setting, in s", "7", "time of the setting = 7 is not allowed: it must be > 0 and < 5"),
+        ("encoder.resolution", "1e-10", "encoder.resolution = 1e-10 is not allowed: it must be 0, or >= 1e-9 and <= 1"),
+        ("encoder.noise", "-0.01", "encoder.noise = -0.01 is not allowed: it must be >= 0 and <= 1000000000000"),
+        ("encoder.delay", "1.5", "encoder.delay = 1.5 is not allowed: it must be >= 0 and <= 1"),
+        (
+            "master.smoothing_time",
+            "11",
+            "Refused at 0.000 s: master.smoothing_time = 11 is not allowed: it must be 0 to 10",
+        ),
     ],
 )
 def test_what_is_refused_is_shown_and_the_run_before_marked(
@@ -321,6 +530,9 @@ def test_what_is_refused_is_shown_and_the_run_before_marked(
     visit = open_block("CutToLength", "basic_cut")
     visit.page.locator("summary", has_text="The run").click()
     badge(visit, "same bits")
+    is_measured = name.startswith(("encoder.", "master."))
+    switch(visit, is_measured)
+    accepted = "changed" if is_measured else "same bits"
     visit.page.get_by_role("button", name="As scenario.toml").click()
     visit.page.wait_for_function("document.getElementById('toml').value !== ''")
     field, stale, saved = (
@@ -345,7 +557,7 @@ def test_what_is_refused_is_shown_and_the_run_before_marked(
     field.fill(before)
     field.blur()
     settle(visit)
-    badge(visit, "same bits")
+    badge(visit, accepted)
     assert stale.is_hidden()
     assert saved.is_visible()
     assert visit.page.locator("#problem").inner_text() == ""
@@ -386,7 +598,7 @@ def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(open_blo
     before = np.flatnonzero(np.diff(recording.values["tool.cutting"]) > 0.0)
     visit = open_block("CutToLength")
     line = """() => {
-      const [times, slave, other] = motionsyncExplore.plots()[0].data;
+      const [times, slave, , other] = motionsyncExplore.plots()[0].data;
       return Array.from(times, (t, k) => [t, slave[k], other[k]]);
     }"""
     rows = visit.page.evaluate(line)
@@ -431,6 +643,28 @@ def other_telegrams(visit: Visit) -> None:
     slide(visit, "velocity", 300.0)
 
 
+def measured(visit: Visit) -> None:
+    switch(visit, True)
+    slide(visit, "master.smoothing_time", 0.05)
+
+
+def coarse_encoder(visit: Visit) -> None:
+    switch(visit, True)
+    slide(visit, "encoder.resolution", 0.1)
+    slide(visit, "encoder.noise", 0.05)
+    slide(visit, "encoder.delay", 0.0137)
+    slide(visit, "master.smoothing_time", 0.004)
+
+
+def other_delay(visit: Visit) -> None:
+    slide(visit, "encoder.delay", 0.011)
+    slide(visit, "master.delay", 0.02)
+
+
+def exact_line(visit: Visit) -> None:
+    switch(visit, False)
+
+
 def own_program(visit: Visit) -> None:
     text = "return (t, b) => { if (t > 1) b.set({rest_value: 10 * Math.floor(t)}); };"
     visit.page.locator("#editor summary").click()
@@ -448,6 +682,15 @@ def own_program(visit: Visit) -> None:
         ("RemoteSync/fast_sender_jitter", other_telegrams),
         ("Follower/cyclic_park", nothing),
         ("Synchronizer/polynomial", own_program),
+        ("Synchronizer/changing_master", measured),
+        ("Gearing/rotary_axes_many_turns", coarse_encoder),
+        ("Follower/end_of_step_inputs", coarse_encoder),
+        ("Follower/position_to_cycle", measured),
+        ("FlyingSaw/cyclic_cut", coarse_encoder),
+        ("FlyingSaw/program", measured),
+        ("CutToLength/cyclic_orders", coarse_encoder),
+        ("CutToLength/measured_line", other_delay),
+        ("CutToLength/measured_line", exact_line),
     ],
     ids=lambda value: getattr(value, "__name__", value),
 )

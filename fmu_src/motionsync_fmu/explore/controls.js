@@ -24,11 +24,11 @@ function round(x) {
 
 /**
  * The range and the step of a slider: the declared range where it is narrow; else from 0 to two and a half times
- * the value; of a value 0 as far as `usual` to both sides. It never leaves the declared range.
+ * the value; of a value 0 as far as `usual` to both sides. It never leaves the declared range, or goes above `reach`.
  */
-function sliderRange({min = -Infinity, max = Infinity, kind}, x, usual) {
-  const narrow = max - min <= WIDE, far = Math.abs(x) * 2.5 || usual;
-  const low = narrow ? min : Math.max(x > 0 ? 0 : -far, min), high = narrow ? max : Math.min(x < 0 ? 0 : far, max);
+function sliderRange({min = -Infinity, max = Infinity, reach = Infinity, kind}, x, usual) {
+  const most = Math.min(max, reach), narrow = most - min <= WIDE, far = Math.abs(x) * 2.5 || usual;
+  const low = narrow ? min : Math.max(x > 0 ? 0 : -far, min), high = narrow ? most : Math.min(x < 0 ? 0 : far, most);
   const step = kind === "Real" ? round((high - low) / GRADES) : 1;
   return {min: step * Math.ceil(low / step - 1e-9), max: high, step};
 }
@@ -36,10 +36,10 @@ function sliderRange({min = -Infinity, max = Infinity, kind}, x, usual) {
 /**
  * A control of a value in `values[name]`.
  *
- * `about`: what is known of it: `label`, `description`, `kind`, `choices`, `unit`, `range`, `min`, `max`; `first`: the value
- * that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value, and when what is in a field
- * is refused. A value of the block is refused by the block; any other number has to be above `above`, and from `min` to `max`
- * if `strict`.
+ * `about`: what is known of it: `label`, `description`, `kind`, `choices`, `unit`, `range`, `min`, `max`, `reach`; `first`: the
+ * value that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value, and when what is in a
+ * field is refused. A value of the block is refused by the block; any other number has to be above `above`, and from `min` to
+ * `max` if `strict`; 0, or at least `smallest`, if that is given.
  */
 function control(about, values, name, {first, usual, changed}) {
   const label = about.label ?? name, text = newElement("span", {className: "name"}, ...breakable(label));
@@ -81,12 +81,12 @@ function choice(label, choices, value, put) {
 const refuse = (field, reason) => field.setCustomValidity(reason);
 
 /** Why a text is not accepted as a number; "": it is. */
-function reasonAgainst({above = -Infinity, min = -Infinity, max = Infinity, strict}, label, text) {
-  const x = Number(text), allowed = [];
+function reasonAgainst({above = -Infinity, min = -Infinity, max = Infinity, smallest = 0, strict}, label, text) {
+  const x = Number(text), isOutside = x < min || x > max || (x !== 0 && x < smallest), allowed = [];
   if (text === "" || !Number.isFinite(x)) return `${label} = ${text || "nothing"} is not allowed: it must be a number`;
-  if (!(x <= above) && !(strict && (x < min || x > max))) return "";
+  if (!(x <= above) && !(strict && isOutside)) return "";
   if (above > -Infinity) allowed.push(`> ${above}`);
-  if (strict && min > -Infinity) allowed.push(`>= ${min}`);
+  if (strict && min > -Infinity) allowed.push(smallest ? `0, or >= ${smallest}` : `>= ${min}`);
   if (strict && max < Infinity) allowed.push(`<= ${max}`);
   return `${label} = ${x} is not allowed: it must be ${allowed.join(" and ")}`;
 }

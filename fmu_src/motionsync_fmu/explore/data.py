@@ -22,6 +22,8 @@ from ..interface.variables import Variable, summary
 from ..pages.machine.description import pictures_of
 from ..pages.style import typeset
 from ..scenario import clocks
+from ..scenario.encoder import Encoder
+from ..scenario.files import encoder_table
 from ..scenario.files.example import load_example
 from ..scenario.files.reaction_tables import LENGTH
 from ..scenario.files.shipped import SCENARIO_FILE
@@ -68,6 +70,7 @@ def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, 
         "shaded": load_example(name).picture.shaded,
         "units": {_units_of(s): _unit_names(s, declared) for s in scenarios},
         "normals": _normals(scenarios),
+        "ideal_encoder": asdict(Encoder()),
         "scenarios": [_scenario(s, n, fmu) for s, n in zip(scenarios, names, strict=True)],
     }
 
@@ -100,6 +103,11 @@ def _runner() -> dict[str, Any]:
         "cycle_close": clocks.CLOSE,
         "largest_jitter": clocks.LARGEST_JITTER,
         "sent_before_start": clocks.SENT_BEFORE_START,
+        "encoder": {
+            "smallest": encoder_table.SMALLEST,
+            "most": encoder_table.MOST,
+            "longest": encoder_table.LONGEST,
+        },
     }
 
 
@@ -146,7 +154,7 @@ def _scenario(s: Scenario, name: str, fmu: Path) -> dict[str, Any]:
         "name": name,
         "units": _units_of(s),
         "interface": raw.get("interface", {}),
-        "start": plain_values(s.start),
+        "start": plain_values({variable: s.start[variable] for variable in raw.get("start", {})}),
         "axis": _recorded(s) if s.is_recorded else {key: raw[_axis(s)][key] for key in SCRIPT if key in raw[_axis(s)]},
         "encoder": asdict(s.encoder) if s.encoder else None,
         "drive": _drive(s),

@@ -8,6 +8,8 @@ const REFRESH = 120; // ms: the table of all values is slow to draw
 let block, variables, unit;
 /** The scenario as it was, and as it is now; the program in the editor; the sliders that it makes, by name. */
 let untouched, scenario, program = NO_PROGRAM, sliders = {};
+/** The encoder and the smoothing time that the switch "measured line" puts in: as they were, and as they are. */
+let usualLine, measuredLine;
 /** The last run that was not refused from the beginning, that of the untouched scenario, the plots, the time that is shown. */
 let course = null, before = null, plots, now = 0;
 /** Why what is chosen now is refused; "": it is not. Whether that run could not even start, and another one is shown. */
@@ -34,8 +36,7 @@ function choose(name) {
   $("program").value = program;
   $("editor").open = driven;
   $("title").textContent = scenario.title;
-  const next = block.roles.PIECES ? "; of positions, the next cut" : scenario.cuts.while ? "; of positions, the next mark" : "";
-  $("other").textContent = scenario.remote ? "telegram" : `master${next}`;
+  if (!scenario.remote) prepareSwitch();
   $("exported").hidden = true;
   $("export").setAttribute("aria-expanded", "false");
   plots.zoom = null;
@@ -57,9 +58,9 @@ function usual(of) {
 }
 
 /** A control of a variable's value. */
-function variable(name, values, first, slider = true) {
+function variable(name, values, first, {slider = true, ...limits} = {}) {
   const v = variables.get(name), unitName = block.units[scenario.units][v.unit];
-  return control({...v, unit: unitName}, values, name, {first, usual: slider ? usual(v.unit) : 0, changed: update});
+  return control({...v, unit: unitName, ...limits}, values, name, {first, usual: slider ? usual(v.unit) : 0, changed: update});
 }
 
 /** A control of a number that is no variable of the block; `firsts`: the values as they were. */
@@ -74,14 +75,15 @@ function controls() {
   const marks = Object.keys(driven ? {} : scenario.cuts)
     .filter((name) => ["length", "offset"].includes(name))
     .map((name) => plainNumber(`cuts.${name}`, "of the marks on the material", cuts, name, {of: "POSITION"}));
-  const starts = Object.keys(scenario.start).map((name) => variable(name, scenario.start, untouched.start[name]));
+  const names = Object.keys(scenario.start).filter((name) => name !== SMOOTHING); // which is shown with the measured line
+  const starts = names.map((name) => variable(name, scenario.start, untouched.start[name]));
   const runs = [
     ["stop_time", "the end of the run"],
     ["step_size", "the step size, and the cycle of the reactions"],
   ].map(([name, text]) => plainNumber(name, text, [scenario, untouched], name, {of: "s", slider: false, above: 0}));
   $("groups").replaceChildren(
     ...group("Marks", marks),
-    ...group(scenario.remote ? "The remote axis" : "The master", axisRows()),
+    ...group(scenario.remote ? "The remote axis" : "The master", [...switchRows(), ...axisRows()]),
     ...group("Start values", [...starts, another("Another one", startable(), addStart)]),
     ...commandGroup(),
     ...group("Reactions", scenario.reactions.map(reactionRow), false),
@@ -90,13 +92,13 @@ function controls() {
 }
 
 function startable() {
-  const axis = `${scenario.remote?.part ?? "master"}.`;
-  const isFree = (v) => v.start !== undefined && !(v.name in scenario.start) && !v.name.startsWith(axis);
-  return block.variables.filter((v) => isFree(v) || v.name === "master.period");
+  const isFree = (v) => v.start !== undefined && !(v.name in scenario.start) && !scripted(v.name) && v.name !== SMOOTHING;
+  return block.variables.filter(isFree);
 }
 
 function addStart(name) {
-  scenario.start[name] = untouched.start[name] = variables.get(name).start; // it changes nothing
+  const present = withMeasuredInputs(scenario).start[name] ?? variables.get(name).start;
+  scenario.start[name] = untouched.start[name] = present; // it changes nothing
   controls();
 }
 
@@ -106,6 +108,66 @@ function another(label, choices, act) {
   const select = newElement("select", {"aria-label": label}, newElement("option", {value: ""}, "…"), ...options);
   select.onchange = () => select.value && act(select.value);
   return newElement("div", {className: "knob"}, newElement("span", {className: "soft"}, label), select);
+}
+
+// --- the measured line ---
+
+/** What the switch puts in: the scenario's own encoder and smoothing time, or usual ones. */
+function prepareSwitch() {
+  const smoothing = untouched.start[SMOOTHING] ?? variables.get(SMOOTHING).start;
+  if (scenario.encoder) scenario.start[SMOOTHING] = untouched.start[SMOOTHING] = smoothing; // it changes nothing
+  measuredLine = {encoder: scenario.encoder ?? usualEncoder(scenario, block.ideal_encoder), smoothing};
+  usualLine = copy(measuredLine);
+}
+
+/** Put the encoder in, as it was left, or take it out. */
+function measure(on) {
+  const {start} = scenario, first = untouched.start[SMOOTHING];
+  if (!on) measuredLine.smoothing = start[SMOOTHING];
+  scenario.encoder = on ? measuredLine.encoder : null;
+  if (on || first !== undefined) start[SMOOTHING] = on ? measuredLine.smoothing : first;
+  else delete start[SMOOTHING];
+}
+
+/** The switch, and below it what belongs to an encoder that is there. */
+function switchRows() {
+  if (scenario.remote) return [];
+  const below = newElement("div"), show = () => below.replaceChildren(...encoderRows());
+  const about = {kind: "Boolean", label: "measured line", description: "an encoder is between the line and the block"};
+  const position = {on: scenario.encoder ? 1 : 0}, first = untouched.encoder ? 1 : 0;
+  const changed = (on) => {
+    measure(on);
+    show();
+    update();
+  };
+  const row = control(about, position, "on", {first, changed});
+  row.querySelector("input").disabled = "times" in scenario.axis; // a recorded line has been measured
+  show();
+  return [row, below];
+}
+
+function encoderRows() {
+  const {encoder, start, axis} = scenario, rows = [], {smallest, most, longest} = block.runner.encoder;
+  const usual = usualEncoder(untouched, block.ideal_encoder);
+  const row = (name, description, limits) => {
+    const both = [encoder, usualLine.encoder], reach = decimal(UP_TO * (usualLine.encoder[name] || usual[name]));
+    rows.push(plainNumber(`encoder.${name}`, description, both, name, {min: 0, strict: true, reach, ...limits}));
+  };
+  if (encoder && !axis.times) {
+    row("resolution", "the position is rounded down to a multiple of it; 0: it is not", {of: "POSITION", max: most, smallest});
+    row("noise", "one sigma of white noise", {of: "POSITION", max: most});
+    row("delay", "how old a position is", {of: "s", max: longest});
+  }
+  if (SMOOTHING in start) {
+    const reach = decimal(UP_TO * (usualLine.smoothing || variables.get(SMOOTHING).start));
+    rows.push(variable(SMOOTHING, start, usualLine.smoothing, {reach}));
+  }
+  return [...rows, newElement("p", {className: "soft", id: "taken"})];
+}
+
+/** How the block takes the line that is measured now. */
+function showTaken() {
+  if ($("taken")) $("taken").textContent = scenario.encoder ? takenAs(scenario, variables) : "";
 }
 
 function axisRows() {
@@ -148,7 +210,7 @@ function reactionRow(r, i) {
   const times = r.times === null ? "each time" : r.times === 1 ? "once" : `${r.times} times`;
   when.append(newElement("span", {className: "soft"}, times));
   rows.push(plainNumber("after", "how long after the scan that sees it", [r, first], "after", {of: "s", slider: false}));
-  for (const name of Object.keys(r.set)) rows.push(variable(name, r.set, first.set[name], false));
+  for (const name of Object.keys(r.set)) rows.push(variable(name, r.set, first.set[name], {slider: false}));
   for (const [name, more] of Object.entries(r.add)) {
     if (more === "cuts.length") rows.push(newElement("p", {className: "soft"}, `${name}: cuts.length more`));
     else {
@@ -221,7 +283,7 @@ function settingRow(s) {
     controls();
     update();
   };
-  const rows = Object.keys(s.values).map((name) => variable(name, s.values, first[name], false));
+  const rows = Object.keys(s.values).map((name) => variable(name, s.values, first[name], {slider: false}));
   const head = newElement("div", {className: "when"}, newElement("label", {}, "at ", moment, " s"), remove);
   return newElement("div", {className: "event"}, head, ...rows);
 }
@@ -287,6 +349,7 @@ function compute() {
     course = next;
     before ??= course;
   }
+  showTaken();
   showRefusal();
   show(next?.lines ?? []);
   showBadge(next);
@@ -345,6 +408,7 @@ const place = (t) => Math.max(bisect(course.time, t + block.runner.close, true) 
 
 /** Show the last run, if there is one; `lines`: what the block has logged of a run that could not start. */
 function show(lines) {
+  showKey(course?.scenario ?? withMeasuredInputs(scenario));
   if (!stale || !course) window.motionsyncMachine.load(course && sceneOf(course, block));
   const none = stale ? "Nothing has run." : "The block has logged nothing.";
   $("log").replaceChildren(...listOf(stale ? lines : messagesOf(course, block), none, point));
@@ -355,6 +419,15 @@ function show(lines) {
   }
   if (!stale) plots.show(course, before);
   present(Math.min(now, course.time.at(-1)));
+}
+
+/** What the lines of the plots are. */
+function showKey({remote, cuts, encoder, axis, start}) {
+  const next = block.roles.PIECES ? "; of positions, the next cut" : cuts.while ? "; of positions, the next mark" : "";
+  const master = !encoder ? "master" : axis.times ? "recorded master" : "true master";
+  $("other").textContent = remote ? "telegram" : `${master}${next}`;
+  $("smoothed").hidden = !encoder;
+  $("taken-master").textContent = `${start[INPUT_MODE] === MEASURED ? "smoothed master," : "master"} as the block takes it`;
 }
 
 /** Show another time, which the machine takes over. */
@@ -407,7 +480,7 @@ async function exported() {
   if (sum) remarks.push(`SHA-256 of all outputs and locals at all ${again.count} communication points: ${sum}`);
   if (program !== NO_PROGRAM && sum !== (await fingerprint(course, outputs())))
     remarks.push("What the program did follows in tables [[set]]; the run with them differs in its last digits.");
-  return toml(file, block.name, variables, remarks);
+  return toml(file, block, variables, remarks);
 }
 
 function write() {

@@ -36,6 +36,7 @@ SCRIPTS = (
     "tables.js",
     "run.js",
     "machine_data.js",
+    "measured_line.js",
     "scenario_file.js",
     "programs.js",
     "controls.js",

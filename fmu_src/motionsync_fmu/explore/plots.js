@@ -1,5 +1,6 @@
 "use strict";
-// The plots of a run: the slave, what it follows, and, dashed, the slave before anything was changed.
+// The plots of a run: the slave, what it follows, of a measured line also what the block takes for that, and, dashed, the slave
+// before anything was changed.
 
 const HEIGHTS = [190, 130, 130, 110]; // px
 const AXIS = 26; // px, of the times below the last plot
@@ -7,22 +8,28 @@ const NONE = "none";
 
 const colour = (name) => () => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-/** A list of plots, each with a label, a unit and the columns of a run: `slave`, and perhaps `other`. */
-function plotsOf(block, another) {
+/** A list of plots, each with a label, a unit and the columns of a run: any of `slave`, `other` and `smoothed`. */
+function plotsOf(block, another, {encoder, axis}) {
   const declared = new Map(block.variables.map((v) => [v.name, v]));
-  const of = (name, other) => ({
+  const of = (name, other, smoothed) => ({
     label: name.replace("slave.", ""),
     unit: declared.get(name)?.unit,
     stepped: false,
-    columns: (course) => ({slave: course.column(name), other: other?.(course)}),
+    columns: (course) => ({
+      slave: course.column(name),
+      other: other?.(course),
+      smoothed: encoder && smoothed ? course.column(smoothed) : undefined,
+    }),
   });
+  const off = {label: "master off by", unit: "POSITION", columns: (course) => ({smoothed: masterErrors(course)})};
   const plots = block.roles.CYCLE_INDEX
     ? remotePlots(of)
     : [
         of("slave.position", (course) => positions(course, block)),
-        of("slave.velocity", (course) => course.axis(1)),
+        of("slave.velocity", (course) => course.axis(1), "master.smoothed_velocity"),
         of("slave.acceleration", (course) => course.axis(2)),
         ...(declared.has("slave.jerk") ? [of("slave.jerk")] : []),
+        ...(encoder && !axis.times ? [off] : []), // of a recorded line nobody knows the true position
       ];
   if (declared.has(another))
     plots.push({...of(another), label: another, stepped: declared.get(another).kind !== "Real"});
@@ -86,8 +93,8 @@ class Plots {
 
   /** Show a run, and the one before anything was changed. */
   show(course, before) {
-    const units = this.block.units[course.scenario.units];
-    if (!this.drawn.length) this.#make(units);
+    if (Boolean(course.scenario.encoder) !== Boolean(this.course?.scenario.encoder)) this.renew();
+    if (!this.drawn.length) this.#make(course.scenario);
     Object.assign(this, {course, before});
     for (const {plot, of} of this.drawn) plot.setData(this.#rows(of), false);
     this.#scale();
@@ -116,8 +123,9 @@ class Plots {
   }
 
   #rows(of) {
-    const {slave, other} = of.columns(this.course), empty = () => new Array(this.course.count).fill(null);
-    return [this.course.time, slave, other ?? empty(), this.before === this.course ? empty() : this.#beforehand(of)];
+    const {slave, other, smoothed} = of.columns(this.course), empty = () => new Array(this.course.count).fill(null);
+    const beforehand = slave && this.before !== this.course ? this.#beforehand(of) : empty();
+    return [this.course.time, slave ?? empty(), smoothed ?? empty(), other ?? empty(), beforehand];
   }
 
   /** The same of the run before, at the points of this one. */
@@ -128,13 +136,14 @@ class Plots {
     );
   }
 
-  #make(units) {
-    plotsOf(this.block, this.another).forEach((of, i, all) => {
+  #make(scenario) {
+    const units = this.block.units[scenario.units];
+    plotsOf(this.block, this.another, scenario).forEach((of, i, all) => {
       const frame = newElement("div", {className: "plot"}), line = newElement("div", {className: "now"});
       this.box.append(frame);
       const plot = new uPlot(
         this.#options(of, units[of.unit] ?? "", HEIGHTS[Math.min(i, 3)], i === all.length - 1),
-        [[0], [0], [0], [0]],
+        [[0], [0], [0], [0], [0]],
         frame,
       );
       plot.over.append(line);
@@ -168,6 +177,7 @@ class Plots {
       series: [
         {},
         line("--slave", {width: 2, ...paths}),
+        line("--third", {width: 2.5}), // the true master is on top of what is taken for it
         line("--master", {width: 1.3}),
         line("--reference", {width: 1.2, dash: [4, 3], ...paths}),
       ],

@@ -101,8 +101,8 @@ class Course {
  * since what is set at 0 is a start value; `normals`, `storage`: see Telegrams and Course. The course ends before a refused
  * step; then `refused` is true, and the last line has the reason.
  */
-function run(unit, scenario, {cycle = null, normals = {}, storage = null} = {}) {
-  const {step_size: h, stop_time: stop} = scenario;
+function run(unit, described, {cycle = null, normals = {}, storage = null} = {}) {
+  const scenario = withMeasuredInputs(described), {step_size: h, stop_time: stop} = scenario;
   if (!(stop / h <= MOST_STEPS)) {
     throw new Error(`step_size = ${h} is not allowed: it must be >= ${stop / MOST_STEPS}, for at most ${MOST_STEPS} steps up to ${stop} s`);
   }
@@ -118,7 +118,8 @@ function run(unit, scenario, {cycle = null, normals = {}, storage = null} = {}) 
   unit.now = () => unit.memory.real("Run", address, "now");
   const given = [];
   let refused = unit.code.initialize(scenarios, address) !== 0;
-  const motion = (t, k) => (scenario.drive ? unit.memory.motion(address, k) : axis.at(t));
+  const inputs = () => MOTION.map((name) => unit.get(`master.${name}`)); // with an encoder nobody knows more of the line
+  const motion = (t, k) => (scenario.encoder ? inputs() : scenario.drive ? unit.memory.motion(address, k) : axis.at(t));
   if (!refused) refused = (cycle ? driven(unit, tables, {cycle, motion, given}) : unit.code.carry(scenarios, address)) !== 0;
   unit.code.terminate();
   const course = new Course(unit, tables, storage);

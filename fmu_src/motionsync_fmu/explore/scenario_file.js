@@ -17,7 +17,7 @@ function valueOf(v, x) {
   return v.kind === "Real" ? written(x) : String(x);
 }
 
-/** The file of a scenario; `variables`: those of the block, by name; `remarks`: comments at its beginning. */
+/** The file of a scenario of a block; `variables`: those of the block, by name; `remarks`: comments at its beginning. */
 function toml(scenario, block, variables, remarks) {
   const rows = (values) =>
     Object.entries(values).map(
@@ -26,7 +26,7 @@ function toml(scenario, block, variables, remarks) {
   const braces = (values) => `{ ${rows(values).join(", ")} }`;
   const lines = [...remarks.map((remark) => `# ${remark}`), `title = ${quoted(scenario.title)}`];
   if (scenario.source) lines.push(`source = ${quoted(scenario.source)}`);
-  lines.push(`fmu = ${quoted(block)}`, `unit = ${quoted(scenario.unit)}`);
+  lines.push(`fmu = ${quoted(block.name)}`, `unit = ${quoted(scenario.unit)}`);
   if (scenario.slave_unit) lines.push(`slave_unit = ${quoted(scenario.slave_unit)}`);
   lines.push(`stop_time = ${written(scenario.stop_time)}`, `step_size = ${written(scenario.step_size)}`);
   if (scenario.step_bound) lines.push(`step_bound = ${quoted(scenario.step_bound)}`);
@@ -37,7 +37,7 @@ function toml(scenario, block, variables, remarks) {
       ...Object.entries(scenario.interface).map(([name, patterns]) => `${name} = ${JSON.stringify(patterns)}`),
     );
   }
-  lines.push("", "[start]", ...rows(scenario.start), "", ...axisTable(scenario), ...encoderLines(scenario));
+  lines.push("", "[start]", ...rows(scenario.start), "", ...axisTable(scenario), ...encoderLines(scenario, block.ideal_encoder));
   for (const s of [...scenario.settings].sort((a, b) => a.at - b.at))
     lines.push("", "[[set]]", `at = ${written(s.at)}`, ...rows(s.values));
   for (const r of scenario.reactions) {
@@ -66,15 +66,13 @@ function conditionOf(r, v) {
 }
 
 /** The table [encoder]: what differs from an encoder that is ideal. */
-function encoderLines({encoder: e, axis}) {
-  if (!e || axis.times) return [];
-  const ideal = {resolution: 0, noise: 0, delay: 0, scale: 1, sample_time: 0};
-  const given = Object.entries(ideal).filter(([name, x]) => e[name] !== x);
-  const lines = ["", "[encoder]", ...given.map(([name]) => `${name} = ${written(e[name])}`)];
-  if (e.runout_amplitude) {
-    lines.push(`runout = { amplitude = ${written(e.runout_amplitude)}, length = ${written(e.runout_length)} }`);
-  }
-  if (e.seed) lines.push(`seed = ${e.seed}`);
+function encoderLines({encoder, axis}, ideal) {
+  if (!encoder || axis.times) return [];
+  const {runout_amplitude: amplitude, runout_length: length, seed, ...others} = encoder;
+  const given = Object.entries(others).filter(([name, x]) => x !== ideal[name]);
+  const lines = ["", "[encoder]", ...given.map(([name, x]) => `${name} = ${written(x)}`)];
+  if (amplitude) lines.push(`runout = { amplitude = ${written(amplitude)}, length = ${written(length)} }`);
+  if (seed) lines.push(`seed = ${seed}`);
   return lines;
 }
 

@@ -1,11 +1,12 @@
 "use strict";
 // The tables from which the compiled runner carries a scenario: batch/script_tables.py makes the same ones of a scenario's
-// file. What is here follows simulation.py, reactions.py, script.py and clocks.py, sum by sum. Numbers that have one meaning
-// in all languages come with the page, as `runner`.
+// file. What is here follows simulation.py, reactions.py, script.py, clocks.py and encoder_table.py, sum by sum. Numbers that
+// have one meaning in all languages come with the page, as `runner`.
 
 const DECIMALS_UNIT = 1e12; // of a scan's time in s: so many of its last decimal are 1 s
 const LONG = 8192; // s; from here on, neighbouring numbers are more than a unit of the last decimal apart
-const END_OF_STEP = 2; // master.input_mode
+const INPUT_MODE = "master.input_mode", END_OF_STEP = 2, MEASURED = 4;
+const OF_ENCODER = {"master.delay": "delay", "master.sample_time": "sample_time"}; // what the block has to know of it
 const PAGE = 65536; // bytes that memory grows by
 const MOTION = ["position", "velocity", "acceleration"]; // of an axis
 
@@ -336,6 +337,16 @@ function axisTables(unit, scenario, {axis, telegrams, scans}) {
   };
 }
 
+/** The scenario with the start values of a block that takes what its encoder measures, unless it has others. */
+function withMeasuredInputs(scenario) {
+  const {encoder, start} = scenario, values = {[INPUT_MODE]: MEASURED};
+  if (!encoder) return scenario;
+  if ((start[INPUT_MODE] ?? MEASURED) === MEASURED) {
+    for (const [name, key] of Object.entries(OF_ENCODER)) values[name] = encoder[key];
+  }
+  return {...scenario, start: {...values, ...start}};
+}
+
 /** The address of the encoder between the line and the block; 0: there is none. */
 function encoderTable({memory}, {encoder: e, step_size: h}, axis) {
   if (!e) return 0;
@@ -384,7 +395,7 @@ function writeTables(unit, scenario, {axis, telegrams}) {
     close: runner.close * h,
     stop_time,
     period: start["master.period"] ?? 0,
-    end_of_step: start["master.input_mode"] === END_OF_STEP ? 1 : 0,
+    end_of_step: start[INPUT_MODE] === END_OF_STEP ? 1 : 0,
     points: memory.writeReals(points),
     point_count: points.length,
     scans: memory.writeReals(scans),
