@@ -1,7 +1,7 @@
 """Reference for the CutToLength: the machine's true behaviour on the continuous time axis.
 
 The sequence is simulated from event to event (`cut_to_length_sequence`, which lists the readings of the specification
-that it takes, as `cut_to_length_records` does); a row is computed from what holds at its time.
+that it takes, as `piece_machine` and `piece_records` do); a row is computed from what holds at its time.
 
 A row is what the step that ends at its time puts out: what is set at that time does not show yet. Steps end at the
 multiples of the scenario's `step_size` and where something is set, expected, or the master's script breaks; that
@@ -13,18 +13,20 @@ Further readings:
 - `limits.reserve` is 1 while no pitch is fixed.
 """
 
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from math import floor, inf
 from typing import Any
 
 from tests.oracle import mp
-from tests.oracle.cut_to_length_carriage import MasterSection, Motion
+from tests.oracle.cut_to_length_carriage import MasterSection
 from tests.oracle.cut_to_length_sequence import MachineRun
-from tests.oracle.cut_to_length_state import APPROACHING, COMMANDS, CUTTING, SYNCHRONOUS, Snapshot
+from tests.oracle.cut_to_length_state import APPROACHING, CUTTING, SAW_COMMANDS, SYNCHRONOUS, Snapshot
 from tests.oracle.latest_runs import run_of
 from tests.oracle.master import stretches
+from tests.oracle.piece_rows import WINDOW, Rows, as_number, step_ends
 from tests.oracle.sets import gathered
+from tests.oracle.timed_motion import Motion
 
 COLUMNS = (
     "slave.position",
@@ -65,9 +67,6 @@ COLUMNS = (
     "warning.line_too_fast",
 )
 """The columns of a scenario's reference, in addition to the time."""
-
-WINDOW = 1e-9
-"""Time (s) around a requested one within which a jump makes two rows."""
 
 DEFAULTS: dict[str, Any] = {
     "axis.max_velocity": 2000.0,
@@ -125,7 +124,7 @@ DEFAULTS: dict[str, Any] = {
     "mark.position": 0.0,
     "calibration.measured_length": 0.0,
     "line.wanted_velocity": 1e9,
-    **dict.fromkeys(COMMANDS, False),
+    **dict.fromkeys(SAW_COMMANDS, False),
 }
 """What may be set while the block runs, with the start values."""
 
@@ -141,12 +140,6 @@ FIXED: dict[str, Any] = {
     "master.period": 0.0,
 }
 """What holds for a whole run."""
-
-MEMBERS = {
-    "start_mode": ("FRONT", "TRIM", "CONTINUE"),
-    "change_mode": ("NEXT_PIECE", "THIS_PIECE"),
-    "late_mode": ("SKIP", "LATE", "STOP_LINE"),
-}
 
 
 def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[str, float]]:
@@ -177,29 +170,18 @@ def _run(script: Mapping[str, Any], horizon: float) -> tuple[list[MasterSection]
     position = float(parts[0].start.position)
     shift = -floor(position / period) * period if period > 0 else 0.0
     sections = [MasterSection.of(part, shift) for part in parts]
-    sets = gathered(script.get("set", ()), DEFAULTS, _as_number)
+    sets = gathered(script.get("set", ()), DEFAULTS, as_number)
     initial = float(inputs["axis.initial_position"])
-    return sections, MachineRun(inputs, sections, _points(script), sets, period, initial)
+    return sections, MachineRun(inputs, sections, step_ends(script), sets, period, initial)
 
 
-class _Rows:
+class _Rows(Rows[Snapshot]):
     """The outputs of a run at any time."""
 
     def __init__(self, sections: Sequence[MasterSection], machine: MachineRun) -> None:
-        self.sections, self.snapshots = sections, machine.snapshots
+        super().__init__(machine.snapshots)
+        self.sections = sections
         self.section_begins = [section.begin for section in sections]
-        self.times = [snapshot.time for snapshot in self.snapshots]
-
-    def at(self, time: float) -> list[dict[str, float]]:
-        """One row for `time`, or two if something changes within the window around it."""
-        first = max(bisect_left(self.times, time - WINDOW) - 1, 0)
-        last = bisect_right(self.times, time + WINDOW)
-        latest = first
-        while latest + 1 < last and not self.snapshots[latest + 1].at_step_begin:
-            latest += 1
-        early = self._row(time, self.snapshots[first], -WINDOW)
-        late = self._row(time, self.snapshots[latest], WINDOW) if time > 0 else early
-        return [early] if early == late else [early, late]
 
     def _row(self, time: float, snapshot: Snapshot, offset: float) -> dict[str, float]:
         """The outputs at `time` with the master's velocity just before or after it."""
@@ -265,21 +247,3 @@ def _material(snapshot: Snapshot, master: Motion, slave: float) -> dict[str, flo
             f, kerf, correction = piece.f, piece.kerf, piece.correction
         length = max(f * (master.position - slave / snapshot.cycle.k - snapshot.origin) - kerf - correction, 0.0)
     return {"next_cut.distance": distance, "piece.length": length}
-
-
-def _points(script: Mapping[str, Any]) -> list[float]:
-    """The ends of the steps: multiples of the step size, and where something is set, expected, or the script breaks."""
-    stop, step = float(script["stop_time"]), float(script["step_size"])
-    points = [i * step for i in range(int(stop / step * (1 + 1e-12)) + 1)]
-    points += [float(table["at"]) for table in script.get("set", ())]
-    points += [float(table[key]) for table in script.get("expect", ()) for key in ("at", "from", "to") if key in table]
-    end = mp.mpf(0)
-    for segment in script["master"].get("segments", ()):
-        end += mp.mpf(segment["duration"])
-        points.append(float(end))
-    return [p for p in sorted({*points, stop}) if p <= stop]
-
-
-def _as_number(name: str, value: Any) -> Any:
-    """A value that is set, an enumeration's member as its number."""
-    return MEMBERS[name].index(value) + 1 if isinstance(value, str) else value

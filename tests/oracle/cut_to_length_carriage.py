@@ -10,24 +10,14 @@ from math import sqrt
 from typing import TypeAlias
 
 from tests.oracle import mp
-from tests.oracle.cut_to_length_limits import Saw, find_root
+from tests.oracle.cut_to_length_limits import Saw
 from tests.oracle.flying_saw_limits import AxisData
-from tests.oracle.flying_saw_motion import Phases, move, run, stop
+from tests.oracle.flying_saw_motion import move, run, stop
 from tests.oracle.master import Motion as Exact
 from tests.oracle.master import Stretch
 from tests.oracle.motion_start import attainable_acceleration, begin_of_own_motion
-
-CarriageState: TypeAlias = tuple[float, float, float, float]
-"""Position, velocity, acceleration and jerk of the carriage."""
-
-
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """The master at one instant (u, u/s, u/s2)."""
-
-    position: float
-    velocity: float
-    acceleration: float
+from tests.oracle.root_search import find_root
+from tests.oracle.timed_motion import AxisState, Motion, Rest, TimedMotion, relative_state, timed_motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,14 +54,6 @@ class MasterSection:
 
 
 @dataclass(frozen=True, slots=True)
-class Rest:
-    position: float
-
-    def at(self, _time: float, _master: Motion) -> CarriageState:
-        return self.position, 0.0, 0.0, 0.0
-
-
-@dataclass(frozen=True, slots=True)
 class InSync:
     """In sync with the cut C = `cut_position`, or `ahead` of it."""
 
@@ -79,7 +61,7 @@ class InSync:
     cut_position: float
     ahead: float = 0.0
 
-    def at(self, _time: float, master: Motion) -> CarriageState:
+    def at(self, _time: float, master: Motion) -> AxisState:
         s = self.k * (master.position - self.cut_position) + self.ahead
         return s, self.k * master.velocity, self.k * master.acceleration, 0.0
 
@@ -103,7 +85,7 @@ class CurveOverMaster:
         """u, within 0 and 1."""
         return min(max((master.position - self.cut_position - self.begin) / self.width, 0.0), 1.0)
 
-    def at(self, _time: float, master: Motion) -> CarriageState:
+    def at(self, _time: float, master: Motion) -> AxisState:
         """By the chain rule, with the master's jerk as 0."""
         u, v, a, w = self.share(master), master.velocity, master.acceleration, self.width
         f = [_value(self.polynomial, u, order) * self.scale / w**order for order in range(4)]
@@ -141,48 +123,24 @@ def gap_curve(k: float, cut_position: float, begin: float, travel: float, distan
     return CurveOverMaster(cut_position, begin, travel / k, 0.0, k, distance, (0, 0, 0, 10, -15, 6))
 
 
-@dataclass(frozen=True, slots=True)
-class TimedMotion:
-    """A motion in time: phases of (begin, jerk) with the state at their begin; from `end` on at rest at `target`."""
-
-    phases: Sequence[tuple[float, float, Motion]]
-    end: float
-    target: float
-
-    def at(self, time: float, _master: Motion) -> CarriageState:
-        if time >= self.end:
-            return self.target, 0.0, 0.0, 0.0
-        begin, jerk, s = next(p for p in reversed(self.phases) if p[0] <= time or p is self.phases[0])
-        t = time - begin
-        velocity, acceleration = s.velocity + t * (s.acceleration + t * jerk / 2), s.acceleration + t * jerk
-        return s.position + t * (s.velocity + t * (s.acceleration / 2 + t * jerk / 6)), velocity, acceleration, jerk
-
-
 MotionLaw: TypeAlias = Rest | InSync | CurveOverMaster | TimedMotion
 
 
-def plan_return(time: float, state: CarriageState, target: float, limits: Sequence[float]) -> TimedMotion:
-    """The motion from a state to rest at the target; limits: velocity, acceleration, deceleration, jerk."""
-    start = _relative_state(state, target)
-    velocity, acceleration, deceleration, jerk = (mp.mpf(limit) for limit in limits)
-    return _timed_motion(time, start, move(start, mp.mpf(0), velocity, acceleration, deceleration, jerk), target)
-
-
 def plan_eased_return(
-    time: float, state: CarriageState, target: float, limits: Sequence[float], share: float
+    time: float, state: AxisState, target: float, limits: Sequence[float], share: float
 ) -> TimedMotion:
     """First a halt, then the move from rest with that share of the limits: of velocity; squared; cubed of jerk."""
-    start = _relative_state(state, target)
+    start = relative_state(state, target)
     velocity, acceleration, deceleration, jerk = (mp.mpf(limit) for limit in limits)
     halt = stop(start, deceleration, jerk)
     stopped = run(start, halt)
     s = mp.mpf(share)
     rest = Exact(stopped.position, mp.mpf(0), mp.mpf(0))
     home = move(rest, mp.mpf(0), s * velocity, s**2 * acceleration, s**2 * deceleration, s**3 * jerk)
-    return _timed_motion(time, start, [*halt, *home], target)
+    return timed_motion(time, start, [*halt, *home], target)
 
 
-def stop_position(state: CarriageState, saw: Saw) -> float:
+def stop_position(state: AxisState, saw: Saw) -> float:
     """Where the time-optimal stop from the state ends, which begins with an acceleration that the axis can have.
 
     It lets the deceleration rise to its peak, holds it, and lets it fall to 0; an acceleration that is too high, or one
@@ -207,28 +165,9 @@ def stop_position(state: CarriageState, saw: Saw) -> float:
     return s + side * travel
 
 
-def begin_of_return(state: CarriageState, saw: Saw) -> CarriageState:
+def begin_of_return(state: AxisState, saw: Saw) -> AxisState:
     """What a way home begins with: the state, as far as the axis could have had it."""
     axis = AxisData(*(mp.mpf(number) for number in (saw.low, saw.high, *saw.axis)))
     exact = Exact(*(mp.mpf(number) for number in state[:3]))
     begin, _ = begin_of_own_motion(exact, axis, mp.mpf(saw.turning_acceleration), mp.mpf(saw.homing[3]))
     return state[0], float(begin.velocity), float(begin.acceleration), state[3]
-
-
-def _relative_state(state: CarriageState, origin: float) -> Exact:
-    return Exact(mp.mpf(state[0]) - mp.mpf(origin), mp.mpf(state[1]), mp.mpf(state[2]))
-
-
-def _timed_motion(time: float, start: Exact, phases: Phases, target: float) -> TimedMotion:
-    """Phases of a motion whose positions count from the target."""
-    timed_phases, begin = [], mp.mpf(time)
-    for duration, jerk in phases:
-        state = Motion(float(start.position + mp.mpf(target)), float(start.velocity), float(start.acceleration))
-        timed_phases.append((float(begin), float(jerk), state))
-        start, begin = run(start, [(duration, jerk)]), begin + duration
-    return TimedMotion(timed_phases, float(begin), target)
-
-
-def is_at_target(state: CarriageState, target: float) -> bool:
-    """At rest there."""
-    return state[0] == target and state[1] == 0 and state[2] == 0

@@ -1,82 +1,62 @@
 """The sequence of a cut-to-length machine on the continuous time axis: from event to event.
 
 Between two events the carriage follows one law (`cut_to_length_carriage`); `cut_to_length_records` records the pieces.
-What the specification notices at a step's beginning is noticed where the steps of the script begin.
 
-Readings of the specification that it leaves open:
-- What is set where the master jumps acts with the master after the jump.
+Readings of the specification that it leaves open, beside those of `piece_machine`:
 - The way home is not eased where it starts on a line that accelerates: it would be FAST from the next step on.
 - `warning.blade_early` holds until the blade starts its next cut in time.
 - A `stop` during an eased way home makes it FAST.
 - An eased way home that has become FAST stays FAST.
-- A `cut_now` after `stop` or `abort` is refused, though the machine runs until it is at home.
 - With fault 17 the blade is down for `tool.retract_time` more, though the carriage goes home.
-- `start` clears a `cut_now` that waits; so do `stop`'s arrival, `abort` and a fault.
 - Where the line turns back past the start, the cycle goes on, and so does the time spent at home.
-- `tool.done` and marks are no commands: they leave a refusal as it is.
-- Any other command that is not refused clears a refusal; `stop` and `abort` of a machine that does not run are none.
+- `tool.done` is no command: it leaves a refusal as it is.
 - A blade that touches less than 1e-9 s before sync touches at sync.
 - While a `cut_now` waits for a slower line, it is not checked whether the cut that is due can be reached.
 """
 
-from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import Any
 
 from tests.oracle.cut_to_length_carriage import (
-    CarriageState,
     CurveOverMaster,
     InSync,
     MasterSection,
-    Rest,
-    TimedMotion,
     approach_curve,
     begin_of_return,
     gap_curve,
-    is_at_target,
     plan_eased_return,
-    plan_return,
     stop_position,
 )
-from tests.oracle.cut_to_length_limits import DISTANCE, FEEDBACK, Saw, change_time, find_first_root
-from tests.oracle.cut_to_length_parameters import CYCLE, are_valid
-from tests.oracle.cut_to_length_records import (
-    CUT_MISSED,
-    CUT_NOW_REFUSED,
-    SHORT,
-    START_REFUSED,
-    STROKE,
-    TOOL_TIMEOUT,
-    TRIM,
-    TUNABLE,
-)
+from tests.oracle.cut_to_length_limits import DISTANCE, FEEDBACK, Saw, change_time
+from tests.oracle.cut_to_length_parameters import CYCLE, RANGES
+from tests.oracle.cut_to_length_records import STROKE, TOOL_TIMEOUT
 from tests.oracle.cut_to_length_state import (
     APPROACHING,
     CLEARING,
-    COMMANDS,
     CUTTING,
     FAULT,
     HOMING,
     IN_SYNC,
-    LATE,
     OFF,
     PULLING,
     RETURNING,
-    SKIP,
-    STOP_LINE,
     SYNCHRONOUS,
     WAITING,
     MachineState,
 )
+from tests.oracle.piece_machine import LATE, SKIP, STOP_LINE, Event
+from tests.oracle.piece_records import CUT_MISSED, SHORT, START_REFUSED, TRIM, TUNABLE
+from tests.oracle.root_search import find_first_root
+from tests.oracle.timed_motion import AxisState, Rest, TimedMotion, is_at_target, plan_move
 
 LATENESS = FASTER = EARLY = 1e-9
-
-Event = tuple[float, Callable[[], None]]
 
 
 class MachineRun(MachineState):
     """One run of a machine, simulated when it is made: see `log` and `snapshots`."""
+
+    read_by_cycle = CYCLE
 
     def __init__(
         self,
@@ -89,63 +69,16 @@ class MachineRun(MachineState):
     ) -> None:
         super().__init__(inputs, sections[0], steps, period, initial_position)
         self.add_snapshot()
-        self._run(sections, sets)
+        self.run(sections, sets)
 
-    # --- from event to event ----------------------------------------------------------------------------------------
+    # --- what is checked, and what happens ------------------------------------------------------------------------
 
-    def _run(self, sections: Sequence[MasterSection], sets: Mapping[float, Mapping[str, Any]]) -> None:
-        """All sections, interrupted by the sets; what happens by itself at the time of a set comes before it."""
-        end = sections[-1].end
-        times = sorted({*(c.begin for c in sections), *(t for t in sets if t <= end)})
-        section_of = {c.begin: c for c in sections}
-        for time, until in zip(times, [*times[1:], end], strict=True):
-            self.time, self.at_step_begin = time, True
-            if time in section_of:
-                self.section = section_of[time]
-            self._begin_step(sets.get(time, {}), first_step=time == 0)
-            self.at_step_begin = False
-            self._run_until(until)
-
-    def _begin_step(self, values: Mapping[str, Any], *, first_step: bool = False) -> None:
-        """What a step starts with: commands, then what is checked at each step's beginning."""
-        lacks_piece = self.records.is_running and self.records.piece is None
-        if not (values or first_step or lacks_piece or self._needs_each_step):
-            return
-        self.inputs |= values
-        self.records.accept_settings()
-        self.is_blocked = self.is_blocked and not are_valid(self.inputs, CYCLE)
-        rising = [name for name in COMMANDS if self.inputs[name] and not self.command_levels[name]]
-        self.command_levels = {name: bool(self.inputs[name]) for name in COMMANDS}
-        if first_step and self.inputs["auto_start"] and "start" not in rising:
-            rising.append("start")
-        for name in COMMANDS:
-            if name in rising:
-                getattr(self, "_do_" + name.replace(".", "_"))()
-        self._check_at_step_begin()
-        self.add_snapshot()
-
-    def _check_at_step_begin(self) -> None:
-        """Check what is noticed at a step's beginning only."""
-        records = self.records
-        if records.is_running and records.piece is None:
-            records.fix_piece()
-        if records.is_running and records.has_invalid_settings:
-            self.refusal = TUNABLE
-        if records.is_running:
-            records.change_piece(self._can_still_start)
-        if records.are_marks_expected and not self.has_mark_edge:
-            m = self.master()
-            fault = records.count_missing_marks(m.position - m.velocity * self.records.inputs["mark.delay"])
-            if fault:
-                self._fail(fault)
-            elif records.piece is None:
-                records.fix_piece()
-        self.has_mark_edge = False
+    def _check_cycle(self) -> None:
         if self.ease < 1.0 and self._must_hurry():
             self._hurry_home()
 
-    def _can_still_start(self, cut_position: float) -> bool:
-        """THIS_PIECE: in a state in which the piece may change, the start for a cut at that position is still ahead."""
+    def _can_still_reach(self, cut_position: float) -> bool:
+        """In a state in which the piece may change, the start for a cut at that position is still ahead."""
         if self.state not in (HOMING, WAITING, PULLING, CLEARING, RETURNING):
             return False
         m, saw = self.master(), self.records.saw()
@@ -153,34 +86,7 @@ class MachineRun(MachineState):
 
     @property
     def _needs_each_step(self) -> bool:
-        """Something is checked at each step's beginning."""
-        return self.ease < 1.0 or self.records.are_marks_expected or self.records.warnings["change_pending"]
-
-    def _run_until(self, until: float) -> None:
-        """Everything that happens by itself until then."""
-        for _ in range(1_000_000):
-            limit = until
-            if self._needs_each_step:
-                i = bisect_right(self.steps, self.time)
-                limit = min(until, self.steps[i]) if i < len(self.steps) else until
-            event = self._next_event(limit)
-            if event is not None:
-                self.time, act = event
-                act()
-                self.add_snapshot()
-            elif limit >= until:
-                self.time = until
-                return
-            else:
-                self.time, self.at_step_begin = limit, True
-                self._begin_step({})
-                self.at_step_begin = False
-        raise ArithmeticError(f"no progress at {self.time}")
-
-    def _next_event(self, until: float) -> Event | None:
-        """The first thing that happens until then."""
-        events = [event for event in self._events(until) if event[0] <= until]
-        return min(events, key=lambda event: event[0], default=None)
+        return self.ease < 1.0 or super()._needs_each_step
 
     def _events(self, until: float) -> list[Event]:
         events: list[Event] = []
@@ -232,7 +138,7 @@ class MachineRun(MachineState):
         """The approach starts, unless the line is too fast or it is too late."""
         m, piece, mode = self.master(), self.records.piece, self.records.inputs["late_mode"]
         assert piece is not None
-        if not are_valid(self.inputs, CYCLE):
+        if not RANGES.are_valid(self.inputs, CYCLE):
             self.is_blocked, self.refusal = True, TUNABLE
             return
         speed = saw.k * m.velocity
@@ -256,7 +162,7 @@ class MachineRun(MachineState):
             self._fail(CUT_MISSED)
 
     def _start_requested_cut(self) -> None:
-        if not are_valid(self.inputs, CYCLE):
+        if not RANGES.are_valid(self.inputs, CYCLE):
             self.is_blocked, self.refusal = True, TUNABLE
             return
         m, saw = self.master(), self.records.saw()
@@ -420,9 +326,9 @@ class MachineRun(MachineState):
         elif self.state == RETURNING and self._plan_eased_return(state):
             return
         else:
-            self.law = plan_return(self.time, state, home, saw.homing)
+            self.law = plan_move(self.time, state, home, saw.homing)
 
-    def _plan_eased_return(self, state: CarriageState) -> bool:
+    def _plan_eased_return(self, state: AxisState) -> bool:
         """The way home is eased: a halt, then a slower move."""
         piece, m, saw = self.records.piece, self.master(), self.records.saw()
         if not self.inputs["homing.ease"] or piece is None or m.velocity <= 0 or not self.records.is_running:
@@ -454,7 +360,7 @@ class MachineRun(MachineState):
 
     def _hurry_home(self) -> None:
         self.ease, saw = 1.0, self.records.saw()
-        self.law = plan_return(self.time, begin_of_return(self.carriage(), saw), self.cycle.home, saw.homing)
+        self.law = plan_move(self.time, begin_of_return(self.carriage(), saw), self.cycle.home, saw.homing)
 
     def _arrive(self) -> None:
         """At rest at home."""
@@ -503,9 +409,6 @@ class MachineRun(MachineState):
 
     # --- commands -------------------------------------------------------------------------------------------------
 
-    def _answer_command(self, refusal: int = 0) -> None:
-        self.refusal = refusal
-
     def _do_reset(self) -> None:
         self.refusal = 0
         if self.state == FAULT and isinstance(self.law, Rest):
@@ -537,63 +440,21 @@ class MachineRun(MachineState):
             self._answer_command(START_REFUSED)
             return
         read = {2: ("trim_length", "front_position"), 3: ("home_position",)}
-        if not are_valid(self.inputs, ("start_mode", "home_position", "kerf", *read.get(mode, ("front_position",)))):
+        if not RANGES.are_valid(
+            self.inputs, ("start_mode", "home_position", "kerf", *read.get(mode, ("front_position",)))
+        ):
             self._answer_command(TUNABLE)
             return
         self._answer_command()
         saw = records.saw()
         self.cycle, self.previous_start_time = saw, None
         self.is_cut_requested = self.is_stopping = False
-        records.start(self.master().position, saw)
+        records.start(self.master().position, saw.k)
         if is_at_target(self.carriage(), saw.home):
             self.state = WAITING
         else:
             self.state = HOMING
             self._go_home()
-
-    def _do_clear_statistics(self) -> None:
-        self._answer_command()
-        self.records.statistics = type(self.records.statistics)()
-
-    def _do_calibration_reset(self) -> None:
-        self._answer_command()
-        self.records.calibration = 1.0
-
-    def _do_calibration_execute(self) -> None:
-        self._answer_command(self.records.calibrate())
-
-    def _do_order_clear(self) -> None:
-        self._answer_command()
-        self.records.orders = []
-
-    def _do_order_skip(self) -> None:
-        self._answer_command()
-        self.records.orders = self.records.orders[1:]
-
-    def _do_order_add(self) -> None:
-        self._answer_command(self.records.add_order())
-
-    def _do_take_sample(self) -> None:
-        self._answer_command()
-        self.records.sample_requested = True
-
-    def _do_mark_detected(self) -> None:
-        m = self.master()
-        position = m.position - m.velocity * self.records.inputs["mark.delay"]
-        if self.inputs["mark.latched"]:
-            position = float(self.inputs["mark.position"])
-            if self.period > 0:
-                position += round((m.position - position) / self.period) * self.period
-        self.has_mark_edge = True
-        if fault := self.records.detect_mark(position):
-            self._fail(fault)
-
-    def _do_cut_now(self) -> None:
-        if not self.records.is_running or self.is_stopping:
-            self._answer_command(CUT_NOW_REFUSED)
-            return
-        self._answer_command()
-        self.is_cut_requested = True
 
     def _do_tool_done(self) -> None:
         if self.state == CUTTING and self.cycle.mode == FEEDBACK:

@@ -2,20 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, isclose
+from math import inf
 from typing import Any
 
-from tests.oracle.cut_to_length_carriage import CarriageState, MasterSection, Motion, MotionLaw, Rest, TimedMotion
+from tests.oracle.cut_to_length_carriage import MasterSection, MotionLaw
 from tests.oracle.cut_to_length_limits import Saw
-from tests.oracle.cut_to_length_records import Piece, PieceRecords
+from tests.oracle.cut_to_length_records import SawRecords
+from tests.oracle.piece_machine import COMMANDS, PieceMachine
+from tests.oracle.piece_records import Piece
+from tests.oracle.timed_motion import AxisState, Motion, Rest, TimedMotion
 
 FAULT, OFF, HOMING, WAITING, APPROACHING, SYNCHRONOUS, CUTTING, PULLING, CLEARING, RETURNING = range(-1, 9)
 IN_SYNC = (SYNCHRONOUS, CUTTING, PULLING, CLEARING)
-SKIP, LATE, STOP_LINE = 1, 2, 3
-COMMANDS = (
-    *("reset", "abort", "stop", "start", "clear_statistics", "calibration.reset", "calibration.execute"),
-    *("order.clear", "order.skip", "order.add", "take_sample", "mark.detected", "cut_now", "tool.done"),
-)
+SAW_COMMANDS = (*COMMANDS, "tool.done")
 
 
 @dataclass(frozen=True)
@@ -44,13 +43,15 @@ class Snapshot:
     max_velocity_orders: float
 
 
-class MachineState:
+class MachineState(PieceMachine):
     """All that is known of a machine at one instant, and the snapshots up to it.
 
-    `inputs`: as they are set at present; `steps`: where the script's steps begin; `period`: of the master, or 0.
     `cycle`: the machine as it was set when the cycle under way began; `cut_position`: of the cycle's cut.
-    `log`: time and name of each event up to now.
     """
+
+    commands = SAW_COMMANDS
+    records: SawRecords
+    section: MasterSection
 
     def __init__(
         self,
@@ -60,14 +61,9 @@ class MachineState:
         period: float,
         initial_position: float,
     ) -> None:
-        self.inputs, self.steps, self.period = inputs, steps, period
-        self.records = PieceRecords(inputs)
-        self.command_levels = {name: bool(inputs[name]) for name in COMMANDS}
+        super().__init__(inputs, SawRecords(inputs), section, steps, period)
         self.state = OFF
         self.law: MotionLaw = Rest(initial_position)
-        self.section, self.time, self.at_step_begin = section, 0.0, False
-        self.fault, self.refusal = 0, 0
-        self.is_stopping = self.is_cut_requested = self.is_blocked = False
         self.cycle = self.records.saw()
         self.ready_time, self.home_time, self.start_time = 0.0, 0.0, 0.0
         self.previous_start_time: float | None = None
@@ -80,8 +76,6 @@ class MachineState:
         self.cut_begin_time, self.cut_begin_position, self.clear_time, self.blade_up_time = inf, 0.0, inf, inf
         self.has_gap = False
         self.ease, self.ease_velocity, self.ease_cut_position = 1.0, 0.0, 0.0
-        self.has_mark_edge = False
-        self.log: list[tuple[float, str]] = []
         self.solved_velocities: dict[Any, float] = {}
         self.snapshots: list[Snapshot] = []
 
@@ -89,7 +83,7 @@ class MachineState:
         """The master now, or at another time in its present section."""
         return self.section.at(self.time if time is None else time)
 
-    def carriage(self, time: float | None = None) -> CarriageState:
+    def carriage(self, time: float | None = None) -> AxisState:
         """The carriage now, or at another time while its law holds."""
         at = self.time if time is None else time
         return self.law.at(at, self.section.at(at))
@@ -106,45 +100,21 @@ class MachineState:
     def add_snapshot(self) -> None:
         """Add what holds from now on."""
         records, saw = self.records, self.records.saw()
-        pitch, pitch_of_orders = records.pitches()
+        present, following, waiting = records.pitches()
+        pitch = min(present, following)
+        pitch_of_orders = min([pitch, *waiting])
         highest, highest_orders = self._solve_line_velocity(saw, pitch), self._solve_line_velocity(saw, pitch_of_orders)
-        piece, front = records.piece, records.orders[0] if records.orders else None
-        requested_velocity, margin = float(self.inputs["line.wanted_velocity"]), float(self.inputs["line.margin"])
-        failed = self.state == FAULT
-        has_next_cut = records.is_running and piece is not None
         cycling = self.state in (APPROACHING, *IN_SYNC)
-        outputs = {
-            "running": records.is_running,
+        outputs = self.outputs(highest, failed=self.state == FAULT) | {
             "in_sync": self.state in (SYNCHRONOUS, CUTTING) or (self.state == CLEARING and not self.has_gap),
             "tool.command": self.command,
             "tool.command_time": self.command_time,
             "tool.blade_down": self.is_blade_down,
             "tool.cutting": self.state == CUTTING,
-            "next_cut.known": has_next_cut,
-            "next_cut.position": self._wrap(piece.cut_position) if has_next_cut and piece else 0.0,
-            "piece.ordered": piece.ordered if piece else 0.0,
-            "piece.kind": piece.kind if piece else 0,
-            **{f"last.{name}": value for name, value in records.last.items()},
-            "order.waiting": len(records.orders),
-            "order.length_active": front.length if front else 0.0,
-            "order.remaining": front.remaining if front else 0,
-            "order.completed": records.completed,
             "limits.max_line_velocity": highest,
             "limits.max_line_velocity_orders": highest_orders,
-            "line.velocity_request": 0.0 if failed else min(requested_velocity, (1 - margin) * highest),
-            "line.stop_request": failed,
-            "calibration.factor": records.calibration,
-            **records.statistics.outputs(),
-            "batch_count": records.batch_count,
-            "batches": records.batches,
-            "batch_done": records.batch_done,
-            "error": bool(self.fault or self.refusal),
-            "error_id": self.fault or self.refusal,
-            **{f"warning.{name}": value for name, value in records.warnings.items()},
-            "warning.no_length": records.is_running and not records.is_by_marks and piece is None,
             "local.coupling_factor": self.cycle.k if cycling else saw.k,
             "local.ease": self.ease,
-            "local.marks_waiting": len(records.marks),
             "local.start_time": self.start_time,
             "local.home_time": self.home_time,
         }
@@ -156,7 +126,7 @@ class MachineState:
                 self.law,
                 saw,
                 self.cycle if cycling else saw,
-                piece,
+                records.piece,
                 records.origin,
                 records.is_running,
                 self.sync_position,
@@ -172,10 +142,3 @@ class MachineState:
         if (saw, pitch) not in self.solved_velocities:
             self.solved_velocities[saw, pitch] = saw.max_line_velocity(pitch)
         return self.solved_velocities[saw, pitch]
-
-    def _wrap(self, position: float) -> float:
-        """The position within the master's period."""
-        if self.period == 0:
-            return position
-        wrapped = position % self.period
-        return 0.0 if isclose(wrapped, self.period, rel_tol=1e-15) else wrapped
