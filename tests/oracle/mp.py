@@ -21,6 +21,7 @@ EXTRA_BITS = 160
 
 floor, ceil, nint, sign = gmpy2.floor, gmpy2.ceil, gmpy2.rint, gmpy2.sign
 cos, sin, exp, isfinite, mpq = gmpy2.cos, gmpy2.sin, gmpy2.exp, gmpy2.is_finite, gmpy2.mpq
+asin, cbrt = gmpy2.asin, gmpy2.cbrt
 
 
 def mpf(value: Any = 0) -> Number:

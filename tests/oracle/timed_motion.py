@@ -37,7 +37,7 @@ class TimedMotion:
     end: float
     target: float
 
-    def at(self, time: float, _master: Motion) -> AxisState:
+    def at(self, time: float, _master: Motion | None = None) -> AxisState:
         if time >= self.end:
             return self.target, 0.0, 0.0, 0.0
         begin, jerk, s = next(p for p in reversed(self.phases) if p[0] <= time or p is self.phases[0])

@@ -1,0 +1,180 @@
+"""How a rotary knife turns over the master: at rest, in the window of a cut, and on the quintic through six values.
+
+A place is a position of the master (u); `at` gives the slave's position there and its three derivatives over the place.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from tests.oracle import mp
+from tests.oracle.mp import Number
+
+Derivatives: TypeAlias = tuple[Number, Number, Number, Number]
+"""The slave's position, slope, curvature and third derivative over the place."""
+Extremes: TypeAlias = tuple[Number, Number, Number]
+"""The greatest magnitudes of slope, curvature and third derivative."""
+
+ZERO, ONE = mp.mpf(0), mp.mpf(1)
+FINE = mp.mpf("1e-46")
+MOST_ITERATIONS = 400
+NO_EXTREMES: Extremes = (ZERO, ZERO, ZERO)
+
+
+def greatest(*extremes: Extremes) -> Extremes:
+    """Of several curves, one after the other."""
+    slope, curvature, third = (max(values) for values in zip(*extremes, strict=True))
+    return slope, curvature, third
+
+
+@dataclass(frozen=True, slots=True)
+class Rest:
+    position: Number
+
+    def at(self, _place: Number) -> Derivatives:
+        return self.position, ZERO, ZERO, ZERO
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """The law around a cut. `slope`: k' where it is TANGENTIAL, k = f·turn/C where it is HORIZONTAL, that of the cut.
+
+    `before`, `after`: travel of the master before and after the cut. `radian`: turn/(2π) where it is HORIZONTAL, or 0.
+    """
+
+    slope: Number
+    before: Number
+    after: Number
+    radian: Number
+
+    def at(self, travel: Number) -> Derivatives:
+        """`travel`: of the master since the cut. HORIZONTAL: radian·arcsin(y), y = slope·travel/radian = 2π x/C."""
+        if not self.radian:
+            return self.slope * travel, self.slope, ZERO, ZERO
+        y, rate = self.slope * travel / self.radian, self.slope / self.radian
+        root = mp.sqrt(1 - y * y)
+        return (
+            self.radian * mp.asin(y),
+            self.slope / root,
+            self.slope * rate * y / root**3,
+            self.slope * rate**2 * (1 + 2 * y * y) / root**5,
+        )
+
+    def extremes(self, travel: Number) -> Extremes:
+        """Between the cut and `travel`: all three are greatest at the end."""
+        _, slope, curvature, third = self.at(travel)
+        return slope, abs(curvature), third
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """The window of a cut that is made at `place`, where the slave's position is `position`."""
+
+    window: Window
+    place: Number
+    position: Number
+
+    @property
+    def begin(self) -> Number:
+        return self.place - self.window.before
+
+    @property
+    def end(self) -> Number:
+        return self.place + self.window.after
+
+    def at(self, place: Number) -> Derivatives:
+        s, slope, curvature, third = self.window.at(place - self.place)
+        return self.position + s, slope, curvature, third
+
+
+@dataclass(frozen=True, slots=True)
+class Quintic:
+    """Σ cᵢ uⁱ, u = (place - begin)/width from 0 to 1."""
+
+    begin: Number
+    width: Number
+    coefficients: tuple[Number, ...]
+
+    @staticmethod
+    def through(begin: Number, first: Sequence[Number], end: Number, last: Sequence[Number]) -> "Quintic":
+        """The one with the position, slope and curvature of `first` at `begin` and of `last` at `end`."""
+        h = end - begin
+        c = [first[0], first[1] * h, first[2] * h * h / 2]
+        d, e, g = last[0] - sum(c), last[1] * h - c[1] - 2 * c[2], last[2] * h * h - 2 * c[2]
+        return Quintic(begin, h, (*c, 10 * d - 4 * e + g / 2, -15 * d + 7 * e - g, 6 * d - 3 * e + g / 2))
+
+    @property
+    def end(self) -> Number:
+        return self.begin + self.width
+
+    def at(self, place: Number) -> Derivatives:
+        u = min(max((place - self.begin) / self.width, ZERO), ONE)
+        s, slope, curvature, third = (
+            value_at(derivative(self.coefficients, order), u) / self.width**order for order in range(4)
+        )
+        return s, slope, curvature, third
+
+    def extremes(self) -> Extremes:
+        slope, curvature, third = (
+            max(abs(value) for value in self._critical_values(order)) / self.width**order for order in (1, 2, 3)
+        )
+        return slope, curvature, third
+
+    def least_slope(self) -> Number:
+        return min(self._critical_values(1)) / self.width
+
+    def _critical_values(self, order: int) -> list[Number]:
+        """Of the derivative over u of that order, at both ends and wherever the next one is 0."""
+        polynomial = derivative(self.coefficients, order)
+        return [value_at(polynomial, u) for u in (ZERO, *zeros(derivative(polynomial)), ONE)]
+
+
+def value_at(polynomial: Sequence[Number], u: Number) -> Number:
+    result = ZERO
+    for coefficient in reversed(polynomial):
+        result = result * u + coefficient
+    return result
+
+
+def derivative(polynomial: Sequence[Number], order: int = 1) -> list[Number]:
+    result = list(polynomial)
+    for _ in range(order):
+        result = [power * c for power, c in enumerate(result)][1:]
+    return result
+
+
+def zeros(polynomial: Sequence[Number]) -> list[Number]:
+    """Where in (0, 1) the polynomial changes its sign, in order: between any two of them its derivative does."""
+    if len(polynomial) < 2:
+        return []
+    slope = derivative(polynomial)
+    ends = [ZERO, *zeros(slope), ONE]
+    values = [value_at(polynomial, u) for u in ends]
+    return [
+        _zero_between(polynomial, slope, ends[i], ends[i + 1], mp.sign(values[i + 1]))
+        for i in range(len(ends) - 1)
+        if mp.sign(values[i]) * mp.sign(values[i + 1]) < 0
+    ]
+
+
+def _zero_between(
+    polynomial: Sequence[Number], slope: Sequence[Number], low: Number, high: Number, side: Number
+) -> Number:
+    """The zero of a polynomial that is monotone from `low` to `high`, where it has the sign `side`.
+
+    Newton's method kept inside a bracket, which a step that would leave it bisects.
+    """
+    u = (low + high) / 2
+    for _ in range(MOST_ITERATIONS):
+        value, rate = value_at(polynomial, u), value_at(slope, u)
+        if value * side < 0:
+            low = u
+        else:
+            high = u
+        following = u - value / rate if rate else low
+        if not low < following < high:
+            following = (low + high) / 2
+        if abs(following - u) <= FINE:
+            break
+        u = following
+    return following
