@@ -16,6 +16,7 @@ from markupsafe import escape
 from numpy.typing import NDArray
 
 from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.sweep.plot.units import units
 from motionsync_fmu.sweep.sweep_plan import Factor, SweepPlan
 from tests.support.command_line import Command, assert_one_line
 from tests.sweep import example_plans
@@ -397,3 +398,31 @@ def test_what_a_histogram_cannot_show_is_reported(
 ) -> None:
     example_plans.seeds(tmp_path / "seeds", 8)
     assert_one_line(motionsync("sweep-plot", "seeds", *options), *parts)
+
+
+@pytest.mark.parametrize(
+    "values", [[800.0, 800.0, 800.0], [0.0, 0.0], [800.0, 800.0 + 1.2e-13, 800.0 - 1.2e-13], [5.0]]
+)
+def test_equal_values_have_a_histogram_of_one_bar(
+    folder: Path, motionsync: Command, tmp_path: Path, values: list[float]
+) -> None:
+    """They may differ by rounding."""
+    plan = SweepPlan.of(example_plans.EXAMPLE, [f"{V}={','.join(str(500 + i) for i in range(len(values)))}"])
+    plan.write(tmp_path)
+    runs = np.arange(len(values))
+    columns = {"run": runs, V: 500.0 + runs, "passed": runs >= 0, "cut_error": np.array(values)}
+    example_plans.write(tmp_path, columns, 10)
+    assert motionsync("sweep-plot", tmp_path, "--x", "cut_error").status == 0
+    (chart,) = charts((tmp_path / "plot.html").read_text("utf-8")).values()
+    assert sorted(chart["data"][0]["y"])[-1] == len(values)
+
+
+def test_results_have_their_units(tmp_path: Path, seeds: Callable[..., str]) -> None:
+    """Those of the measured line, in mm; its axis moves 120 kg, so forces are in N."""
+    names = units(SweepPlan.of(example_plans.MEASURED, ["encoder.noise=0.01,0.02", "servo.dead_time=0,0.001"]))
+    expected = {"true_length_errors": "mm", "cut_movement": "mm", "following_error": "mm", "force_peak": "N"}
+    expected |= {"encoder.noise": "mm", "servo.dead_time": "s"}
+    assert expected.items() <= names.items()
+    assert charts(seeds("--x", "true_length_sigma"))["Histogram of the true_length_sigma"]["layout"]["xaxis"][
+        "title"
+    ] == {"text": "true_length_sigma in mm"}

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...scenario.engineering import engineering
+from ...scenario.engineering import ROUNDING, engineering
 from ...scenario.recording import Reals
 from ..numbers import rounded
 from ..style import with_unit
@@ -96,8 +96,10 @@ class Histogram:
 def bar_borders(least: float, greatest: float, count: int, reach: float) -> Reals:
     """Those of bars of equal width, one of which has its middle at 0; about as many bars as the root of the count.
 
-    `reach`: the magnitude that counts where all values are equal."""
-    spread = greatest - least or EQUAL * reach or 1.0
+    `reach`: the magnitude that counts where all values are equal, to rounding."""
+    spread = greatest - least
+    if spread <= ROUNDING * max(abs(least), abs(greatest)):
+        spread = EQUAL * reach or 1.0
     width = spread / min(max(LEAST_BARS, round(sqrt(count))), MOST_BARS)
     first, last = (int(np.floor(x / width + 0.5)) for x in (least, greatest))
     return np.asarray((np.arange(first, last + 2) - 0.5) * width, np.float64)
