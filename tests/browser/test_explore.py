@@ -409,7 +409,7 @@ def test_a_scenario_with_an_encoder_begins_with_the_switch_on(open_block: OpenBl
 
 def test_a_recorded_line_has_been_measured(open_block: OpenBlock) -> None:
     """Nobody knows where it truly was: its smoothing time is all that can be chosen. While the line runs evenly, its
-    velocity changes by noise alone, which the longer time makes far less."""
+    velocity changes by noise alone, of which less than a third is left with five times the smoothing time."""
     visit = open_block("CutToLength", "recorded_line")
     badge(visit, "same bits")
     box = visit.page.get_by_label("measured line", exact=True)
@@ -421,7 +421,7 @@ def test_a_recorded_line_has_been_measured(open_block: OpenBlock) -> None:
     after = visit.page.evaluate(SMOOTHED_VELOCITY)
     assert after[1] == before[1]
     changes = [np.median(np.abs(np.diff(smoothed))) for smoothed, _ in (before, after)]
-    assert changes[1] < 0.1 * changes[0]
+    assert changes[1] < changes[0] / 3.0
 
 
 @pytest.mark.parametrize(

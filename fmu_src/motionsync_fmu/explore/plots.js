@@ -172,7 +172,7 @@ class Plots {
       scales: {x: {time: false}},
       axes: [
         {...axis, size: final ? AXIS : 0, values: final ? undefined : (_, ticks) => ticks.map(() => "")},
-        {...axis, size: 62, label, labelSize: 18, labelFont: "12px system-ui"},
+        {...axis, size: 62, label, labelSize: 18, labelFont: "12px system-ui", space: 20},
       ],
       series: [
         {},
