@@ -16,11 +16,11 @@ from motionsync_fmu.explore.page import scenarios_of
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.roles import MOTION
 from motionsync_fmu.scenario import clocks
-from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
 from tests.support.explored import Explored, explored
 from tests.support.fmus import Fmus
+from tests.support.recordings import run_compiled
 
 PAGE = 65536
 SETTERS = {"Real": "set_real", "Integer": "set_integer", "Enumeration": "set_integer", "Boolean": "set_boolean"}
@@ -119,14 +119,15 @@ def test_every_scenario_has_the_native_bits_in_webassembly(fmus: Fmus, block: st
         assert hashlib.sha256(rows.tobytes()).hexdigest() == stored["sha256"], scenario.name
 
 
-def test_the_sum_on_the_page_is_that_of_a_run_in_plain_python(fmus: Fmus, block: str) -> None:
-    """The shortest scenario, by the block's own source: no compiled code has a part in it."""
-    scenario, stored = min(scenarios(explored(fmus, block)), key=lambda pair: pair[1]["points"])
-    recording = run_in_process(scenario, scenario.step_size)
+def test_the_sums_on_the_page_are_those_of_runs_in_this_process(fmus: Fmus, block: str) -> None:
+    """In compiled code, whose bits tests/model/test_scenarios.py compares with those of plain Python."""
+    several, all_stored = zip(*scenarios(explored(fmus, block)), strict=True)
     names = [v.name for v in Recipe(block).variables.values() if not v.settable]
-    rows = np.column_stack([recording.values[name] for name in names])
-    assert rows.shape == (stored["points"], len(names))
-    assert hashlib.sha256(rows.tobytes()).hexdigest() == stored["sha256"]
+    for stored, run in zip(all_stored, run_compiled(*several, names=names), strict=True):
+        assert run.recording
+        rows = np.column_stack([run.recording.values[name] for name in names])
+        assert rows.shape == (stored["points"], len(names))
+        assert hashlib.sha256(rows.tobytes()).hexdigest() == stored["sha256"], stored["name"]
 
 
 def test_one_bit_more_in_an_input_is_another_sum(fmus: Fmus) -> None:

@@ -1,9 +1,10 @@
-"""The scenarios: each one through the built FMU, its cross-check files, and what its settings mean."""
+"""The scenarios through built FMUs, their cross-check files, and what their settings mean."""
 
 import csv
 import shlex
 import subprocess
 import sys
+import tomllib
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,25 +16,26 @@ import pytest
 
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
 from motionsync_fmu.scenario.evaluate.reference_files import command_line, inputs_csv, inputs_file
 from motionsync_fmu.scenario.files.reader import load_scenario
+from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run import simulation
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps, simulate
-from motionsync_fmu.scenario.scenario import Scenario, When
 from tests import ROOT, regenerate
 from tests.support.fmus import Fmus
+from tests.support.recordings import assert_same, run_compiled
 from tests.support.scenario_texts import SEGMENTS, VALID
 from tests.support.stored_references import keep
+from tests.support.varied import few_with_all, kinds_of
 
 SCENARIOS = ROOT / "scenarios"
 FOLDERS = sorted(file.parent for file in SCENARIOS.rglob("scenario.toml"))
-SMOOTHED = [SCENARIOS / "CutToLength" / name for name in ("measured_line", "recorded_line")]  # by the step size
-UNEVEN = 0.007  # s: no divisor of any time in the scenarios
-WITHIN = 0.0007  # s: nor this one, within a cycle; steps beyond that repeat a remote axis' telegrams
+INPUTS = ("start", "master", "remote", "encoder", "drive", "set", "on", "cuts")  # tables of a scenario
 
 
 def named(folder: Path) -> str:
@@ -43,43 +45,33 @@ def named(folder: Path) -> str:
 # --- the scenarios that are there ---
 
 
-def failed_checks(scenario: Scenario, recording: Recording) -> list[str]:
-    """What was not as expected, reference included."""
-    broken = [f"{c.expected}: found {c.actual}" for c in check_expectations(scenario, recording) if not c.passed]
-    deviations = compare_with_reference(scenario, recording)
-    assert deviations, "there is no reference"
-    return broken + [f"{d.name}: {d.greatest} at {d.at}, {d.allowed} allowed" for d in deviations if not d.passed]
+def features(block: str) -> dict[str, set[Any]]:
+    """By scenario of a block its kinds of inputs, and the states, faults and flags that it shows."""
+    scenarios = [load_scenario(file) for file in find_files(SCENARIOS / block)]
+    outputs = [v for v in Recipe(block).variables.values() if not v.settable]
+    names = [v.name for v in outputs if v.kind == "Boolean" or v.name in ("state_code", "error_id")]
+    result: dict[str, set[Any]] = {}
+    for scenario, run in zip(scenarios, run_compiled(*scenarios, names=names), strict=True):
+        assert run.recording
+        raw = tomllib.loads(scenario.file.read_text("utf-8"))
+        shown = {(name, x) for name in names for x in np.unique(run.recording.values[name]).tolist()}
+        result[str(scenario.file)] = shown.union(kinds_of({key: raw[key] for key in INPUTS if key in raw}))
+    return result
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=named)
-def test_a_scenario_is_kept_by_both_flavours_with_the_same_bits(folder: Path, fmus: Fmus) -> None:
-    scenario = load_scenario(folder / "scenario.toml")
-    assert scenario.expectations
-    name = scenario.recipe.name
-    recording, native = (simulate(scenario, fmu, scenario.step_size) for fmu in (fmus.python(name), fmus.native(name)))
-    assert failed_checks(scenario, recording) == []
-    assert min(d.points for d in compare_with_reference(scenario, recording)) >= 100
-    assert native.messages == recording.messages
-    for variable, values in recording.values.items():
-        assert native.values[variable].tobytes() == values.tobytes(), variable
-
-
-def late(scenario: Scenario, step_size: float) -> Scenario:
-    """An event shows at the first communication point after it, so its time is known to one step, of either run."""
-    step = max(step_size, scenario.step_size)
-    widened = [
-        replace(e, tolerance=(e.tolerance or 0.0) + step) if isinstance(e, When) else e for e in scenario.expectations
-    ]
-    return replace(scenario, expectations=tuple(widened))
-
-
-@pytest.mark.parametrize("folder", [f for f in FOLDERS if f not in SMOOTHED], ids=named)
-def test_a_scenario_is_kept_at_another_step_size_by_the_native_flavour(folder: Path, fmus: Fmus) -> None:
-    scenario = load_scenario(folder / "scenario.toml")
-    step_size = WITHIN if scenario.remote else UNEVEN
-    recording = simulate(scenario, fmus.native(scenario.recipe.name), step_size)
-    assert failed_checks(late(scenario, step_size), recording) == []
-    assert min(d.points for d in compare_with_reference(scenario, recording)) >= 5
+def test_a_scenario_is_kept_by_both_flavours_with_the_same_bits(block: str, fmus: Fmus) -> None:
+    """The bits of compiled code in this process, which tests/model/test_scenarios.py checks in all scenarios; here few
+    of them have together all inputs, states, faults and flags of all."""
+    for file in few_with_all(features(block)):
+        scenario = load_scenario(Path(file))
+        (run,) = run_compiled(scenario)
+        assert run.recording
+        python, native = (
+            simulate(scenario, fmu, scenario.step_size) for fmu in (fmus.python(block), fmus.native(block))
+        )
+        for recording in (python, native):
+            assert_same(recording, run.recording)
+        assert native.messages == python.messages
 
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=named)

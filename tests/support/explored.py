@@ -4,7 +4,6 @@ import base64
 import json
 import re
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 from motionsync_fmu.explore.page import scenarios_of, write_page
 from tests.support.fmus import Fmus
+from tests.support.varied import few_with_all, kinds_of
 
 INPUTS = ("axis", "encoder", "drive", "remote", "settings", "reactions", "cuts")
 """What the page makes the inputs of a run from, beside the start values."""
@@ -39,14 +39,12 @@ class Explored:
     def varied_scenarios(self) -> list[str]:
         """Names of few scenarios that together have every kind of motion, clock, setting, reaction and cut that any
         has."""
-        kinds = {s["name"]: set(_kinds_of({key: s[key] for key in INPUTS})) for s in self.data["scenarios"]}
-        for s in self.data["scenarios"]:
-            kinds[s["name"]].add(("input mode", s["start"].get("master.input_mode")))
-        missing, result = set().union(*kinds.values()), list[str]()
-        while missing:
-            result.append(max(kinds, key=lambda name: len(kinds[name] & missing)))
-            missing -= kinds[result[-1]]
-        return result
+        return few_with_all(
+            {
+                s["name"]: {*kinds_of({key: s[key] for key in INPUTS}), s["start"].get("master.input_mode")}
+                for s in self.data["scenarios"]
+            }
+        )
 
     def scenario(self, name: str) -> dict[str, Any]:
         """What the page knows of a scenario."""
@@ -64,16 +62,3 @@ def explored(fmus: Fmus, name: str) -> Explored:
         write_page(name, scenarios_of(name), fmus.native(name), folder / f"{name}.html")
 
     return Explored(fmus.shared.once(f"explore/{name}", fill) / f"{name}.html")
-
-
-def _kinds_of(part: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """What there is in a part of a scenario: each key with each type, each text, and whether a number is 0. Variables
-    of one type are one kind."""
-    if isinstance(part, dict):
-        for key, value in part.items():
-            yield from _kinds_of(value, path if "." in key else f"{path}.{key}")
-    elif isinstance(part, list):
-        for value in part:
-            yield from _kinds_of(value, path)
-    elif not path.endswith((".when", ".name")):
-        yield path, part if isinstance(part, str) else (type(part), bool(part))
