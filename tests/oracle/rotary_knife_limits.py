@@ -102,8 +102,7 @@ class Knife:
         """On to the cut's window without rest; None if there is no way, or if it would turn back."""
         if cut.begin <= place:
             return None
-        curve = Quintic.through(place, state, cut.begin, cut.at(cut.begin))
-        return None if curve.least_slope() < -BACKWARDS * cut.window.slope else Way((curve,))
+        return Way((_curve_to(place, state, cut),)) if turning_margin(place, state, cut) >= 0 else None
 
     def parking(self, place: Number, state: Derivatives, cut: Cut, *, shortened: bool = True) -> Way | None:
         """Down to rest before the cut at once, and up from it as late as possible; None if that does not fit.
@@ -158,6 +157,34 @@ class Knife:
         )
 
 
+def _curve_to(place: Number, state: Derivatives, cut: Cut) -> Quintic:
+    return Quintic.through(place, state, cut.begin, cut.at(cut.begin))
+
+
+def turning_margin(place: Number, state: Derivatives, cut: Cut) -> Number:
+    """The least slope of the curve to a cut's window, over that at which it turns back."""
+    return _curve_to(place, state, cut).least_slope() + BACKWARDS * cut.window.slope
+
+
+def longest_curve(place: Number, state: Derivatives, cut_after: Callable[[Number], Cut]) -> Number:
+    """The longest way on from there without rest, or 0; `cut_after`: the cut whose window begins so far away."""
+
+    def margin(z: Number) -> Number:
+        return turning_margin(place, state, cut_after(z))
+
+    low = cut_after(ZERO).window.before + mp.mpf(1) / 1024
+    if margin(low) < 0:
+        high = low
+        while margin(low) < 0:
+            low, high = low / 2, low
+            if low < SPARE:
+                return ZERO
+        return solve(margin, low, high)
+    while margin(2 * low) >= 0:
+        low *= 2
+    return solve(margin, low, 2 * low)
+
+
 def ramp_width(distance: Number, slope: Number, curvature: Number) -> Number | None:
     """W of a ramp over the slave's `distance` between rest and a state; None if there is none.
 
@@ -199,18 +226,11 @@ def ramp_velocity(knife: Knife, entering: Window) -> Number:
 @lru_cache(maxsize=256)
 def longest_turning(knife: Knife, leaving: Window, entering: Window) -> Number:
     """The longest way Z on which the knife does not come to rest."""
-    slope = entering.slope
 
-    def margin(z: Number) -> Number:
-        end = entering.at(-entering.before)
-        last = (knife.spacing + end[0], *end[1:])
-        curve = Quintic.through(ZERO, leaving.at(leaving.after), mp.mpf(z), last)
-        return curve.least_slope() + BACKWARDS * slope
+    def cut_after(z: Number) -> Cut:
+        return Cut(entering, z + entering.before, knife.spacing)
 
-    low = knife.spacing / slope / 1024
-    while margin(2 * low) > 0:
-        low *= 2
-    return solve(margin, low, 2 * low)
+    return longest_curve(ZERO, leaving.at(leaving.after), cut_after)
 
 
 @lru_cache(maxsize=256)

@@ -241,7 +241,7 @@ class KnifeRun(KnifeState):
         def cut_after(z: Number) -> Cut:
             return self.next_cut(here.place + z + late.window.before, late.window)
 
-        longest = here.latest_turning(cut_after)
+        longest = here.longest_turning(cut_after)
         least = late.begin - here.place
         reached = here.earliest(cut_after, least, longest) if least < longest else None
         reached = reached or here.earliest_parking(cut_after, max(least, longest))
@@ -340,7 +340,7 @@ class KnifeRun(KnifeState):
             return self.next_cut(here.place + z + window.before, window)
 
         if here.velocity > 0:
-            longest = here.latest_turning(cut_after)
+            longest = here.longest_turning(cut_after)
             if piece is not None:
                 longest = min(longest, mp.mpf(piece.cut_position) - window.before - here.place)
             reached = here.earliest(cut_after, ZERO, longest) if longest > 0 else None

@@ -15,7 +15,7 @@ from tests.oracle import mp
 from tests.oracle.flying_saw_curves import solve
 from tests.oracle.mp import Number
 from tests.oracle.rotary_knife_curves import Cut, Derivatives, Window
-from tests.oracle.rotary_knife_limits import Knife, Way
+from tests.oracle.rotary_knife_limits import Knife, Way, longest_curve
 
 LATENESS = mp.mpf("1e-9")
 STEPS = 64
@@ -70,18 +70,9 @@ class Departure:
             return False
         return not self.knife.may_park or self.knife.parking(self.place, self.state, cut, shortened=False) is not None
 
-    def latest_turning(self, cut_after: Callable[[Number], Cut]) -> Number:
-        """The longest way without rest; `cut_after`: the cut whose window begins so far away."""
-        width = self.knife.circumference / self.knife.blades / 1024
-        while self.knife.turning(self.place, self.state, cut_after(2 * width)) is not None:
-            width *= 2
-        if self.knife.turning(self.place, self.state, cut_after(width)) is None:
-            return mp.mpf(0)
-
-        def turns(z: Number) -> Number:
-            return mp.mpf(1 if self.knife.turning(self.place, self.state, cut_after(z)) is not None else -1)
-
-        return solve(turns, width, 2 * width)
+    def longest_turning(self, cut_after: Callable[[Number], Cut]) -> Number:
+        """The longest way without rest, or 0; `cut_after`: the cut whose window begins so far away."""
+        return longest_curve(self.place, self.state, cut_after)
 
     def earliest(self, cut_after: Callable[[Number], Cut], least: Number, longest: Number) -> tuple[Cut, Way] | None:
         """The first cut from `least` away on, up to `longest`, to which the knife turns within the limits."""
