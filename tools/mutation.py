@@ -5,8 +5,8 @@
     python -m tools.mutation report              the score of each package, and the mutants that survived
 
 A mutant is run against the tests that run its line until one fails: first those that noticed it in another state of
-the project, then the shortest; a test that needs a block in compiled code takes longer with a mutant of what is
-compiled. All results are in build/mutation, a file for each state that is named; `run` goes on
+the project, then the shortest, of a mutant of what is compiled those that compile nothing first: a compiled mutant is
+in no cache. All results are in build/mutation, a file for each state that is named; `run` goes on
 where it was broken off. A mutant of a line that runs at import is run against the tests of its file or folder, one of C
 against those of its folder.
 """
@@ -50,7 +50,6 @@ TESTS_OF_C = {  # the folders of tests that run C which is no block's
 }
 COMPILED = ("model/", *(f"fmu_src/motionsync_fmu/{name}/" for name in ("compiler", "native", "batch")))
 COMPILERS = tuple(f"fmu_src/motionsync_fmu/{name}/" for name in ("native", "batch"))
-COMPILATION = 10.0  # s, for a block: measured it has not been, since compiled code is stored in the user's cache
 LEFT_OUT = (
     *("tests/pages/test_contributing.py", "tests/install/"),  # they run other tests, or none of the project's code
     "tests/commands/test_paths.py",  # it limits the size of files, which coverage writes as well
@@ -86,15 +85,11 @@ class Reach:
             reached = {names[i] for i in numbers}
         else:
             folders = next(tests for folder, tests in TESTS_OF_C.items() if mutant.path.startswith(folder))
-            reached = {name for name in names if name.startswith(folders)}
+            reached = {name for name in self.compiling if name.startswith(folders)}
         noticed = self.noticed.get(mutant.name, ())
         reached = {name for name in reached & self.present if not name.startswith(LEFT_OUT)}
-        return sorted(reached, key=lambda name: (name not in noticed, self.duration(mutant, name)))
-
-    def duration(self, mutant: Mutant, name: str) -> float:
-        """How long a test takes with a mutant, s."""
-        compiles = mutant.path.startswith(COMPILED) and name in self.compiling
-        return self.seconds[name] + (COMPILATION if compiles else 0.0)
+        compiling = self.compiling if mutant.path.startswith(COMPILED) else ()
+        return sorted(reached, key=lambda name: (name not in noticed, name in compiling, self.seconds[name]))
 
     @cached_property
     def compiling(self) -> set[str]:
@@ -258,7 +253,7 @@ def copy_tree(root: Path, tree: Path) -> Path:
 
 def try_mutant(mutant: Mutant, reach: Reach, trees: SimpleQueue[Path], budget: float) -> dict[str, Any]:
     """Run a mutant's tests in one of the trees, which has the mutant meanwhile."""
-    tests = list(within_budget(reach, mutant, budget))
+    tests = list(within_budget(reach, reach.tests_of(mutant), budget))
     tree = trees.get()
     source = (tree / mutant.path).read_text("utf-8")
     result, failed = "not reached", ""
@@ -277,11 +272,11 @@ def try_mutant(mutant: Mutant, reach: Reach, trees: SimpleQueue[Path], budget: f
     return {"name": mutant.name, "line": mutant.line, "result": result, "by": failed, "tests": len(tests)}
 
 
-def within_budget(reach: Reach, mutant: Mutant, budget: float) -> Iterator[str]:
-    """A mutant's first tests that take no longer in all; at least one."""
+def within_budget(reach: Reach, tests: Sequence[str], budget: float) -> Iterator[str]:
+    """The first tests that take no longer in all; at least one."""
     total = 0.0
-    for i, test in enumerate(reach.tests_of(mutant)):
-        total += reach.duration(mutant, test)
+    for i, test in enumerate(tests):
+        total += reach.seconds[test]
         if i and total > budget:
             return
         yield test

@@ -139,12 +139,14 @@ def test_what_runs_at_import_is_run_against_the_tests_of_its_file_or_folder() ->
     assert reach.tests_of(Mutant("a/d.py", 1, (1, 1), "constant", 0, 1, "1", "2")) == ["quick", "slow"]
 
 
-def test_a_test_that_compiles_comes_after_quicker_ones_where_its_code_is_changed() -> None:
+def test_a_test_that_compiles_comes_last_where_its_code_is_changed() -> None:
     """Compiled code of a changed block is not in the cache; what runs a scenario is not compiled."""
-    names = ["tests/test_a.py::test_in_c", "tests/test_b.py::test_in_python"]
+    names = ["tests/batch/test_a.py::test_in_c", "tests/batch/test_b.py::test_in_python"]
     block, runner = "model/motionsync/half.py", "fmu_src/motionsync_fmu/scenario/half.py"
     lines = {"1": [0, 1]}
     tests = {block: lines, runner: lines, "fmu_src/motionsync_fmu/batch/library.py": {"60": [0]}}
     reach = Reach(dict(zip(names, (0.1, 5.0), strict=True)), tests, {*names})
     orders = {path: reach.tests_of(Mutant(path, 1, (1, 1), "constant", 0, 1, "1", "2")) for path in (block, runner)}
     assert orders == {block: names[::-1], runner: names}
+    c = "fmu_src/motionsync_fmu/batch/half.c"
+    assert reach.tests_of(Mutant(c, 1, (1, 1), "constant", 0, 1, "1", "2")) == names[:1]
