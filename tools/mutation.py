@@ -49,7 +49,7 @@ TESTS_OF_C = {  # the folders of tests that run C which is no block's
     "fmu_src/motionsync_fmu/batch": ("tests/batch/", "tests/native/", "tests/scenario/", "tests/measured/"),
 }
 COMPILED = ("model/", *(f"fmu_src/motionsync_fmu/{name}/" for name in ("compiler", "native", "batch")))
-COMPILERS = tuple(f"fmu_src/motionsync_fmu/{name}/" for name in ("native", "batch"))
+COMPILERS = tuple(f"fmu_src/motionsync_fmu/{name}" for name in ("native", "batch"))
 LEFT_OUT = (
     *("tests/pages/test_contributing.py", "tests/install/"),  # they run other tests, or none of the project's code
     "tests/commands/test_paths.py",  # it limits the size of files, which coverage writes as well
@@ -95,7 +95,7 @@ class Reach:
     def compiling(self) -> set[str]:
         """The tests that run what compiles, or what runs compiled code."""
         names = list(self.seconds)
-        return {names[i] for folder in COMPILERS for i in self.numbers_of(folder.rstrip("/"))}
+        return {names[i] for folder in COMPILERS for i in self.numbers_of(folder)}
 
     def numbers_of(self, folder: str) -> set[int]:
         """The numbers of the tests that run anything in a folder."""
