@@ -51,7 +51,8 @@ def sweep(
     Args:
         scenario: its file or folder, or its short name: `FlyingSaw/cyclic_cut`.
         factors: what varies, by the names of start values, inputs, and numbers of the script: a text as `--set` takes
-            it, `"start:stop:count"`, `"low..high"` or `"a,b,c"`; or values: one, or an array of shape (values,).
+            it, `"start:stop:count"`, `"first:last"`, `"low..high"` or `"a,b,c"`; or values: one, or an array of shape
+            (values,).
         output: the folder for the rows and the plan. If rows of the same sweep are in it, the others are added.
         derived: what follows from factors, by expressions such as `"2*axis.max_velocity"`.
         workers: how many processes of this computer work; by default one for each core.

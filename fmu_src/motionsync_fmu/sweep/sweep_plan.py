@@ -70,7 +70,7 @@ class Factor:
 
     Attributes:
         name: the name in the scenario, as the user writes it; it is the name of a column, too.
-        text: `start:stop:count`, `a,b,c`, `low..high`, a value or an expression.
+        text: `start:stop:count`, `first:last`, `a,b,c`, `low..high`, a value or an expression.
     """
 
     name: str

@@ -172,7 +172,8 @@ def distribution_figures(view: DistributionView) -> Iterator[tuple[str, str, str
     yield f"mean {view.name}", shown(d.mean), f"one sigma is {shown(d.sigma)}" if d.count > 1 else ""
     yield f"99 % of the {view.counted}", f"{shown(low)} to {shown(high)}", f"the farthest from 0 is {shown(d.worst)}"
     if c:
-        yield "process capability", f"C_pk {c.c_pk:.2f}", c.interval or "a confidence interval needs several runs"
+        without = "a confidence interval needs several runs" if d.runs == 1 else ""
+        yield "process capability", f"C_pk {c.c_pk:.2f}", c.interval or without
 
 
 def distribution_text(view: DistributionView) -> str:

@@ -188,7 +188,11 @@ def left_out_of_distribution(plan: SweepPlan, column: Column, counts: Mapping[st
             f"{counted(counts['without'])} without a value of {column.name}: they are not in the histogram."
         )
     if others := [factor.name for factor in plan.factors if not is_seed(factor.name) and factor.name != column.name]:
-        sentences.append(f"The values of all runs are counted together, whatever their {' and '.join(others)} is.")
+        sample = (
+            " C_pk and its interval take them for samples of one process." if column.kind is ColumnKind.LIST else ""
+        )
+        names = " and ".join(others)
+        sentences.append(f"The values of all runs are counted together, whatever their {names} is.{sample}")
     return [*sentences, "A bar shows one of its runs: the one whose value is farthest from the mean."]
 
 
