@@ -82,7 +82,7 @@ const refuse = (field, reason) => field.setCustomValidity(reason);
 
 /** Why a text is not accepted as a number; "": it is. */
 function reasonAgainst({above = -Infinity, min = -Infinity, max = Infinity, smallest = 0, strict}, label, text) {
-  const x = Number(text), isOutside = x < min || x > max || (x !== 0 && x < smallest), allowed = [];
+  const x = Number(text), isOutside = x < min || x > max || (x > 0 && x < smallest), allowed = [];
   if (text === "" || !Number.isFinite(x)) return `${label} = ${text || "nothing"} is not allowed: it must be a number`;
   if (!(x <= above) && !(strict && isOutside)) return "";
   if (above > -Infinity) allowed.push(`> ${above}`);
