@@ -6,9 +6,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from motionsync_fmu.scenario.run.simulation import simulate
 from tests.support.fmus import Fmus, Shared
 from tests.support.importers import bits
 from tests.support.native_host import restore, saved
@@ -36,14 +34,6 @@ def test_random_runs_give_the_same_states_and_messages(block: str, block_native:
         assert two.messages == three.messages
     assert steps > 200
     assert failed > 0
-
-
-def test_the_example_gives_the_same_results(block: str, block_native: Path, block_fmi3: Path) -> None:
-    example = load_example(block)
-    two, three = (simulate(example, fmu, example.step_size) for fmu in (block_native, block_fmi3))
-    assert two.values.keys() == three.values.keys()
-    assert [n for n in two.values if two.values[n].tobytes() != three.values[n].tobytes()] == []
-    assert two.messages == three.messages
 
 
 def test_a_state_goes_from_one_version_to_the_other(block: str, block_native: Path, block_fmi3: Path) -> None:
