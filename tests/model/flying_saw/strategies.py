@@ -13,7 +13,7 @@ from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
-from tests.support.masters import INPUT_MODES
+from tests.support.masters import INPUT_MODES, WanderingMaster
 from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 GROUPS = (
@@ -68,16 +68,10 @@ def _steps(
     r: Random, start: dict[str, Any], length: float, steps: int, extreme: float, commands: float
 ) -> Iterator[tuple[float, dict[str, Any]]]:
     """A master that wanders, wrapped or not, and commands; `extreme` and `commands` are probabilities a step."""
-    position, velocity, period = start["master.position"], start["master.velocity"], start["master.period"]
+    master = WanderingMaster(r, start, length)
     held: set[str] = set()
     for _ in range(steps):
-        h = 10.0 ** r.uniform(-3.0, 0.0) if r.random() < 0.9 else 10.0 ** r.uniform(-15.0, 5.0)
-        acceleration = r.choice((0.0, 0.0, r.gauss(0.0, length)))
-        values: dict[str, Any] = {
-            "master.position": position if r.random() < 0.7 else position % (period or 1e9),
-            "master.velocity": velocity,
-            "master.acceleration": acceleration,
-        }
+        h, values = master.begin_step()
         for group in sorted(held):
             if r.random() < 0.5:
                 values[f"{group}.execute"] = False
@@ -85,7 +79,8 @@ def _steps(
         if r.random() < commands:
             group = r.choice(GROUPS)
             held.add(group)
-            values |= {f"{group}.{name}": value for name, value in _order(r, group, length, position, velocity).items()}
+            order = _order(r, group, length, master.position, master.velocity)
+            values |= {f"{group}.{name}": value for name, value in order.items()}
             values[f"{group}.execute"] = True
             values |= {f"sync_mode.{name}": r.random() < 0.15 for name in MODES}
         if r.random() < extreme:  # the command's values last; the master is set anew in every step
@@ -99,10 +94,7 @@ def _steps(
         if r.random() < extreme:
             h = r.choice((0.0, -h, math.nan, math.inf, 1e6, 1.1e6, 5e-324))
         yield h, values
-        position += (velocity + 0.5 * acceleration * h) * h
-        velocity = r.choice((velocity + acceleration * h, velocity, r.gauss(0.0, length), 0.0))
-        if abs(position) > 1e11 or abs(velocity) > 1e11:
-            position, velocity = 0.0, length
+        master.end_step(h)
 
 
 def _order(r: Random, group: str, length: float, position: float, velocity: float) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from motionsync.gearing.interface import State, Transition
 from motionsync.gearing.request import PositionSource
 from motionsync.gearing.stage import Stage
 from motionsync.master import MasterInput
-from tests.support.masters import INPUT_MODES
+from tests.support.masters import INPUT_MODES, WanderingMaster
 from tests.support.runs import EXTREMES, BlockRun, Strategy
 
 LEVELS = ("start", "activate", "reset", "set_master.execute", "set_slave.execute")
@@ -47,22 +47,16 @@ def _steps(
     r: Random, start: dict[str, Any], length: float, steps: int, extreme: float, commands: float
 ) -> Iterator[tuple[float, dict[str, Any]]]:
     """A master that wanders, wrapped or not, and commands; `extreme` and `commands` are probabilities a step."""
-    position, velocity, period = start["master.position"], start["master.velocity"], start["master.period"]
+    master = WanderingMaster(r, start, length)
     started, active, upset = start["start"], start["activate"], False
     for _ in range(steps):
-        h = 10.0 ** r.uniform(-3.0, 0.0) if r.random() < 0.9 else 10.0 ** r.uniform(-15.0, 5.0)
-        acceleration = r.choice((0.0, 0.0, r.gauss(0.0, length)))
-        values: dict[str, Any] = {
-            "master.position": position if r.random() < 0.7 else position % (period or 1e9),
-            "master.velocity": velocity,
-            "master.acceleration": acceleration,
-            "reset": r.random() < 0.05,
-        }
+        h, values = master.begin_step()
+        values["reset"] = r.random() < 0.05
         if r.random() < commands:
             started = not started
             group = "gear_in" if started else "gear_out"
             values["start"] = started
-            settings = _settings(r, started, length, position)
+            settings = _settings(r, started, length, master.position)
             values |= {f"{group}.{name}": value for name, value in settings.items()}
         if not active or r.random() < 0.05 * commands:
             active = r.random() < 0.5
@@ -85,12 +79,7 @@ def _steps(
         if r.random() < extreme:
             h = r.choice((0.0, -h, math.nan, math.inf, 1e6, 1.1e6, 5e-324))
         yield h, values
-        if not 0.0 < h <= 1e6:
-            continue
-        position += (velocity + 0.5 * acceleration * h) * h
-        velocity = r.choice((velocity + acceleration * h, velocity, r.gauss(0.0, length), 0.0))
-        if abs(position) > 1e11 or abs(velocity) > 1e11:
-            position, velocity = 0.0, length
+        master.end_step(h)
 
 
 def _settings(r: Random, engage: bool, length: float, position: float) -> dict[str, Any]:
