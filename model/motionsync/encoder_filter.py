@@ -17,6 +17,7 @@ from .computable_range import clamp
 from .grid import floor
 from .var import LARGEST_INPUT
 
+EQUAL = 1e-9  # of an interval; a difference up to it is the rounding of the importer's clock
 SAMPLE_ROUNDING = 1e-9  # of the sample time: a step that begins so little before a multiple of it begins at it
 LARGEST_FREQUENCY = 1e100  # 1/s: the reciprocal of a very short time is not infinite, nor are products with it
 
@@ -76,11 +77,15 @@ class EncoderFilter:
         self.is_due = self.sample_clock.time >= (1.0 - SAMPLE_ROUNDING) * sample_time
         self.age += h
         self.expect()
-        if self.is_due and self.age != self.interval:
+        if self.is_due and not self.is_known(self.age):
             share, frequency = correction(self.age, smoothing_time)
             self.interval = self.age
             self.share = share
             self.frequency = frequency
+
+    def is_known(self, interval: float) -> bool:
+        """Whether share and frequency are those of an interval, s."""
+        return abs(interval - self.interval) <= EQUAL * interval
 
     def expect(self) -> None:
         """Where the estimate leads to at the start of the coming step."""

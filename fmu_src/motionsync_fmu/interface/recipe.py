@@ -12,6 +12,7 @@ from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, choose
 from .causality import Interface
+from .roles import PieceVariables, piece_variables
 from .units import BASES
 from .variables import Variable, variables
 
@@ -71,6 +72,15 @@ class Recipe:
         """
         block, overrides = self.block(), self.causality_overrides
         return variables_by_name(block, overrides) if self.starts or overrides else declared_variables(block.__class__)
+
+    @cached_property
+    def piece_variables(self) -> PieceVariables | None:
+        """The variables by which the block reports its pieces; None for a block that does not.
+
+        Raises:
+            KeyError: as the function of that name.
+        """
+        return piece_variables(self.variables.values())
 
     @cached_property
     def causality_overrides(self) -> Mapping[str, str]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..interface.recipe import Recipe
-from ..interface.roles import MOTION, PieceVariables, piece_variables
+from ..interface.roles import MOTION, PieceVariables
 from ..interface.variables import Variable
 from ..scenario.recording import Reals
 from ..scenario.remote_view import RemoteView
@@ -59,7 +59,7 @@ class ProductionLine:
     @cached_property
     def piece_variables(self) -> PieceVariables | None:
         """The variables by which the follower reports its pieces; None: it does not report them."""
-        return piece_variables(self.follower.recipe.variables.values())
+        return self.follower.recipe.piece_variables
 
     @property
     def step_size(self) -> float:

@@ -70,17 +70,13 @@ class Servo:
         time, position, velocity: shape (points,), two points at least; the times rise.
         """
         setpoint = _Setpoint(time, np.diff(time), position, velocity)
-        free = _FreeMotion.after(self, setpoint)
+        response = _Response.to(self, setpoint)
         x, v, a = (np.full(len(time), value) for value in (position[0], 0.0, 0.0))
         at_rest = np.count_nonzero(time[1:] - self.dead_time - KINK * setpoint.steps <= time[0])
         for first in range(1 + int(at_rest), len(time), CHUNK):
             rows = slice(first, min(first + CHUNK, len(time)))
             steps, at, t = setpoint.find(rows, self.dead_time)
-            s = setpoint.cubics(steps)
-            q0, q1, q2 = self.steady_offset(s)
-            steady = _Cubics(s.c0 + q0, s.c1 + q1, s.c2 + q2, s.c3)
-            parts = zip(steady.at(at, t), free.at(steps, at, t), strict=True)
-            x[rows], v[rows], a[rows] = (of_steady + of_free for of_steady, of_free in parts)
+            x[rows], v[rows], a[rows] = response.at(steps, at, t)
         return ActualMotion(x, v, a)
 
     def steady_offset(self, s: "_Cubics") -> tuple[Reals, Reals, Reals]:
@@ -101,9 +97,9 @@ class _Cubics:
     c2: Reals
     c3: Reals
 
-    def at(self, step: Any, t: Times) -> tuple[Reals, Reals, Reals]:
-        """Value, first and second derivative, a time t after the begin of the steps with these indices."""
-        c0, c1, c2, c3 = self.c0[step], self.c1[step], self.c2[step], self.c3[step]
+    def at(self, steps: slice, at: Any, t: Times) -> tuple[Reals, Reals, Reals]:
+        """Value, first and second derivative, a time t after the begin of the steps with these indices in `steps`."""
+        c0, c1, c2, c3 = self.c0[steps][at], self.c1[steps][at], self.c2[steps][at], self.c3[steps][at]
         value = c0 + t * (c1 + t * (c2 + t * c3))
         return value, c1 + t * (2.0 * c2 + t * (3.0 * c3)), 2.0 * c2 + t * (6.0 * c3)
 
@@ -148,33 +144,41 @@ class _Setpoint:
 
 
 @dataclass(frozen=True)
-class _FreeMotion:
-    """The motion z in each step.
+class _Response:
+    """The motion s + q + z in each step.
 
     Attributes:
+        steady: the cubics s + q.
         slow, fast: the roots r1 and r2.
         z, p: at the begin of each step, shape (steps,); without a velocity_time_constant p is 0.
     """
 
+    steady: _Cubics
     slow: complex
     fast: complex
     z: Numbers
     p: Numbers
 
     @classmethod
-    def after(cls, servo: Servo, setpoint: _Setpoint) -> "_FreeMotion":
-        """The motion of an axis that rests before the first step. It takes up what jumps in q from step to step."""
+    def to(cls, servo: Servo, setpoint: _Setpoint) -> "_Response":
+        """The motion of an axis that rests before the first step. z takes up what jumps in q from step to step."""
         slow, fast = _roots(servo)
-        time = setpoint.time
-        z, p = np.zeros((2, len(time) - 1), complex if isinstance(slow, complex) else float)
-        s = setpoint.cubics(slice(0, 1))
-        q0, q1, _ = servo.steady_offset(s)
-        z[0] = -q0[0]
-        if servo.velocity_time_constant:
-            p[0] = -q1[0] - s.c1[0] - slow * z[0]
-        for first in range(0, len(z) - 1, CHUNK):
-            steps = slice(first, min(first + CHUNK + 1, len(z)))
-            q0, q1, q2 = servo.steady_offset(setpoint.cubics(steps))
+        count = len(setpoint.steps)
+        z, p = np.zeros((2, count), complex if isinstance(slow, complex) else float)
+        steady = _Cubics(*np.empty((4, count)))
+        for first in range(0, count, CHUNK):
+            steps = slice(first, min(first + CHUNK + 1, count))
+            s = setpoint.cubics(steps)
+            q0, q1, q2 = servo.steady_offset(s)
+            np.add(s.c0, q0, steady.c0[steps])
+            np.add(s.c1, q1, steady.c1[steps])
+            np.add(s.c2, q2, steady.c2[steps])
+            steady.c3[steps] = s.c3
+            if not first:
+                z[0] = -q0[0]
+                p[0] = -q1[0] - s.c1[0] - slow * z[0] if servo.velocity_time_constant else 0.0
+            if len(q0) == 1:
+                break
             h = _joined(setpoint.steps[first : steps.stop - 1])
             jumps = q0[:-1] - q0[1:] + h * (q1[:-1] + h * q2[:-1])
             of_z, of_p, of_both = _decays(slow, fast, h)
@@ -182,7 +186,7 @@ class _FreeMotion:
                 p[steps] = _recurrence(of_p, q1[:-1] - q1[1:] + (2.0 * h) * q2[:-1] - slow * jumps, p[first])
                 jumps = jumps + of_both * p[steps][:-1]
             z[steps] = _recurrence(of_z, jumps, z[first])
-        return cls(slow, fast, z, p)
+        return cls(steady, slow, fast, z, p)
 
     def at(self, steps: slice, at: Any, t: Times) -> tuple[Reals, Reals, Reals]:
         """The motion and its two derivatives, a time t after the begin of the steps with these indices in `steps`."""
@@ -191,7 +195,8 @@ class _FreeMotion:
         z, p = of_z * self.z[steps][at] + of_both * p, of_p * p
         v = self.slow * z + p
         a = self.slow * v + self.fast * p
-        return z.real, v.real, a.real
+        of_steady = self.steady.at(steps, at, t)
+        return of_steady[0] + z.real, of_steady[1] + v.real, of_steady[2] + a.real
 
 
 def _roots(servo: Servo) -> tuple[complex, complex]:
@@ -231,9 +236,12 @@ def _recurrence(factors: Any, terms: Numbers, start: complex) -> Numbers:
 
     factors: of shape (terms,), or one for all."""
     y = np.concatenate([[start], terms])
+    are_equal = np.ndim(factors) == 0
+    if are_equal:
+        factors = factors.item()  # with a number of Python it is quicker
     distance = 1
-    while distance < len(y) and np.max(np.abs(factors)) > DECAYED:
+    while distance < len(y) and (abs(factors) if are_equal else np.abs(factors).max()) > DECAYED:
         y[distance:] += factors * y[:-distance]
-        factors = factors * factors if np.ndim(factors) == 0 else factors[distance:] * factors[:-distance]
+        factors = factors * factors if are_equal else factors[distance:] * factors[:-distance]
         distance *= 2
     return y

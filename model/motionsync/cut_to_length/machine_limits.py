@@ -104,10 +104,10 @@ def way_out(machine: Machine, velocity: float) -> tuple[float, float, float]:
     return distance + gap_way + machine.coupling * velocity * time, distance, time
 
 
-def change(speed: float, acceleration: float, jerk: float) -> tuple[float, float]:
-    """R and dR/dx, in s and s2/u: `change_time`, and how it rises with the speed > 0."""
-    if speed >= acceleration * acceleration / jerk:
-        return speed / acceleration + acceleration / jerk, 1.0 / acceleration
+def change(speed: float, acceleration: float, jerk: float, ramp: float) -> tuple[float, float]:
+    """R and dR/dx, in s and s2/u: `change_time`, and how it rises with the speed > 0; `ramp` is a/j, in s."""
+    if speed >= acceleration * ramp:
+        return speed / acceleration + ramp, 1.0 / acceleration
     return 2.0 * sqrt(speed / jerk), 1.0 / sqrt(speed * jerk)
 
 
@@ -134,22 +134,26 @@ def return_time(velocity: float, distance: float, up: float, down: float, jerk: 
 def short_return_time(velocity: float, distance: float, up: float, down: float, jerk: float, speed: float) -> float:
     """T_r where the way is too short for `speed`: G(speed) > distance. Its peak is the w with G(w) = distance.
 
-    Newton's method from above: G is convex and rises, so no step passes the solution. The last part of the way is at
-    most the distance and the overshoot, hence w2/(2 down) <= distance + V R(V)/2. Without either there is no way."""
-    way = distance + 0.5 * velocity * change_time(velocity, up, jerk)
-    peak = min(speed, sqrt(2.0 * down * way))
+    Newton's method: G is convex and rises, so the first step leads beyond the solution, if not to it, and no later one
+    passes it. It starts at the solution for changes of velocity that reach their acceleration, R(x) = x/a + a/j: there
+    G(w) - distance = (A w2 + B w - C)/2."""
+    turn_ramp = up / jerk
+    stop_ramp = down / jerk
+    ramps = turn_ramp + stop_ramp  # B
+    rest = 2.0 * distance + velocity * (velocity / up + turn_ramp)  # C
+    peak = 2.0 * rest / (ramps + sqrt(ramps * ramps + 4.0 * (1.0 / up + 1.0 / down) * rest))
     turn = 0.0
     stop = 0.0
-    for _ in range(ITERATIONS):
+    for n in range(ITERATIONS):
         if peak <= 0.0:
             break
-        turn, turn_rate = change(velocity + peak, up, jerk)
-        stop, stop_rate = change(peak, down, jerk)
+        turn, turn_rate = change(velocity + peak, up, jerk, turn_ramp)
+        stop, stop_rate = change(peak, down, jerk, stop_ramp)
         beyond = return_way(velocity, peak, turn, stop) - distance
         step = 2.0 * beyond / (turn + (peak - velocity) * turn_rate + stop + peak * stop_rate)
-        if step <= 1e-16 * peak:
+        if n > 0 and step <= 1e-16 * peak:
             break
-        peak -= step
+        peak = min(peak - step, speed)
     return turn + stop
 
 

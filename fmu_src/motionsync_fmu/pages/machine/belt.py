@@ -10,7 +10,7 @@ import numpy as np
 
 from motionsync.var import Role
 
-from ...interface.roles import find_by_role, piece_variables
+from ...interface.roles import find_by_role
 from ...scenario.evaluate.cuts import Cut, find_cuts
 from ...scenario.evaluate.find_pieces import Piece, coupling_factor, find_pieces
 from ...scenario.recording import Reals
@@ -28,7 +28,7 @@ LEAST = 1e-3  # of the master's travel: the least range, for a carriage at rest
 def belt(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
     """The material with its marks, cuts and pieces, and the carriage over it."""
     spec, positions = run.scenario.cuts, run.values("slave.position")
-    names = piece_variables(run.scenario.recipe.variables.values())
+    names = run.scenario.recipe.piece_variables
     pieces = find_pieces(run.scenario, run.recording)
     pitches = [piece.end - piece.begin for piece in pieces]
     down = run.values(spec.name) != 0.0 if spec else run.where(picture["down"])

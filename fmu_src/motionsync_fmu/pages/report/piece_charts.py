@@ -8,7 +8,7 @@ from markupsafe import escape
 
 from motionsync.var import Unit
 
-from ...interface.roles import PieceVariables, piece_variables
+from ...interface.roles import PieceVariables
 from ...interface.units import unit_name
 from ...scenario.engineering import ROUNDING, engineering
 from ...scenario.evaluate.find_pieces import Piece, coupling_factor
@@ -35,7 +35,7 @@ FASTEST = 2.0  # the limit of the line is drawn up to this multiple of its veloc
 
 def kind_key(scenario: Scenario, production: Production) -> list[tuple[str, str, str]]:
     """The colours of the kinds that were made: of each the CSS property, name and description."""
-    names = piece_variables(scenario.recipe.variables.values())
+    names = scenario.recipe.piece_variables
     choices = scenario.recipe.variables[names.kind].choices if names else []
     kinds = {piece.kind for piece in production.pieces}
     return [(kind_colour(int(m)), m.name, m.description) for m in choices if m in kinds]
@@ -80,7 +80,7 @@ def chart_pieces(
     scenario: Scenario, recording: Recording, figures: KeyFigures, production: Production, required: Indices = NONE
 ) -> Chart:
     """Draw the pieces passing the saw; the line's velocity, its request and its limit; length errors; reserve."""
-    names = piece_variables(scenario.recipe.variables.values())
+    names = scenario.recipe.piece_variables
     assert names
     chart = Chart(
         "Pieces passing the saw, velocity of the line, length errors and reserve",

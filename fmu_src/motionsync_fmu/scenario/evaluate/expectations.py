@@ -8,7 +8,6 @@ import numpy as np
 
 from motionsync.var import Unit
 
-from ...interface.roles import piece_variables
 from ...interface.units import unit_name
 from ...interface.variables import Variable
 from ..computed_columns import needed_outputs
@@ -41,12 +40,11 @@ class Check:
 
 def checked_outputs(scenario: Scenario) -> set[str]:
     """The outputs that the expectations of a scenario check over time; empty if there are none."""
-    variables = scenario.recipe.variables.values()
     names = {name for e in scenario.expectations for name in e.names if name in scenario.recipe.variables}
     names |= {*needed_outputs(scenario.servo, scenario.load)}
     if scenario.cuts:
         names |= {scenario.cuts.name, "slave.position"}
-    if pieces := piece_variables(variables):
+    if pieces := scenario.recipe.piece_variables:
         names |= {*pieces.outputs, "slave.position"}
     if scenario.remote and scenario.remote.accuracy:
         names |= {scenario.remote.names.corrected_index, "slave.position"}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...interface.roles import PieceVariables, piece_variables
+from ...interface.roles import PieceVariables
 from ..recording import Reals, Recording
 from ..scenario import Scenario
 from .time_series import time_series
@@ -84,7 +84,7 @@ def find_pieces(scenario: Scenario, recording: Recording) -> list[Piece]:
     """The pieces of a run in the order in which they were cut off; none for a block that does not report them.
 
     Of several pieces that were cut off within one step the block reports the last one."""
-    names = piece_variables(scenario.recipe.variables.values())
+    names = scenario.recipe.piece_variables
     return _Finder(scenario, recording, names).pieces() if names else []
 
 
@@ -94,7 +94,7 @@ def coupling_factor(scenario: Scenario, recording: Recording) -> float:
     Raises:
         KeyError: the block does not report its pieces.
     """
-    names = piece_variables(scenario.recipe.variables.values())
+    names = scenario.recipe.piece_variables
     if names is None:
         raise KeyError(scenario.recipe.name)
     factors = recording.values[names.coupling_factor]

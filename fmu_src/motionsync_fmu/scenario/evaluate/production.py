@@ -7,7 +7,6 @@ import numpy as np
 
 from motionsync.var import Unit
 
-from ...interface.roles import piece_variables
 from ...interface.units import unit_name
 from ..engineering import ROUNDING, engineering
 from ..recording import Recording, greatest_position
@@ -168,7 +167,7 @@ class Production:
 
 def evaluate_production(scenario: Scenario, recording: Recording) -> Production | None:
     """What was made in a run of a scenario; None for a block that does not report its pieces."""
-    names = piece_variables(scenario.recipe.variables.values())
+    names = scenario.recipe.piece_variables
     if names is None:
         return None
     cuts, skipped, late = (

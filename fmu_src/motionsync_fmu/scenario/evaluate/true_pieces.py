@@ -12,7 +12,6 @@ import numpy as np
 
 from motionsync.var import Unit
 
-from ...interface.roles import piece_variables
 from ...interface.units import unit_name
 from ..computed_columns import ACTUAL_POSITION
 from ..recording import Reals, Recording
@@ -89,7 +88,7 @@ class TruePieces:
 
 def cutting_flag(scenario: Scenario) -> str:
     """The Boolean that is true while the tool cuts; empty: there is none."""
-    names = piece_variables(scenario.recipe.variables.values())
+    names = scenario.recipe.piece_variables
     return names.cutting if names else scenario.cuts.name if scenario.cuts else ""
 
 
@@ -155,7 +154,7 @@ def _deviation(errors: Sequence[float]) -> float:
 
 def _ratio(scenario: Scenario, recording: Recording) -> float:
     """The tool's travel over the material's true travel in sync, which is that of the true master."""
-    names = piece_variables(scenario.recipe.variables.values())
+    names = scenario.recipe.piece_variables
     if names is None:
         return scenario.cuts.ratio if scenario.cuts else 1.0
     first, second = (time_series(scenario, recording, name)[0] for name in names.factors)
@@ -166,7 +165,7 @@ def _reported(
     scenario: Scenario, recording: Recording, cuts: TrueCuts, results: "CuttingResults"
 ) -> Iterator[TruePiece]:
     """The products of a block that reports its pieces, between two cuts that follow one another."""
-    names = piece_variables(scenario.recipe.variables.values())
+    names = scenario.recipe.piece_variables
     if not names or not results.production:
         return
     kerfs = time_series(scenario, recording, names.kerf)

@@ -13,7 +13,7 @@ from motionsync.blocks import BLOCKS
 from ...errors import UserError
 from ...interface.causality import CausalityError, Interface
 from ...interface.recipe import Recipe, check_slave_unit
-from ...interface.roles import piece_variables, remote_axis
+from ...interface.roles import remote_axis
 from ...interface.units import BASES
 from ..computed_columns import computed_variables
 from ..cutting import CutSpec, PieceSpec, usual_tolerance
@@ -160,7 +160,7 @@ class BlockReader:
         self.stop_time = stop_time
         self.recipe = Recipe(name, interface=read_interface(top, name))
         self.axis = remote_axis(self.recipe.variables.values())
-        self.piece_variables = piece_variables(self.recipe.variables.values())
+        self.piece_variables = self.recipe.piece_variables
         self.scripted = "remote" if self.axis else "master"
         part = self.axis.part if self.axis else "master"
         self.block = Subject(name, self.recipe.variables, part, origin or f"the script in [{self.scripted}]")
