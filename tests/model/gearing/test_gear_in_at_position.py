@@ -13,7 +13,9 @@ from tests.model.gearing.harness import (
     MASTER,
     NONE,
     WAITING_FOR_START,
+    GearingHarness,
     near,
+    three_halves,
     waiting_for_reference,
 )
 from tests.support.harness import grid
@@ -110,6 +112,15 @@ def test_being_on_the_trigger_and_moving_in_its_direction_counts() -> None:
     assert waiting_for_reference(0.0, 40.0).run(1.0, acceleration=1.0).state == GEAR_IN
     assert waiting_for_reference(0.0, 40.0).run(1.0, acceleration=-1.0).state == WAITING_FOR_START
     assert waiting_for_reference(10.0, 30.0).run(1.0).state == GEAR_IN  # at the step's end
+
+
+def test_from_where_the_master_came_before_the_edge_does_not_count() -> None:
+    """It comes down to the trigger and rests on it; after the edge it starts upwards."""
+    gear = GearingHarness(three_halves(), master_position=50.0, speed=-10.0).run(1.0)
+    gear.speed = 0.0
+    gear.start(start_mode=CW, reference_position=40.0, offset=10.0, distance=20.0)
+    assert gear.run(1.0).state == WAITING_FOR_START
+    assert gear.run(1.0, acceleration=1.0).state == GEAR_IN
 
 
 @pytest.mark.parametrize("cuts", [[], [1.0], grid(2.0, 0.25)])

@@ -69,6 +69,16 @@ def test_direct_disengaging_waits_for_the_master_to_turn() -> None:
     assert gear.slave[0] == near(15.0 - 30.0 * (u - u**3 + u**4 / 2), tolerance=1e-7)
 
 
+def test_from_where_the_master_came_before_the_edge_does_not_count() -> None:
+    """It comes down to where the slave is at the stop position, and rests; after the edge it starts upwards."""
+    gear = in_gear(speed=-10.0).to(-10.0)
+    gear.speed = 0.0
+    gear.stop(stop_mode=StopMode.WITH_CW_STOP_POSITION, stop_position=-15.0, transition=NONE)
+    assert gear.run(1.0).state == WAITING_FOR_STOP
+    assert gear.run(1.0, acceleration=1.0).state == STOPPED
+    assert gear.slave == near(-15.0, 0.0, 0.0)
+
+
 @pytest.mark.parametrize(
     ("mode", "speed"), [(StopMode.WITH_CW_STOP_POSITION, 10.0), (StopMode.WITH_CCW_STOP_POSITION, -10.0)]
 )
