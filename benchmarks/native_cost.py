@@ -7,7 +7,7 @@ block does nothing. The difference to the first is what the interface costs, the
 All are measured in one run, in turns, so that the ratios hold on a busy machine. A plain C host, without any Python,
 drives the native unit and the do-nothing one; FMPy, and bare ctypes, drive both flavours as well. The worst steps are
 those at whose beginning commands are given: the modules in cases/ say which these are for each block, and which outputs
-show that the commands were planned.
+show that the commands were planned. A block with a master is also measured in each input mode of the master.
 
     python benchmarks/native_cost.py [--block FlyingSaw] [--steps 20000] [--cold]
 """
@@ -245,6 +245,18 @@ def worst_table(planners: Iterable[WorstSteps]) -> Any:
     return table
 
 
+def mode_table(steady: Mapping[str, list[float]], undisturbed: Mapping[str, float], names: Mapping[str, str]) -> Any:
+    """The cost of a step in each input mode; `names`: of the subjects, by the mode's name, the base first."""
+    figures = ("ns a step (median)", "ratio", "undisturbed", "ratio", "more than the first")
+    table = Table("input mode of the master, by a C host", *figures, box=None)
+    base = next(iter(names.values()))
+    for mode, name in names.items():
+        quickest, least = undisturbed[name], undisturbed[base]
+        times = (f"{statistics.median(steady[name]):,.0f}", f"{ratio(steady[name], steady[base]):.2f}")
+        table.add_row(mode, *times, f"{quickest:.1f}", f"{quickest / least:.2f}", f"{quickest - least:.1f} ns")
+    return table
+
+
 def target_table(
     cases: Iterable[Steady],
     steady: Mapping[str, list[float]],
@@ -324,9 +336,11 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
             IN_C_HOST + NOTHING: SteadySteps(by_c(nothing), first),
             IN_C_HOST + IDLE: SteadySteps(by_c(idle_block(recipe, folder)), first),
         }
+        in_modes = {IN_C_HOST + case.name: SteadySteps(by_c(native), case) for case in cases.by_mode.values()}
         subjects = {
             **doing_nothing,
             **in_c,
+            **in_modes,
             **{CTYPES + name: timed(through_ctypes(host(fmu), first, axis)) for name, fmu in flavours.items()},
             **{FMPY + name: timed(through_fmpy(host(fmu), first, axis)) for name, fmu in flavours.items()},
         }
@@ -335,12 +349,14 @@ def report(block: str, n: int, program: Path, folder: Path, console: Console, *,
         for _ in range(ROUNDS):
             for planner in planners:
                 planner.measure(n)
-        for checked in (*in_c.values(), *planners):
+        for checked in (*in_c.values(), *in_modes.values(), *planners):
             checked.check()
     quietest = {name: min(times) for name, times in steady.items()}
-    quietest |= {name: steps.undisturbed for name, steps in (in_c | doing_nothing).items()}
+    quietest |= {name: steps.undisturbed for name, steps in (in_c | in_modes | doing_nothing).items()}
+    names_by_mode = {mode: IN_C_HOST + case.name for mode, case in cases.by_mode.items()}
     for table in (
         cost_table(steady, IN_C_HOST + NOTHING, f"of the {NOTHING}"),
+        *([mode_table(steady, quietest, names_by_mode)] if names_by_mode else []),
         worst_table(planners),
         target_table(cases.steady, steady, quietest, planners),
         size_table(fmus),

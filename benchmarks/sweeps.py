@@ -1,4 +1,5 @@
-"""How fast sweeps are: runs a second on one and two processes, overhead of a chunk, memory over steps, a warm start.
+"""How fast sweeps are: runs a second on one and two processes, overhead of a chunk, a measured line beside an ideal
+one, memory over steps, a warm start.
 
     python benchmarks/sweeps.py
 
@@ -55,6 +56,39 @@ at = 0.1
 "move_velocity.execute" = true
 """
 """A scenario whose evaluation needs no recording."""
+LINE = """
+title = "Pieces of 800 mm from a line that ramps, stops and goes on"
+fmu = "CutToLength"
+stop_time = 30.0
+step_size = 0.002
+[start]
+length = 800.0
+auto_start = true
+"approach.reserve" = 0.2
+[cuts]
+tolerance = 0.1
+[master]
+segments = [
+    {{ duration = 2.0, acceleration = 250.0 }},
+    {{ duration = 9.0 }},
+    {{ duration = 2.0, acceleration = -250.0 }},
+    {{ duration = 2.0 }},
+    {{ duration = 2.0, acceleration = 200.0 }},
+    {{ duration = 13.0 }},
+]
+{more}
+"""
+MEASURED = """
+[encoder]
+resolution = 0.05
+noise = 0.02
+delay = 0.002
+[servo]
+position_gain = 50.0
+velocity_time_constant = 0.003
+dead_time = 0.002
+"""
+LEAST_SHARE = 0.6  # of the rate on the ideal line: the target
 SPEED = "move_velocity.velocity"  # what varies in it
 
 
@@ -130,6 +164,23 @@ def sweep_in_this_process(plan: SweepPlan) -> float:
     return process_time() - begin
 
 
+def measured_line(runs: int) -> None:
+    """Runs a second of a CutToLength on an ideal line, and of a Monte Carlo with encoder and servo on the same line."""
+    with tempfile.TemporaryDirectory() as folder:
+        plans = {}
+        for name, more, values in (
+            ("ideal line", "", f"kerf=0:1:{runs}"),
+            ("encoder and servo", MEASURED, f"encoder.seed=0:{runs - 1}:{runs}"),
+        ):
+            file = Path(folder) / f"{name}.toml"
+            file.write_text(LINE.format(more=more))
+            plans[name] = SweepPlan.of(file, [values])
+        rounds = [{name: runs / sweep_in_this_process(plan) for name, plan in plans.items()} for _ in range(16)]
+    ideal, measured = (max(rates[name] for rates in rounds[1:]) for name in plans)
+    print(f"\n{'ideal line':>12}{'encoder and servo':>20}{'share':>8}   target {LEAST_SHARE:g}, of {runs} runs each")
+    print(f"{ideal:10.0f} /s{measured:17.0f} /s{measured / ideal:9.2f}")
+
+
 def memory(runs: int) -> None:
     """The greatest memory of a process with so many runs, over the number of steps."""
     print(f"\n{'steps a run':>12}{'memory':>10}{'ratio':>8}   target {FLAT:g}, {runs} runs")
@@ -171,6 +222,7 @@ def main() -> None:
     options = parser.parse_args()
     processes(options.runs, options.chunk)
     chunks(options.runs // 4)
+    measured_line(options.runs // 200)
     memory(1000)
     start(options.repetitions)
 

@@ -81,6 +81,7 @@ def gear_in_velo(name: str, kind: ProfileKind, *bits: str) -> Worst:
 
 
 CASES = Cases(
+    in_each_mode=1,  # the step that leads into the first one does not do so in each mode
     steady=(
         Steady(
             "in sync",

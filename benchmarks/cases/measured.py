@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
+
+from motionsync.master import MasterInput
 
 VELOCITY = 90.0  # of the axis that moves, u/s
 H = 1e-3  # s a step
@@ -87,11 +89,26 @@ class Worst:
 
 @dataclass(frozen=True)
 class Cases:
-    """The cases of a block; all flavours and hosts are compared in the first steady case."""
+    """The cases of a block; all flavours and hosts are compared in the first steady case.
+
+    Attributes:
+        in_each_mode: the number of the steady case in which the master's input modes are compared.
+    """
 
     steady: tuple[Steady, ...]
     worst: tuple[Worst, ...]
     axis: MovingAxis = MovingAxis()
+    in_each_mode: int = 0
+
+    @property
+    def by_mode(self) -> dict[str, Steady]:
+        """The same motion in each input mode, by the mode's name; empty for a block without a master."""
+        case = self.steady[self.in_each_mode]
+        modes = MasterInput if self.axis.group == "master" else ()
+        return {
+            mode.name: replace(case, name=f"{case.name}, {mode.name}", start={**case.start, "master.input_mode": mode})
+            for mode in modes
+        }
 
 
 def counted(counts: float, time: float) -> int:

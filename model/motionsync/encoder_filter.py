@@ -77,13 +77,13 @@ class EncoderFilter:
         self.is_due = self.sample_clock.time >= (1.0 - SAMPLE_ROUNDING) * sample_time
         self.age += h
         self.expect()
-        if self.is_due and not self.is_known(self.age):
+        if self.is_due and not self.has_interval(self.age):
             share, frequency = correction(self.age, smoothing_time)
             self.interval = self.age
             self.share = share
             self.frequency = frequency
 
-    def is_known(self, interval: float) -> bool:
+    def has_interval(self, interval: float) -> bool:
         """Whether share and frequency are those of an interval, s."""
         return abs(interval - self.interval) <= EQUAL * interval
 

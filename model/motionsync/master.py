@@ -343,7 +343,7 @@ class Master:
         interval = max(h, self.sample_time)
         share = encoder.share
         frequency = encoder.frequency
-        if not encoder.is_known(interval):
+        if not encoder.has_interval(interval):
             share, frequency = correction(interval, self.smoothing_time)
         position, velocity, acceleration = encoder.corrected(self.unwrap_input(encoder.expected_position))
         age = self.delay

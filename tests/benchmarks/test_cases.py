@@ -27,3 +27,10 @@ def test_a_block_goes_on_in_its_steady_motions(block: str) -> None:
     cases = cases_of(block)
     for case in cases.steady:
         bare(Recipe(block).block(), case, cases.axis)(LEAD + round(1.0 / H))
+
+
+def test_the_motion_in_which_input_modes_are_compared_is_there_in_each(block: str) -> None:
+    cases = cases_of(block)
+    assert len(cases.by_mode) == (4 if "master.input_mode" in Recipe(block).variables else 0)
+    for case in cases.by_mode.values():
+        bare(Recipe(block).block(), case, cases.axis)(LEAD + round(1.0 / H))
