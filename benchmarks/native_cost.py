@@ -68,9 +68,12 @@ int64_t block_initialize(Block *self, bool *failed) { return 0; }
 int64_t block_step(Block *self, double h, bool *failed) { return 0; }
 """
 IN_C_HOST, FMPY, CTYPES = "C host: ", "FMPy: ", "ctypes: "
-BUILD = (
-    "from pathlib import Path; from motionsync_fmu.build.fmu import *; build_{}(Recipe({!r}, starts={!r}), Path({!r}))"
-)
+BUILD = """
+from pathlib import Path
+from motionsync_fmu.build.fmu import build, build_python
+from motionsync_fmu.interface.recipe import Recipe
+{}(Recipe({!r}, starts={!r}), Path({!r}))
+"""
 
 
 class CHost:
@@ -199,12 +202,12 @@ def idle(native: Path, block: str, library: Path, target: Path) -> Path:
 
 
 def build_seconds(
-    flavour: str, block: str, target: Path, starts: Mapping[str, str], cache: Path | None = None
+    function: str, block: str, target: Path, starts: Mapping[str, str], cache: Path | None = None
 ) -> float:
-    """How long a Python of its own takes to build a flavour, imports included."""
+    """How long a Python of its own takes to build an FMU by a function of the tool, imports included."""
     folders = {f"ZIG_{kind}_CACHE_DIR": str(cache / kind) for kind in ("GLOBAL", "LOCAL")} if cache else {}
     start = time.perf_counter()
-    command = [sys.executable, "-c", BUILD.format(flavour, block, dict(starts), str(target))]
+    command = [sys.executable, "-c", BUILD.format(function, block, dict(starts), str(target))]
     subprocess.run(command, check=True, env=os.environ | folders)
     return time.perf_counter() - start
 
@@ -215,13 +218,11 @@ def build_table(folder: Path, block: str, *, cold: bool) -> Any:
     never_seen = {next(name for name in takes if Recipe(block).variables[name].allows(now)): repr(now)}
     table = Table("build", "s", box=None)
     if cold:
-        empty = build_seconds("native", block, target, {}, folder / f"cache of {block}")
+        empty = build_seconds("build", block, target, {}, folder / f"cache of {block}")
         table.add_row("native, zig's cache empty", f"{empty:.1f}")
-    table.add_row(
-        "native, start values never built before", f"{build_seconds('native', block, target, never_seen):.1f}"
-    )
-    table.add_row("native, the same again", f"{build_seconds('native', block, target, never_seen):.1f}")
-    table.add_row("python", f"{build_seconds('python', block, target, {}):.1f}")
+    table.add_row("native, start values never built before", f"{build_seconds('build', block, target, never_seen):.1f}")
+    table.add_row("native, the same again", f"{build_seconds('build', block, target, never_seen):.1f}")
+    table.add_row("python", f"{build_seconds('build_python', block, target, {}):.1f}")
     return table
 
 
