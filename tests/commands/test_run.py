@@ -166,15 +166,11 @@ def test_the_step_size_can_be_chosen(workshop: Command) -> None:
 
 
 def test_a_scenario_that_reacts_has_the_scans_of_its_file_at_another_step_size(motionsync: Command, fmus: Fmus) -> None:
+    """Its report shows the reactions and what they set."""
     fmus.copied(Flavour.PYTHON, "FlyingSaw", Path("build"))
-    outcome = motionsync("run", "FlyingSaw/cyclic_cut", "--step-size", 0.007, "--no-report", *PYTHON)
+    outcome = motionsync("run", "FlyingSaw/cyclic_cut", "--step-size", 0.007, *PYTHON)
     assert outcome.status == 0
     assert "20 cuts, worst error 0 (to rounding)" in outcome.out
-
-
-def test_the_report_of_a_run_shows_the_reactions_and_what_they_set(motionsync: Command, fmus: Fmus) -> None:
-    fmus.copied(Flavour.PYTHON, "FlyingSaw", Path("build"))
-    assert motionsync("run", "FlyingSaw/cyclic_cut", *PYTHON).status == 0
     page = Path("build/reports/FlyingSaw/cyclic_cut/report.html").read_text("utf-8")
     reactions = page[page.index("<h3>Reactions</h3>") : page.index("<h3>The master</h3>")]
     assert re.findall(r'<td class="name">(.*?)</td>.*?<td>(each time)</td>', reactions) == [

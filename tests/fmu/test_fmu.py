@@ -165,23 +165,36 @@ def test_the_interface_is_the_specified_one(fmu: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("unit", "name", "base"),
+    ("unit", "bases"),
     [
-        ("mm", "mm/s2", {"m": "1", "s": "-2", "factor": "0.001"}),
-        ("mm", "1/mm2", {"m": "-2", "factor": "1000000.0"}),
-        ("m", "m/s3", {"m": "1", "s": "-3"}),
-        ("deg", "1/deg", {"rad": "-1", "factor": "57.29577951308232"}),
-        ("rad", "rad/s", {"rad": "1", "s": "-1"}),
-        ("1", "1/s2", {"s": "-2"}),
-        ("1", "1", {}),
+        (
+            "mm",
+            {
+                "mm/s": {"m": "1", "s": "-1", "factor": "0.001"},
+                "mm/s2": {"m": "1", "s": "-2", "factor": "0.001"},
+                "1/mm2": {"m": "-2", "factor": "1000000.0"},
+            },
+        ),
+        ("m", {"m/s": {"m": "1", "s": "-1"}, "m/s3": {"m": "1", "s": "-3"}}),
+        (
+            "deg",
+            {
+                "deg/s": {"rad": "1", "s": "-1", "factor": "0.017453292519943295"},
+                "1/deg": {"rad": "-1", "factor": "57.29577951308232"},
+            },
+        ),
+        ("rad", {"rad/s": {"rad": "1", "s": "-1"}}),
+        ("1", {"1/s": {"s": "-1"}, "1/s2": {"s": "-2"}, "1": {}}),
     ],
 )
-def test_units_have_si_factors(tmp_path: Path, unit: str, name: str, base: dict[str, str]) -> None:
+def test_units_have_si_factors(tmp_path: Path, unit: str, bases: dict[str, dict[str, str]]) -> None:
     root = description(build_python(Recipe("Synchronizer", unit), tmp_path / "Synchronizer.fmu"))
     units = {u.get("name"): u.find("BaseUnit").attrib for u in root.findall("UnitDefinitions/Unit")}
-    assert units[name] == base
-    used = {r.get("unit") for r in root.findall("TypeDefinitions/SimpleType/Real")}
-    assert used <= set(units)
+    assert {name: units[name] for name in bases} == bases
+    used = {t.get("name"): t.find("Real").get("unit") for t in root.iterfind("TypeDefinitions/SimpleType[Real]")}
+    assert set(used.values()) <= set(units)
+    quantities = {"Position": unit, "Velocity": f"{unit}/s", "Acceleration": f"{unit}/s2"}
+    assert {name: used[name] for name in quantities} == quantities
     assert validate_fmu(str(tmp_path / "Synchronizer.fmu")) == []
 
 

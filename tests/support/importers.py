@@ -1,4 +1,4 @@
-"""Importers of FMUs: each runs an FMU of either version, and gets the bits of FMPy; and fmutool's check of an FMU.
+"""Importers of FMUs: each runs an FMU of the versions that it knows, and gets the bits of FMPy; fmutool's check of one.
 
 Each gives all variables that it can get, initially and after each step.
 """
