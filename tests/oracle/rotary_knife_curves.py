@@ -116,17 +116,22 @@ class Quintic:
 
     def extremes(self) -> Extremes:
         slope, curvature, third = (
-            max(abs(value) for value in self._critical_values(order)) / self.width**order for order in (1, 2, 3)
+            max(map(abs, values)) / self.width**order for order, values in enumerate(self._critical_values(), start=1)
         )
         return slope, curvature, third
 
     def least_slope(self) -> Number:
-        return min(self._critical_values(1)) / self.width
+        return min(self._critical_values()[0]) / self.width
 
-    def _critical_values(self, order: int) -> list[Number]:
-        """Of the derivative over u of that order, at both ends and wherever the next one is 0."""
-        polynomial = derivative(self.coefficients, order)
-        return [value_at(polynomial, u) for u in (ZERO, *zeros(derivative(polynomial)), ONE)]
+    def _critical_values(self) -> list[list[Number]]:
+        """Of the first three derivatives over u, at both ends and wherever the next one is 0."""
+        derivatives = [derivative(self.coefficients, order) for order in range(6)]
+        inner: list[Number] = []  # the zeros of the derivative of the next higher order
+        result: list[list[Number]] = []
+        for order in (4, 3, 2, 1):
+            result.insert(0, [value_at(derivatives[order], u) for u in (ZERO, *inner, ONE)])
+            inner = zeros(derivatives[order], derivatives[order + 1], inner)
+        return result[:3]
 
 
 def value_at(polynomial: Sequence[Number], u: Number) -> Number:
@@ -143,12 +148,10 @@ def derivative(polynomial: Sequence[Number], order: int = 1) -> list[Number]:
     return result
 
 
-def zeros(polynomial: Sequence[Number]) -> list[Number]:
-    """Where in (0, 1) the polynomial changes its sign, in order: between any two of them its derivative does."""
-    if len(polynomial) < 2:
-        return []
-    slope = derivative(polynomial)
-    ends = [ZERO, *zeros(slope), ONE]
+def zeros(polynomial: Sequence[Number], slope: Sequence[Number], turning_points: Sequence[Number]) -> list[Number]:
+    """Where in (0, 1) the polynomial changes its sign, in order. `slope`: its derivative, which does at
+    `turning_points`: between any two of them there is one zero at most."""
+    ends = [ZERO, *turning_points, ONE]
     values = [value_at(polynomial, u) for u in ends]
     return [
         _zero_between(polynomial, slope, ends[i], ends[i + 1], mp.sign(values[i + 1]))
@@ -172,9 +175,7 @@ def _zero_between(
         else:
             high = u
         following = u - value / rate if rate else low
-        if not low < following < high:
-            following = (low + high) / 2
         if abs(following - u) <= FINE:
             break
-        u = following
-    return following
+        u = following if low < following < high else (low + high) / 2
+    return u

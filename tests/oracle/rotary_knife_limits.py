@@ -10,7 +10,6 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 from tests.oracle import mp
-from tests.oracle.flying_saw_curves import solve
 from tests.oracle.mp import Number
 from tests.oracle.rotary_knife_curves import (
     NO_EXTREMES,
@@ -32,6 +31,8 @@ WIDEST = mp.mpf("0.15")
 """Of the circumference: the widest half of a HORIZONTAL window."""
 NO_LENGTH = 1e12
 SAMPLES = 60
+MOST_TRIALS = 300
+FINE = mp.mpf("1e-30")
 GOLDEN = (mp.sqrt(mp.mpf(5)) - 1) / 2
 
 
@@ -109,10 +110,10 @@ class Knife:
 
         `shortened`: ramps that do not fit are made to, both in the same ratio.
         """
-        room, down, up = cut.begin - place, self.ramp_down(place, state, cut.position), self.ramp_up(cut)
-        if room <= 0 or down is None:
+        space, down, up = cut.begin - place, self.ramp_down(place, state, cut.position), self.ramp_up(cut)
+        if space <= 0 or down is None:
             return None
-        share = min(room / (down.width + up.width), mp.mpf(1))
+        share = min(space / (down.width + up.width), mp.mpf(1))
         if share < 1 and not shortened:
             return None
         rest = (down.at(down.end)[0], ZERO, ZERO)
@@ -256,6 +257,25 @@ def shortest_way(knife: Knife, window: Window, velocity: Number) -> Number | Non
     """The least Z up to Z* that keeps the limits at that line velocity; None if there is none."""
     best = fastest_turning(knife, window)
     return first_admissible(lambda z: _way_velocity(knife, window, z) - velocity, best)
+
+
+def solve(function: Callable[[Number], Number], low: Number, high: Number) -> Number:
+    """The root between two points where the function has different signs, to 1e-30 of the first bracket or its values.
+
+    False position that halves the weight of an end that stays, and every eighth time a bisection.
+    """
+    at_low, at_high = function(low), function(high)
+    width, scale = abs(high - low), abs(at_low) + abs(at_high)
+    for trial in range(MOST_TRIALS):
+        middle = (low * at_high - high * at_low) / (at_high - at_low) if trial % 8 < 7 else (low + high) / 2
+        value = function(middle)
+        if abs(value) <= FINE * scale or abs(high - low) <= FINE * width:
+            return middle
+        if mp.sign(value) == mp.sign(at_low):
+            low, at_low, at_high = middle, value, at_high / 2
+        else:
+            high, at_high, at_low = middle, value, at_low / 2
+    return high
 
 
 def first_admissible(margin: Callable[[Number], Number], best: Number) -> Number | None:

@@ -1,7 +1,7 @@
 """The pieces of a rotary knife: each has the window of the cut that ends it, read when the piece is fixed.
 
 Readings of the specification that it leaves open:
-- A window without a way to the next one, or that leaves no room for the park angle, is out of its range: of the
+- A window without a way to the next one, or that leaves no space for the park angle, is out of its range: of the
   variables, the last ones that left both hold on where something else is computed with them.
 - `sync.overspeed` does nothing where the mode is HORIZONTAL.
 - A length above max_length counts as none, where the knife must not park, for the first piece after `start` as well;

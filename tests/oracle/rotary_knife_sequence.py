@@ -4,19 +4,19 @@ Readings of the specification that it leaves open, beside those of `piece_machin
 `rotary_knife_records` and `rotary_knife_ways`:
 - `front_position` is counted in travel of the material from the cut's place, as the window is.
 - However far the line runs back, the knife follows its sections back; `state` is that of the section. Back at rest
-  before a ramp up, it waits as before, and the ramp is judged again.
-- A stop, `hold` or a missing length ends in the ramp down; a piece that becomes known meanwhile is judged at rest.
+  before a ramp up, it waits as before, and the ramp is checked again.
+- A stop, `hold` or a missing length ends in the ramp down; a piece that becomes known meanwhile is checked at rest.
 - `last.time` is the time of the cut. `last.reserve` is the share of the time since the cut before in which the knife
   was at rest with its motion over: in WAITING.
 - `cut_now` while turning or on a ramp down is answered at once: it moves the cut or warns until the next cut. With
   `hold`, on a ramp down, it waits. In the first half of a window, as in ENGAGING, it is that cut; in the second half it
   is answered at the window's end. It may be given where no length is known.
 - A cut that a `cut_now` or TRIM sets out to from rest waits for a line that is slow enough.
-- SKIP out of rest: the places are left out whose ramp up has begun, and at least one; the velocity is judged again at
+- SKIP out of rest: the places are left out whose ramp up has begun, and at least one; the velocity is checked again at
   that ramp's beginning.
 - `hold` during a ramp down keeps the knife at rest, also where a ramp up would follow at once.
 - The blade's passing of a cut's place is counted while the knife moves in time, forwards.
-- A change in THIS_PIECE that comes after the cut, in the window, is judged at the window's end with that whole cycle.
+- A change in THIS_PIECE that comes after the cut, in the window, is checked at the window's end with that whole cycle.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -149,14 +149,14 @@ class KnifeRun(KnifeState):
         is_slow = m.velocity <= ramp_velocity(self.knife, records.window) * (1 + LATENESS)
         earliest = m.position + ramp.width + records.window.before
         if m.position <= ramp.begin + LATENESS * ramp.width and is_slow:
-            self._lay_ramp_up(ramp.begin if m.position <= ramp.begin + ROUNDING * ramp.width else m.position)
+            self._plan_ramp_up(ramp.begin if m.position <= ramp.begin + ROUNDING * ramp.width else m.position)
         elif piece.kind == TRIM:
             records.move_cut(earliest)
-            self._lay_ramp_up(m.position)
+            self._plan_ramp_up(m.position)
         elif records.inputs["late_mode"] == LATE and is_slow:
             records.move_cut(earliest, late=True)
             records.statistics.add("late")
-            self._lay_ramp_up(m.position)
+            self._plan_ramp_up(m.position)
         elif records.inputs["late_mode"] in (SKIP, LATE):
             records.skip_cut(earliest - LATENESS * ramp.width)
         else:
@@ -170,18 +170,18 @@ class KnifeRun(KnifeState):
             records.window = records.window_as_set()
         ramp = self.knife.ramp_up(self.next_cut(ZERO, records.window))
         records.move_cut(m.position + ramp.width + records.window.before, SHORT)
-        self._lay_ramp_up(m.position)
+        self._plan_ramp_up(m.position)
 
-    def _lay_ramp_up(self, begin: Number) -> None:
+    def _plan_ramp_up(self, begin: Number) -> None:
         piece = self.records.piece
         assert piece is not None
         self.log.append((self.time, "start"))
         cut = self.next_cut(piece.cut_position, self.records.window)
         self._cut_off_path()
-        self.extremes = self._lay([PathSection(begin, ENGAGING, self.knife.ramp_up(cut, begin))], cut)
+        self.extremes = self._append([PathSection(begin, ENGAGING, self.knife.ramp_up(cut, begin))], cut)
         self._enter(self.index + 1)
 
-    def _lay(self, sections: Sequence[PathSection], cut: Cut | None) -> Extremes:
+    def _append(self, sections: Sequence[PathSection], cut: Cut | None) -> Extremes:
         """Append sections, and the window of the cut they lead to; the extremes of both."""
         self.path += sections
         curves = [s.curve.extremes() for s in sections if not isinstance(s.curve, Cut | Rest)]
@@ -212,48 +212,48 @@ class KnifeRun(KnifeState):
         """The window's end: the way to the next cut is laid, or the ramp down."""
         assert self.cut is not None
         records, cut = self.records, self.cut
-        here = Departure(self.knife, cut.end, cut.at(cut.end), self.master().velocity, cut.window)
+        departure = Departure(self.knife, cut.end, cut.at(cut.end), self.master().velocity, cut.window)
         rests = self.is_stopping or bool(self.inputs["hold"])
         if not rests:
             records.change_piece(
-                lambda place: here.admissible_way(self.next_cut(place, records.window_as_set())) is not None
+                lambda place: departure.admissible_way(self.next_cut(place, records.window_as_set())) is not None
             )
             if self.is_cut_requested:
                 self.is_cut_requested = False
-                if self._lay_earliest_cut(here):
+                if self._plan_earliest_cut(departure):
                     return
         if rests or records.piece is None:
-            self._lay_ramp_down(here)
+            self._plan_ramp_down(departure)
             return
         following = self.next_cut(records.piece.cut_position, records.window)
-        if way := here.admissible_way(following):
-            self._lay_way(here, way, following)
+        if way := departure.admissible_way(following):
+            self._plan_way(departure, way, following)
             return
         mode = records.inputs["late_mode"]
         if mode not in (SKIP, LATE):
             self._fail(CUT_MISSED)
-        elif not (mode == LATE and self._delay_cut(here, following)) and not self._skip_cut(here):
-            self._lay_ramp_down(here)
+        elif not (mode == LATE and self._delay_cut(departure, following)) and not self._skip_cut(departure):
+            self._plan_ramp_down(departure)
 
-    def _delay_cut(self, here: Departure, late: Cut) -> bool:
+    def _delay_cut(self, departure: Departure, late: Cut) -> bool:
         """LATE: the cut is made as early as it can be."""
 
         def cut_after(z: Number) -> Cut:
-            return self.next_cut(here.place + z + late.window.before, late.window)
+            return self.next_cut(departure.place + z + late.window.before, late.window)
 
-        longest = here.longest_turning(cut_after)
-        least = late.begin - here.place
-        reached = here.earliest(cut_after, least, longest) if least < longest else None
-        reached = reached or here.earliest_parking(cut_after, max(least, longest))
+        longest = departure.longest_turning(cut_after)
+        least = late.begin - departure.place
+        reached = departure.earliest(cut_after, least, longest) if least < longest else None
+        reached = reached or departure.earliest_parking(cut_after, max(least, longest))
         if reached is None:
             return False
         cut, way = reached
         self.records.move_cut(cut.place, late=True)
         self.records.statistics.add("late")
-        self._lay_way(here, way, cut)
+        self._plan_way(departure, way, cut)
         return True
 
-    def _skip_cut(self, here: Departure) -> bool:
+    def _skip_cut(self, departure: Departure) -> bool:
         """SKIP: the next place is taken that can be reached."""
         piece, records = self.records.piece, self.records
         assert piece is not None
@@ -267,46 +267,48 @@ class KnifeRun(KnifeState):
                 place += piece.pitch
                 yield place
 
-        found = here.first_of(self.next_cut(place, records.window) for place in places())
-        if found is None:
+        reached = departure.first_of(self.next_cut(place, records.window) for place in places())
+        if reached is None:
             return False
-        number, cut, way = found
+        number, cut, way = reached
         records.skip_cut(records.marks[number] if records.is_by_marks else cut.place - mp.mpf(piece.pitch) / 2)
-        self._lay_way(here, way, cut)
+        self._plan_way(departure, way, cut)
         return True
 
-    def _lay_way(self, here: Departure, way: Way, cut: Cut) -> None:
+    def _plan_way(self, departure: Departure, way: Way, cut: Cut) -> None:
         self._cut_off_path()
-        before = self.cut.window if here.leaving and self.cut else None
+        before = self.cut.window if departure.leaving and self.cut else None
         if not way.parks:
-            sections = [PathSection(here.place, TURNING, way.curves[0])]
-            extremes = self._lay(sections, cut)
+            sections = [PathSection(departure.place, TURNING, way.curves[0])]
+            extremes = self._append(sections, cut)
         else:
             down, up = way.curves
             rest = PathSection(down.end, WAITING, Rest(down.at(down.end)[0]))
-            sections = [PathSection(here.place, DISENGAGING, down), rest]
+            sections = [PathSection(departure.place, DISENGAGING, down), rest]
             is_shortened = up.begin <= down.end + ROUNDING * down.width
             if is_shortened:
                 sections.append(PathSection(up.begin, ENGAGING, up))
-            extremes = self._lay(sections, cut if is_shortened else None)
+            extremes = self._append(sections, cut if is_shortened else None)
             extremes = greatest(extremes, up.extremes(), cut.window.extremes(-cut.window.before))
         self.extremes = greatest(extremes, before.extremes(before.after)) if before else extremes
         self._enter(self.index + 1)
 
-    def _lay_ramp_down(self, here: Departure) -> None:
-        down = self.knife.ramp_down(here.place, here.state, self.last_position + self.knife.spacing)
+    def _plan_ramp_down(self, departure: Departure) -> None:
+        down = self.knife.ramp_down(departure.place, departure.state, self.last_position + self.knife.spacing)
         assert down is not None
-        if here.velocity > self.knife.velocity_for(down.extremes()) * (1 + LATENESS):
+        if departure.velocity > self.knife.velocity_for(down.extremes()) * (1 + LATENESS):
             self.records.warnings["limit_exceeded"] = True
         self._cut_off_path()
         rest = PathSection(down.end, WAITING, Rest(down.at(down.end)[0]))
-        extremes = self._lay([PathSection(here.place, DISENGAGING, down), rest], None)
-        self.extremes = greatest(extremes, here.leaving.extremes(here.leaving.after)) if here.leaving else extremes
+        extremes = self._append([PathSection(departure.place, DISENGAGING, down), rest], None)
+        self.extremes = (
+            greatest(extremes, departure.leaving.extremes(departure.leaving.after)) if departure.leaving else extremes
+        )
         self._enter(self.index + 1)
 
     # --- a curve laid anew ------------------------------------------------------------------------------------------
 
-    def _here(self) -> Departure:
+    def _departure(self) -> Departure:
         m = self.master()
         return Departure(self.knife, m.position, self.derivatives(), m.velocity, None)
 
@@ -321,7 +323,7 @@ class KnifeRun(KnifeState):
         is_held = self.state == DISENGAGING and (self.is_stopping or bool(self.inputs["hold"]))
         if self.state not in ON_A_CURVE or m.velocity <= 0 or is_held:
             return False
-        way = self._here().admissible_way(cut, shortened=False)
+        way = self._departure().admissible_way(cut, shortened=False)
         self.replacement = (cut, way) if way else None
         return way is not None
 
@@ -329,26 +331,26 @@ class KnifeRun(KnifeState):
         if self.replacement is not None:
             cut, way = self.replacement
             self.replacement = None
-            self._lay_way(self._here(), way, cut)
+            self._plan_way(self._departure(), way, cut)
 
-    def _lay_earliest_cut(self, here: Departure) -> bool:
+    def _plan_earliest_cut(self, departure: Departure) -> bool:
         """A `cut_now` where the knife turns: the window is moved forward as far as the limits allow, if that gains."""
         records, piece = self.records, self.records.piece
         window = records.window if piece else records.window_as_set()
 
         def cut_after(z: Number) -> Cut:
-            return self.next_cut(here.place + z + window.before, window)
+            return self.next_cut(departure.place + z + window.before, window)
 
-        if here.velocity > 0:
-            longest = here.longest_turning(cut_after)
+        if departure.velocity > 0:
+            longest = departure.longest_turning(cut_after)
             if piece is not None:
-                longest = min(longest, mp.mpf(piece.cut_position) - window.before - here.place)
-            reached = here.earliest(cut_after, ZERO, longest) if longest > 0 else None
+                longest = min(longest, mp.mpf(piece.cut_position) - window.before - departure.place)
+            reached = departure.earliest(cut_after, ZERO, longest) if longest > 0 else None
             if reached is not None and (piece is None or reached[0].place < piece.cut_position):
                 cut, way = reached
                 records.window = window
                 records.move_cut(cut.place, SHORT)
-                self._lay_way(here, way, cut)
+                self._plan_way(departure, way, cut)
                 return True
         self.has_no_earlier_cut = True
         return False
@@ -455,6 +457,6 @@ class KnifeRun(KnifeState):
             return
         self.is_cut_requested = False
         if self.state in (TURNING, DISENGAGING) and not self.inputs["hold"]:
-            self._lay_earliest_cut(self._here())
+            self._plan_earliest_cut(self._departure())
         elif self.state in (TURNING, DISENGAGING):
             self.has_no_earlier_cut = True

@@ -1,7 +1,7 @@
 """Which way a rotary knife takes to a cut that it can reach, or to another one in its place.
 
 Readings of the specification that it leaves open:
-- Whether a cut is late is judged by the whole cycle, the half of the window that is just over included, as the limits
+- Whether a cut is late is checked by the whole cycle, the half of the window that is just over included, as the limits
   of the line's velocity are. Where the knife is out of rest, or a curve is laid anew, what is over does not count.
 - LATE finds the earliest place from the one that is late on: turning, and later parking. If no place keeps the limits,
   as a line too fast for the window itself, the cut is left out as by SKIP.
@@ -12,10 +12,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from tests.oracle import mp
-from tests.oracle.flying_saw_curves import solve
 from tests.oracle.mp import Number
 from tests.oracle.rotary_knife_curves import Cut, Derivatives, Window
-from tests.oracle.rotary_knife_limits import Knife, Way, longest_curve
+from tests.oracle.rotary_knife_limits import Knife, Way, longest_curve, solve
 
 LATENESS = mp.mpf("1e-9")
 STEPS = 64

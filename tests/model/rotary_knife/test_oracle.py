@@ -225,7 +225,7 @@ def test_a_late_cut_is_skipped() -> None:
 
 def test_a_late_cut_is_made_later_where_the_knife_turns() -> None:
     """300 at 1200: the jerk needs 36 (540 - Z) 1200³ = 1e6 Z³, so Z³ + 62208 Z = 62208 · 540: Z = 259.38..."""
-    run = steady(1200.0, 3.0, length=300.0, late_mode=LATE)
+    run = steady(1200.0, 1.6, length=300.0, late_mode=LATE)
     made = lengths(run)
     z = made[1] - 60
     assert z**3 + 62208 * z == near(62208 * 540)
@@ -390,7 +390,7 @@ def test_a_line_that_runs_back_to_rest() -> None:
     assert times(run, "cut") == [near(0.9 + 0.7)]
 
 
-def test_a_line_that_stands_in_the_window() -> None:
+def test_a_line_at_rest_in_the_window() -> None:
     segments = [{"duration": 0.79}, {"duration": 1.0, "velocity": 0.0}, {"duration": 1.0, "velocity": 1000.0}]
     run = script(segments, {"at": 0.2, "start": True}, velocity=1000.0, length=600.0)
     row = row_at(run, 1.5)

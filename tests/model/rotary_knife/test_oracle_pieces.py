@@ -11,6 +11,7 @@ from tests.model.rotary_knife.knife_scripts import (
     DISENGAGING,
     ENGAGING,
     FAULT,
+    PARKING,
     PRODUCT,
     SAMPLE,
     SHORT,
@@ -49,8 +50,8 @@ def test_orders_of_all_formats() -> None:
     formats = (900.0, 300.0, 1500.0, 400.0)
     sets = [table for i, piece in enumerate(formats) for table in order(0.02 + 0.02 * i, piece, 2)]
     run = steady(1000.0, 8.0, *sets, length=600.0)
-    wanted = [900.0] * 2 + [300.0] * 2 + [1500.0] * 2 + [400.0] * 2 + [600.0] * 2
-    assert lengths(run)[:10] == [near(piece) for piece in wanted[: len(lengths(run))]]
+    expected = [900.0] * 2 + [300.0] * 2 + [1500.0] * 2 + [400.0] * 2 + [600.0] * 2
+    assert lengths(run)[:10] == [near(piece) for piece in expected[: len(lengths(run))]]
     cuts = times(run, "cut")
     assert len(cuts) >= 9
     row = row_at(run, cuts[3])
@@ -139,7 +140,7 @@ def test_this_piece_in_the_window_changes_at_its_end() -> None:
     assert times(run, "cut")[:3] == [near(0.8), near(1.3), near(1.8)]
 
 
-def test_this_piece_on_a_line_that_stands_waits() -> None:
+def test_this_piece_on_a_line_at_rest_waits() -> None:
     segments = [{"duration": 1.0}, {"duration": 0.5, "velocity": 0.0}, {"duration": 1.0, "velocity": 1000.0}]
     sets = ({"at": 0.2, "start": True}, {"at": 1.2, "length": 700.0})
     run = script(segments, *sets, velocity=1000.0, length=600.0, change_mode=2)
@@ -169,7 +170,7 @@ def test_cut_now_while_turning() -> None:
     assert row_at(run, times(run, "cut")[1])["last.kind"] == SHORT
 
 
-def test_cut_now_on_a_line_that_stands_changes_nothing() -> None:
+def test_cut_now_on_a_line_at_rest_changes_nothing() -> None:
     segments = [{"duration": 1.0}, {"duration": 0.5, "velocity": 0.0}, {"duration": 1.0, "velocity": 1000.0}]
     sets = ({"at": 0.2, "start": True}, {"at": 1.2, "cut_now": True})
     run = script(segments, *sets, velocity=1000.0, length=600.0)
@@ -310,11 +311,11 @@ def test_marks_too_close_are_skipped() -> None:
     assert row_at(run, 3.2)["statistics.skipped"] == 1.0
 
 
-# --- the books --------------------------------------------------------------------------------------------------------
+# --- the records ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_the_books_balance(seed: int) -> None:
+def test_the_records_balance(seed: int) -> None:
     """All lengths and kerfs are the material that has passed, for orders at random on a line that brakes."""
     random = Random(seed)
     sets = [t for i in range(6) for t in order(0.01 + 0.01 * i, random.uniform(250, 1800), random.randint(1, 2))]
@@ -349,3 +350,29 @@ def test_the_books_balance(seed: int) -> None:
     assert all(-inf < row["slave.acceleration"] < inf for row in made)
     assert {name for _, name in events(run)} <= {"start", "sync", "cut", "rest", "turned back"}
     assert row_at(run, cuts[0])["state_code"] not in (ENGAGING, WAITING)
+
+
+COMMANDS = ("stop", "abort", "cut_now", "hold", "take_sample", "waste", "reset")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_knife_under_commands_at_random(seed: int) -> None:
+    """Whatever comes: it moves steadily, turns back on no line that runs forwards, and rests at its park angle."""
+    random = Random(seed)
+    sets: list[dict[str, Any]] = [{"at": 0.1, "start": True}, {"at": 2.0, "start": False}, {"at": 3.0, "start": True}]
+    for _ in range(6):
+        time = round(random.uniform(0.6, 4.5), 2) + 0.003
+        sets.append({"at": time, "length": random.choice([250.0, 400.0, 800.0, 1700.0])})
+        name = random.choice(COMMANDS)
+        sets += [{"at": time + 0.1, name: True}, {"at": time + 0.2, name: False}]
+    segments = [{"duration": 4.0}, {"duration": 0.5, "acceleration": random.uniform(-1000, 500)}, {"duration": 0.5}]
+    run = script(segments, *sets, velocity=1300.0, length=600.0, change_mode=2, late_mode=random.choice([1, 2]))
+    assert times(run, "cut")
+    assert jumps(run, "local.unwrapped_position") < 1e-8
+    assert jumps(run, "slave.velocity") < 1e-5
+    for row in rows(run, 0.04):
+        assert row["slave.velocity"] >= -1e-9
+        if row["state_code"] in (FAULT, PARKING):
+            assert abs(row["slave.acceleration"]) <= 72000 * (1 + 1e-9)
+        if row["slave.velocity"] == 0:
+            assert row["slave.position"] == near(180.0)
