@@ -15,7 +15,6 @@ Readings of the specification that it leaves open, beside those of `piece_machin
 - SKIP out of rest: the places are left out whose ramp up has begun, and at least one; the velocity is checked again at
   that ramp's beginning.
 - `hold` during a ramp down keeps the knife at rest, also where a ramp up would follow at once.
-- The blade's passing of a cut's place is counted while the knife moves in time, forwards.
 - A change in THIS_PIECE that comes after the cut, in the window, is checked at the window's end with that whole cycle.
 """
 
@@ -28,9 +27,9 @@ from tests.oracle.piece_machine import LATE, SKIP, Event
 from tests.oracle.piece_records import CUT_MISSED, SHORT, START_REFUSED, TRIM, TUNABLE
 from tests.oracle.root_search import find_first_root
 from tests.oracle.rotary_knife_curves import ZERO, Cut, Extremes, Rest, greatest
-from tests.oracle.rotary_knife_limits import SPARE, Way, ramp_velocity
+from tests.oracle.rotary_knife_limits import Way, ramp_velocity
 from tests.oracle.rotary_knife_line import ExactSection
-from tests.oracle.rotary_knife_parking import plan_parking, when_passed
+from tests.oracle.rotary_knife_parking import ParkingKnife
 from tests.oracle.rotary_knife_records import RANGES
 from tests.oracle.rotary_knife_state import (
     DISENGAGING,
@@ -38,11 +37,9 @@ from tests.oracle.rotary_knife_state import (
     FAULT,
     OFF,
     ON_A_CURVE,
-    PARKING,
     SYNCHRONOUS,
     TURNING,
     WAITING,
-    KnifeState,
     PathSection,
 )
 from tests.oracle.rotary_knife_ways import LATENESS, Departure
@@ -51,7 +48,7 @@ ROUNDING = mp.mpf("1e-12")
 """Of a ramp's width: how far from its beginning it may be laid because an event's time is a float."""
 
 
-class KnifeRun(KnifeState):
+class KnifeRun(ParkingKnife):
     """One run of a knife, simulated when it is made: see `log` and `snapshots`."""
 
     read_by_cycle = ("late_mode",)
@@ -355,80 +352,7 @@ class KnifeRun(KnifeState):
         self.has_no_earlier_cut = True
         return False
 
-    # --- parking in time --------------------------------------------------------------------------------------------
-
-    def _events_in_time(self) -> list[Event]:
-        assert self.timed is not None
-        events: list[Event] = [(max(self.timed.end, self.time), self._arrive)]
-        at = when_passed(self.timed, self.last_position + self.knife.spacing, self.time)
-        return events if at is None else [(at, self._pass_place), *events]
-
-    def _pass_place(self) -> None:
-        """A blade passes where it would cut, out of sync."""
-        self.log.append((self.time, "unsynchronised"))
-        self.last_position += self.knife.spacing
-        self.records.statistics.add("unsynchronised")
-
-    def _park_in_time(self) -> None:
-        slope, master = self.derivatives(), self.master()
-        s = slope[0]
-        velocity = slope[1] * master.velocity
-        acceleration = slope[2] * master.velocity**2 + slope[1] * master.acceleration
-        self.last_position = mp.floor((s + SPARE * self.knife.turn) / self.knife.spacing) * self.knife.spacing
-        self.timed = plan_parking(self.knife, self.time, s, velocity, acceleration)
-
-    def _arrive(self) -> None:
-        assert self.timed is not None
-        self.log.append((self.time, "parked"))
-        target, self.timed = mp.mpf(self.timed.target), None
-        self.last_position = mp.floor(target / self.knife.spacing) * self.knife.spacing
-        self.rest_at(self.last_position + self.knife.park_angle, self.state)
-        if self.state != FAULT:
-            self._switch_off()
-
-    def _switch_off(self) -> None:
-        self.rest_at(self.derivatives()[0], OFF)
-        self.is_stopping = self.is_cut_requested = self.has_no_earlier_cut = False
-        self.records.stop()
-
-    def _fail(self, fault: int) -> None:
-        self.log.append((self.time, f"fault {fault}"))
-        moves = self.state not in (OFF, WAITING)
-        self.fault = fault
-        self.is_stopping = self.is_cut_requested = self.has_no_earlier_cut = False
-        self.records.stop()
-        if self.timed is None and moves:
-            self._park_in_time()
-        elif self.timed is None:
-            self.rest_at(self.derivatives()[0], FAULT)
-        self.state = FAULT
-
     # --- commands ---------------------------------------------------------------------------------------------------
-
-    def _do_reset(self) -> None:
-        self.refusal = 0
-        if self.state == FAULT and self.timed is None:
-            self.fault = 0
-            self.rest_at(self.derivatives()[0], OFF)
-
-    def _do_abort(self) -> None:
-        if not self.records.is_running:
-            return
-        self._answer_command()
-        self.is_stopping, self.is_cut_requested = True, False
-        if self.state == WAITING:
-            self._switch_off()
-        elif self.timed is None:
-            self._park_in_time()
-            self.state = PARKING
-
-    def _do_stop(self) -> None:
-        if not self.records.is_running:
-            return
-        self._answer_command()
-        self.is_stopping = True
-        if self.state == WAITING:
-            self._switch_off()
 
     def _do_start(self) -> None:
         records, mode = self.records, self.inputs["start_mode"]
