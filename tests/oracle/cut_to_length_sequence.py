@@ -1,6 +1,6 @@
 """The sequence of a cut-to-length machine on the continuous time axis: from event to event.
 
-Between two events the carriage follows one law (`cut_to_length_carriage`); `cut_to_length_records` records the pieces.
+Between two events the carriage follows one law (`cut_to_length_carriage`); `piece_records` records the pieces.
 
 Readings of the specification that it leaves open, beside those of `piece_machine`:
 - The way home is not eased where it starts on a line that accelerates: it would be FAST from the next step on.
