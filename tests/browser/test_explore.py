@@ -305,6 +305,8 @@ def test_every_block_with_a_master_has_the_switch(open_block: OpenBlock, block: 
     smoothed, true = map(np.array, visit.page.evaluate(SMOOTHED_VELOCITY))
     assert 0.0 < np.std(smoothed - true) < 0.1 * np.abs(true).max()
     assert abs(np.mean(smoothed - true)) < 0.02 * np.abs(true).max()
+    if not visit.page.locator(".motionsync-machine[data-time]").count():
+        return  # a block may have no picture of its machine
     visit.freeze()
     visit.page.locator(".motionsync-machine").focus()
     visit.page.keyboard.press(" ")
