@@ -1,4 +1,4 @@
-"""The ranges of what may be tuned while a machine that cuts to length runs."""
+"""The ranges and start values of what may be set while a machine that cuts to length runs."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
@@ -18,6 +18,40 @@ OF_PIECES: Mapping[str, Range] = {
     **dict.fromkeys(("start_mode", "change_mode", "late_mode"), (1, 3)),
 }
 """Of what every such machine has."""
+
+PIECE_DEFAULTS: Mapping[str, Any] = {
+    "material_factor": 1.0,
+    "kerf": 0.0,
+    "length_tolerance": 0.5,
+    "start_mode": 1,
+    "front_position": 0.0,
+    "trim_length": 0.0,
+    "change_mode": 1,
+    "late_mode": 1,
+    "sample_length": 100.0,
+    "waste_length": 100.0,
+    "batch_size": 0,
+    "mark.sensor_distance": 1000.0,
+    "mark.cut_offset": 0.0,
+    "mark.spacing": 0.0,
+    "mark.window": 0.0,
+    "mark.every": 1,
+    "mark.max_missing": 3,
+    "mark.substitute": True,
+    "mark.delay": 0.0,
+    "order.repeat": False,
+    "line.margin": 0.02,
+    "hold": False,
+    "length": 1000.0,
+    "length_correction": 0.0,
+    "order.length": 0.0,
+    "order.quantity": 1,
+    "waste": False,
+    "mark.position": 0.0,
+    "calibration.measured_length": 0.0,
+    "line.wanted_velocity": 1000000000.0,
+}
+"""The start values of what every such machine has, but for its commands."""
 
 
 class Ranges:

@@ -27,6 +27,7 @@ from tests.oracle.latest_runs import run_of
 from tests.oracle.master import Motion, stretches
 from tests.oracle.mp import Number
 from tests.oracle.piece_machine import COMMANDS
+from tests.oracle.piece_ranges import PIECE_DEFAULTS
 from tests.oracle.piece_rows import WINDOW, Rows, as_number, step_ends
 from tests.oracle.rotary_knife_curves import ZERO, Cut
 from tests.oracle.rotary_knife_limits import NO_LENGTH, longest_turning, shortest_way
@@ -73,39 +74,10 @@ COLUMNS = (
 """The columns of a scenario's reference, in addition to the time."""
 
 DEFAULTS: dict[str, Any] = {
+    **PIECE_DEFAULTS,
     "sync.before": 20.0,
     "sync.after": 20.0,
     "sync.overspeed": 0.0,
-    "material_factor": 1.0,
-    "kerf": 0.0,
-    "length_tolerance": 0.5,
-    "start_mode": 1,
-    "front_position": 0.0,
-    "trim_length": 0.0,
-    "change_mode": 1,
-    "late_mode": 1,
-    "sample_length": 100.0,
-    "waste_length": 100.0,
-    "batch_size": 0,
-    "mark.sensor_distance": 1000.0,
-    "mark.cut_offset": 0.0,
-    "mark.spacing": 0.0,
-    "mark.window": 0.0,
-    "mark.every": 1,
-    "mark.max_missing": 3,
-    "mark.substitute": True,
-    "mark.delay": 0.0,
-    "order.repeat": False,
-    "line.margin": 0.02,
-    "hold": False,
-    "length": 1000.0,
-    "length_correction": 0.0,
-    "order.length": 0.0,
-    "order.quantity": 1,
-    "waste": False,
-    "mark.position": 0.0,
-    "calibration.measured_length": 0.0,
-    "line.wanted_velocity": 1e9,
     **dict.fromkeys(COMMANDS, False),
 }
 """What may be set while the block runs, with the start values."""

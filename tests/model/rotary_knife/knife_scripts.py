@@ -3,6 +3,8 @@
 from itertools import pairwise
 from typing import Any
 
+import pytest
+
 from tests.oracle.rotary_knife import events, reference
 
 FAULT, OFF, PARKING, WAITING, ENGAGING, SYNCHRONOUS, TURNING, DISENGAGING = range(-1, 7)
@@ -59,3 +61,8 @@ def lengths(run: Script) -> list[float]:
 def jumps(run: Script, name: str) -> float:
     """How far a variable jumps at most where something happens."""
     return max(abs(b[name] - a[name]) for time, _ in events(run) for a, b in pairwise(reference(run, [time]) * 2))
+
+
+def near(value: float, rel: float = 1e-9) -> Any:
+    """What equals the value to this relative tolerance, or to 1e-9."""
+    return pytest.approx(value, rel=rel, abs=1e-9)

@@ -1,7 +1,6 @@
 """The sequence of the RotaryKnife's oracle on lines of constant velocity: cuts, pieces, late cuts, and rest."""
 
 from math import pi, sin
-from typing import Any
 
 import pytest
 
@@ -22,6 +21,7 @@ from tests.model.rotary_knife.knife_scripts import (
     WAITING,
     jumps,
     lengths,
+    near,
     row_at,
     rows,
     script,
@@ -29,11 +29,6 @@ from tests.model.rotary_knife.knife_scripts import (
     times,
 )
 from tests.oracle.rotary_knife import COLUMNS, reference
-
-
-def near(value: float, rel: float = 1e-9) -> Any:
-    return pytest.approx(value, rel=rel, abs=1e-9)
-
 
 # --- cycles -----------------------------------------------------------------------------------------------------------
 

@@ -21,6 +21,7 @@ from tests.model.rotary_knife.knife_scripts import (
     WASTE,
     jumps,
     lengths,
+    near,
     row_at,
     rows,
     script,
@@ -28,10 +29,6 @@ from tests.model.rotary_knife.knife_scripts import (
     times,
 )
 from tests.oracle.rotary_knife import events, reference
-
-
-def near(value: float, rel: float = 1e-9) -> Any:
-    return pytest.approx(value, rel=rel, abs=1e-9)
 
 
 def order(at: float, length: float, quantity: int) -> list[dict[str, Any]]:
