@@ -17,7 +17,7 @@ class ProjectMetadata(MetadataHookInterface):
     """Authors, addresses and README."""
 
     def update(self, metadata: dict[str, Any]) -> None:
-        project = runpy.run_path(str(Path(self.root, "fmu_src", "motionsync_fmu", "__init__.py")))
+        project = runpy.run_path(str(Path(self.root, "fmu_src", "motionsync_fmu", "about.py")))
         home, version = project["HOME"], project["__version__"]
         metadata["authors"] = [{"name": project["AUTHORS"]}]
         metadata["urls"] = {

@@ -48,9 +48,9 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build.fmu import build, build_python
-from motionsync_fmu.build.guid import compute_guid
-from motionsync_fmu.build.zip import write_zip
+from motionsync_fmu.fmus.fmu import build, build_python
+from motionsync_fmu.fmus.guid import compute_guid
+from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import variables
 from motionsync_fmu.native.libraries import FLAGS, Compilation, zig_cc
@@ -70,7 +70,7 @@ int64_t block_step(Block *self, double h, bool *failed) { return 0; }
 IN_C_HOST, FMPY, CTYPES = "C host: ", "FMPy: ", "ctypes: "
 BUILD = """
 from pathlib import Path
-from motionsync_fmu.build.fmu import build, build_python
+from motionsync_fmu.fmus.fmu import build, build_python
 from motionsync_fmu.interface.recipe import Recipe
 {}(Recipe({!r}, starts={!r}), Path({!r}))
 """

@@ -18,8 +18,8 @@ from cost import cost_table, measure, start_case, through_fmpy, timed
 from rich.console import Console
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build.fmu import build_python
-from motionsync_fmu.build.zip import write_zip
+from motionsync_fmu.fmus.fmu import build_python
+from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance

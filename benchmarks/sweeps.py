@@ -17,10 +17,10 @@ from statistics import median
 from time import perf_counter, process_time
 
 from motionsync_fmu.scenario.files.shipped import find_scenario
-from motionsync_fmu.sweep.execution import execute
-from motionsync_fmu.sweep.rows import rows
-from motionsync_fmu.sweep.sweep_plan import SweepPlan
-from motionsync_fmu.sweep.worker_pool import cluster
+from motionsync_fmu.sweeps.execution import execute
+from motionsync_fmu.sweeps.rows import rows
+from motionsync_fmu.sweeps.sweep_plan import SweepPlan
+from motionsync_fmu.sweeps.worker_pool import cluster
 
 SCENARIO = "FlyingSaw/cyclic_cut"
 MACHINE = "CutToLength/cyclic_orders"
@@ -29,8 +29,8 @@ FLAT = 1.1  # memory of twice the steps to that of the steps: the target
 MEMORY = """
 import re, sys
 from pathlib import Path
-from motionsync_fmu.sweep.sweep_plan import SweepPlan
-from motionsync_fmu.sweep.rows import rows
+from motionsync_fmu.sweeps.sweep_plan import SweepPlan
+from motionsync_fmu.sweeps.rows import rows
 plan = SweepPlan.of(Path(sys.argv[1]), sys.argv[2:], measures={"slave.velocity": ("max",)})
 rows(plan, 0, plan.runs)
 print(re.search(r"VmHWM:\\s*(\\d+) kB", Path("/proc/self/status").read_text())[1])
@@ -38,8 +38,8 @@ print(re.search(r"VmHWM:\\s*(\\d+) kB", Path("/proc/self/status").read_text())[1
 START = """
 import sys
 from pathlib import Path
-from motionsync_fmu.sweep.sweep_plan import SweepPlan
-from motionsync_fmu.sweep.rows import rows
+from motionsync_fmu.sweeps.sweep_plan import SweepPlan
+from motionsync_fmu.sweeps.rows import rows
 rows(SweepPlan.of(Path(sys.argv[1]), sys.argv[2:]), 0, 1)
 """
 STEADY = """

@@ -16,18 +16,31 @@ from motionsync.blocks import BLOCKS
 from tests import ROOT
 
 SOURCES = (ROOT / "model", ROOT / "fmu_src")
-SHARED = {"errors", "paths", "optional_dependencies", "__init__", "model"}  # every package may import these
+SHARED = {"about", "errors", "paths", "optional_dependencies", "__init__", "model"}  # every package may import these
 RUN = {"scenario", "scenario.run"}
 SCENARIO = RUN | {"scenario.files", "scenario.evaluate"}
 TOOL = {
     "cli": {"commands"},
-    "commands": {"build", "explore", "export", "interface", "line", "native", "pages", "plan", "sweep", *SCENARIO},
-    "explore": {"batch", "build", "interface", "native", "pages", "scenario", "scenario.run", "scenario.files"},
-    "line": {"build", "interface", "pages", *SCENARIO},
-    "sweep": {"batch", "build", "interface", "pages", *SCENARIO},
+    "commands": {
+        "api",
+        "explorer",
+        "export",
+        "fmus",
+        "interface",
+        "line",
+        "native",
+        "pages",
+        "plan",
+        "sweeps",
+        *SCENARIO,
+    },
+    "api": {"batch", "fmus", "interface", "pages", "sweeps", *SCENARIO},
+    "explorer": {"batch", "fmus", "interface", "native", "pages", "scenario", "scenario.run", "scenario.files"},
+    "line": {"fmus", "interface", "pages", *SCENARIO},
+    "sweeps": {"batch", "fmus", "interface", "pages", *SCENARIO},
     "plan": {"interface", "pages", *SCENARIO},
-    "export": {"build", "interface", "native", "pages", *SCENARIO},
-    "build": {"compiler", "interface", "native", "pages", "scenario.files"},
+    "export": {"fmus", "interface", "native", "pages", *SCENARIO},
+    "fmus": {"compiler", "interface", "native", "pages", "scenario.files"},
     "pages": {"interface", "native", *SCENARIO},
     "batch": {"compiler", "interface", "native", *RUN},
     "native": {"compiler", "interface"},

@@ -18,8 +18,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from motionsync_fmu.api.scenarios import load
 from motionsync_fmu.batch.scripted_runs import run_scenarios
-from motionsync_fmu.commands.run_set import load_with_values
 from motionsync_fmu.pages.pictures import SHADE, STYLE, write_svg
 from motionsync_fmu.pages.report.histogram import bar_borders
 from motionsync_fmu.pages.style import MASTER, SLAVE
@@ -136,7 +136,7 @@ def draw_trade(noise: ErrorTable, ramps: ErrorTable) -> bytes:
 def run_line() -> tuple[Recording, list[TruePiece], list[TruePiece]]:
     """Run the scenario, and again with a forgotten delay: the first recording, and the pieces of both."""
     file = find_scenario(SCENARIO)
-    scenarios = [load_with_values(file, values) for values in ({}, FORGOTTEN)]
+    scenarios = [load(file, set=values) for values in ({}, FORGOTTEN)]
     outputs = [v.name for v in scenarios[0].recipe.variables.values() if not v.settable]
     recordings = [run.recording for run in run_scenarios(scenarios, outputs) if run.recording]
     figures = [compute_key_figures(s, recording) for s, recording in zip(scenarios, recordings, strict=True)]

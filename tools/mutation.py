@@ -20,8 +20,9 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
@@ -54,6 +55,7 @@ LEFT_OUT = (
     *("tests/pages/test_contributing.py", "tests/install/"),  # they run other tests, or none of the project's code
     "tests/commands/test_paths.py",  # it limits the size of files, which coverage writes as well
 )
+COLLECTION = 120.0  # s, at most
 State = Annotated[str, typer.Option(help="names the results: before, say")]
 PROCESSES = multiprocessing.get_context("forkserver")  # what all tests import is imported once, but for the project
 PROCESSES.set_forkserver_preload(["pytest", "hypothesis", "numpy", "mpmath", "fmpy", "typer", "rich", "coverage"])
@@ -104,9 +106,13 @@ class Reach:
 
     def passes(self, tree: Path, test: str) -> bool:
         """Whether a test passes in a tree without a mutant; it is run once."""
-        if test not in self.sound and not first_failure(tree, [test], 60.0 + 4.0 * self.seconds[test]):
+        if test not in self.sound and not first_failure(tree, self.limits([test])):
             self.sound.add(test)
         return test in self.sound
+
+    def limits(self, tests: Sequence[str]) -> dict[str, float]:
+        """After how many seconds each of these tests counts as one without an end."""
+        return {test: 20.0 + 4.0 * self.seconds[test] for test in tests}
 
 
 @app.command()
@@ -260,7 +266,7 @@ def try_mutant(mutant: Mutant, reach: Reach, trees: SimpleQueue[Path], budget: f
     try:
         while tests and result not in ("killed", "survived"):
             (tree / mutant.path).write_text(mutant.apply(source), "utf-8")
-            failed = first_failure(tree, tests, 60.0 + 4.0 * sum(reach.seconds[test] for test in tests))
+            failed = first_failure(tree, reach.limits(tests))
             (tree / mutant.path).write_text(source, "utf-8")
             if failed in tests and not reach.passes(tree, failed):
                 tests.remove(failed)  # it fails in a copy of the sources, whatever these are
@@ -282,26 +288,28 @@ def within_budget(reach: Reach, tests: Sequence[str], budget: float) -> Iterator
         yield test
 
 
-def first_failure(tree: Path, tests: Sequence[str], timeout: float) -> str:
-    """The first of these tests that fails in a tree, or what else went wrong; empty if all pass."""
+def first_failure(tree: Path, limits: Mapping[str, float]) -> str:
+    """The first of some tests that fails in a tree, or what else went wrong; empty if all pass.
+
+    `limits`: how long each test may take, in s; the tests run in this order.
+    """
     names, failures = tree / "build" / "tests.txt", tree / "build" / "failures.txt"
     names.parent.mkdir(exist_ok=True)
-    names.write_text("\n".join(tests))
+    names.write_text("\n".join(limits))
     failures.unlink(missing_ok=True)
-    process = PROCESSES.Process(target=run_tests, args=(tree, names, failures))
+    process = PROCESSES.Process(target=run_tests, args=(tree, names, Watch(failures, dict(limits))))
     process.start()
-    process.join(timeout)
-    if process.is_alive():
+    process.join(COLLECTION + sum(limits.values()))
+    with suppress(ProcessLookupError):  # what a test has started, too
         os.killpg(process.pid or 0, signal.SIGKILL)
-        process.join()
-        return "no end"
+    process.join()
     if failures.exists():
         return failures.read_text("utf-8").split("\n")[0]
-    return f"exit status {process.exitcode}" if process.exitcode else ""
+    return "no end" if (process.exitcode or 0) < 0 else f"exit status {process.exitcode}" if process.exitcode else ""
 
 
-def run_tests(tree: Path, names: Path, failures: Path) -> None:
-    """Run tests in this process, with the sources of a tree, and write down the names of those that fail."""
+def run_tests(tree: Path, names: Path, watch: "Watch") -> None:
+    """Run tests in this process, with the sources of a tree."""
     os.setsid()
     os.chdir(tree)
     with (tree / "build" / "output.txt").open("w") as output:
@@ -313,19 +321,30 @@ def run_tests(tree: Path, names: Path, failures: Path) -> None:
     # Compiled modules are found by size and second: one of a former mutant could be taken for this one.
     sys.dont_write_bytecode = True
     os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
-    status = pytest.main(["-x", "-q", "--tb=no", "-p", "no:cacheprovider", f"@{names}"], plugins=[Failures(failures)])
+    status = pytest.main(["-x", "-q", "--tb=no", "-p", "no:cacheprovider", f"@{names}"], plugins=[watch])
     sys.exit(int(status))
 
 
 @dataclass(frozen=True)
-class Failures:
-    """A plugin of pytest that writes the names of the tests that fail into a file."""
+class Watch:
+    """A plugin of pytest that writes the names of the tests that fail into a file, and ends a process whose test has no
+    end.
 
-    path: Path
+    Attributes:
+        failures: the file.
+        limits: how long each test may take, in s.
+    """
+
+    failures: Path
+    limits: dict[str, float]
+
+    def pytest_runtest_logstart(self, nodeid: str) -> None:
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.setitimer(signal.ITIMER_REAL, self.limits[nodeid])
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.failed:
-            with self.path.open("a", encoding="utf-8") as file:
+            with self.failures.open("a", encoding="utf-8") as file:
                 print(report.nodeid, file=file)
 
 

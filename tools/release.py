@@ -27,11 +27,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu import HOME, __version__
-from motionsync_fmu.build.fmu import BuildOptions, Flavour, build
-from motionsync_fmu.build.zip import write_zip
+from motionsync_fmu.about import HOME, __version__
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.explore.page import scenarios_of, write_page
+from motionsync_fmu.explorer.page import scenarios_of, write_page
+from motionsync_fmu.fmus.fmu import BuildOptions, Flavour, build
+from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.build_time import build_time
 from motionsync_fmu.interface.fingerprint import Files
 from motionsync_fmu.interface.recipe import Fmi, Recipe

@@ -1,7 +1,14 @@
-"""From a block to an FMU: variables, modelDescription, documentation, both flavours, and the command line."""
+"""From a block to an FMU, and what is done with it: the command line as functions.
 
-# What package, FMUs and pages state about the project: it is written here only, and hatch_build.py reads it too.
-__version__ = "0.2.0"
-HOME = "https://github.com/motionsync/motionsync"
-AUTHORS = "The motionsync authors"
-COPYRIGHT = f"Copyright (c) 2026 {AUTHORS}"
+    from motionsync_fmu import run
+
+    run("CutToLength/basic_cut", set={"master.velocity": 400.0}).passed
+
+`__init__.pyi` lists the names; each is imported when it is used first.
+"""
+
+import lazy_loader
+
+from .about import __version__ as __version__
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

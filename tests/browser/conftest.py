@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
-from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
+from motionsync_fmu.pages.results import evaluate_run
 from tests.browser.runs import run
 from tests.browser.visit import Visit, choose
 from tests.support.explored import explored
@@ -70,15 +69,7 @@ def report_file(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Pat
         file = folder / name.replace("/", "_") / "report.html"
         file.parent.mkdir()
         results = file.parent / "out.csv"
-        write_report(
-            file,
-            s,
-            recording,
-            check_expectations(s, recording),
-            compare_with_reference(s, recording),
-            s.step_size,
-            results=results,
-        )
+        write_report(file, s, recording, evaluate_run(s, recording), results=results)
         return file
 
     return write

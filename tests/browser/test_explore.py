@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motionsync_fmu.explore import page as explore_page
-from motionsync_fmu.explore.data import explored as shown
-from motionsync_fmu.explore.page import scenarios_of, write_page
+from motionsync_fmu.explorer import page as explore_page
+from motionsync_fmu.explorer.data import explored as shown
+from motionsync_fmu.explorer.page import scenarios_of, write_page
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.machine.fragment import scene_data
 from motionsync_fmu.scenario.files.example import load_example
@@ -59,7 +59,7 @@ def test_scenarios_of_each_kind_have_the_native_bits_in_the_browser(
     open_block: OpenBlock, fmus: Fmus, block: str, soak: Callable[[int, int], int]
 ) -> None:
     """The page makes all inputs itself: the axis, the telegrams, what reactions set. The long form runs all scenarios;
-    tests/explore/test_bits.py runs all of them in the page's module, with inputs that Python makes."""
+    tests/explorer/test_bits.py runs all of them in the page's module, with inputs that Python makes."""
     page = explored(fmus, block)
     all_sums = {s["name"]: s["sha256"] for s in page.data["scenarios"]}
     native_sums = all_sums if soak(0, 1) else {name: all_sums[name] for name in page.varied_scenarios()}

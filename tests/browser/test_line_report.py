@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.line.package import write_package
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.line.report import write_line_report

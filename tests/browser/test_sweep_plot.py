@@ -6,14 +6,14 @@ from typing import Any
 
 import pytest
 
-from motionsync_fmu.commands.run_set import load_with_values
-from motionsync_fmu.sweep.plot.page import make_page
-from motionsync_fmu.sweep.plot.view import Question
-from motionsync_fmu.sweep.sweep_plan import SweepPlan
+from motionsync_fmu.api.scenarios import load
+from motionsync_fmu.sweeps.plot.page import make_page
+from motionsync_fmu.sweeps.plot.view import Question
+from motionsync_fmu.sweeps.sweep_plan import SweepPlan
 from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
 from tests.browser.visit import Visit, contrast
-from tests.sweep import example_plans
+from tests.sweeps import example_plans
 
 V, A, LENGTH = "master.velocity", "axis.max_acceleration", "length"
 MAP, BOUNDARY = ".plot[aria-label^='The share']", ".plot[aria-label^='The least']"
@@ -88,7 +88,7 @@ def test_a_cell_shows_its_runs_and_the_command_that_repeats_one(open_page: Open,
     assert {name: float(text) for name, text in values.items()} == {
         name: of_run[0] for name, of_run in plan.values(number, number + 1).items()
     }
-    assert load_with_values(plan.file, values).start["length"] == 1600.0
+    assert load(plan.file, set=values).start["length"] == 1600.0
 
 
 def test_a_curve_shows_the_run_at_it(open_page: Open, sweep: Path) -> None:

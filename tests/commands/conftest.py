@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu import paths
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from tests.support.command_line import Command
 from tests.support.fmus import Fmus, Shared
 from tests.support.workshop import scenario

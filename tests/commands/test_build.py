@@ -8,11 +8,11 @@ from fmpy import simulate_fmu
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import paths
-from motionsync_fmu.build.fmu import BuildOptions, Finish, Flavour
-from motionsync_fmu.build.guid import compute_guid
-from motionsync_fmu.build.zip import write_zip
 from motionsync_fmu.commands import build as build_command
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.fmus.fmu import BuildOptions, Finish, Flavour
+from motionsync_fmu.fmus.guid import compute_guid
+from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
 from tests.support.command_line import Command, assert_one_line
 from tests.support.workshop import FLAVOURS, PYTHON, STOP, description, scenario, start_value, the_fmu

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.build.fmu import Flavour
-from motionsync_fmu.explore import page
+from motionsync_fmu.explorer import page
+from motionsync_fmu.fmus.fmu import Flavour
+from motionsync_fmu.fmus.prebuilt import Report, silent
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
 from tests.support.command_line import Command
@@ -19,10 +20,10 @@ FIRST = "Synchronizer/polynomial"
 def shared_fmus(fmus: Fmus, monkeypatch: pytest.MonkeyPatch) -> None:
     """The FMUs that the tests share are those that the command finds."""
 
-    def prepare_fmus(recipes: list[Recipe], flavour: Flavour) -> list[Path]:
+    def prepare_fmus(recipes: list[Recipe], flavour: Flavour, report: Report = silent) -> list[Path]:
         return [fmus.built(flavour, recipe.name) for recipe in recipes]
 
-    monkeypatch.setattr("motionsync_fmu.commands.explore.prepare_fmus", prepare_fmus)
+    monkeypatch.setattr("motionsync_fmu.api.explore.prepare_fmus", prepare_fmus)
 
 
 def test_a_block_becomes_a_page(motionsync: Command, shared_fmus: None, fmus: Fmus, tmp_path: Path) -> None:
@@ -30,7 +31,7 @@ def test_a_block_becomes_a_page(motionsync: Command, shared_fmus: None, fmus: Fm
     outcome = motionsync("explore", "synchronizer")
     assert outcome.status == 0, outcome.err
     file = tmp_path / "build" / "explore" / "Synchronizer.html"
-    assert outcome.out == f"build/explore/Synchronizer.html  {file.stat().st_size / 1000:.0f} kB, 17 scenarios\n"
+    assert outcome.out == f"build/explore/Synchronizer.html  {file.stat().st_size / 1000:.0f} kB\n"
     assert file.read_bytes() == explored(fmus, "Synchronizer").file.read_bytes()
 
 
@@ -42,7 +43,7 @@ def test_a_scenario_of_ones_own_is_shown_first(
     own = tmp_path / "mine" / "polynomial" / "scenario.toml"
     own.parent.mkdir(parents=True)
     own.write_bytes((ROOT / "scenarios" / FIRST / "scenario.toml").read_bytes())
-    outcome = motionsync("explore", own, "--folder", "pages", "--open")
+    outcome = motionsync("explore", own, "--output", "pages", "--open")
     assert outcome.status == 0, outcome.err
     file = tmp_path / "pages" / "Synchronizer.html"
     assert opened == [file.as_uri()]
@@ -52,7 +53,7 @@ def test_a_scenario_of_ones_own_is_shown_first(
 
 
 def test_without_compilers_one_line_says_what_to_install(motionsync: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("motionsync_fmu.commands.explore.missing_for_native", lambda: "ziglang")
+    monkeypatch.setattr("motionsync_fmu.api.explore.missing_for_native", lambda: "ziglang")
     outcome = motionsync("explore", "Synchronizer")
     assert outcome.status == 2
     assert len(outcome.err.splitlines()) == 1

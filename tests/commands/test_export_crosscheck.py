@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from fmpy import read_model_description
 
-from motionsync_fmu.build.fmu import BuildOptions, build
 from motionsync_fmu.export import crosscheck
+from motionsync_fmu.fmus.fmu import BuildOptions, build
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import ROWS, host_platform
 from tests import ROOT

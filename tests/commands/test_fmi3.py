@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from fmpy.validation import validate_fmu
 
-from motionsync_fmu.build.fmu import BuildOptions, Finish, Flavour, fmu_path, start_build, why_outdated
 from motionsync_fmu.commands import build as build_command
+from motionsync_fmu.fmus.fmu import BuildOptions, Finish, Flavour, fmu_path, start_build, why_outdated
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.platforms import OF_VERSION, host_platform
 from tests.support.command_line import Command, assert_one_line

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from tests.support.command_line import Command, assert_one_line
 from tests.support.fmus import Fmus
 from tests.support.workshop import PYTHON

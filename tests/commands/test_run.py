@@ -10,17 +10,18 @@ from typing import Any
 import pytest
 
 from motionsync_fmu import paths
-from motionsync_fmu.build.fmu import Flavour, fmu_path
+from motionsync_fmu.api import run as api
 from motionsync_fmu.commands import run
+from motionsync_fmu.fmus.fmu import Flavour, fmu_path
 from motionsync_fmu.pages import results
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.run.simulation import run_in_process
-from motionsync_fmu.sweep.sweep_plan import SweepPlan
+from motionsync_fmu.sweeps.sweep_plan import SweepPlan
 from tests import ROOT
 from tests.support.command_line import Command, assert_one_line
 from tests.support.fmus import Fmus
 from tests.support.workshop import PYTHON, STOP, scenario
-from tests.sweep.example_plans import EXAMPLE
+from tests.sweeps.example_plans import EXAMPLE
 
 
 def test_run_takes_a_file_a_folder_and_several(workshop: Command) -> None:
@@ -136,7 +137,7 @@ def test_an_interruption_keeps_what_is_finished(
 ) -> None:
     for name in ("a", "b"):
         scenario(name)
-    write = results.write_outcome
+    write = results.write_results
 
     def interrupted(s: Any, *arguments: Any, **options: Any) -> Any:
         if s.name == "b":
@@ -146,7 +147,7 @@ def test_an_interruption_keeps_what_is_finished(
     def interrupted_too(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(results, "write_outcome", interrupted)
+    monkeypatch.setattr(api, "write_results", interrupted)
     outcome = workshop("run", ".", *options)
     assert (outcome.status, outcome.err) == (130, f"motionsync: interrupted after {printed}\n")
     if options:

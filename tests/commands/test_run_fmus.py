@@ -5,7 +5,7 @@ import re
 import zipfile
 from pathlib import Path
 
-from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import host_platform
 from tests.support.command_line import Command, assert_one_line

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
-from motionsync_fmu.commands.run_set import load_with_values
+from motionsync_fmu.api.scenarios import load
 from motionsync_fmu.scenario.run.simulation import run_in_process
-from motionsync_fmu.sweep.plot.page import make_page
-from motionsync_fmu.sweep.plot.view import Question
-from motionsync_fmu.sweep.rows import rows
-from motionsync_fmu.sweep.sweep_plan import SweepPlan
-from tests.sweep.example_plans import EXAMPLE, unpacked
+from motionsync_fmu.sweeps.plot.page import make_page
+from motionsync_fmu.sweeps.plot.view import Question
+from motionsync_fmu.sweeps.rows import rows
+from motionsync_fmu.sweeps.sweep_plan import SweepPlan
+from tests.sweeps.example_plans import EXAMPLE, unpacked
 
 SAMPLED = [
     "master.velocity=100..1500",
@@ -28,9 +28,9 @@ def test_the_printed_values_make_the_same_scenario() -> None:
     plan = SweepPlan.of(EXAMPLE, [*SAMPLED, *LISTED], samples=2, seed=3)
     for run in range(plan.runs):
         given = {name: str(values.tolist()[0]) for name, values in plan.values(run, run + 1).items()}
-        result, expected = load_with_values(EXAMPLE, given), plan.scenario(run)
+        result, expected = load(EXAMPLE, set=given), plan.scenario(run)
         assert (result.master.breaks, result.master.motions) == (expected.master.breaks, expected.master.motions)
-        assert replace(result, master=expected.master) == expected
+        assert replace(result, master=expected.master, overrides={}) == expected
 
 
 def test_a_command_of_the_page_repeats_the_run_that_it_shows(tmp_path: Path) -> None:
@@ -46,7 +46,7 @@ def test_a_command_of_the_page_repeats_the_run_that_it_shows(tmp_path: Path) -> 
     assert numbers == [float(run) for run in range(4)]  # each run is alone in its cell
     values = {c["name"]: unpacked(c["values"]) for c in packed["columns"] if c["varied"]}
     for i, error in enumerate(table.to_pylist()):
-        scenario = load_with_values(EXAMPLE, {name: repr(of_run[i]) for name, of_run in values.items()})
+        scenario = load(EXAMPLE, set={name: repr(of_run[i]) for name, of_run in values.items()})
         recording = run_in_process(scenario, scenario.step_size)
         assert recording.values["slave.acceleration"][1:].max() == error["slave.acceleration.max"]
         assert recording.values["limits.min_length"][-1] == error["limits.min_length.last"]

@@ -15,11 +15,11 @@ import pyarrow.parquet as pq
 import pytest
 
 from motionsync_fmu.scenario.files.shipped import find_files
-from motionsync_fmu.sweep import worker_pool
+from motionsync_fmu.sweeps import worker_pool
 from tests import ROOT
 from tests.support.command_line import Command, assert_one_line
 from tests.support.workshop import scenario
-from tests.sweep.test_execution import contents, table
+from tests.sweeps.test_execution import contents, table
 
 SCENARIO = "Synchronizer/polynomial"  # a stop and a start at 90 deg/s; its expectations hold at that velocity alone
 VELOCITIES = "master.velocity=80:100:21"

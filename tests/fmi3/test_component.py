@@ -9,7 +9,7 @@ from lxml import etree
 from wasmtime import Engine, Store
 from wasmtime.component import Component, Linker
 
-from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.unit_sources import c_sources
 from motionsync_fmu.native.wasm.component import component_files

@@ -10,7 +10,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.fmi2_xml import complete, content, describe
 from motionsync_fmu.interface.fmi3_xml import translated

@@ -24,7 +24,7 @@ from fmpy.validation import validate_fmu
 from motionsync.blocks import BLOCKS
 from motionsync.remote_sync.block import RemoteSync
 from motionsync_fmu import __version__
-from motionsync_fmu.build.fmu import build_python
+from motionsync_fmu.fmus.fmu import build_python
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import Variable, variables
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
@@ -327,7 +327,7 @@ def declared_by(block: str) -> tuple[dict[str, Variable], list[str]]:
 def rebuilt(folder: Path, root: Path = ROOT, **environment: str) -> Path:
     """Built in a process of its own, from sources that may be a changed copy."""
     code = (
-        "from pathlib import Path; from motionsync_fmu.build.fmu import *;"
+        "from pathlib import Path; from motionsync_fmu.fmus.fmu import *;"
         f"build_python(Recipe('Synchronizer'), Path({str(folder / 'Synchronizer.fmu')!r}))"
     )
     path = os.pathsep.join(str(root / part) for part in ("model", "fmu_src"))

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 
-from motionsync_fmu.build.fmu import build_python
-from motionsync_fmu.build.guid import compute_guid
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.fmus.fmu import build_python
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests.support.fmus import Fmus

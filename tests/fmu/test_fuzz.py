@@ -15,9 +15,9 @@ import pytest
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 from motionsync.remote_sync.block import MOST_CYCLES
-from motionsync_fmu.build.guid import compute_guid
 from motionsync_fmu.compiler.memory_layout import dtype, offset
 from motionsync_fmu.compiler.translator import c_source
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import LONGEST_STEP, Variable, cells, refusals, variables
 from motionsync_fmu.native import libraries

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from tests.support.fmus import Fmus, Shared, build_for_host
 from tests.support.importers import Row, through_ecos, through_fmpy, through_fmuloader, through_libcosim

@@ -15,7 +15,7 @@ import belt_axis
 import numpy as np
 import pytest
 
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
 from tests.oracle.servo import Servo

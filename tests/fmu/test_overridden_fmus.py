@@ -11,8 +11,8 @@ from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
 from motionsync.gearing.interface import StartMode, Transition
-from motionsync_fmu.build.fmu import Flavour, build_python, fmu_path, why_outdated
-from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.fmus.fmu import Flavour, build_python, fmu_path, why_outdated
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance, read_recipe

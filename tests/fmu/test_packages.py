@@ -26,8 +26,8 @@ BLOCKS = {"Nested": Nested}
 """
 BUILDS = """
 from pathlib import Path
-from motionsync_fmu.build.fmu import BuildOptions, Flavour, build
-from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.fmus.fmu import BuildOptions, Flavour, build
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.native.platforms import host_platform
 for flavour, unit in {builds}:
@@ -133,7 +133,7 @@ def test_a_violation_of_the_kernel_subset_is_reported_with_its_path(root: Path, 
     text = law.read_text().replace("1.0 / cosine(degrees)", "cosine(degrees) ** -1.0")
     law.write_text(text)
     line = text[: text.index("**")].count("\n") + 1
-    check = "from motionsync_fmu.build.fmu import check_kernel\n"
+    check = "from motionsync_fmu.fmus.fmu import check_kernel\n"
     check += "try:\n    check_kernel('motionsync.nested.block')\nexcept Exception as e:\n    print(e)"
     assert [messages.partition(": ")[0] for messages in python(tmp_path, check)] == [f"motionsync/nested/law.py:{line}"]
 

@@ -222,7 +222,7 @@ BUILD_AFTER_RUN = """
 import sys
 from pathlib import Path
 from zipfile import ZipFile
-from motionsync_fmu.build.fmu import BuildOptions, Flavour, build
+from motionsync_fmu.fmus.fmu import BuildOptions, Flavour, build
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 assert "pythonfmu" not in sys.modules

@@ -15,7 +15,7 @@ from fmpy.ssp.ssd import read_ssv
 from fmpy.util import read_csv
 from lxml import etree
 
-from motionsync_fmu.build.fmu import Flavour, build_python
+from motionsync_fmu.fmus.fmu import Flavour, build_python
 from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.related_files import related_files

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.fmus import Fmus
 from tests.support.native_host import state_functions

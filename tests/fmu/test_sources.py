@@ -20,9 +20,9 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build.fmu import BuildOptions, build
-from motionsync_fmu.build.guid import compute_guid
-from motionsync_fmu.build.zip import write_zip
+from motionsync_fmu.fmus.fmu import BuildOptions, build
+from motionsync_fmu.fmus.guid import compute_guid
+from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.libraries import FREESTANDING
 from motionsync_fmu.native.platforms import host_platform

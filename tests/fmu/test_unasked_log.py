@@ -15,7 +15,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.simulation import instantiate_fmu
 
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.scenario.run.fmu_instance import FmuError, FmuInstance
 from tests.support.fmus import Fmus
 

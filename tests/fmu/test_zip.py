@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.build import zip as zip_file
-from motionsync_fmu.build.zip import write_zip
+from motionsync_fmu.fmus import zip as zip_file
+from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.fingerprint import Files
 
 NOISE = random.Random(0).randbytes(3000)

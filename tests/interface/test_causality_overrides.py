@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build.fmu import Flavour, fmu_path
-from motionsync_fmu.build.guid import compute_guid
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.fmus.fmu import Flavour, fmu_path
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.causality import CausalityError, Interface
 from motionsync_fmu.interface.fmi2_xml import complete, content, describe
 from motionsync_fmu.interface.recipe import Recipe

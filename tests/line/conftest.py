@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.line.evaluation import LineResult, evaluate_line
 from motionsync_fmu.line.line import ProductionLine
 from motionsync_fmu.line.package import LinePackage, write_package

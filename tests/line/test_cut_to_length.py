@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from motionsync.cutting.interface import PieceKind
-from motionsync_fmu.build.fmu import Flavour
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.roles import MOTION
 from motionsync_fmu.line.line import ProductionLine
 from motionsync_fmu.line.package import LinePackage, write_package

@@ -12,8 +12,8 @@ import pytest
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
 from motionsync.remote_sync.interface import Estimator
-from motionsync_fmu.build.fmu import Flavour
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.line.evaluation import LineResult
 from motionsync_fmu.line.package import PARAMETERS, write_package
 from motionsync_fmu.line.reader import load_line

@@ -5,8 +5,8 @@ from math import sqrt
 
 import pytest
 
+from motionsync_fmu.api.scenarios import load
 from motionsync_fmu.batch.scripted_runs import run_scenarios
-from motionsync_fmu.commands.run_set import load_with_values
 from motionsync_fmu.scenario.evaluate.key_figures import KeyFigures, compute_key_figures
 from tests import ROOT
 
@@ -27,7 +27,7 @@ def number(text: str) -> float:
 
 
 def figures(*changes: str) -> KeyFigures:
-    scenario = load_with_values(FILE, dict(change.split("=") for change in changes))
+    scenario = load(FILE, set=dict(change.split("=") for change in changes))
     outputs = [v.name for v in scenario.recipe.variables.values() if not v.settable]
     (run,) = run_scenarios([scenario], outputs, threads=1)
     assert run.recording, run.failure

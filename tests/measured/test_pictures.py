@@ -12,10 +12,10 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from motionsync_fmu import sweep
 from motionsync_fmu.scenario.evaluate.true_pieces import TruePiece
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.sweep.distribution import MOST, find_distribution
-from motionsync_fmu.sweep.sweep import sweep
+from motionsync_fmu.sweeps.distribution import MOST, find_distribution
 from tests import ROOT
 from tests.support.pictures import assert_same_picture
 from tools.measured_line_pictures import ErrorTable, draw_histogram, draw_line, draw_trade, run_line
@@ -54,7 +54,7 @@ def test_the_commands_find_what_the_tables_have(tmp_path: Path, monkeypatch: pyt
     """Some of the runs, made anew and written by the code of the page."""
     assert SOME[name].keys() <= factors(name).keys()
     monkeypatch.chdir(tmp_path)
-    sweep("CutToLength/measured_line", factors(name) | SOME[name], output=name, workers=1)
+    sweep("CutToLength/measured_line", set=factors(name) | SOME[name], output=name, workers=1)
     (code,) = re.findall(r"```python\n(.*?)```", PAGE, re.S)
     others = "|".join(other for other in SOME if other != name)
     exec(re.sub(rf'^    \("(?:{others})".*\n', "", code, flags=re.M), {})
@@ -129,7 +129,7 @@ def test_the_figures_of_the_smoothing_time() -> None:
 
 def test_a_saw_that_cuts_long_averages(tmp_path: Path) -> None:
     made = sweep(
-        "CutToLength/measured_line", {SMOOTHING: [0.005, 0.04], SEED: "0:9"}, output=tmp_path / "rows", workers=1
+        "CutToLength/measured_line", set={SMOOTHING: [0.005, 0.04], SEED: "0:9"}, output=tmp_path / "rows", workers=1
     )
     errors = np.array(made.column("true_length_errors").to_pylist()).reshape(2, 10, 12)
     few, many = (sqrt(float(of_time.var(axis=0, ddof=1).mean())) for of_time in errors)

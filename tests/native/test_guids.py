@@ -14,7 +14,7 @@ BLOCKS = {**BLOCKS, "Nested": Nested}
 """
 GUIDS = """
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 
 for name in BLOCKS:

@@ -18,10 +18,10 @@ from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import paths
-from motionsync_fmu.build import fmu
-from motionsync_fmu.build.fmu import Flavour, build, build_python, check_kernel, fmu_path, why_outdated
-from motionsync_fmu.build.guid import compute_guid, native_toolchain
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.fmus import fmu
+from motionsync_fmu.fmus.fmu import Flavour, build, build_python, check_kernel, fmu_path, why_outdated
+from motionsync_fmu.fmus.guid import compute_guid, native_toolchain
 from motionsync_fmu.interface import fingerprint
 from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.fingerprint import Files
@@ -192,7 +192,7 @@ def test_it_loads_from_any_path(native: Path, tmp_path: Path, name: str) -> None
 def test_a_build_gives_the_same_bytes_every_time(native: Path, tmp_path: Path) -> None:
     """Also in a process of its own, with another seed for hashes, from another folder and with nothing in a cache. Of
     all blocks the C is the same every time (tests/compiler/test_c_source.py)."""
-    script = "from motionsync_fmu.build.fmu import *; build(Recipe('Synchronizer'), Path('a.fmu'))"
+    script = "from motionsync_fmu.fmus.fmu import *; build(Recipe('Synchronizer'), Path('a.fmu'))"
     caches = {"XDG_CACHE_HOME": str(tmp_path / "cache"), "ZIG_GLOBAL_CACHE_DIR": str(tmp_path / "zig")}
     environment = os.environ | caches | {"PYTHONHASHSEED": "42"}
     subprocess.run([sys.executable, "-c", script], check=True, cwd=tmp_path, env=environment)
@@ -285,7 +285,7 @@ def test_what_determines_the_code_changes_the_guid_of_both_flavours(
         with monkeypatch.context() as changed:
             files = native_toolchain()
             more = files | {name: files[name] + b"\n"}
-            changed.setattr("motionsync_fmu.build.guid.native_toolchain", lambda more=more: more)
+            changed.setattr("motionsync_fmu.fmus.guid.native_toolchain", lambda more=more: more)
             assert compute_guid(RECIPE) != before
             assert why_outdated(target, RECIPE) == "stale"
 

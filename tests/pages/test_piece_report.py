@@ -19,7 +19,7 @@ from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.pages.pictures import piece_ends
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
+from motionsync_fmu.pages.results import evaluate_run
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
@@ -82,7 +82,7 @@ def at(trace: dict[str, Any], time: float) -> float:
 
 def page(run: Run, folder: Path) -> str:
     s, recording = run
-    write_report(folder / "report.html", s, recording, check_expectations(s, recording), [], s.step_size)
+    write_report(folder / "report.html", s, recording, evaluate_run(s, recording))
     return (folder / "report.html").read_text("utf-8")
 
 

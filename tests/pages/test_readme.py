@@ -21,7 +21,7 @@ from motionsync.cut_to_length.machine_limits import (
     return_time,
     stroke,
 )
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.variables import cells, members

@@ -12,17 +12,16 @@ import plotly.graph_objects as go
 import pytest
 from plotly.offline import get_plotlyjs_version
 
-from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.numbers import jumps, points, rounded, thinned
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.origin import describe_fmu
 from motionsync_fmu.pages.report.page import PLOTLY, run_charts, write_report
+from motionsync_fmu.pages.results import evaluate_run
 from motionsync_fmu.pages.style import TEMPLATES, load_template, typeset
 from motionsync_fmu.scenario.cutting import CutSpec
 from motionsync_fmu.scenario.evaluate.cuts import passages
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations
-from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.run.simulation import run_in_process
@@ -65,15 +64,7 @@ def cyclic_cut(runs: dict[str, Run]) -> Run:
 def page(run: Run, file: Path) -> str:
     """The report of a run."""
     s, recording = run
-    write_report(
-        file,
-        s,
-        recording,
-        check_expectations(s, recording),
-        compare_with_reference(s, recording),
-        s.step_size,
-        results=file.parent / "out.csv",
-    )
+    write_report(file, s, recording, evaluate_run(s, recording), results=file.parent / "out.csv")
     return file.read_text("utf-8")
 
 
@@ -187,7 +178,7 @@ def test_nothing_is_said_of_a_reference_that_there_is_not(cyclic_cut: Run, tmp_p
     s, recording = cyclic_cut
     alone = replace(s, file=tmp_path / "scenario.toml", expectations=())
     alone.file.write_text("", "utf-8")
-    write_report(tmp_path / "report.html", alone, recording, [], [], s.step_size)
+    write_report(tmp_path / "report.html", alone, recording, evaluate_run(alone, recording))
     text = words((tmp_path / "report.html").read_text("utf-8"))
     assert "reference" not in text
     assert "0 of 0" not in text
@@ -198,7 +189,7 @@ def test_nothing_is_said_of_a_reference_that_there_is_not(cyclic_cut: Run, tmp_p
 def test_the_page_states_which_fmu_and_script_it_comes_from(runs: dict[str, Run], fmus: Fmus, tmp_path: Path) -> None:
     s, recording = runs["Synchronizer/polynomial"]
     fmu = fmus.python("Synchronizer")
-    write_report(tmp_path / "report.html", s, recording, [], [], 0.02, fmu)
+    write_report(tmp_path / "report.html", s, recording, evaluate_run(s, recording), fmu)
     text = words((tmp_path / "report.html").read_text("utf-8"))
     assert f"Synchronizer.fmu, FMI 2.0, python flavour, GUID {compute_guid(Recipe('Synchronizer'))}" in text
     assert "step size 0.02 s, 801 communication points up to 8 s" in text
@@ -338,7 +329,7 @@ def test_values_that_were_set_have_their_units_and_the_file_no_folder_of_this_co
     cyclic_cut: Run, tmp_path: Path
 ) -> None:
     s, recording = cyclic_cut
-    write_report(tmp_path / "report.html", s, recording, [], [], s.step_size)
+    write_report(tmp_path / "report.html", s, recording, evaluate_run(s, recording))
     page = (tmp_path / "report.html").read_text("utf-8")
     assert '<td class="name">axis.max_velocity</td><td>1500 mm/s</td>' in page
     assert '<td class="name">gear_in_pos.execute</td><td>true</td>' in page

@@ -18,9 +18,9 @@ from markdown_it import MarkdownIt
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__
-from motionsync_fmu.build.fmu import BuildOptions
-from motionsync_fmu.build.zip import write_zip
 from motionsync_fmu.errors import UserError
+from motionsync_fmu.fmus.fmu import BuildOptions
+from motionsync_fmu.fmus.zip import write_zip
 from motionsync_fmu.interface.recipe import Recipe
 from tests import ROOT
 from tests.support.fmus import Shared
@@ -30,7 +30,7 @@ NAME = f"motionsync-{__version__}"
 MADE = {f"{NAME}-py3-none-any.whl", f"{NAME}.tar.gz", f"{NAME}-fmus.zip", "RELEASE_NOTES.md", "SHA256SUMS"}
 RELEASE = """
 from pathlib import Path
-from motionsync_fmu.build.fmu import BuildOptions, Flavour
+from motionsync_fmu.fmus.fmu import BuildOptions, Flavour
 from tools.release import make_release
 
 make_release(Path({folder!r}), print, ["Synchronizer"], ["mm", "deg"], Flavour.PYTHON)

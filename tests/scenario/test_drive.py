@@ -16,7 +16,7 @@ import pytest
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.line.reader import load_line
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.pages.results import write_outcome
+from motionsync_fmu.pages.results import evaluate_run, write_results
 from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Reals, Recording
@@ -205,8 +205,9 @@ def outcome(text: str, folder: Path) -> tuple[Scenario, Path]:
     """The scenario, and the folder into which a run of it has written its files."""
     scenario = load_scenario(write_scenario(text, folder))
     recording = run_in_process(scenario, 0.01)
-    write_outcome(scenario, folder / "none.fmu", recording, folder / "out", own_step=True, report=False)
-    write_report(folder / "report.html", scenario, recording, [], [], 0.01)
+    evaluated = evaluate_run(scenario, recording)
+    write_results(evaluated, scenario, recording, folder / "none.fmu", folder / "out", report=False)
+    write_report(folder / "report.html", scenario, recording, evaluated)
     return scenario, folder / "out"
 
 

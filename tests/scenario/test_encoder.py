@@ -20,7 +20,7 @@ from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script, Segment
-from motionsync_fmu.sweep.scenario_variation import ScenarioVariation
+from motionsync_fmu.sweeps.scenario_variation import ScenarioVariation
 from tests.oracle import encoder as oracle
 from tests.oracle import mp, splitmix64
 from tests.support.recordings import assert_as_in_python

@@ -11,14 +11,14 @@ import pytest
 from motionsync.master import MasterInput
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.page import write_report
-from motionsync_fmu.pages.results import write_outputs
+from motionsync_fmu.pages.results import evaluate_run, write_outputs
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.key_figures import compute_key_figures
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.toml_tables import read_file
 from motionsync_fmu.scenario.run.simulation import run_in_process, scheduled_steps
 from motionsync_fmu.scenario.scenario import Scenario
-from motionsync_fmu.sweep.scenario_variation import ScenarioVariation
+from motionsync_fmu.sweeps.scenario_variation import ScenarioVariation
 from tests.support import recorded_line
 from tests.support.recordings import assert_as_in_python, run_compiled
 from tests.support.scenario_texts import write_scenario
@@ -125,7 +125,7 @@ def test_results_and_report_do_not_claim_a_true_line(tmp_path: Path) -> None:
     write_outputs(out, scenario, recording)
     assert out.getvalue().startswith('"time","master.position","master.velocity"')
     assert "true.master" not in out.getvalue()
-    write_report(tmp_path / "report.html", scenario, recording, [], [], scenario.step_size)
+    write_report(tmp_path / "report.html", scenario, recording, evaluate_run(scenario, recording))
     assert "where it truly was is not known" in (tmp_path / "report.html").read_text("utf-8")
 
 

@@ -11,6 +11,7 @@ import pytest
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
+from motionsync_fmu.pages.results import evaluate_run
 from motionsync_fmu.scenario.clocks import Clocks, Rate
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
@@ -339,7 +340,7 @@ def test_the_report_shows_what_was_received_and_both_errors(tmp_path: Path) -> N
         *((f"y{row}", name) for row in ("", 2, 3, 4) for name in ("remote axis", "slave")),
         *((f"y{row}", "received") for row in ("", 2, 3)),
     }
-    write_report(tmp_path / "report.html", s, recording, check_expectations(s, recording), [], 0.002)
+    write_report(tmp_path / "report.html", s, recording, evaluate_run(s, recording))
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "telegrams of 0.001998 s cycles" in page
     assert "corrected_cycle_index within 1.5 cycles" in page

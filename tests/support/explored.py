@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from motionsync_fmu.explore.page import scenarios_of, write_page
+from motionsync_fmu.explorer.page import scenarios_of, write_page
 from tests.support.fmus import Fmus
 from tests.support.varied import few_with_all, kinds_of
 

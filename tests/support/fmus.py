@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 
-from motionsync_fmu.build.fmu import BuildOptions, Flavour, build, fmu_path
+from motionsync_fmu.fmus.fmu import BuildOptions, Flavour, build, fmu_path
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.platforms import host_platform
 

@@ -5,7 +5,7 @@ import pickle
 import shutil
 from pathlib import Path
 
-from motionsync_fmu.build.fmu import Flavour
+from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.line.evaluation import LineResult, evaluate_line
 from motionsync_fmu.line.line import REMOTE, ProductionLine
 from motionsync_fmu.line.package import LinePackage, write_package

@@ -7,7 +7,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from motionsync_fmu.build.guid import compute_guid
+from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario

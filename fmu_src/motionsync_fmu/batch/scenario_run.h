@@ -1,5 +1,5 @@
 /* The run of a scenario: its settings, its reactions, its axis, and what is recorded of it. All functions are static, so
- * that the loops of scenario_batch.c and of explore/web.c, which include this file, have no calls.
+ * that the loops of scenario_batch.c and of explorer/web.c, which include this file, have no calls.
  *
  * What the block is given has the bits that scenario/run/simulation.py would give it: what is here follows simulation.py,
  * reactions.py, clocks.py, script.py and drive.py, sum by sum. script_tables.py says what the tables hold. Addresses and

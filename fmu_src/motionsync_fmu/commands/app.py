@@ -11,22 +11,22 @@ from typing import Annotated, Any
 
 import typer
 
-from .. import __version__
+from ..about import __version__
 from ..errors import Interrupted, UserError
 from ..native.compiler_process import end_compilers
 from ..pages.console import err
 from .build import build
 from .describe import describe
 from .error import error
-from .explore import explore
+from .explore import explore_command
 from .export_crosscheck import export_crosscheck
 from .line import line
 from .list import list_all
 from .new import new
 from .plan_line import plan_line
-from .run import run
-from .search import search
-from .sweep import sweep
+from .run import run_scenarios
+from .search import search_command
+from .sweep import sweep_command
 from .sweep_plot import sweep_plot
 
 app = typer.Typer(
@@ -48,13 +48,13 @@ COMMANDS: dict[
     "build": (build, "Build FMUs."),
     "describe": (describe, "Show variables, enumerations, fault codes."),
     "new": (new, "Write a first scenario of your own."),
-    "run": (run, "Run scenarios, check them, write reports."),
-    "explore": (explore, "Write a page to move a block by hand."),
+    "run": (run_scenarios, "Run scenarios, check them, write reports."),
+    "explore": (explore_command, "Write a page to move a block by hand."),
     "line": (line, "Run a production line of several FMUs."),
     "plan-line": (plan_line, "Show how fast a cutting line may run, and why."),
-    "sweep": (sweep, "Run a scenario with many values: a row per run."),
+    "sweep": (sweep_command, "Run a scenario with many values: a row per run."),
     "sweep-plot": (sweep_plot, "Write a page about a sweep's rows."),
-    "search": (search, "Find where in a range a run starts to succeed."),
+    "search": (search_command, "Find where in a range a run starts to succeed."),
     "error": (error, "Explain a fault code."),
     "export-crosscheck": (export_crosscheck, "Write models for the FMI cross-check."),
 }

@@ -11,7 +11,8 @@ from rich.markup import escape
 from motionsync.blocks import BLOCKS
 
 from .. import paths
-from ..build.fmu import (
+from ..errors import UserError, resolve_name
+from ..fmus.fmu import (
     NO_COMPONENT,
     BuildOptions,
     Finish,
@@ -21,8 +22,7 @@ from ..build.fmu import (
     start_build,
     why_outdated,
 )
-from ..build.prebuilt import select_flavours
-from ..errors import UserError, resolve_name
+from ..fmus.prebuilt import select_flavours
 from ..interface.build_time import build_time
 from ..interface.causality import CausalityError, Interface
 from ..interface.recipe import Fmi, Recipe

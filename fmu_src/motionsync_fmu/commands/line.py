@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .. import paths
-from ..build.fmu import Flavour
-from ..build.prebuilt import available_flavours
 from ..errors import UserError
+from ..fmus.fmu import Flavour
+from ..fmus.prebuilt import available_flavours
 from ..pages.console import err
 from ..pages.progress import report_progress
 

@@ -38,6 +38,22 @@ def number_parser(option: str, form: str) -> Callable[[str], float]:
     return parse
 
 
+def parse_factors(texts: Iterable[str]) -> dict[str, str]:
+    """The values of the option --set NAME=VALUES of a sweep, by name.
+
+    Raises:
+        UserError: a text is no such setting, or a name is given twice.
+    """
+    from ..sweeps.factors import split_setting
+
+    values: dict[str, str] = {}
+    for name, text in map(split_setting, texts):
+        if name in values:
+            raise UserError(f"--set {name}={text}: {name} is given twice, as {name}={values[name]}")
+        values[name] = text
+    return values
+
+
 def parse_assignments(option: str, texts: Iterable[str], example: str) -> dict[str, str]:
     """The values of an option NAME=VALUE that may be repeated, by name.
 

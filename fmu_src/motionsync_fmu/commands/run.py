@@ -12,9 +12,9 @@ import typer
 from rich.markup import escape
 
 from .. import paths
-from ..build.fmu import Flavour
-from ..build.prebuilt import prepare_fmus, select_flavours
 from ..errors import Interrupted, UserError
+from ..fmus.fmu import Flavour
+from ..fmus.prebuilt import prepare_fmus, select_flavours
 from ..interface.recipe import Fmi
 from ..pages.console import err, out
 from ..pages.progress import report_progress
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..scenario.scenario import Scenario
 
 
-def run(
+def run_scenarios(
     path: Annotated[list[Path], typer.Argument(help="Scenario files, or folders with scenarios in them.")],
     flavour: Annotated[
         Flavour | None, typer.Option(case_sensitive=False, help="Which FMU to run; native if it can be compiled.")
@@ -76,15 +76,15 @@ def run(
     """
     if show and no_report:
         raise UserError("--open shows the report, which --no-report leaves out")
+    from ..api.run import run
+
     flavour = select_flavours(fmi, [flavour] if flavour else [], err.print)[0]
-    overrides = parse_assignments("--set", setting or [], "master.velocity=500")
-    batch = _load_batch(path, overrides, step_size)
-    fmus = prepare_fmus([replace(s.recipe, fmi=fmi) for s in batch.scenarios], flavour)
-    fmu_of = dict(zip((s.label for s in batch.scenarios), fmus, strict=True))
+    batch = _load_batch(path, parse_assignments("--set", setting or [], "master.velocity=500"), step_size)
+    prepare_fmus([replace(s.recipe, fmi=fmi) for s in batch.scenarios], flavour, report_progress)
     folder = output or paths.output_folder(err.print) / "reports"
 
     def run_one(s: "Scenario") -> "ScenarioOutcome":
-        return _run_scenario(s, fmu_of[s.label], folder, overrides, own_step=step_size is None, report=not no_report)
+        return run(s, flavour=flavour, fmi=fmi).write(folder / _folder_name(s), report=not no_report)
 
     try:
         batch.run_all(run_one, lambda outcome: None if as_json else _print_outcome(outcome, batch, verbose=verbose))
@@ -139,26 +139,20 @@ class _ScenarioBatch:
 
 def _load_batch(paths: list[Path], overrides: Mapping[str, str], step_size: float | None) -> _ScenarioBatch:
     """The scenarios at these paths, with the overrides. Every mistake in them is reported before anything runs."""
-    from ..scenario.files.reader import MOST_STEPS, load_scenario
-    from .run_set import load_with_values
+    from ..api.scenarios import load, with_step_size
 
-    files = [file for path in paths for file in _find_scenario_files(path)]
-    scenarios = [load_with_values(file, overrides) if overrides else load_scenario(file) for file in files]
+    scenarios = [load(file, set=overrides) for path in paths for file in _find_scenario_files(path)]
     folders: dict[str, Path] = {}
     for s in scenarios:
         if (other := folders.setdefault(s.label, s.file)) != s.file:
             raise UserError(f"{other} and {s.file} would write to the same folder {s.label}")
     if step_size is None:
         return _ScenarioBatch(scenarios, {})
-    if not 0.0 < step_size <= min(s.stop_time for s in scenarios):
-        raise UserError(f"--step-size {step_size:g} is not allowed: it must be > 0 and at most the stop time")
-    if (longest := max(s.stop_time for s in scenarios)) / step_size > MOST_STEPS:
-        raise UserError(f"--step-size {step_size:g} makes more than {MOST_STEPS:,} steps up to {longest:g} s")
     left_out: dict[str, list[str]] = {}
     for s in scenarios:
         if reason := s.step_refusal(step_size):
             left_out.setdefault(reason, []).append(s.label)
-    remaining = [replace(s, step_size=step_size) for s in scenarios if not s.step_refusal(step_size)]
+    remaining = [with_step_size(s, step_size) for s in scenarios if not s.step_refusal(step_size)]
     if not remaining:
         raise UserError(f"--step-size {step_size:g}: {'; '.join(left_out)}")
     return _ScenarioBatch(remaining, left_out)
@@ -180,20 +174,11 @@ def _find_scenario_files(path: Path) -> list[Path]:
     return files
 
 
-def _run_scenario(
-    s: "Scenario", fmu: Path, output: Path, overrides: Mapping[str, str], *, own_step: bool, report: bool
-) -> "ScenarioOutcome":
-    from ..pages.results import write_outcome
-    from ..scenario.run.simulation import simulate
-
-    recording = simulate(s, fmu, s.step_size)
-    folder = output / (f"{s.label}-{_short_digest(overrides)}" if overrides else s.label)
-    return write_outcome(s, fmu, recording, folder, overrides, own_step=own_step, report=report)
-
-
-def _short_digest(overrides: Mapping[str, str]) -> str:
-    """A short text that differs for different overrides."""
-    return sha256(json.dumps(sorted(overrides.items())).encode()).hexdigest()[:8]
+def _folder_name(s: "Scenario") -> str:
+    """The folder of a scenario's results; one of its own for other values than those of its file."""
+    if not s.overrides:
+        return s.label
+    return f"{s.label}-{sha256(json.dumps(sorted(s.overrides.items())).encode()).hexdigest()[:8]}"
 
 
 def _print_outcome(outcome: "ScenarioOutcome", batch: _ScenarioBatch, *, verbose: bool) -> None:

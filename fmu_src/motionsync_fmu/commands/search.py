@@ -11,10 +11,10 @@ from ..optional_dependencies import require
 from ..pages.console import out
 from ..pages.progress import report_count
 from ..scenario.files.shipped import find_scenario, scenario_name
-from .options import Sampling, Scheduler, Seed, Workers, Yes, number_parser
+from .options import Sampling, Scheduler, Seed, Workers, Yes, number_parser, parse_factors
 
 
-def search(
+def search_command(
     path: Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario's file or folder, or its short name.")],
     vary: Annotated[str, typer.Option(metavar="NAME=LOW..HIGH", help="The value to vary, and its range.")],
     until: Annotated[
@@ -64,20 +64,29 @@ def search(
         motionsync search CutToLength/any_length --vary master.velocity=100..1400 --until "late == 0 and skipped == 0"
     """
     require("sweep", "distributed", "pyarrow", "scipy")
+    from ..api.search import search
     from ..scenario.files.reader import load_scenario
-    from ..sweep.boundaries import Search
-    from ..sweep.measures import parse_texts
-    from ..sweep.search import run_search
-    from ..sweep.search_output import print_boundaries, records, write_csv
-    from ..sweep.sweep_plan import SamplingOptions
+    from ..sweeps.measures import parse_texts
+    from ..sweeps.search_output import print_boundaries, records, write_csv
+    from ..sweeps.sweep_plan import SamplingOptions
 
     file = find_scenario(path)
     options: SamplingOptions = {"samples": samples, "method": method, "seed": seed, "yes": yes}
     options["measures"] = parse_texts(measure, load_scenario(file).recipe) if measure else {}
-    request = Search.of(file, vary, until, setting or [], relative=relative, **options)
+    grid = parse_factors(setting or [])
     with report_count(f"searching {scenario_name(file)}", "points") as count:
-        rows = run_search(
-            request, output=output, workers=workers, scheduler=scheduler, progress=count, notify=count.notify
+        rows = search(
+            file,
+            vary=vary,
+            until=until,
+            set=grid,
+            relative=relative,
+            output=output,
+            workers=workers,
+            scheduler=scheduler,
+            progress=count,
+            notify=count.notify,
+            **options,
         )
     table = write_csv(rows, output) if output else None
     if as_json:

@@ -18,14 +18,14 @@ from ..optional_dependencies import require
 from ..pages.console import out
 from ..pages.progress import CountReport, report_count, report_progress
 from ..scenario.files.shipped import find_scenario, scenario_name
-from .options import Sampling, Scheduler, Seed, Workers, Yes
+from .options import Sampling, Scheduler, Seed, Workers, Yes, parse_factors
 
 if TYPE_CHECKING:
-    from ..sweep.summary import Summary
-    from ..sweep.sweep_plan import SweepPlan
+    from ..sweeps.summary import Summary
+    from ..sweeps.sweep_plan import SweepPlan
 
 
-def sweep(
+def sweep_command(
     path: Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario's file or folder, or its short name.")],
     output: Annotated[Path, typer.Option(metavar="DIR", help="The folder for the rows and the plan.")],
     setting: Annotated[
@@ -77,31 +77,39 @@ def sweep(
 --measure slave.acceleration=max --output out
     """
     require("sweep", "distributed", "pyarrow", "scipy")
+    from ..api.sweep import sweep
     from ..scenario.files.reader import load_scenario
-    from ..sweep.execution import execute
-    from ..sweep.measures import parse_texts
-    from ..sweep.rows import rows
-    from ..sweep.summary import summarize
-    from ..sweep.sweep_plan import SamplingOptions, SweepPlan
-    from ..sweep.table import Rows
+    from ..sweeps.measures import parse_texts
+    from ..sweeps.summary import summarize
+    from ..sweeps.sweep_plan import SamplingOptions
 
     if chunk is not None and chunk < 1:
         raise UserError(f"--chunk {chunk} is not allowed: it must be >= 1")
     file = find_scenario(path)
     options: SamplingOptions = {"samples": samples, "method": method, "seed": seed, "yes": yes}
     options["measures"] = parse_texts(measure, load_scenario(file).recipe) if measure else {}
-    plan = SweepPlan.of(file, setting or [], chunk=chunk or 0, **options)
-    with report_count(f"sweeping {scenario_name(plan.file)}", "runs") as count:
+    factors = parse_factors(setting or [])
+    with report_count(f"sweeping {scenario_name(file)}", "runs") as count:
         rate = _RunRate(count)
-        plan = execute(plan, output, rows, scheduler=scheduler, workers=workers, progress=rate, notify=count.notify)
+        rows = sweep(
+            file,
+            set=factors,
+            output=output,
+            workers=workers,
+            scheduler=scheduler,
+            chunk=chunk or 0,
+            progress=rate,
+            notify=count.notify,
+            **options,
+        )
         rate.stop()
     with report_progress("reading the rows", at_once=False):
-        totals = summarize(Rows(output))
+        totals = summarize(rows)
     if as_json:
         speed = {"now": rate.runs, "runs_per_second": rate.runs_per_second}
         print(json.dumps({**totals.as_json(), **speed, "folder": str(output)}))
     else:
-        _print_summary(totals, plan, output, rate)
+        _print_summary(totals, rows.plan, output, rate)
 
 
 @dataclass
@@ -153,8 +161,8 @@ def _print_summary(totals: "Summary", plan: "SweepPlan", folder: Path, rate: _Ru
 def _plot_command(plan: "SweepPlan", folder: Path) -> str:
     """The command that plots the rows over the first two numbers that vary, or a result over the only one. If only the
     seeds of random numbers vary, it shows how the true lengths are distributed."""
-    from ..sweep.factors import is_seed
-    from ..sweep.result_columns import TRUE_LENGTH_ERRORS, schema
+    from ..sweeps.factors import is_seed
+    from ..sweeps.result_columns import TRUE_LENGTH_ERRORS, schema
 
     values, names = plan.values(0, 1), schema(plan).names
     numbers = [name for name in plan.independent if values[name].dtype.kind in "if"]

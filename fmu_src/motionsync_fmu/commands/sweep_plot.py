@@ -87,8 +87,8 @@ def sweep_plot(
         motionsync sweep-plot out --x true_length_errors
     """
     require("sweep", "duckdb", "pyarrow", "scipy")
-    from ..sweep.plot.page import make_page
-    from ..sweep.plot.view import Question
+    from ..sweeps.plot.page import make_page
+    from ..sweeps.plot.view import Question
 
     question = Question(x, y, colour, amount or "", better, comparisons or (), passed)
     with report_progress(f"reading {folder}", at_once=False):

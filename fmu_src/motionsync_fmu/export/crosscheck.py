@@ -15,9 +15,9 @@ import numpy as np
 from motionsync.blocks import BLOCKS
 from motionsync.master import MasterInput
 
-from .. import __version__
-from ..build.fmu import BuildOptions, build
+from ..about import __version__
 from ..errors import UserError
+from ..fmus.fmu import BuildOptions, build
 from ..interface.fingerprint import Files
 from ..interface.recipe import Recipe
 from ..native.platforms import ROWS, Platform

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from motionsync.var import Role, Unit
 
-from .. import AUTHORS, COPYRIGHT, HOME, __version__
+from ..about import AUTHORS, COPYRIGHT, HOME, __version__
 from .build_time import build_time
 from .roles import find_by_role
 from .units import base_unit, unit_name

@@ -12,9 +12,9 @@ from pathlib import Path
 from shutil import copyfile
 from typing import Any
 
-from .. import __version__
-from ..build.fmu import BuildOptions, Flavour, build, fmu_path, why_outdated
-from ..build.zip import write_zip
+from ..about import __version__
+from ..fmus.fmu import BuildOptions, Flavour, build, fmu_path, why_outdated
+from ..fmus.zip import write_zip
 from ..interface.fmi2_xml import describe
 from ..interface.recipe import Recipe
 from ..interface.roles import MOTION

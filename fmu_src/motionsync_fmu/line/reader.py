@@ -37,6 +37,7 @@ def load_line(file: Path) -> ProductionLine:
     remote, remote_start = _read_remote(BlockReader(top, REMOTE, stop_time), step_size)
     follower = Scenario(
         file=file,
+        text=top.text,
         title=top.string("title"),
         source=top.string("source", ""),
         recipe=reader.recipe,

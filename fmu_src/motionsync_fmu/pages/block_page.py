@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from motionsync.master import MasterInput
 
-from .. import HOME, __version__
+from ..about import HOME, __version__
 from ..interface.fingerprint import Files
 from ..interface.recipe import Recipe
 from ..interface.table import groups

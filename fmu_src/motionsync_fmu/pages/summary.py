@@ -37,7 +37,7 @@ def print_result(outcome: ScenarioOutcome, *, verbose: bool) -> None:
     `verbose`: all expectations, all messages of the FMU, and the same run with FMPy alone."""
     print_headline(outcome.title, outcome.scenario, outcome.passed, len(outcome.notes))
     _print_notes(outcome, "  ")
-    for name, text in _figures(outcome):
+    for name, text in figure_rows(outcome):
         out.print(f"  {name:<12}  {escape(text)}")
     print_checks([*outcome.expectations, *outcome.reference] if verbose else outcome.failed, "  ")
     number = len(outcome.messages)
@@ -68,7 +68,7 @@ def print_summary(outcomes: Sequence[ScenarioOutcome], left_out: Mapping[str, li
         out.print(f"[yellow]![/] {len(names)} not run: {escape(reason)}: {escape(_first_names(names))}")
 
 
-def _figures(outcome: ScenarioOutcome) -> Iterator[tuple[str, str]]:
+def figure_rows(outcome: ScenarioOutcome) -> Iterator[tuple[str, str]]:
     """The figures of a result, a name and a text each."""
     figures = outcome.figures
     if figures.tolerance is not None:

@@ -93,6 +93,8 @@ class Scenario:
     """A checked scenario.
 
     Attributes:
+        file: where it was read from; the reference and the inputs for FMPy are next to it.
+        text: what was read.
         recipe: the FMU that runs it.
         unit: the unit of positions, for reports; the numbers of the FMU do not depend on it.
         slave_unit: the unit of the slave's positions, for a block whose axes may have different units; empty: the same
@@ -111,10 +113,12 @@ class Scenario:
         drive: what moves the master if it follows a velocity that the block requests; None: it is scripted.
         servo: what is between the setpoint and the tool; None: the tool is where the setpoint is.
         load: what the slave's axis moves; None: this is not known.
+        overrides: the values that replace those of its file, as texts by name.
         step_bound: why the scenario is valid at its own step size only; empty: it is valid at every one.
     """
 
     file: Path
+    text: str
     title: str
     source: str
     recipe: Recipe
@@ -138,6 +142,7 @@ class Scenario:
     servo: Servo | None = None
     load: Load | None = None
     step_bound: str = ""
+    overrides: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

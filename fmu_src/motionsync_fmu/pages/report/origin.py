@@ -9,7 +9,7 @@ from xml.etree.ElementTree import fromstring
 
 from markupsafe import Markup
 
-from ... import __version__
+from ...about import __version__
 
 
 def origin_rows(sources: Mapping[str, str], more: Mapping[str, str]) -> dict[str, str]:

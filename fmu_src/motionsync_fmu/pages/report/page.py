@@ -1,6 +1,6 @@
 """The report of a run: a self-contained HTML page with its figures, cuts, interactive plots and expectations."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from markupsafe import Markup
@@ -10,11 +10,10 @@ from motionsync.var import Unit
 from ...interface.fingerprint import PACKAGE
 from ...interface.units import unit_name
 from ...scenario.engineering import ROUNDING, engineering
-from ...scenario.evaluate.expectations import Check
 from ...scenario.evaluate.find_pieces import Piece
 from ...scenario.evaluate.key_figures import KeyFigures, compute_key_figures
+from ...scenario.evaluate.outcome import ScenarioOutcome
 from ...scenario.evaluate.production import Production
-from ...scenario.evaluate.reference_comparison import Deviation
 from ...scenario.recording import Recording
 from ...scenario.scenario import Scenario
 from ...scenario.settings import Reaction
@@ -32,9 +31,6 @@ from .real_machine import chart_axis, chart_force_over_velocity, chart_histogram
 Settings = list[tuple[float, list[tuple[str, str]]]]
 """What is set during a run: times, each with names and values as texts."""
 
-NO_CHANGES: Mapping[str, str] = {}
-"""Nothing in place of the values in a scenario's file."""
-
 PLOTLY = PACKAGE / "pages" / "vendor" / "plotly-basic.min.js"
 
 
@@ -47,34 +43,27 @@ def write_report(
     file: Path,
     scenario: Scenario,
     recording: Recording,
-    checks: Sequence[Check],
-    deviations: Sequence[Deviation],
-    step_size: float,
+    outcome: ScenarioOutcome,
     fmu: Path | None = None,
     results: Path | None = None,
-    changes_to_file: Mapping[str, str] = NO_CHANGES,
 ) -> None:
     """Write the page; it loads nothing from elsewhere.
 
     `fmu`: the FMU that was run, None: the block ran in this process; `results`: the file with the outputs, which the
-    page links to; `changes_to_file`: values in place of those in the scenario's file, as texts by name."""
+    page links to."""
     scenario, filed = with_recorded_settings(scenario, recording), scenario
-    figures = compute_key_figures(scenario, recording)
+    figures = outcome.figures
     lanes = find_lanes(scenario, recording)
     settings = list_settings(scenario)
     charts = {name: chart.html() for name, chart in _charts(scenario, recording, figures, lanes, settings).items()}
     text = load_template(TEMPLATES, "report.html.j2").render(
         scenario=scenario,
-        changes_to_file=changes_to_file,
-        script=scenario.file.read_text("utf-8"),
+        script=scenario.text,
         figures=figures,
-        checks=checks,
-        deviations=deviations,
-        messages=recording.messages,
+        outcome=outcome,
         reactions=[_describe_reaction(reaction, scenario) for reaction in filed.reactions],
         drive=filed.drive,
         unmet=recording.unmet,
-        passed=all(c.passed for c in checks) and all(d.passed for d in deviations),
         charts=charts,
         machine=machine(scenario, recording),
         keys=colour_keys(lanes),
@@ -83,7 +72,7 @@ def write_report(
         settings=settings,
         starts=_with_units(scenario, scenario.start),
         limits=limit_rows(scenario.recipe.variables, scenario.start, scenario.unit, scenario.slave_unit),
-        origin=_origin(scenario, recording, step_size, fmu, results),
+        origin=_origin(scenario, recording, fmu, results),
         axis=[] if filed.is_recorded else list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
         kind_colour=kind_colour,
@@ -94,12 +83,10 @@ def write_report(
     file.write_text(text, "utf-8")
 
 
-def _origin(
-    scenario: Scenario, recording: Recording, step_size: float, fmu: Path | None, results: Path | None
-) -> dict[str, str]:
+def _origin(scenario: Scenario, recording: Recording, fmu: Path | None, results: Path | None) -> dict[str, str]:
     """The table "Where this comes from", by the names of its rows."""
     points = f"{len(recording.time)} communication points up to {scenario.stop_time:.10g} s"
-    rows = {"step size": f"{step_size:.10g} s, {points}", "scenario": _short(scenario.file)}
+    rows = {"step size": f"{scenario.step_size:.10g} s, {points}", "scenario": _short(scenario.file)}
     if results:
         digits = "all outputs with all digits; a curve of the charts has about as many points as a screen"
         rows["outputs"] = Markup('<a href="{0}">{0}</a>, {1}').format(results.name, digits)

@@ -23,9 +23,9 @@ class ScenarioOutcome:
         messages: what the FMU logged.
         unmet: the reactions that happened less often than they could have, in words; without those that are required,
             which are among the expectations.
-        result: the CSV file with the outputs.
+        result: the CSV file with the outputs; empty: it is not written.
         report: the HTML page; None: no page is written.
-        fmpy: the command line that does the same with FMPy alone.
+        fmpy: the command line that does the same with FMPy alone; empty: the inputs for it are not written.
         overrides: the values that replace those of the scenario's file, by name; without any, no key of `--json`.
     """
 
@@ -39,9 +39,9 @@ class ScenarioOutcome:
     reference: list[Deviation]
     messages: list[str]
     unmet: list[str]
-    result: str
-    report: str | None
-    fmpy: str
+    result: str = ""
+    report: str | None = None
+    fmpy: str = ""
     overrides: Mapping[str, str] = field(default_factory=dict)
 
     @property

@@ -33,7 +33,7 @@ from .expect_tables import read_expectation
 from .reaction_tables import read_reaction
 from .remote_table import KEYS as TELEGRAMS
 from .remote_table import LISTS, read_remote
-from .toml_tables import TomlTable, read_toml
+from .toml_tables import TomlTable, read_text, read_toml
 from .trace_file import KEY as RECORDED
 from .trace_file import read_trace
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
@@ -57,6 +57,15 @@ def load_scenario(file: Path) -> Scenario:
     return read_scenario(read_file(file))
 
 
+def read_scenario_text(text: str, file: Path) -> Scenario:
+    """Check a scenario file with this text.
+
+    Raises:
+        UserError: as `load_scenario`.
+    """
+    return read_scenario(read_text(text, file, BRACED))
+
+
 def read_scenario(
     top: TomlTable, make_reader: "Callable[[TomlTable, str, float], BlockReader] | None" = None
 ) -> Scenario:
@@ -75,6 +84,7 @@ def read_scenario(
     start, script, settings, encoder = reader.start(), reader.script(), reader.settings(), reader.encoder()
     return Scenario(
         file=top.file,
+        text=top.text,
         title=top.string("title"),
         source=top.string("source", ""),
         recipe=reader.recipe,

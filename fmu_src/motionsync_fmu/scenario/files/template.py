@@ -35,7 +35,7 @@ def make_template(name: str) -> str:
     """
     example = load_example(name)
     comments = COMMENTS | ({"[cuts]": PIECES} if example.pieces else {})
-    text = example.file.read_text("utf-8").partition("\n[picture")[0].rstrip() + "\n"
+    text = example.text.partition("\n[picture")[0].rstrip() + "\n"
     text = re.sub(r"^source = .*\n", "", text, flags=re.MULTILINE)
     for heading, comment in comments.items():
         before, match, after = text.partition(f"\n{heading}")

@@ -61,7 +61,7 @@ def read_text(text: str, file: Path, lists: Iterable[str] = ()) -> "TomlTable":
         raise UserError(f"{file}:{at}: not TOML: {error}") from None
     except RecursionError:
         raise UserError(f"{file}:1: not TOML: nested too deeply") from None
-    return TomlTable(_Source(file, _find_lines(text, tuple(lists))), "", 0, values)
+    return TomlTable(_Source(file, text, _find_lines(text, tuple(lists))), "", 0, values)
 
 
 def parse_literal(text: str) -> Any:
@@ -107,9 +107,10 @@ def to_float(value: float) -> float:
 
 @dataclass(frozen=True)
 class _Source:
-    """A file, and the line of each table and key in it."""
+    """A file, its text, and the line of each table and key in it."""
 
     file: Path
+    text: str
     lines: dict[KeyLocation, int]
 
 
@@ -130,6 +131,11 @@ class TomlTable:
     @property
     def file(self) -> Path:
         return self._source.file
+
+    @property
+    def text(self) -> str:
+        """The text of the whole file."""
+        return self._source.text
 
     def __contains__(self, key: str) -> bool:
         return key in self.values

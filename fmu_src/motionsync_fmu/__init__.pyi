@@ -1,0 +1,9 @@
+from .about import __version__ as __version__
+from .api.explore import explore as explore
+from .api.run import RunResult as RunResult
+from .api.run import run as run
+from .api.scenarios import scenarios as scenarios
+from .api.search import search as search
+from .api.sweep import sweep as sweep
+from .batch.simulation import simulate_many as simulate_many
+from .errors import UserError as UserError

@@ -1,0 +1,1 @@
+"""What the command line does, as functions: a module for each. `motionsync_fmu` has them by their names."""

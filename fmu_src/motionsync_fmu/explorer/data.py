@@ -1,0 +1,235 @@
+"""What the page knows of a block and of its scenarios, as JSON has it."""
+
+import hashlib
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..about import HOME, __version__
+from ..batch import script_tables
+from ..batch.script_tables import block_memory
+from ..batch.simulation import limits
+from ..errors import UserError
+from ..interface.recipe import Recipe
+from ..interface.roles import piece_variables
+from ..interface.units import unit_name
+from ..interface.variables import Variable, summary
+from ..pages.machine.description import pictures_of
+from ..pages.style import typeset
+from ..scenario import clocks
+from ..scenario.encoder import Encoder
+from ..scenario.files import encoder_table
+from ..scenario.files.example import load_example
+from ..scenario.files.reaction_tables import LENGTH
+from ..scenario.files.shipped import SCENARIO_FILE
+from ..scenario.recording import Recording
+from ..scenario.remote_view import RemoteView
+from ..scenario.run.reactions import COMPARISON_MARGIN, SAMPLE_LEAD
+from ..scenario.run.simulation import CLOSE, simulate
+from ..scenario.scenario import Scenario
+from ..scenario.settings import Reaction
+
+SCALARS = ("title", "source", "unit", "slave_unit", "stop_time", "step_size", "step_bound")
+EXPECTED = ("count", "skipped", "lengths", "kinds")  # keys of [cuts] that say what is expected of a run
+SCRIPT = ("position", "velocity", "acceleration", "segments")  # keys of [master] and of [remote]
+MOST = 1e9  # a declared limit beyond it limits nothing that anybody would choose
+
+
+def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, Any]:
+    """All data of a block's page but the block's code; `fmu`: its native FMU, whose bits the page shows.
+
+    Raises:
+        UserError: no block has this name.
+    """
+    scenarios = [explored(s) for s in scenarios]
+    recipe = Recipe(name)
+    declared = recipe.variables.values()
+    memory, ranges = block_memory(recipe), sorted({limits(v) for v in declared if v.checked})
+    names_of_pieces = piece_variables(declared)
+    names = _names(scenarios)
+    return {
+        "name": name,
+        "version": __version__,
+        "home": HOME,
+        "summary": summary(type(recipe.block())),
+        "variables": [
+            _variable(v)
+            | {"offset": memory.fields[v.name].offset}
+            | ({"limit": ranges.index(limits(v))} if v.checked else {})
+            for v in declared
+        ],
+        "runner": _runner() | {"limits": ranges},
+        "roles": {v.declaration.role.name: v.name for v in declared if v.declaration.role},
+        "piece_variables": asdict(names_of_pieces) if names_of_pieces else None,
+        "pictures": pictures_of(recipe),
+        "shaded": load_example(name).picture.shaded,
+        "units": {_units_of(s): _unit_names(s, declared) for s in scenarios},
+        "normals": _normals(scenarios),
+        "ideal_encoder": asdict(Encoder()),
+        "scenarios": [_scenario(s, n, fmu) for s, n in zip(scenarios, names, strict=True)],
+    }
+
+
+def explored(scenario: Scenario) -> Scenario:
+    """The scenario as a page has it: of the FMU with the declared causalities, and with nothing expected, since an
+    expectation would set communication points of its own."""
+    return replace(scenario, recipe=Recipe(scenario.recipe.name), expectations=())
+
+
+def fingerprint(recording: Recording) -> str:
+    """SHA-256 of all outputs and locals of a run, point by point, in the order of the variables."""
+    return hashlib.sha256(np.column_stack(list(recording.values.values())).tobytes()).hexdigest()
+
+
+def _runner() -> dict[str, Any]:
+    """What the tables of a run are made from: the layouts, by structure and member whether it is a double, and numbers
+    that have one meaning in Python and in C."""
+    layouts = {
+        name: {member: int(layout[member].kind == "f") for member in layout.names or ()}
+        for name, layout in script_tables.LAYOUTS.items()
+    }
+    return {
+        "layouts": layouts,
+        "kinds": script_tables.KINDS,
+        "comparisons": script_tables.COMPARISONS,
+        "close": CLOSE,
+        "sample_lead": SAMPLE_LEAD,
+        "margin": COMPARISON_MARGIN,
+        "cycle_close": clocks.CLOSE,
+        "largest_jitter": clocks.LARGEST_JITTER,
+        "sent_before_start": clocks.SENT_BEFORE_START,
+        "encoder": {
+            "smallest": encoder_table.SMALLEST,
+            "most": encoder_table.MOST,
+            "longest": encoder_table.LONGEST,
+        },
+    }
+
+
+def _variable(v: Variable) -> dict[str, Any]:
+    d = v.declaration
+    row: dict[str, Any] = {name: getattr(v, name) for name in ("name", "kind", "causality", "variability")}
+    row |= {
+        "unit": d.unit.name,
+        "description": d.description,
+        "choices": [[int(m), m.name, m.description] for m in v.choices],
+    }
+    if v.settable:
+        low, high = max(d.min, d.above), min(d.max, d.below)
+        row |= {"start": plain(v.start), "range": v.allowed_range if v.kind != "Boolean" else ""}
+        row |= {"command": True} if d.command else {}
+        row |= {"min": low} if abs(low) < MOST else {}
+        row |= {"max": high} if abs(high) < MOST else {}
+    return row
+
+
+def _units_of(s: Scenario) -> str:
+    return f"{s.unit} {s.slave_unit}".strip()
+
+
+def _unit_names(s: Scenario, declared: Iterable[Variable]) -> dict[str, str]:
+    kinds = {v.declaration.unit for v in declared}
+    return {kind.name: typeset(unit_name(kind, s.unit, s.slave_unit)) for kind in sorted(kinds, key=lambda k: k.name)}
+
+
+def _names(scenarios: Iterable[Scenario]) -> list[str]:
+    """The names of the scenarios' folders or files; the second one of a name has a 2 behind it."""
+    names = [s.name if s.file.name == SCENARIO_FILE else s.file.stem for s in scenarios]
+    counts = (names[: i + 1].count(name) for i, name in enumerate(names))
+    return [name if count == 1 else f"{name}_{count}" for name, count in zip(names, counts, strict=True)]
+
+
+def _scenario(s: Scenario, name: str, fmu: Path) -> dict[str, Any]:
+    raw = tomllib.loads(s.text)
+    try:
+        recording = simulate(s, fmu, s.step_size)
+    except UserError:
+        recording = None
+    return {key: getattr(s, key) for key in SCALARS} | {
+        "name": name,
+        "units": _units_of(s),
+        "interface": raw.get("interface", {}),
+        "start": plain_values({variable: s.start[variable] for variable in raw.get("start", {})}),
+        "axis": _recorded(s) if s.is_recorded else {key: raw[_axis(s)][key] for key in SCRIPT if key in raw[_axis(s)]},
+        "encoder": asdict(s.encoder) if s.encoder else None,
+        "drive": _drive(s),
+        "remote": _remote(s.remote) if s.remote else None,
+        "settings": [{"at": setting.at, "values": plain_values(setting.values)} for setting in s.settings],
+        "reactions": [_reaction(r, table) for r, table in zip(s.reactions, raw.get("on", []), strict=True)],
+        "cuts": {key: value for key, value in raw.get("cuts", {}).items() if key not in EXPECTED},
+        "points": len(recording.time) if recording else 0,
+        "sha256": fingerprint(recording) if recording else "",
+    }
+
+
+def _axis(s: Scenario) -> str:
+    return "remote" if s.remote else "master"
+
+
+def _recorded(s: Scenario) -> dict[str, Any]:
+    """A recorded line: its rows, with unwrapped positions, and the velocity with which it starts."""
+    positions = [m.position for m in s.master.motions]
+    return {"times": s.master.breaks, "positions": positions, "velocity": s.master.initial.velocity}
+
+
+def _drive(s: Scenario) -> dict[str, Any] | None:
+    """`gain`: that of the scan in the file; `expm1` is not exact, so the page might compute another last bit."""
+    if not s.drive:
+        return None
+    d = s.drive
+    limit = d.max_acceleration if d.has_acceleration_limit else None
+    gain = -math.expm1(-s.scan / d.time_constant)
+    drive = {"follows": d.follows, "time_constant": d.time_constant, "max_acceleration": limit}
+    return drive | {"scan": s.scan, "gain": gain}
+
+
+def _remote(remote: RemoteView) -> dict[str, Any]:
+    """The clocks, and the names of the variables that hold the lengths of the receiver's cycles and the delay."""
+    behind = remote.accuracy.behind if remote.accuracy else 0.0
+    return asdict(remote.clocks) | asdict(remote.names) | {"behind": behind}
+
+
+def _normals(scenarios: Iterable[Scenario]) -> dict[str, list[list[float]]]:
+    """The normal numbers of the jitter, by seed: those of the receiver's instants, and of the sender's; as many as the
+    longest of these scenarios needs."""
+    needed: dict[int, int] = {}
+    for s in scenarios:
+        if s.remote and s.remote.clocks.jitter:
+            sent = int(s.remote.clocks.true_index(np.array([s.stop_time]))[0])
+            count = max(s.remote.cycles, sent + 2 * clocks.SENT_BEFORE_START + 2)
+            needed[s.remote.clocks.seed] = max(needed.get(s.remote.clocks.seed, 0), count)
+    return {
+        str(seed): [np.random.default_rng((seed, side)).standard_normal(count).tolist() for side in (0, 1)]
+        for seed, count in needed.items()
+    }
+
+
+def _reaction(r: Reaction, table: Mapping[str, Any]) -> dict[str, Any]:
+    """`table`: the file's own, in which the length of [cuts] has its name."""
+    named = [name for name, value in table.get("add", {}).items() if value == LENGTH]
+    return {
+        "when": r.condition.text,
+        "name": r.condition.name,
+        "comparison": r.condition.comparison,
+        "value": float(r.condition.value),
+        "first": float(r.condition.value),
+        "after": r.after,
+        "set": plain_values(r.set),
+        "add": plain_values(r.add) | dict.fromkeys(named, LENGTH),
+        "times": r.times,
+        "required": r.required,
+    }
+
+
+def plain_values(values: Mapping[str, Any]) -> dict[str, float | int]:
+    return {name: plain(value) for name, value in values.items()}
+
+
+def plain(value: Any) -> float | int:
+    """A number, of a Boolean or a member of an enumeration, too."""
+    return int(value) if isinstance(value, int) else float(value)

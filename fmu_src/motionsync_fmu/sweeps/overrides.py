@@ -1,0 +1,37 @@
+"""A scenario with other values than its file has: `set` of `run`."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from ..errors import UserError
+from ..scenario.scenario import Scenario
+from .expressions import Expression
+from .factors import Listed, read_values
+from .scenario_variation import ScenarioVariation, Target
+
+
+def with_overrides(text: str, file: Path, overrides: Mapping[str, str]) -> Scenario:
+    """The scenario of a file with other values, as texts by name; `text`: what the file has in it.
+
+    Raises:
+        UserError: the scenario has nothing of such a name, or refuses the value.
+    """
+    variation = ScenarioVariation(text, file)
+    try:
+        targets = [(variation.target(name), value) for name, value in overrides.items()]
+        scenario = variation.with_values((target, _value(target, value)) for target, value in targets)
+    except UserError as e:
+        raise UserError(f"--set: {e}") from None
+    return replace(scenario, overrides=overrides)
+
+
+def _value(target: Target, text: str) -> float | bool | str:
+    """The only value in a text."""
+    values = read_values(text, target.kind)
+    if isinstance(values, Expression):
+        raise UserError(f"{target.name}={text}: {text!r} is no value")
+    if not isinstance(values, Listed) or values.count != 1:
+        raise UserError(f"{target.name}={text}: a run takes one value; motionsync sweep takes several")
+    value: float | bool | str = values.values.tolist()[0]
+    return value
