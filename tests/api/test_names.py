@@ -43,8 +43,8 @@ def test_the_names_stay_functions_when_all_modules_are_imported() -> None:
 
 def test_the_import_loads_nothing_heavy() -> None:
     code = f"import sys, motionsync_fmu; print(*[name for name in {HEAVY} if name in sys.modules])"
-    found = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
-    assert found.split() == []
+    loaded = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    assert loaded.split() == []
 
 
 @pytest.mark.parametrize("name", OF_COMMANDS)
