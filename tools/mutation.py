@@ -325,7 +325,7 @@ def run_tests(tree: Path, names: Path, watch: "Watch") -> None:
     sys.exit(int(status))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # pytest hashes its plugins
 class Watch:
     """A plugin of pytest that writes the names of the tests that fail into a file, and ends a process whose test has no
     end.
