@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .cut_to_length.block import CutToLength
-from .flying_saw.block import FlyingSaw
-from .follower.block import Follower
-from .gearing.block import Gearing
-from .remote_sync.block import RemoteSync
-from .synchronizer.block import Synchronizer
+from .cut_to_length.block import CutToLength as CutToLength
+from .flying_saw.block import FlyingSaw as FlyingSaw
+from .follower.block import Follower as Follower
+from .gearing.block import Gearing as Gearing
+from .remote_sync.block import RemoteSync as RemoteSync
+from .synchronizer.block import Synchronizer as Synchronizer
 
 BLOCKS: Mapping[str, type[Any]] = {
     "Synchronizer": Synchronizer,

@@ -3,12 +3,12 @@
 import inspect
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import motionsync_fmu
-from motionsync_fmu.commands.app import COMMANDS
 from tests import ROOT
 
 FUNCTIONS = ["explore", "run", "scenarios", "search", "simulate_many", "sweep"]
@@ -50,7 +50,7 @@ def test_the_import_loads_nothing_heavy() -> None:
 @pytest.mark.parametrize("name", OF_COMMANDS)
 def test_a_command_has_the_parameters_of_its_function_and_calls_it(name: str) -> None:
     """Beside them it has those that say how it prints; `--set` is a list of texts there."""
-    command = COMMANDS[name][0]
+    command = import_module(f"motionsync_fmu.commands.{name}").command
     assert f"from ..api.{name} import {name}\n" in inspect.getsource(command)
     called = set(inspect.signature(getattr(motionsync_fmu, name)).parameters)
     renamed = {"setting": "set", "path": "scenario", "measure": "options"}

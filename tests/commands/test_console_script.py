@@ -42,9 +42,18 @@ def test_help_lists_the_commands() -> None:
     assert "..." not in text.partition("Commands:")[2]
 
 
-@pytest.mark.parametrize("arguments", [("list",), ("--help",), ("run", "--help")])
-def test_a_command_without_runs_loads_no_library_of_runs_and_pictures(arguments: tuple[str, ...]) -> None:
-    """They take a second to load; a fresh interpreter shows what a command has loaded."""
+@pytest.mark.parametrize(
+    ("arguments", "needed"),
+    [
+        (("list",), {"motionsync", "motionsync_fmu", "typer", "rich"}),
+        (("--help",), {"motionsync_fmu", "typer", "rich"}),
+        (("run", "--help"), {"motionsync", "motionsync_fmu", "typer", "rich"}),
+    ],
+)
+def test_a_command_without_runs_loads_no_library_of_runs_and_pictures(
+    arguments: tuple[str, ...], needed: set[str]
+) -> None:
+    """They take a second to load; a fresh interpreter shows what a command has loaded. The help needs no block."""
     script = (
         f"import sys\nfrom motionsync_fmu import cli\nsys.argv = ['motionsync', *{arguments!r}]\n"
         "try:\n    cli.main()\nexcept SystemExit as exit_:\n    assert not exit_.code, exit_.code\n"
@@ -52,8 +61,9 @@ def test_a_command_without_runs_loads_no_library_of_runs_and_pictures(arguments:
     )
     outcome = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
     loaded = set(outcome.stdout.splitlines()[-1].split())
-    assert {"motionsync", "motionsync_fmu", "typer"} <= loaded
-    assert not loaded & {"matplotlib", "plotly", "ziglang", "fmpy", "PIL"}
+    assert needed <= loaded
+    assert ("motionsync" in loaded) == ("motionsync" in needed)
+    assert not loaded & {"matplotlib", "numpy", "plotly", "ziglang", "fmpy", "PIL"}
 
 
 def test_the_console_script_passes_exit_status_and_streams_on(built: Path, tmp_path: Path) -> None:

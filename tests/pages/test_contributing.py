@@ -13,7 +13,7 @@ from tests import ROOT
 from tests.support.fmus import Shared
 
 NEW_BLOCK = ROOT / "tests" / "support" / "new_block"
-LINE = "from .shifter.block import Shifter"
+LINE = "from .shifter.block import Shifter as Shifter"
 ENTRY = '"Shifter": Shifter,'
 LEFT_OUT = ("install", "__pycache__")
 OF_FMUS = ("fmi3", "fmu", "native")  # these folders take as long as all others

@@ -143,6 +143,27 @@ def test_the_line_that_follows_the_request_misses_no_cut(fmus: Fmus, capsys: pyt
     assert velocities == [(f"{names['slowest']:.0f}", f"{names['fastest']:.0f}")]
 
 
+def test_the_first_lines_from_python_run_as_they_are_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At 400 mm/s for 5 s there is one cut of 1500 mm; the shorter pieces are 600, 800 and 1000 mm long."""
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(code_with(README, "result.to_frame()"), names)
+    result, rows = names["result"], names["rows"].to_frame()
+    assert [piece.length for piece in result.pieces] == pytest.approx([1500.0], abs=1e-6)
+    assert result.time.shape == result["slave.position"].shape == (result.to_frame().num_rows,)
+    assert Path("report.html").stat().st_size > 100_000
+    assert rows.column("length").to_pylist() == [600.0, 800.0, 1000.0]
+
+
+def test_a_run_of_a_saw_that_is_made_in_python() -> None:
+    """The n-th cut is due where the line has come 5 - 2 + 804 n mm, and is made some 166 mm later, as for the fifteen
+    lines: the sixth at 4993 of 5000 mm."""
+    names: dict[str, Any] = {}
+    exec(code_with(PYTHON, "run(saw)"), names)
+    assert names["result"].passed
+    assert names["lengths"] == pytest.approx([800.0] * 6, abs=1e-6)
+
+
 def test_the_batch_example_gives_what_its_comments_say() -> None:
     code = code_with(PYTHON, "outputs=(")
     names: dict[str, Any] = {}

@@ -1,65 +1,70 @@
-"""The command line as a whole: all commands, and how their errors are reported.
-
-A command imports what it needs when it runs, since the libraries of all commands take a second to load.
-"""
+"""The command line as a whole: all commands, and how their errors are reported."""
 
 import io
 import re
 import sys
-from collections.abc import Callable
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from ..about import __version__
 from ..errors import Interrupted, UserError
 from ..native.compiler_process import end_compilers
 from ..pages.console import err
-from .build import build
-from .describe import describe
-from .error import error
-from .explore import explore_command
-from .export_crosscheck import export_crosscheck
-from .line import line
-from .list import list_all
-from .new import new
-from .plan_line import plan_line
-from .run import run_scenarios
-from .search import search_command
-from .sweep import sweep_command
-from .sweep_plot import sweep_plot
+
+COMMANDS = {  # each with its line in the help; its module in this package has the same name, with _ for -
+    "list": "List the blocks, and what can be run by name.",
+    "build": "Build FMUs.",
+    "describe": "Show variables, enumerations, fault codes.",
+    "new": "Write a first scenario of your own.",
+    "run": "Run scenarios, check them, write reports.",
+    "explore": "Write a page to move a block by hand.",
+    "line": "Run a production line of several FMUs.",
+    "plan-line": "Show how fast a cutting line may run, and why.",
+    "sweep": "Run a scenario with many values: a row per run.",
+    "sweep-plot": "Write a page about a sweep's rows.",
+    "search": "Find where in a range a run starts to succeed.",
+    "error": "Explain a fault code.",
+    "export-crosscheck": "Write models for the FMI cross-check.",
+}
+
+
+class Commands(TyperGroup):
+    """The commands, each of which is imported when it is used: the libraries of all of them take a second to load."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.commands = dict.fromkeys(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """The command of this name; None: there is none."""
+        if cmd_name not in COMMANDS:
+            return None
+        module = import_module(f".{cmd_name.replace('-', '_')}", __package__)
+        alone = typer.Typer(rich_markup_mode=None, add_completion=False)
+        alone.command(cmd_name, short_help=COMMANDS[cmd_name])(module.command)
+        return typer.main.get_command(alone)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the list of commands in the help, without importing any of them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([*COMMANDS.items()])
+
 
 app = typer.Typer(
     name="motionsync",
+    cls=Commands,
     help="FMI co-simulation units of master/slave motion synchronisation.",
     epilog="""Start with:\n
-    motionsync list\n
-    motionsync build Synchronizer\n
-    motionsync run Synchronizer\n
-    motionsync line""",
+    motionsync run CutToLength/cyclic_orders --open\n
+    motionsync explore CutToLength --open\n
+    motionsync list""",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-COMMANDS: dict[
-    str, tuple[Callable[..., None], str]
-] = {  # each with its line in the help, which typer would cut off at 45 characters
-    "list": (list_all, "List the blocks, and what can be run by name."),
-    "build": (build, "Build FMUs."),
-    "describe": (describe, "Show variables, enumerations, fault codes."),
-    "new": (new, "Write a first scenario of your own."),
-    "run": (run_scenarios, "Run scenarios, check them, write reports."),
-    "explore": (explore_command, "Write a page to move a block by hand."),
-    "line": (line, "Run a production line of several FMUs."),
-    "plan-line": (plan_line, "Show how fast a cutting line may run, and why."),
-    "sweep": (sweep_command, "Run a scenario with many values: a row per run."),
-    "sweep-plot": (sweep_plot, "Write a page about a sweep's rows."),
-    "search": (search_command, "Find where in a range a run starts to succeed."),
-    "error": (error, "Explain a fault code."),
-    "export-crosscheck": (export_crosscheck, "Write models for the FMI cross-check."),
-}
-for name, (command, help_line) in COMMANDS.items():
-    app.command(name, short_help=help_line)(command)
 
 
 def _print_version(requested: bool) -> None:

@@ -37,7 +37,7 @@ CausalityPatterns = Annotated[
 ]
 
 
-def build(
+def command(
     fmu: Annotated[list[str] | None, typer.Argument(help="Blocks to build; all if none is named.")] = None,
     flavour: Annotated[
         list[Flavour] | None,

@@ -17,7 +17,7 @@ from ..pages.description import codes_of, print_codes, print_enumerations, print
 from .options import UNITS
 
 
-def describe(
+def command(
     fmu: Annotated[str, typer.Argument(help="A block's name, or the path of a built FMU.")],
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; a built FMU has its own.")] = "mm",
     slave_unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of the slave's positions; as for build.")] = "",

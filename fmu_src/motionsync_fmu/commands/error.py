@@ -14,7 +14,7 @@ from ..pages.description import CodeMeaning, all_codes, print_code
 NEAREST = 3  # codes that a message names if no code has the number
 
 
-def error(
+def command(
     code: Annotated[
         list[str],
         typer.Argument(

@@ -11,7 +11,7 @@ from ..pages.console import out
 from ..pages.progress import report_progress
 
 
-def explore_command(
+def command(
     subject: Annotated[
         str, typer.Argument(metavar="BLOCK|SCENARIO", help="A block, or a scenario to start with: a file, or a name.")
     ],

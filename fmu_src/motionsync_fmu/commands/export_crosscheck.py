@@ -13,7 +13,7 @@ from ..pages.console import out
 from ..pages.progress import report_progress
 
 
-def export_crosscheck(
+def command(
     folder: Annotated[Path, typer.Argument(help="Where to write, such as a clone of the cross-check's repository.")],
     model: Annotated[
         list[str] | None, typer.Argument(help="Scenarios, or blocks, whose examples are taken; else all blocks.")

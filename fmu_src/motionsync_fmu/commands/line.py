@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..line.line import ProductionLine
 
 
-def line(
+def command(
     path: Annotated[list[Path] | None, typer.Argument(help="Line files, or folders with line*.toml in them.")] = None,
     flavour: Annotated[Flavour | None, typer.Option(help="Which FMUs to wire; native if they can be compiled.")] = None,
     output: Annotated[

@@ -1,6 +1,6 @@
 """motionsync list"""
 
-from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -17,7 +17,7 @@ from ..scenario.files.shipped import LINE_FILES, SCENARIO_FILE, scenario_name, s
 from ..scenario.files.toml_tables import TomlTable, read_toml
 
 
-def list_all(
+def command(
     block: Annotated[str, typer.Argument(help="A block, to see its scenarios.")] = "",
     scenarios: Annotated[
         Path | None, typer.Option(help="A folder of your own; else what comes with motionsync is listed.")
@@ -39,11 +39,12 @@ def list_all(
     if not folder.is_dir():
         out.print(f"No scenarios: there is no folder {escape(str(folder))}")
         return
-    tables = [read_toml(file) for file in sorted(folder.rglob(SCENARIO_FILE))]
     if block or scenarios:
+        below = folder if scenarios else folder / block  # what comes with motionsync is in a folder for each block
+        tables = [read_toml(file) for file in sorted(below.rglob(SCENARIO_FILE))]
         _print_files("Scenarios", [t for t in tables if block in ("", t.string("fmu"))])
     else:
-        _print_blocks(Counter(t.string("fmu") for t in tables))
+        _print_blocks({name: len([*(folder / name).rglob(SCENARIO_FILE)]) for name in BLOCKS})
     if not block:
         _print_files("Lines", [read_toml(file) for file in sorted(folder.rglob(LINE_FILES))])
     if not (block or scenarios):
@@ -52,7 +53,7 @@ def list_all(
         )
 
 
-def _print_blocks(counts: Counter[str]) -> None:
+def _print_blocks(counts: Mapping[str, int]) -> None:
     table = Table("block", "scenarios", "what it does", box=None)
     for name, block_type in BLOCKS.items():
         table.add_row(name, str(counts[name]), summary(block_type))

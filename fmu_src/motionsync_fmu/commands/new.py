@@ -14,7 +14,7 @@ from ..paths import replace_file
 from ..scenario.files.shipped import SCENARIO_FILE
 
 
-def new(
+def command(
     block: Annotated[str, typer.Argument(help="The block that the scenario runs.")],
     folder: Annotated[Path, typer.Argument(help="Where to write scenario.toml; the folder is made if it is missing.")],
 ) -> None:

@@ -15,7 +15,7 @@ from ..pages.progress import report_progress
 from .options import UNITS, parse_assignments
 
 
-def plan_line(
+def command(
     machine: Annotated[
         Path | None,
         typer.Argument(

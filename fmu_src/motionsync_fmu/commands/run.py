@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..scenario.scenario import Scenario
 
 
-def run_scenarios(
+def command(
     path: Annotated[list[Path], typer.Argument(help="Scenario files, or folders with scenarios in them.")],
     flavour: Annotated[
         Flavour | None, typer.Option(case_sensitive=False, help="Which FMU to run; native if it can be compiled.")

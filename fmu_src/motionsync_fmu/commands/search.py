@@ -14,7 +14,7 @@ from ..scenario.files.shipped import find_scenario, scenario_name
 from .options import Sampling, Scheduler, Seed, Workers, Yes, number_parser, parse_factors
 
 
-def search_command(
+def command(
     path: Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario's file or folder, or its short name.")],
     vary: Annotated[str, typer.Option(metavar="NAME=LOW..HIGH", help="The value to vary, and its range.")],
     until: Annotated[

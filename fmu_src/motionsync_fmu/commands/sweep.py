@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..sweeps.sweep_plan import SweepPlan
 
 
-def sweep_command(
+def command(
     path: Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario's file or folder, or its short name.")],
     output: Annotated[Path, typer.Option(metavar="DIR", help="The folder for the rows and the plan.")],
     setting: Annotated[

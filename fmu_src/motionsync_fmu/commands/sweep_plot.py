@@ -22,7 +22,7 @@ class AmountOption(StrEnum):
     COUNT = "count"
 
 
-def sweep_plot(
+def command(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a sweep: its plan.toml and its parts.")],
     x: Annotated[str, typer.Option("--x", metavar="NAME", help="The column along the x axis, with numbers.")],
     y: Annotated[
