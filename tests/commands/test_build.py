@@ -17,12 +17,12 @@ from motionsync_fmu.interface.recipe import Recipe
 from tests.support.command_line import Command, assert_one_line
 from tests.support.workshop import FLAVOURS, PYTHON, STOP, description, scenario, start_value, the_fmu
 
-NATIVE = ("--flavour", "native", "--folder", "made")
+NATIVE = ("--flavour", "native", "--output", "made")
 
 
 def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
     """In one flavour; the next test builds both flavours, of one block."""
-    outcome = motionsync("build", "--folder", "here", *PYTHON)
+    outcome = motionsync("build", "--output", "here", *PYTHON)
     assert outcome.status == 0
     assert sorted(f.name for f in Path("here/python").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
     targets = [str(Path(f"here/python/{name}.fmu")) for name in BLOCKS]
@@ -39,7 +39,7 @@ def test_build_by_name_lands_in_the_folder_build(motionsync: Command) -> None:
 
 def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command) -> None:
     """tests/fmu/test_fmu.py has all units."""
-    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", "deg", "--folder", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, "--unit", "deg", "--output", "here").status == 0
     (real,) = description(the_fmu("here")).iterfind("TypeDefinitions/SimpleType[@name='Position']/Real")
     assert real.get("unit") == "deg"
 
@@ -47,7 +47,7 @@ def test_the_unit_of_all_positions_can_be_chosen(motionsync: Command) -> None:
 def test_baked_start_values_are_in_the_description_and_act_in_a_run(motionsync: Command) -> None:
     starts = {"curve": "PARABOLA", "output_phasing": "-7.5", "rest_value": "-20", "active": "TRUE", "stop": "0"}
     options = [part for name, value in starts.items() for part in ("--start", f"{name}={value}")]
-    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--folder", "here").status == 0
+    assert motionsync("build", "Synchronizer", *PYTHON, *options, "--output", "here").status == 0
     fmu = the_fmu("here")
     values = {name: start_value(fmu, name) for name in starts}
     assert values == {
@@ -72,7 +72,7 @@ def test_baked_start_values_are_in_the_description_and_act_in_a_run(motionsync: 
 
 
 def test_names_of_blocks_flavours_units_and_members_may_have_any_case(motionsync: Command) -> None:
-    start = ("--start", "curve=parabola", "--unit", "DEG", "--flavour", "PYTHON", "--folder", "here")
+    start = ("--start", "curve=parabola", "--unit", "DEG", "--flavour", "PYTHON", "--output", "here")
     assert motionsync("build", "synchronizer", *start).status == 0
     fmu = Path("here/python/Synchronizer.fmu")
     assert start_value(fmu, "curve") == "1"
@@ -91,14 +91,14 @@ def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
     ]
     guids = []
     for i, option in enumerate(options):
-        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--folder", str(i)).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, *option, "--output", str(i)).status == 0
         guids.append(description(the_fmu(str(i))).get("guid"))
     assert len(set(guids)) == len(options)
 
 
 def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Command) -> None:
     for folder, value in (("name", "PARABOLA"), ("number", "1")):
-        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--folder", folder).status == 0
+        assert motionsync("build", "Synchronizer", *PYTHON, "--start", f"curve={value}", "--output", folder).status == 0
     assert the_fmu("name").read_bytes() == the_fmu("number").read_bytes()
 
 
@@ -125,16 +125,22 @@ def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Comma
         (("Synchronizer", "--start", "curve=3"), ("curve = 3", "PARABOLA", "POLYNOMIAL_3_4_5")),
         (("Synchronizer", "--start", "curve=1.5"), ("curve = 1.5", "PARABOLA", "POLYNOMIAL_3_4_5")),
         (("Synchronizer", "--start", "active=1", "--start", "active=0"), ("--start active", "twice", "1", "0")),
-        (("Synchronizer", "--input", "output_fasing"), ("--input: no variable", "'output_fasing'", "output_phasing")),
-        (("Synchronizer", "--input", "curve"), ("--input: curve cannot become an input", "fixed")),
-        (("Synchronizer", "--parameter", "st*"), ("--parameter: start cannot become a parameter", "command")),
-        (("Synchronizer", "--local", "slave.*"), ("--local: slave.position cannot become a local variable",)),
-        (("Synchronizer", "--output", "elsewhere"), ("--output: no variable of Synchronizer is named 'elsewhere'",)),
         (
-            ("Synchronizer", "--parameter", "rest_value", "--input", "rest_*"),
-            ("--parameter: rest_value already becomes an input",),
+            ("Synchronizer", "--as-input", "output_fasing"),
+            ("--as-input: no variable", "'output_fasing'", "output_phasing"),
         ),
-        (("--local", "ready"), ("--local", "one block")),
+        (("Synchronizer", "--as-input", "curve"), ("--as-input: curve cannot become an input", "fixed")),
+        (("Synchronizer", "--as-parameter", "st*"), ("--as-parameter: start cannot become a parameter", "command")),
+        (("Synchronizer", "--as-local", "slave.*"), ("--as-local: slave.position cannot become a local variable",)),
+        (
+            ("Synchronizer", "--as-output", "elsewhere"),
+            ("--as-output: no variable of Synchronizer is named 'elsewhere'",),
+        ),
+        (
+            ("Synchronizer", "--as-parameter", "rest_value", "--as-input", "rest_*"),
+            ("--as-parameter: rest_value already becomes an input",),
+        ),
+        (("--as-local", "ready"), ("--as-local", "one block")),
     ],
 )
 def test_a_mistake_in_build_is_one_line_and_builds_nothing(
@@ -166,10 +172,19 @@ def test_an_fmu_that_is_up_to_date_is_built_again_by_force_only(motionsync: Comm
 
 
 def test_variables_with_another_causality_have_an_fmu_of_their_own(motionsync: Command) -> None:
-    overrides = ("--input", "output_*", "--parameter", "active", "--parameter", "rest_value", "--local", "ready")
+    overrides = (
+        "--as-input",
+        "output_*",
+        "--as-parameter",
+        "active",
+        "--as-parameter",
+        "rest_value",
+        "--as-local",
+        "ready",
+    )
     assert motionsync("build", "Synchronizer", *PYTHON).status == 0
     default = the_fmu("build").read_bytes()
-    outcome = motionsync("build", "Synchronizer", *PYTHON, *overrides, "--output", "local.*")
+    outcome = motionsync("build", "Synchronizer", *PYTHON, *overrides, "--as-output", "local.*")
     assert outcome.status == 0
     fmu = Path(outcome.out.split("  ")[0])
     assert Path("build/python/Synchronizer.fmu").read_bytes() == default
@@ -211,7 +226,7 @@ def test_a_bad_source_date_epoch_is_one_line(motionsync: Command, monkeypatch: p
 
 def test_an_output_folder_that_cannot_be_made_is_one_line(workshop: Command) -> None:
     Path("taken").write_text("a file")
-    assert_one_line(workshop("build", "Synchronizer", "--folder", "taken"), "taken")
+    assert_one_line(workshop("build", "Synchronizer", "--output", "taken"), "taken")
     assert_one_line(workshop("run", "stop", "--no-report", "--output", "taken"), "taken")
 
 
@@ -280,6 +295,6 @@ def test_the_command_builds_anew_what_lacks_the_sources_or_should(
         outcome = motionsync("build", "Synchronizer", *NATIVE, *further)
         assert outcome.status == 0, outcome.err
     assert built == [(Flavour.NATIVE, False), (Flavour.NATIVE, True), (Flavour.NATIVE, False)]
-    outcome = motionsync("build", "Synchronizer", "--sources", "--flavour", "python", "--folder", "made")
+    outcome = motionsync("build", "Synchronizer", "--sources", "--flavour", "python", "--output", "made")
     assert (outcome.status, outcome.out) == (2, "")
     assert "--sources: the python flavour has no C" in outcome.err

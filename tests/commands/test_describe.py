@@ -27,7 +27,7 @@ def test_describe_shows_every_variable_and_choice(motionsync: Command, unit: str
 
 
 def test_describe_of_a_built_fmu_shows_its_own_unit_and_start_values(motionsync: Command) -> None:
-    options = ("--unit", "deg", "--start", "rest_value=12.25", "--folder", "here")
+    options = ("--unit", "deg", "--start", "rest_value=12.25", "--output", "here")
     assert motionsync("build", "Synchronizer", *PYTHON, *options).status == 0
     outcome = motionsync("describe", the_fmu("here"))
     assert (outcome.status, outcome.err) == (0, "")

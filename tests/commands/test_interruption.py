@@ -82,7 +82,7 @@ def run_is_interrupted(built: Path, tmp_path: Path, instant: float, **options: A
 
 
 @pytest.mark.parametrize(
-    "command", [("build", "Synchronizer", "--flavour", "native", "--folder"), ("line", "--output")]
+    "command", [("build", "Synchronizer", "--flavour", "native", "--output"), ("line", "--output")]
 )
 @pytest.mark.parametrize("instant", [1.0, 2.0])
 def test_an_interruption_ends_the_compiler_and_leaves_no_file(

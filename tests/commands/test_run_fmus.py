@@ -36,7 +36,7 @@ def test_a_missing_fmu_is_built_for_this_machine_and_reported(motionsync: Comman
 def test_a_stale_fmu_is_left_alone_and_another_one_is_run(workshop: Command, built: Path, cache: Path) -> None:
     fmu = Path("build/python/Synchronizer.fmu")
     fresh = fmu.read_bytes()
-    assert workshop("build", "Synchronizer", *PYTHON, "--start", "rest_value=5", "--folder", "other").status == 0
+    assert workshop("build", "Synchronizer", *PYTHON, "--start", "rest_value=5", "--output", "other").status == 0
     for other in (the_fmu("other").read_bytes(), b"no FMU", fresh[:3000], b""):
         fmu.write_bytes(other)
         outcome = workshop("run", "stop", "--no-report", *PYTHON)

@@ -322,7 +322,7 @@ def test_baked_start_values_and_units_reach_the_library(tmp_path: Path) -> None:
 def test_a_missing_compiler_is_reported_with_the_remedy(tmp_path: Path) -> None:
     script = (
         f"import sys; sys.modules['ziglang'] = None; from motionsync_fmu.cli import main; "
-        f"sys.argv = ['motionsync', 'build', '--flavour', 'native', '--folder', {str(tmp_path)!r}]; main()"
+        f"sys.argv = ['motionsync', 'build', '--flavour', 'native', '--output', {str(tmp_path)!r}]; main()"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert done.returncode == 2

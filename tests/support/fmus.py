@@ -77,7 +77,7 @@ class Fmus:
         return self.shared.once(f"{flavour.value}/{name}", fill) / f"{name}.fmu"
 
     def copied(self, flavour: Flavour, name: str, output: Path) -> None:
-        """Put the FMU where the command line would build it with --folder, in a folder that a test may change."""
+        """Put the FMU where the command line would build it with --output, in a folder that a test may change."""
         target = fmu_path(Recipe(name), output, flavour)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(self.built(flavour, name), target)

@@ -31,10 +31,7 @@ from ..pages.console import err, out
 from ..pages.progress import report_progress
 from .options import UNITS, Version, parse_assignments
 
-CausalityPatterns = Annotated[
-    list[str] | None,
-    typer.Option(metavar="PATTERN", help="Give variables this causality; may be repeated. For one block only."),
-]
+PATTERNS = "Give variables this causality; may be repeated. For one block only."
 
 
 def command(
@@ -56,13 +53,13 @@ def command(
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="Bake in a start value; may be repeated. For one block only."),
     ] = None,
-    input: CausalityPatterns = None,
-    output: CausalityPatterns = None,
-    parameter: CausalityPatterns = None,
-    local: CausalityPatterns = None,
-    folder: Annotated[
+    as_input: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help=PATTERNS)] = None,
+    as_output: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help=PATTERNS)] = None,
+    as_parameter: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help=PATTERNS)] = None,
+    as_local: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help=PATTERNS)] = None,
+    output: Annotated[
         Path | None,
-        typer.Option(help="Target of the FMUs: FOLDER/<flavour>/<FMU>.fmu, FOLDER/fmi3/<FMU>.fmu; else in build."),
+        typer.Option(help="Target of the FMUs: OUTPUT/<flavour>/<FMU>.fmu, OUTPUT/fmi3/<FMU>.fmu; else in build."),
     ] = None,
     sources: Annotated[
         bool, typer.Option("--sources", help="Add the C code to the FMU, for any other processor; native flavour.")
@@ -91,13 +88,13 @@ def command(
 
         motionsync build Follower --unit mm --slave-unit deg
 
-        motionsync build Gearing --input "gearing.*" --parameter activate
+        motionsync build Gearing --as-input "gearing.*" --as-parameter activate
     """
     names = [resolve_name(BLOCKS, name, "block") for name in fmu or BLOCKS]
     unit, slave_unit = resolve_name(BASES, unit, "unit"), resolve_name(["", *BASES], slave_unit, "slave unit")
     starts = parse_assignments("--start", start or [], "output_phasing=45")
-    interface = Interface(input or (), output or (), parameter or (), local or ())
-    override = next((f"--{causality}" for causality, _ in interface.patterns()), "")
+    interface = Interface(as_input or (), as_output or (), as_parameter or (), as_local or ())
+    override = next((f"--as-{causality}" for causality, _ in interface.patterns()), "")
     if (option := "--start" if starts else override) and len(names) != 1:
         example = f"motionsync build Synchronizer {option} ..."
         raise UserError(f"{option}: name the one block that it is for, as in: {example}")
@@ -105,7 +102,7 @@ def command(
     for recipe in recipes:
         _validate(recipe)
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
-    flavours, folder = select_flavours(fmi, flavour or [], err.print), folder or paths.output_folder(err.print)
+    flavours, folder = select_flavours(fmi, flavour or [], err.print), output or paths.output_folder(err.print)
     if sources and Flavour.NATIVE not in flavours:
         raise UserError("--sources: the python flavour has no C; take --flavour native")
     if wasm and fmi != Fmi.THREE:
@@ -156,4 +153,4 @@ def _validate(recipe: Recipe) -> None:
     try:
         recipe.block()
     except CausalityError as e:
-        raise UserError(f"--{e}") from None
+        raise UserError(f"--as-{e}") from None
