@@ -34,7 +34,7 @@ TOOL = {
         "sweeps",
         *SCENARIO,
     },
-    "api": {"batch", "fmus", "interface", "pages", "sweeps", *SCENARIO},
+    "api": {"batch", "explorer", "fmus", "interface", "pages", "sweeps", *SCENARIO},
     "explorer": {"batch", "fmus", "interface", "native", "pages", "scenario", "scenario.run", "scenario.files"},
     "line": {"fmus", "interface", "pages", *SCENARIO},
     "sweeps": {"batch", "fmus", "interface", "pages", *SCENARIO},
