@@ -202,6 +202,11 @@ class Master:
         short step."""
         return self.begin_velocity + (self.end_velocity - self.begin_velocity) * (time / self.step)
 
+    def distance_beyond(self, position: float, time: float) -> float:
+        """How far the master is beyond a position at a time within the step, u."""
+        path = self.path
+        return (path.origin - position) + time * (path.velocity + time * (path.c2 + time * path.c3))
+
     def mean_acceleration(self) -> float:
         """The constant acceleration that leads from the velocity at the step's beginning to that at its end, u/s2.
 

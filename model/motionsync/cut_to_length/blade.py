@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 from .. import var
 from ..clock import Clock
+from ..cutting.instants import NEVER, due_instant
 from ..cutting.piece import PieceInProgress
 from ..master import Master
+from ..slave import Edge
 from .carriage import Carriage, Stage
-from .instants import NEVER, Condition, due_instant, first_instant
+from .instants import Condition, first_instant
 from .interface import Tool, ToolMode
 from .machine_limits import Machine
 
@@ -17,10 +19,12 @@ class Blade:
     """What is modelled of the blade besides `tool.command` and `tool.blade_down`.
 
     Attributes:
+        done_edge: of the feedback that the cut is through.
         command_clock: the time since its command has changed.
         is_early: in this cycle it has touched before sync.
     """
 
+    done_edge: Edge = var.part(Edge)
     command_clock: Clock = var.part(Clock)
     is_early: bool = False
 

@@ -9,23 +9,26 @@ from .. import var
 from ..clock import Clock
 from ..cosine import cosine
 from ..cutting.faults import PieceFault
+from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import Source, StartMode
 from ..cutting.material import Material
+from ..cutting.operation import Operation
+from ..cutting.outputs import show_line_request, show_orders
+from ..cutting.pieces import record_piece
 from ..cutting.records import PieceRecords, increased
 from ..exceeded_limit import ExceededLimit
 from .blade import Blade, stage_end
-from .carriage import Carriage, Stage, distance_beyond
+from .carriage import Carriage, Stage
 from .carriage_curve import can_open_gap
 from .cycle_reserve import CycleReserve
 from .faults import Fault, Refusal, SawParameter, SkipReason
 from .homing_motion import is_accelerating
-from .instants import NEVER, Condition, due_instant, first_instant, has_reached_start
+from .instants import Condition, first_instant, has_reached_start
 from .interface import CutToLengthInterface, ToolMode
 from .late_cuts import CutDecision, decide_cut, delay_cut, fast_line_reason, show_skipped_cut, skip_late_cuts
 from .machine_limits import approach_distance, lead
-from .operation import Operation
-from .outputs import show_line, show_piece, show_queues, show_state, show_warnings
-from .pieces import fix_piece, record_piece, update_piece
+from .outputs import show_piece, show_state, show_warnings
+from .pieces import fix_piece, update_piece
 from .predictions import Predictions
 from .settings import MachineSettings, start_refusal
 
@@ -76,7 +79,8 @@ class CutToLength(CutToLengthInterface):
         self.cosine = cosine(self.diagonal_angle)
         self.carriage.homing.rest_at(self.axis.initial_position)
         self.carriage.stage_clock.start(LONG_AGO)
-        self.operation.take_levels(self)
+        self.operation.take_levels(self.start, self.stop, self.abort, self.reset, self.cut_now)
+        self.blade.done_edge.take_level(self.tool.done)
         self.operation.pieces.take_levels(
             self.take_sample, self.clear_statistics, self.mark.detected, self.order, self.calibration
         )
@@ -86,12 +90,7 @@ class CutToLength(CutToLengthInterface):
         return Refusal.NONE
 
     def read_demand(self) -> None:
-        demand = self.material.demand
-        demand.source = self.source
-        demand.length = self.length
-        demand.length_correction = self.length_correction
-        demand.waste = self.waste
-        demand.repeat = self.order.repeat
+        self.material.demand.set(self.source, self.length, self.length_correction, self.waste, self.order.repeat)
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
@@ -147,7 +146,7 @@ class CutToLength(CutToLengthInterface):
         self.watch_marks()
         if self.operation.cut_now_edge.try_rise(self.cut_now):
             self.operation.request_cut(self.running)
-        is_done = self.operation.done_edge.try_rise(self.tool.done)
+        is_done = self.blade.done_edge.try_rise(self.tool.done)
         if is_done and self.carriage.stage == Stage.CUTTING and self.tool.mode == ToolMode.FEEDBACK:
             self.end_cut()
         update_piece(self, self.operation, self.settings, self.material, self.carriage)
@@ -190,9 +189,9 @@ class CutToLength(CutToLengthInterface):
         can_continue = self.start_mode != StartMode.CONTINUE or self.material.has_cut
         is_off = not self.running and self.carriage.stage == Stage.RESTING and self.operation.fault == Fault.NONE
         if not (is_off and can_continue):
-            self.operation.pieces.fault = Fault.START
+            self.operation.pieces.fault = PieceFault.START
         elif not self.settings.can_start(self.material.settings):
-            self.operation.pieces.fault = Fault.TUNABLE
+            self.operation.pieces.fault = PieceFault.TUNABLE
         else:
             self.operation.start()
             self.set_to_work()
@@ -294,7 +293,7 @@ class CutToLength(CutToLengthInterface):
         if time == NEVER:
             return False
         if self.settings.invalid != SawParameter.NONE:
-            self.operation.pieces.fault = Fault.TUNABLE
+            self.operation.pieces.fault = PieceFault.TUNABLE
             return False
         velocity = self.master.velocity_at(self.now)
         is_crossed = not has_reached_start(self.master, self.carriage, self.material.piece, velocity, self.now)
@@ -428,7 +427,7 @@ class CutToLength(CutToLengthInterface):
         velocity = self.master.velocity_at(self.now)
         machine = self.carriage.machine
         piece = self.material.piece
-        distance = self.carriage.homing.end - machine.coupling * distance_beyond(self.master, piece.end, self.now)
+        distance = self.carriage.homing.end - machine.coupling * self.master.distance_beyond(piece.end, self.now)
         if is_crossed and not piece.waits_for_line():
             distance = approach_distance(machine, velocity)  # the same, without the rounding of positions
         match decide_cut(self.settings.late_mode, piece, machine, velocity, distance):
@@ -442,7 +441,7 @@ class CutToLength(CutToLengthInterface):
                 show_skipped_cut(self, SkipReason.LATE, piece, self.carriage, self.now, distance)
                 skip_late_cuts(self.material, self.statistics, self.carriage, self.master, self.now, distance)
             case CutDecision.STOP_LINE:
-                self.fail(Fault.CUT_MISSED)
+                self.fail(PieceFault.CUT_MISSED)
             case CutDecision.SKIP_UNTIL_ADMISSIBLE:
                 self.skip_cuts_of_fast_line(until)
             case CutDecision.STOP_FAST_LINE:
@@ -488,7 +487,20 @@ class CutToLength(CutToLengthInterface):
 
     def end_cut(self) -> None:
         """The blade is through: the piece ends, and the next one starts."""
-        record_piece(self, self.carriage.cut, self.sync_time, self.reserve.share, self.material, self.records)
+        record_piece(
+            self.carriage.cut,
+            self.sync_time,
+            self.reserve.share,
+            self.material,
+            self.records,
+            self.last,
+            self.statistics,
+            self.order,
+        )
+        self.batch_count = self.records.batch_count
+        self.batches = self.records.batches
+        self.batch_done = self.records.is_batch_done
+        self.warning.change_pending = False
         self.reserve.end_cut()
         fix_piece(self.operation, self.settings, self.material)
         self.warning.gap_skipped = False
@@ -523,7 +535,7 @@ class CutToLength(CutToLengthInterface):
     def enter_cutting(self) -> None:
         self.carriage.stage = Stage.CUTTING
         self.carriage.stage_clock.start(self.now)
-        self.carriage.cut_begin = distance_beyond(self.master, self.carriage.cut, self.now)
+        self.carriage.cut_begin = self.master.distance_beyond(self.carriage.cut, self.now)
         self.tool.blade_down = True
         self.warning.blade_early = self.blade.is_early
 
@@ -623,7 +635,7 @@ class CutToLength(CutToLengthInterface):
         self.set_slave()
         self.predictions.update(self, self.carriage.machine, self.material)
         show_piece(self, self.carriage, self.material.piece)
-        show_line(self, self.operation.fault, self.settings.margin)
+        show_line_request(self.line, self.operation.fault, self.settings.margin, self.limits.max_line_velocity)
 
     def show(self) -> None:
         """What is shown of the machine from the first step on."""
@@ -632,7 +644,8 @@ class CutToLength(CutToLengthInterface):
         show_state(self, carriage, self.operation.fault, self.operation.pieces.fault)
         if carriage.stage != Stage.CLEARING:
             self.blade.update(self.tool, carriage.cycle_machine.retract_time)
-        show_queues(self, material)
+        show_orders(self.order, material.orders)
+        self.local.marks_waiting = material.marks.waiting
         show_warnings(self, carriage, self.exceeded)
         self.local.ease = carriage.homing.share
         self.local.refused_parameter = self.settings.refused_parameter(material.settings)

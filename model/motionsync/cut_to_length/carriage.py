@@ -76,7 +76,7 @@ class Carriage:
     def enter_pulling(self, master: Master, now: float) -> None:
         """Ahead of the material, to open the gap."""
         self.stage = Stage.PULLING
-        beyond_cut = distance_beyond(master, self.cut, now)
+        beyond_cut = master.distance_beyond(self.cut, now)
         self.curve.plan_gap(beyond_cut, self.cycle_machine.gap_distance, self.cycle_machine.gap_travel)
 
     def enter_clearing(self, now: float) -> None:
@@ -87,7 +87,7 @@ class Carriage:
 
     def setpoint_at(self, master: Master, time: float) -> tuple[float, float, float, float]:
         """The setpoint on the curve over the master, at a time since the step's beginning."""
-        position, d1, d2, d3 = self.curve.at(distance_beyond(master, self.cut, time))
+        position, d1, d2, d3 = self.curve.at(master.distance_beyond(self.cut, time))
         velocity, acceleration, jerk = chain_rule(d1, d2, d3, master.velocity_at(time), master.mean_acceleration())
         return position, velocity, acceleration, jerk
 
@@ -128,7 +128,7 @@ class Carriage:
         machine = self.machine
         line_velocity = master.velocity_at(now)
         start = (machine.home_position - approach_distance(machine, line_velocity)) / machine.coupling
-        until_start = (start - distance_beyond(master, cut, now)) / line_velocity
+        until_start = (start - master.distance_beyond(cut, now)) / line_velocity
         time = until_start * PUNCTUAL - machine.homing_settle_time - spare_time
         self.homing.plan_eased(machine, slowest, now, self.homing_start, time)
         self.homing.eased_velocity = line_velocity
@@ -138,7 +138,7 @@ class Carriage:
 
     def is_nearly_in_sync(self, master: Master, time: float) -> bool:
         """Whether sync is ahead by rounding only, at a time since the step's beginning."""
-        missing = self.curve.sync - distance_beyond(master, self.cut, time)
+        missing = self.curve.sync - master.distance_beyond(self.cut, time)
         travel = self.curve.sync - self.curve.start
         return missing <= NEARLY * travel + rounding_tolerance(self.cut, master.end)
 
@@ -181,16 +181,10 @@ class Carriage:
             change = acceleration * step
         if change > down * master.step:
             return False
-        first = k * distance_beyond(master, self.cut, now)
-        last = k * distance_beyond(master, self.cut, until)
+        first = k * master.distance_beyond(self.cut, now)
+        last = k * master.distance_beyond(self.cut, until)
         below = min(first, last) - self.machine.min_position
         stroke_left = min(below, self.machine.max_position - ahead - max(first, last))
         # With F = jerk speed + down^2 / 2 the stopping distance is below F (F / 2 + 3 down^2) / (down jerk^2).
         fast = jerk * speed + 0.5 * down * down
         return stroke_left * down * jerk * jerk > fast * (0.5 * fast + 3.0 * down * down)
-
-
-def distance_beyond(master: Master, position: float, time: float) -> float:
-    """How far the master is beyond a position at a time since the step's beginning, u."""
-    path = master.path
-    return (path.origin - position) + time * (path.velocity + time * (path.c2 + time * path.c3))

@@ -10,7 +10,6 @@ from ..var import Enumeration
 END_POSITIONS = ("axis.min_position", "axis.max_position")
 START_POSITIONS = ("axis.initial_position", "axis.min_position", "axis.max_position")
 MASTER = ("master.position", "master.velocity", "master.acceleration")
-LINE_VELOCITIES = ("master.velocity", "limits.max_line_velocity")
 SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity")
 MOST_VELOCITY = ("limits.max_line_velocity",)
 FACTORS = ("material_factor", "calibration.factor")
@@ -27,10 +26,6 @@ class Fault(Enumeration):
 
     # The other numbers are those of `PieceFault`.
     NONE = 0, "no fault"
-    START = 1, "refused: start needs state OFF, and with start_mode CONTINUE a cut to go on from", "start_mode"
-    TUNABLE = 5, "refused: a tuned parameter is out of its range: local.refused_parameter shows which"
-    CUT_NOW = 6, "refused: cut_now needs a machine that is running"
-    CUT_MISSED = 16, "the line is too fast for the next cut, and late_mode is STOP_LINE", *LINE_VELOCITIES
     STROKE = 17, "the carriage has to stop before the end of its stroke", "slave.position", *END_POSITIONS
     TOOL_TIMEOUT = 19, "tool.done has not come within tool.timeout", "tool.timeout"
 

@@ -1,14 +1,12 @@
-"""The instants of events inside a step: when a clock has reached a time, or from when on a condition holds."""
+"""The instants of events inside a step from which on a condition holds."""
 
-from ..clock import Clock
+from ..cutting.instants import NEVER
 from ..cutting.piece import PieceInProgress
 from ..master import Master
-from ..motion import SAME_TIME
 from ..var import Enumeration
-from .carriage import Carriage, distance_beyond
+from .carriage import Carriage
 from .machine_limits import approach_distance, is_admissible
 
-NEVER = 1e300  # s since the step's beginning
 BISECTIONS = 200  # this many halve any time down to neighbouring numbers
 
 
@@ -23,13 +21,6 @@ class Condition(Enumeration):
     THROUGH = 5, "the cut's distance is travelled"
     GAP_OPEN = 6, "the gap is open"
     STROKE_END = 7, "the carriage has to stop before an end of its stroke"
-
-
-def due_instant(clock: Clock, time: float, now: float, until: float) -> float:
-    """When a clock reaches a time, in s since the step's beginning, not before `now`; NEVER: not up to `until`."""
-    if clock.time + until < time * SAME_TIME:
-        return NEVER
-    return max(now, min(time - clock.time, until))
 
 
 def first_instant(
@@ -58,7 +49,7 @@ def first_instant(
 def holds(condition: Condition, master: Master, carriage: Carriage, piece: PieceInProgress, time: float) -> bool:
     """Whether a condition holds at a time since the step's beginning."""
     velocity = master.velocity_at(time)
-    beyond_cut = distance_beyond(master, carriage.cut, time)
+    beyond_cut = master.distance_beyond(carriage.cut, time)
     curve = carriage.curve
     cycle = carriage.cycle_machine
     is_met = False
@@ -93,5 +84,5 @@ def is_start_due(master: Master, carriage: Carriage, piece: PieceInProgress, vel
 
 def has_reached_start(master: Master, carriage: Carriage, piece: PieceInProgress, velocity: float, time: float) -> bool:
     """Whether the next cut is where an approach to it starts, or beyond that."""
-    travel = carriage.machine.coupling * distance_beyond(master, piece.end, time)
+    travel = carriage.machine.coupling * master.distance_beyond(piece.end, time)
     return travel >= carriage.homing.end - approach_distance(carriage.machine, velocity)

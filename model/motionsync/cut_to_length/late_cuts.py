@@ -7,7 +7,7 @@ from ..cutting.records import increased
 from ..grid import floor, wrap
 from ..master import Master
 from ..var import Enumeration
-from .carriage import Carriage, distance_beyond
+from .carriage import Carriage
 from .faults import SkipReason
 from .interface import CutToLengthInterface
 from .machine_limits import Machine, is_admissible, lead
@@ -46,7 +46,7 @@ def decide_cut(
 def delay_cut(piece: PieceInProgress, carriage: Carriage, master: Master, now: float, distance: float) -> None:
     """Move the cut to where an approach over a distance starts now."""
     start = (carriage.homing.end - distance) / carriage.machine.coupling
-    piece.end += distance_beyond(master, piece.end, now) - start
+    piece.end += master.distance_beyond(piece.end, now) - start
 
 
 def show_skipped_cut(
@@ -61,7 +61,7 @@ def show_skipped_cut(
     local = block.local
     local.skip_reason = reason
     local.skipped_cut = wrap(piece.end, block.master.period)
-    beyond_cut = distance_beyond(block.master, piece.end, now)
+    beyond_cut = block.master.distance_beyond(piece.end, now)
     local.missing_distance = distance - (carriage.homing.end - carriage.machine.coupling * beyond_cut)
     local.line_velocity = block.master.velocity_at(now)
 
@@ -82,11 +82,11 @@ def skip_late_cuts(
             material.marks.drop()
             statistics.skipped = increased(statistics.skipped, 1.0)
             if material.marks.waiting > 0:
-                beyond_cut = distance_beyond(master, material.marks.position(0), now)
+                beyond_cut = master.distance_beyond(material.marks.position(0), now)
                 if k * beyond_cut <= carriage.homing.end - distance * IN_TIME:
                     break
         material.merge_to_next_mark()
     else:
-        beyond_cut = distance_beyond(master, material.piece.end, now)
+        beyond_cut = master.distance_beyond(material.piece.end, now)
         number = max(1.0, -floor(WHOLE - (k * beyond_cut - start) / (k * material.piece.pitch)))
         material.skip_pitches(number, statistics)

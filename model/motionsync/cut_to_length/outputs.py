@@ -1,7 +1,6 @@
 """What the block puts out besides the setpoint."""
 
 from ..cutting.interface import PieceKind, Source
-from ..cutting.material import Material
 from ..cutting.piece import PieceInProgress
 from ..exceeded_limit import ExceededLimit, Limit
 from ..grid import wrap
@@ -84,24 +83,6 @@ def show_approach(block: CutToLengthInterface, carriage: Carriage, cut: float) -
             block.local.progress = 1.0
         case _:
             block.next_cut.distance = (home + distance) / k - beyond_cut
-
-
-def show_queues(block: CutToLengthInterface, material: Material) -> None:
-    """The queues of orders and marks."""
-    orders = material.orders
-    block.order.waiting = orders.waiting
-    block.order.remaining = int(orders.remaining_pieces())
-    block.order.length_active = orders.length(0) if orders.waiting > 0 else 0.0
-    block.local.marks_waiting = material.marks.waiting
-
-
-def show_line(block: CutToLengthInterface, fault: int, margin: float) -> None:
-    """What the machine asks of the line."""
-    block.line.stop_request = fault != Fault.NONE
-    block.line.velocity_request = 0.0
-    if fault == Fault.NONE:
-        admissible = (1.0 - margin) * block.limits.max_line_velocity
-        block.line.velocity_request = min(block.line.wanted_velocity, admissible)
 
 
 def show_warnings(block: CutToLengthInterface, carriage: Carriage, exceeded: ExceededLimit) -> None:

@@ -1,15 +1,15 @@
-"""The pieces of the machine: fixed, changed while they are in progress, and recorded."""
+"""The pieces of the machine: fixed, and changed while they are in progress."""
 
-from ..cutting.interface import ChangeMode, PieceKind, Source
+from ..cutting.faults import PieceFault
+from ..cutting.interface import PieceKind
 from ..cutting.material import Material
+from ..cutting.operation import Operation
 from ..cutting.piece import UNLIMITED
-from ..cutting.records import PieceRecords, increased
+from ..cutting.pieces import can_change_pieces
 from ..master import Master
-from .carriage import Carriage, Stage, distance_beyond
-from .faults import Fault
+from .carriage import Carriage, Stage
 from .interface import CutToLengthInterface
 from .machine_limits import lead
-from .operation import Operation
 from .settings import MachineSettings
 
 
@@ -18,7 +18,7 @@ def fix_piece(operation: Operation, settings: MachineSettings, material: Materia
     if settings.can_fix(material.settings):
         material.fix_piece()
     else:
-        operation.pieces.fault = Fault.TUNABLE
+        operation.pieces.fault = PieceFault.TUNABLE
 
 
 def update_piece(
@@ -32,8 +32,8 @@ def update_piece(
         if settings.can_fix(material.settings):
             material.fix_open_piece()
         else:
-            operation.pieces.fault = Fault.TUNABLE
-    elif block.source == Source.MARK or material.settings.change_mode != ChangeMode.THIS_PIECE:
+            operation.pieces.fault = PieceFault.TUNABLE
+    elif not can_change_pieces(material):
         block.warning.change_pending = False
     elif piece.kind == PieceKind.PRODUCT:
         has_changed = material.has_changed()
@@ -51,20 +51,5 @@ def can_reach_changed_cut(master: Master, material: Material, carriage: Carriage
     if pitch == UNLIMITED or carriage.stage in (Stage.APPROACHING, Stage.SYNCHRONOUS, Stage.CUTTING):
         return False
     machine = carriage.machine
-    beyond_cut = distance_beyond(master, material.piece.begin + pitch, 0.0)
+    beyond_cut = master.distance_beyond(material.piece.begin + pitch, 0.0)
     return machine.home_position - machine.coupling * beyond_cut >= lead(machine, master.begin_velocity)
-
-
-def record_piece(
-    block: CutToLengthInterface, cut: float, time: float, reserve: float, material: Material, records: PieceRecords
-) -> None:
-    """Record the piece that ends with a cut at this position, which was in sync at this time of the block, s."""
-    records.record(material.piece, material.settings, cut, reserve, block.last, block.statistics)
-    block.last.time = time
-    block.batch_count = records.batch_count
-    block.batches = records.batches
-    block.batch_done = records.is_batch_done
-    block.warning.change_pending = False
-    if block.last.good and material.orders.try_complete(material.piece.order, material.demand.repeat):
-        block.order.completed = increased(block.order.completed, 1.0)
-    material.end_piece(cut)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from ..cutting.material import Material
 from ..cutting.piece import UNLIMITED
 from ..cutting.settings import PieceSettings
-from .carriage import Carriage, distance_beyond
+from .carriage import Carriage
 from .homing_motion import FASTER
 from .interface import CutToLengthInterface
 from .machine_limits import Machine, approach_distance, cycle, max_line_velocity
@@ -96,7 +96,7 @@ class Predictions:
         distance = block.local.approach_distance
         if not self.is_current or fastest > self.velocity:
             distance = approach_distance(machine, fastest + FASTER * (abs(begin) + abs(end)))
-        beyond_cut = distance_beyond(master, cut, now)
+        beyond_cut = master.distance_beyond(cut, now)
         if until > now:
-            beyond_cut = max(beyond_cut, distance_beyond(master, cut, until))
+            beyond_cut = max(beyond_cut, master.distance_beyond(cut, until))
         return machine.coupling * beyond_cut < carriage.homing.end - distance

@@ -47,15 +47,15 @@ class MachineSettings:
             and self.material_factor == block.material_factor
             and self.margin == block.line.margin
             and self.late_mode == block.late_mode
-            and pieces.kerf == block.kerf
-            and pieces.length_tolerance == block.length_tolerance
-            and pieces.sample_length == block.sample_length
-            and pieces.waste_length == block.waste_length
-            and pieces.batch_size == block.batch_size
-            and pieces.change_mode == block.change_mode
-            and pieces.start_mode == block.start_mode
-            and pieces.front_position == block.front_position
-            and pieces.trim_length == block.trim_length
+            and pieces.has_piece(
+                block.kerf,
+                block.length_tolerance,
+                block.sample_length,
+                block.waste_length,
+                block.batch_size,
+                block.change_mode,
+            )
+            and pieces.has_start(block.start_mode, block.front_position, block.trim_length)
             and pieces.has_mark(block.mark)
         )
 

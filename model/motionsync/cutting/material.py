@@ -34,6 +34,13 @@ class Demand:
     waste: bool = False
     repeat: bool = False
 
+    def set(self, source: Source, length: float, length_correction: float, waste: bool, repeat: bool) -> None:
+        self.source = source
+        self.length = length
+        self.length_correction = length_correction
+        self.waste = waste
+        self.repeat = repeat
+
     def correction(self) -> float:
         """The length correction, u; pieces between marks have none."""
         return self.length_correction if self.source == Source.LENGTH else 0.0

@@ -63,6 +63,25 @@ class PieceSettings:
     trim_length: float = 0.0
     mark: Mark = var.part(Mark, hidden=True)
 
+    def has_piece(
+        self,
+        kerf: float,
+        length_tolerance: float,
+        sample_length: float,
+        waste_length: float,
+        batch_size: int,
+        change_mode: ChangeMode,
+    ) -> bool:
+        """Whether these are the settings of pieces."""
+        return (
+            self.kerf == kerf
+            and self.length_tolerance == length_tolerance
+            and self.sample_length == sample_length
+            and self.waste_length == waste_length
+            and self.batch_size == batch_size
+            and self.change_mode == change_mode
+        )
+
     def set_piece(
         self,
         kerf: float,
@@ -87,6 +106,12 @@ class PieceSettings:
             self.waste_length = waste_length
             self.batch_size = batch_size
             self.change_mode = change_mode
+
+    def has_start(self, start_mode: StartMode, front_position: float, trim_length: float) -> bool:
+        """Whether these are the settings of the command start."""
+        return (
+            self.start_mode == start_mode and self.front_position == front_position and self.trim_length == trim_length
+        )
 
     def set_start(self, start_mode: StartMode, front_position: float, trim_length: float) -> None:
         """Validate what the command start reads, and take it over if it is valid."""

@@ -49,7 +49,7 @@ def test_start_is_refused_while_the_machine_runs(time: float) -> None:
     saw, twin = started_machine().at(time), started_machine().at(time)
     saw.give("start").at(2.8)
     twin.at(2.8)
-    assert (saw["error"], saw["error_id"]) == (True, Fault.START)
+    assert (saw["error"], saw["error_id"]) == (True, PieceFault.START)
     assert saw.slave == twin.slave
     assert (saw["statistics.cuts"], saw["last.length"]) == near(1, 1500.0)
     saw.give("reset").now()
@@ -58,14 +58,14 @@ def test_start_is_refused_while_the_machine_runs(time: float) -> None:
 
 def test_start_is_refused_while_the_machine_stops() -> None:
     saw = started_machine().at(2.0).give("stop").at(2.1).give("start").now()
-    assert saw["error_id"] == Fault.START
+    assert saw["error_id"] == PieceFault.START
     saw.at(3.0)
     assert (saw.state, saw["running"]) == (State.OFF, False)
 
 
 def test_there_must_be_a_cut_to_continue_from() -> None:
     saw = idle_machine(CONTINUE).give("start").now()
-    assert (saw.state, saw["error_id"]) == (State.OFF, Fault.START)
+    assert (saw.state, saw["error_id"]) == (State.OFF, PieceFault.START)
     saw.set({"start_mode": StartMode.FRONT}).give("start").now()
     assert (saw.state, saw["error_id"]) == (State.WAITING, 0)
 
@@ -251,7 +251,7 @@ def test_cutting_now_needs_a_running_machine(running: bool) -> None:
     if running:
         saw.give("start").now()
     saw.give("cut_now").now()
-    assert saw["error_id"] == (0 if running else Fault.CUT_NOW)
+    assert saw["error_id"] == (0 if running else PieceFault.CUT_NOW)
 
 
 # --- calibration ------------------------------------------------------------------------------------------------------
@@ -290,7 +290,7 @@ def test_a_calibration_that_is_refused(measured: float) -> None:
     saw = started_machine().at(1.0).set({"calibration.measured_length": 1512.0}).give("calibration.execute").now()
     assert (saw["error_id"], saw["calibration.factor"]) == (PieceFault.CALIBRATION, 1.0)
     saw.at(2.0).set({"calibration.measured_length": measured}).give("calibration.execute").now()
-    assert saw["error_id"] in (PieceFault.CALIBRATION, Fault.TUNABLE)
+    assert saw["error_id"] in (PieceFault.CALIBRATION, PieceFault.TUNABLE)
     assert saw["calibration.factor"] == 1.0
 
 
@@ -306,7 +306,7 @@ def test_stop_goes_before_start() -> None:
 def test_reset_goes_before_start() -> None:
     saw = CutToLengthHarness({**REFERENCE, "late_mode": LateMode.STOP_LINE, "length": 1500.0}, speed=1310.0)
     saw.give("start").at(2.9)
-    assert (saw.state, saw["error_id"]) == (State.FAULT, Fault.CUT_MISSED)
+    assert (saw.state, saw["error_id"]) == (State.FAULT, PieceFault.CUT_MISSED)
     saw.give("reset", "start").now()
     assert (saw.state, saw["error_id"]) == (State.WAITING, 0)
 

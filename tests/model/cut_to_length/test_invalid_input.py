@@ -134,9 +134,9 @@ def test_the_65th_order_is_refused_and_64_stay() -> None:
 
 def test_the_last_refusal_is_shown_until_a_reset() -> None:
     saw = idle_machine().order(-1.0).now().give("cut_now").now()
-    assert saw["error_id"] == Fault.CUT_NOW
+    assert saw["error_id"] == PieceFault.CUT_NOW
     saw.run(0.1)
-    assert saw["error_id"] == Fault.CUT_NOW
+    assert saw["error_id"] == PieceFault.CUT_NOW
     saw.give("reset").now()
     assert (saw["error"], saw["error_id"]) == (False, 0)
 
@@ -160,7 +160,7 @@ def test_no_piece_is_fixed_with_an_invalid_parameter(name: str, invalid: float) 
     saw.give("start").at(0.5).give("take_sample").at(1.7).set({name: invalid}).at(1.86)
     assert saw["last.length"] == near(1500.0)
     assert (saw["warning.no_length"], saw["next_cut.known"]) == (True, False)
-    assert (saw["error"], saw["error_id"]) == (True, Fault.TUNABLE)
+    assert (saw["error"], saw["error_id"]) == (True, PieceFault.TUNABLE)
     assert saw["local.refused_parameter"] == PARAMETERS[name.upper()]
     saw.set({name: valid}).now()
     assert (saw["warning.no_length"], saw["next_cut.position"]) == (False, near(2700.0))
@@ -190,7 +190,7 @@ def test_no_approach_begins_with_an_invalid_parameter(name: str, invalid: float)
     assert saw["last.length"] == near(1500.0)
     saw.at(2.95)
     assert (saw.state, saw["statistics.cuts"]) == (State.WAITING, 1)
-    assert (saw["error"], saw["error_id"]) == (True, Fault.TUNABLE)
+    assert (saw["error"], saw["error_id"]) == (True, PieceFault.TUNABLE)
     assert saw["local.refused_parameter"] != 0
     saw.set({name: valid}).watched(5.0)
     assert (saw["last.kind"], saw["last.length"]) == (PieceKind.MERGED, near(3000.0))
@@ -201,7 +201,7 @@ def test_no_approach_begins_with_an_invalid_parameter(name: str, invalid: float)
 )
 def test_start_is_refused_with_an_invalid_parameter(name: str, invalid: Any) -> None:
     saw = idle_machine({"start_mode": StartMode.TRIM}).set({name: invalid}).give("start").now()
-    assert (saw.state, saw["error_id"]) == (State.OFF, Fault.TUNABLE)
+    assert (saw.state, saw["error_id"]) == (State.OFF, PieceFault.TUNABLE)
     assert saw["local.refused_parameter"] == PARAMETERS[name.upper()]
 
 
@@ -227,7 +227,7 @@ def test_a_tool_that_never_answers() -> None:
     assert saw.slave == (0.0, 0.0, 0.0)
     assert saw.state == State.FAULT
     saw.give("reset").now().set({"start_mode": StartMode.CONTINUE}).give("start").now()
-    assert saw["error_id"] == Fault.START
+    assert saw["error_id"] == PieceFault.START
 
 
 def test_without_a_timeout_the_tool_may_take_any_time() -> None:

@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from motionsync.cut_to_length.faults import Fault, SkipReason
+from motionsync.cut_to_length.faults import SkipReason
 from motionsync.cut_to_length.interface import State
+from motionsync.cutting.faults import PieceFault
 from motionsync.cutting.interface import ChangeMode, LateMode, PieceKind, StartMode
 from tests.model.cut_to_length.harness import (
     HOME_AGAIN,
@@ -266,7 +267,7 @@ def test_a_late_cut_that_must_not_happen_stops_the_line() -> None:
     saw = started_machine({**SOON, "late_mode": LateMode.STOP_LINE}).at(HOME_TIME - JUST)
     assert not saw["error"]
     saw.at(HOME_TIME + JUST)
-    assert (saw.state, saw["error_id"], saw["line.stop_request"]) == (State.FAULT, Fault.CUT_MISSED, True)
+    assert (saw.state, saw["error_id"], saw["line.stop_request"]) == (State.FAULT, PieceFault.CUT_MISSED, True)
     assert (saw["running"], saw["line.velocity_request"]) == (False, 0.0)
     assert saw.slave == (0.0, 0.0, 0.0)
     saw.at(2.5)

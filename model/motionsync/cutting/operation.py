@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 from .. import var
-from ..cutting.commands import PieceCommands
 from ..slave import Edge
-from .faults import Fault
-from .interface import CutToLengthInterface
+from .commands import PieceCommands
+from .faults import PieceFault
 
 
 @dataclass(slots=True)
@@ -17,7 +16,7 @@ class Operation:
         pieces: the commands for pieces; its `fault` is why the last of all commands was refused.
         fault: why the machine has stopped, as `error_id` shows it.
         has_stepped: there has been a step since the initialization.
-        is_stopping: the machine rests as soon as the carriage is at home.
+        is_stopping: the machine rests as soon as it can.
         is_cut_pending: a cut_now has not been carried out yet.
     """
 
@@ -26,46 +25,44 @@ class Operation:
     abort_edge: Edge = var.part(Edge)
     reset_edge: Edge = var.part(Edge)
     cut_now_edge: Edge = var.part(Edge)
-    done_edge: Edge = var.part(Edge)
     pieces: PieceCommands = var.part(PieceCommands)
     fault: int = 0
     has_stepped: bool = False
     is_stopping: bool = False
     is_cut_pending: bool = False
 
-    def take_levels(self, block: CutToLengthInterface) -> None:
+    def take_levels(self, start: bool, stop: bool, abort: bool, reset: bool, cut_now: bool) -> None:
         """Take the present levels of the commands as they are: the first value seen is no edge."""
-        self.start_edge.take_level(block.start)
-        self.stop_edge.take_level(block.stop)
-        self.abort_edge.take_level(block.abort)
-        self.reset_edge.take_level(block.reset)
-        self.cut_now_edge.take_level(block.cut_now)
-        self.done_edge.take_level(block.tool.done)
+        self.start_edge.take_level(start)
+        self.stop_edge.take_level(stop)
+        self.abort_edge.take_level(abort)
+        self.reset_edge.take_level(reset)
+        self.cut_now_edge.take_level(cut_now)
 
     def start(self) -> None:
         """Accept the command start."""
-        self.pieces.fault = Fault.NONE
+        self.pieces.fault = PieceFault.NONE
         self.is_stopping = False
         self.is_cut_pending = False
 
     def stop(self) -> None:
         """Accept the command stop or abort."""
-        self.pieces.fault = Fault.NONE
+        self.pieces.fault = PieceFault.NONE
         self.is_stopping = True
         self.is_cut_pending = False
 
     def reset(self, is_at_rest: bool) -> None:
-        """Clear what was refused, and the fault once the carriage rests; in motion the command does nothing."""
-        if self.fault == Fault.NONE or is_at_rest:
-            self.fault = Fault.NONE
-            self.pieces.fault = Fault.NONE
+        """Clear what was refused, and the fault once the machine rests; in motion the command does nothing."""
+        if self.fault == PieceFault.NONE or is_at_rest:
+            self.fault = PieceFault.NONE
+            self.pieces.fault = PieceFault.NONE
 
     def request_cut(self, running: bool) -> None:
-        """Store a cut_now until the carriage is ready at home."""
+        """Store a cut_now until it can be carried out."""
         if not running or self.is_stopping:
-            self.pieces.fault = Fault.CUT_NOW
+            self.pieces.fault = PieceFault.CUT_NOW
         else:
-            self.pieces.fault = Fault.NONE
+            self.pieces.fault = PieceFault.NONE
             self.is_cut_pending = True
 
     def fail(self, fault: int) -> None:
