@@ -8,6 +8,7 @@ from .flying_saw.block import FlyingSaw as FlyingSaw
 from .follower.block import Follower as Follower
 from .gearing.block import Gearing as Gearing
 from .remote_sync.block import RemoteSync as RemoteSync
+from .rotary_knife.block import RotaryKnife as RotaryKnife
 from .synchronizer.block import Synchronizer as Synchronizer
 
 BLOCKS: Mapping[str, type[Any]] = {
@@ -17,4 +18,5 @@ BLOCKS: Mapping[str, type[Any]] = {
     "Follower": Follower,
     "RemoteSync": RemoteSync,
     "CutToLength": CutToLength,
+    "RotaryKnife": RotaryKnife,
 }

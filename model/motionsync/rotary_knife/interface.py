@@ -154,12 +154,8 @@ class KnifeAxis:
 class MachineLimits:
     """What the machine can do."""
 
-    max_line_velocity: float = var.output(
-        0.0, "highest for this piece and the next one", Unit.VELOCITY, discrete=True
-    )
-    min_length: float = var.output(
-        0.0, "shortest piece at the present line velocity; 1e12: none", Unit.POSITION
-    )
+    max_line_velocity: float = var.output(0.0, "highest for this piece and the next one", Unit.VELOCITY, discrete=True)
+    min_length: float = var.output(0.0, "shortest piece at the present line velocity; 1e12: none", Unit.POSITION)
     reserve: float = var.output(1.0, "share of the cycle that is left at the present line velocity")
     max_line_velocity_orders: float = var.snapshot(0.0, "highest admissible for all orders or marks", Unit.VELOCITY)
     max_length: float = var.snapshot(0.0, "longest piece on which the knife does not come to rest", Unit.POSITION)

@@ -1,0 +1,852 @@
+"""RotaryKnife: material that never stops is cut to length by blades on a cylinder that turns above it.
+
+Source: what vendors' packages for cross cutters do has been collected and decided on; README.md gives the decisions.
+"""
+
+from dataclasses import dataclass
+
+from .. import var
+from ..axis_limits import AxisLimits
+from ..clock import Clock
+from ..computable_range import LARGEST
+from ..cutting.faults import PieceFault
+from ..cutting.instants import NEVER, due_instant
+from ..cutting.interface import LateMode, PieceKind, Source, StartMode
+from ..cutting.material import Material
+from ..cutting.operation import Operation
+from ..cutting.outputs import show_line_request, show_orders
+from ..cutting.piece import UNLIMITED
+from ..cutting.pieces import can_change_pieces, record_piece
+from ..cutting.records import PieceRecords, increased
+from ..exceeded_limit import ExceededLimit
+from ..grid import wrap
+from ..laws import chain_rule
+from .curves import Peaks, Way
+from .cycle import RAMP_DOWN, RAMP_UP, TURNING_ON, Cycle, Stage
+from .departure import Departure
+from .faults import KnifeParameter, Refusal, SkipReason
+from .interface import RotaryKnifeInterface
+from .knife import Knife
+from .late_cuts import skip_cuts_before, skip_to_reached_cut
+from .limits import PUNCTUAL, CycleLimit, keeps_limits
+from .outputs import show_peaks, show_piece, show_state, show_warnings
+from .parking import Parking
+from .predictions import Predictions
+from .reserve import RestTime
+from .settings import KnifeSettings, describe_knife, start_refusal
+from .window import Window
+
+MOST_PITCHES = 1e4  # that the master may travel in one step
+MOST_EVENTS = 1000000  # in a section of the path; so many never happen
+LATE = 1e-9  # of a ramp's travel: with so much less it begins in time
+NEARLY = 1e-12  # of a ramp's travel: what it begins late by rounding
+
+
+@dataclass(slots=True)
+class RotaryKnife(RotaryKnifeInterface):
+    """A rotary knife that cuts running material to length, with all that belongs to it.
+
+    `start` sets the machine to work. It determines where the next cut is, from the lengths of the orders, the input
+    length or marks on the material; it turns the knife so that a blade is in sync at the cut, records the pieces, and
+    shows what line velocity it can follow.
+
+    Everything happens at its own place of the material, so that the results do not depend on the step size.
+    """
+
+    # Not shown. Positions of cuts are unwrapped positions of the master, u; times are in s. Positions of the knife
+    # count from where the blade of the next cut cuts.
+    knife_data: Knife = var.part(Knife)
+    operation: Operation = var.part(Operation)
+    settings: KnifeSettings = var.part(KnifeSettings)
+    material: Material = var.part(Material)
+    records: PieceRecords = var.part(PieceRecords)
+    predictions: Predictions = var.part(Predictions)
+    exceeded: ExceededLimit = var.part(ExceededLimit)
+    axis_limits: AxisLimits = var.part(AxisLimits, hidden=True)
+
+    # The windows: of the cut that ends the piece in progress, with the ramp up to it; of the latest cut to which a way
+    # was laid; of the last cut that was made.
+    piece_window: Window = var.part(Window)
+    ramp: CycleLimit = var.part(CycleLimit)
+    laid_window: Window = var.part(Window)
+    laid_cut: float = 0.0
+    is_cut_made: bool = True
+    last_window: Window = var.part(Window)
+    has_last_window: bool = False
+
+    cycle: Cycle = var.part(Cycle)
+    departure: Departure = var.part(Departure)
+    way: Way = var.part(Way)
+    cycle_peaks: Peaks = var.part(Peaks)
+    parking: Parking = var.part(Parking)
+    rest_time: RestTime = var.part(RestTime)
+    is_piece_late: bool = False
+    is_blocked: bool = False  # the ramp up: a parameter that it needs is out of its range
+    is_ramp_too_fast: bool = False
+    is_change_pending: bool = False
+    is_cut_refused: bool = False  # a cut_now could not move the next cut forward
+
+    now: float = 0.0  # up to which all events are carried out, since the step's beginning
+    place: float = 0.0  # where the master is then
+    block_clock: Clock = var.part(Clock)
+
+    def initialize(self) -> Refusal:
+        """The knife rests at park; may be called again while parameters still change.
+
+        What the machine can do is put out, too; warnings come with the first step."""
+        describe_knife(self.knife_data, self)
+        refusal = start_refusal(self, self.knife_data)
+        if refusal != Refusal.NONE:
+            return refusal
+        if not self.master.try_initialize():
+            return Refusal.MASTER_TURNS
+        self.describe_axis()
+        self.cycle.rest_at(Stage.RESTING, self.knife_data, self.blade_after(1.0), self.park_position())
+        self.operation.take_levels(self.start, self.stop, self.abort, self.reset, self.cut_now)
+        self.operation.pieces.take_levels(
+            self.take_sample, self.clear_statistics, self.mark.detected, self.order, self.calibration
+        )
+        self.read_demand()
+        self.update_settings()
+        self.show_motion()
+        return Refusal.NONE
+
+    def describe_axis(self) -> None:
+        """The axis's limits, as the check of the setpoint needs them: it has no end positions."""
+        self.axis_limits.max_velocity = self.axis.max_velocity
+        self.axis_limits.max_acceleration = self.axis.max_acceleration
+        self.axis_limits.max_jerk = self.axis.max_jerk
+        self.axis_limits.min_position = -LARGEST
+        self.axis_limits.max_position = LARGEST
+
+    def read_demand(self) -> None:
+        self.material.demand.set(self.source, self.length, self.length_correction, self.waste, self.order.repeat)
+
+    def step(self, h: float) -> Refusal:
+        """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
+        if self.running:
+            shortest = self.predictions.shortest_pitch(self.material)
+            if self.master.longest_travel(h) > MOST_PITCHES * shortest:
+                return Refusal.TRAVEL
+        if not self.master.try_advance(h):
+            return Refusal.MASTER_TURNS
+        self.read_demand()
+        self.local.skip_reason = SkipReason.NONE
+        for section in range(self.master.path.sections):
+            self.travel(section)
+            if section == 0:
+                self.obey()
+        self.advance_clocks(h)
+        self.show_motion()
+        self.show()
+        self.rebase()
+        self.operation.has_stepped = True
+        return Refusal.NONE
+
+    def advance_clocks(self, h: float) -> None:
+        self.block_clock.advance(h)
+        self.rest_time.advance(h)
+        self.parking.motion.advance(h)
+
+    # --- the parameters ---
+
+    def check_settings(self) -> None:
+        """Take over what was tuned, if it is valid."""
+        if not (self.settings.are_valid and self.settings.are_current(self, self.material.settings)):
+            self.update_settings()
+
+    def update_settings(self) -> None:
+        """Compute with the present parameters, as far as they are valid."""
+        self.settings.update(self, self.knife_data, self.material.settings)
+        self.is_blocked = self.is_blocked and self.settings.invalid_line != KnifeParameter.NONE
+        self.describe_window()
+
+    def describe_window(self) -> None:
+        """Compute with the present factor of calibration."""
+        factor = self.settings.material_factor * self.calibration.factor
+        self.material.settings.factor = factor
+        self.settings.describe(self.predictions.window, self.knife_data, factor)
+        self.predictions.describe(self.knife_data)
+
+    # --- the commands ---
+
+    def obey(self) -> None:
+        """Carry out the commands of the step, and what is looked at at each step's beginning."""
+        self.now = 0.0
+        self.place = self.master.begin
+        self.check_settings()
+        self.obey_machine()
+        self.obey_pieces()
+        self.watch_marks()
+        if self.operation.cut_now_edge.try_rise(self.cut_now):
+            self.command_cut_now()
+        self.update_piece()
+
+    def obey_machine(self) -> None:
+        """Carry out reset, abort, stop, start."""
+        operation = self.operation
+        if operation.reset_edge.try_rise(self.reset):
+            operation.reset(self.cycle.stage == Stage.RESTING)
+        if operation.abort_edge.try_rise(self.abort) and self.running:
+            operation.stop()
+            self.leave_material()
+        if operation.stop_edge.try_rise(self.stop) and self.running:
+            operation.stop()
+            if self.cycle.stage == Stage.WAITING:
+                self.enter_resting()
+        is_automatic = self.auto_start and not operation.has_stepped
+        if operation.start_edge.try_rise(self.start) or is_automatic:
+            self.command_start()
+
+    def obey_pieces(self) -> None:
+        """The commands for pieces."""
+        commands = self.operation.pieces
+        factor = self.calibration.factor
+        commands.obey_record_commands(self.clear_statistics, self.records, self.statistics)
+        commands.obey_calibration(self.calibration, self.last.length, self.settings.material_factor, self.material)
+        commands.obey_orders(self.order, self.take_sample, self.material)
+        if self.calibration.factor != factor:
+            self.describe_window()
+
+    def command_start(self) -> None:
+        """Set the machine to work, if it is off and has what it needs."""
+        can_continue = self.start_mode != StartMode.CONTINUE or self.material.has_cut
+        is_off = self.cycle.stage == Stage.RESTING and self.operation.fault == PieceFault.NONE
+        if not (is_off and can_continue):
+            self.operation.pieces.fault = PieceFault.START
+        elif not self.settings.can_start(self.material.settings):
+            self.operation.pieces.fault = PieceFault.TUNABLE
+        else:
+            self.operation.start()
+            self.set_to_work()
+
+    def set_to_work(self) -> None:
+        """Fix the first piece, and wait for its cut."""
+        self.running = True
+        self.is_piece_late = False
+        self.rest_time.start(self.now)
+        is_sample_pending = self.material.is_sample_pending
+        settings = self.material.settings
+        self.material.start(self.start_mode, self.master.begin, settings.front_position / settings.factor)
+        self.accept_piece(is_sample_pending)
+        self.cycle.rest_at(Stage.WAITING, self.knife_data, self.cycle.blade, self.park_position())
+
+    def command_cut_now(self) -> None:
+        """At rest, or soon: the cut is made as soon as possible. On a curve: the next cut is moved forward."""
+        operation = self.operation
+        operation.request_cut(self.running)
+        if not operation.is_cut_pending or self.cycle.stage == Stage.WAITING:
+            return
+        is_turning = self.cycle.stage in (Stage.TURNING, Stage.DISENGAGING)
+        if self.cycle.stage == Stage.DISENGAGING and self.hold:
+            return
+        if self.cycle.stage == Stage.SYNCHRONOUS and self.is_cut_made and self.cycle.is_last():
+            return
+        operation.is_cut_pending = False
+        if is_turning:
+            self.leave_curve()
+            if self.hold or not self.cycle.can_append(2) or not self.try_earlier_cut():
+                self.is_cut_refused = True
+
+    # --- the pieces ---
+
+    def fix_piece(self) -> None:
+        """Fix the piece that starts at the last cut, if the settings are valid."""
+        if self.settings.can_fix(self.material.settings):
+            is_sample_pending = self.material.is_sample_pending
+            self.material.fix_piece()
+            self.accept_piece(is_sample_pending)
+        else:
+            self.operation.pieces.fault = PieceFault.TUNABLE
+
+    def accept_piece(self, is_sample_pending: bool) -> None:
+        """Take the present window for the piece that was fixed; it is not fixed if the knife would have to park for it,
+        and must not. `is_sample_pending`: before it was fixed."""
+        piece = self.material.piece
+        if not piece.is_fixed:
+            return
+        if piece.kind != PieceKind.TRIM and self.is_too_long(piece.pitch):
+            piece.reset()
+            self.material.is_sample_pending = is_sample_pending
+            self.operation.pieces.fault = PieceFault.TUNABLE
+        else:
+            self.take_window()
+
+    def is_too_long(self, pitch: float) -> bool:
+        """Whether the knife would have to park for a piece of that pitch, u of the master, and must not."""
+        return not self.allow_parking and self.source == Source.LENGTH and pitch > self.predictions.lengths.longest
+
+    def take_window(self) -> None:
+        """The piece in progress ends with a cut in the window as it is set."""
+        var.copy(self.piece_window, self.predictions.window)
+        var.copy(self.ramp, self.predictions.ramp_up)
+        self.predictions.is_cycle_current = False
+        self.is_piece_late = False
+
+    def update_piece(self) -> None:
+        """Fix a piece that had no length, and one whose length has changed."""
+        piece = self.material.piece
+        if not self.running:
+            self.is_change_pending = False
+        elif not piece.is_fixed:
+            self.is_change_pending = False
+            self.fix_open_piece()
+        elif not can_change_pieces(self.material):
+            self.is_change_pending = False
+        elif piece.kind == PieceKind.PRODUCT:
+            has_changed = self.material.has_changed()
+            can_change = has_changed and self.settings.can_fix(self.material.settings)
+            self.is_change_pending = has_changed and not (can_change and self.try_change_piece())
+
+    def fix_open_piece(self) -> None:
+        """Fix a piece that had no length, if there is one now."""
+        if not self.settings.can_fix(self.material.settings):
+            self.operation.pieces.fault = PieceFault.TUNABLE
+            return
+        is_sample_pending = self.material.is_sample_pending
+        self.material.fix_open_piece()
+        self.accept_piece(is_sample_pending)
+
+    def changed_cut(self) -> float:
+        """The cut of the product in progress if it is fixed anew, a position of the master; UNLIMITED: it cannot be."""
+        length, _ = self.material.next_product()
+        pitch = self.material.pitch_of(length)
+        return UNLIMITED if pitch == UNLIMITED or self.is_too_long(pitch) else self.material.piece.begin + pitch
+
+    def try_change_piece(self) -> bool:
+        """Fix the product in progress anew, if its cut can still be reached: the curve to it is laid anew."""
+        cut = self.changed_cut()
+        if cut == UNLIMITED:
+            return False
+        window = self.predictions.window
+        match self.cycle.stage:
+            case Stage.WAITING:
+                travel = -(window.before + self.predictions.ramp_up.way.ramp_up.begin)
+                begin = cut + self.predictions.ramp_up.way.ramp_up.begin
+                if self.master.begin > begin + LATE * travel:
+                    return False
+                self.change_piece()
+                return True
+            case Stage.ENGAGING | Stage.TURNING | Stage.DISENGAGING:
+                is_held = self.cycle.stage == Stage.DISENGAGING and (self.operation.is_stopping or self.hold)
+                if is_held or self.master.begin_velocity <= 0.0 or not self.cycle.can_append(4):
+                    return False
+                self.leave_curve()
+                if not self.departure.try_cut(self.knife_data, window, cut, False):
+                    return False
+                self.change_piece()
+                self.lay_way()
+                return True
+            case _:
+                return False
+
+    def change_piece(self) -> None:
+        self.material.change_product()
+        self.take_window()
+
+    def watch_marks(self) -> None:
+        """What the sensor sees, and does not see; marks that are missing or too many stop the machine."""
+        detected = self.operation.pieces.mark.try_rise(self.mark.detected)
+        if not (self.running and self.source == Source.MARK):
+            return
+        master = self.master
+        was_fixed = self.material.piece.is_fixed
+        self.material.watch_marks(
+            self.mark, detected, master.begin, master.begin_velocity, master.period, self.statistics
+        )
+        self.warning.mark_missing = self.material.is_mark_missing
+        self.warning.mark_outside = self.material.is_mark_outside
+        if self.material.piece.is_fixed and not was_fixed:
+            self.take_window()
+        if self.material.mark_fault != PieceFault.NONE:
+            self.fail(self.material.mark_fault)
+
+    # --- the master's path ---
+
+    def travel(self, section: int) -> None:
+        """Carry out the events on a section of the path; on section 0 those of the step's first instant."""
+        path = self.master.path
+        self.now = 0.0 if section == 0 else path.times[section]
+        self.place = path.positions[section]
+        for _ in range(MOST_EVENTS):
+            if not self.try_event(section):
+                break
+
+    def try_event(self, section: int) -> bool:
+        """Carry out the next event on a section of the path; False: there is none."""
+        match self.cycle.stage:
+            case Stage.RESTING:
+                return False
+            case Stage.PARKING:
+                return self.try_event_parking(section)
+            case _:
+                return self.try_event_on_cycle(section)
+
+    def try_event_parking(self, section: int) -> bool:
+        """The knife arrives at park."""
+        until = 0.0 if section == 0 else self.master.path.times[section + 1]
+        motion = self.parking.motion
+        time = due_instant(motion.clock, motion.end_time(), self.now, until)
+        if time == NEVER:
+            return False
+        self.now = time
+        self.arrive()
+        return True
+
+    def try_event_on_cycle(self, section: int) -> bool:
+        """The knife comes to another section of its cycle, or what its present stage waits for happens."""
+        begin = self.master.path.positions[section]
+        end = self.master.path.positions[section + 1]
+        cycle = self.cycle
+        if end < begin:
+            if cycle.present > 0 and end < cycle.begin:
+                self.move_to(section, cycle.begin)
+                self.enter_section(cycle.present - 1)
+                return True
+        elif end > begin and not cycle.is_last():
+            if end >= cycle.next_begin:
+                self.move_to(section, cycle.next_begin)
+                self.enter_section(cycle.present + 1)
+                return True
+            return False
+        elif end > begin and cycle.stage == Stage.SYNCHRONOUS:
+            return self.try_event_synchronous(section, end)
+        return cycle.stage == Stage.WAITING and self.try_event_waiting(section, begin, end)
+
+    def move_to(self, section: int, place: float) -> None:
+        """All events are carried out up to a place on a section of the path, or beyond it already."""
+        time = self.master.path.crossing_time(section, place)
+        self.now = max(self.now, time)
+        rising = self.master.path.positions[section + 1] > self.master.path.positions[section]
+        self.place = max(self.place, place) if rising else min(self.place, place)
+
+    def try_event_synchronous(self, section: int, end: float) -> bool:
+        """In the latest window: the cut, or the window's end."""
+        place = self.laid_cut + self.laid_window.after if self.is_cut_made else self.laid_cut
+        if end < place:
+            return False
+        self.move_to(section, place)
+        if self.is_cut_made:
+            self.leave_window()
+        else:
+            self.make_cut()
+        return True
+
+    def try_event_waiting(self, section: int, begin: float, end: float) -> bool:
+        """The machine rests for good, or a ramp up begins."""
+        if self.operation.is_stopping:
+            self.enter_resting()
+            return True
+        if self.hold or self.is_blocked or end < begin or (section == 0 and end == begin):
+            return False
+        if self.operation.is_cut_pending:
+            return self.try_requested_cut(section)
+        piece = self.material.piece
+        if not piece.is_fixed or end == begin:
+            return False
+        ramp_begin = piece.end + self.ramp.way.ramp_up.begin
+        if end < ramp_begin:
+            return False
+        self.move_to(section, ramp_begin)
+        if piece.waits_for_line() and not self.try_wait_for_line(section, self.ramp.max_line_velocity):
+            return False
+        self.begin_ramp()
+        return True
+
+    def try_requested_cut(self, section: int) -> bool:
+        """A cut_now at rest, as soon as the line is slow enough."""
+        is_fixed = self.material.piece.is_fixed
+        limit = self.ramp.max_line_velocity if is_fixed else self.predictions.ramp_up.max_line_velocity
+        if not self.try_wait_for_line(section, limit):
+            return False
+        self.operation.is_cut_pending = False
+        if not is_fixed:
+            self.take_window()
+        self.material.fix_short(self.place - self.ramp.way.ramp_up.begin)
+        self.begin_ramp_at(self.place)
+        return True
+
+    def try_wait_for_line(self, section: int, limit: float) -> bool:
+        """Go to the first instant on a section of the path at which the line is no faster than the limit of a ramp, u/s;
+        False: there is none."""
+        master = self.master
+        until = 0.0 if section == 0 else master.path.times[section + 1]
+        greatest = limit * PUNCTUAL
+        velocity = master.velocity_at(self.now)
+        if velocity <= greatest:
+            return True
+        last = master.velocity_at(until)
+        if last > greatest:
+            return False
+        time = self.now + (until - self.now) * ((velocity - greatest) / (velocity - last))
+        self.now = max(self.now, min(time, until))
+        self.place = max(self.place, min(master.path.position(self.now), master.path.positions[section + 1]))
+        return True
+
+    # --- sections of the cycle ---
+
+    def enter_section(self, index: int) -> None:
+        """The knife comes to the next section of its cycle, or back to the one before."""
+        is_forward = index > self.cycle.present
+        self.rest_time.leave(self.now)
+        self.cycle.enter(index)
+        if self.cycle.stage != Stage.WAITING:
+            return
+        self.rest_time.rest(self.now)
+        self.master.watch_travel()
+        if self.operation.is_stopping:
+            self.enter_resting()
+        elif self.hold or not is_forward:
+            self.cycle.cut_off()
+
+    def begin_ramp(self) -> None:
+        """The ramp up to the next cut begins, unless the line is too fast or it is too late."""
+        piece = self.material.piece
+        before = self.piece_window.before
+        ramp_begin = piece.end + self.ramp.way.ramp_up.begin
+        travel = -(before + self.ramp.way.ramp_up.begin)
+        earliest = self.place - self.ramp.way.ramp_up.begin
+        if self.settings.invalid_line != KnifeParameter.NONE:
+            self.is_blocked = True
+            self.operation.pieces.fault = PieceFault.TUNABLE
+            return
+        velocity = self.master.velocity_at(self.now)
+        is_slow = velocity <= self.ramp.max_line_velocity * PUNCTUAL
+        if is_slow and self.place <= ramp_begin + LATE * travel:
+            self.begin_ramp_at(ramp_begin if self.place <= ramp_begin + NEARLY * travel else self.place)
+        elif piece.waits_for_line():
+            piece.end = earliest
+            self.begin_ramp_at(self.place)
+        elif is_slow and self.settings.late_mode == LateMode.LATE:
+            self.delay_cut(earliest)
+            self.begin_ramp_at(self.place)
+        elif self.settings.late_mode == LateMode.STOP_LINE:
+            self.fail(PieceFault.CUT_MISSED)
+        else:
+            self.show_skipped_cut()
+            skip_cuts_before(self.material, earliest - LATE * travel, self.statistics)
+            self.predictions.is_cycle_current = False
+
+    def begin_ramp_at(self, begin: float) -> None:
+        """The ramp up to the next cut begins at this position of the master, u: where it has to, or hardly later."""
+        knife = self.knife_data
+        cut = self.material.piece.end
+        window = self.piece_window
+        self.way.plan_ramp_up(knife, window, cut, 0.0)
+        section = self.way.ramp_up
+        if begin > section.begin:
+            start = window.begin
+            section.begin = begin
+            section.quintic.fit(section.end - begin, self.park_position(), 0.0, 0.0, start.position, start.d1, start.d2)
+        self.cycle.make_room(2, knife)
+        self.cycle.append_section(RAMP_UP, section, self.cycle.blade)
+        self.lay_window()
+        self.cycle_peaks.clear()
+        self.cycle_peaks.include(self.way.peaks)
+        self.enter_section(self.cycle.present + 1)
+
+    def lay_window(self) -> None:
+        """Append the window of the next cut to the cycle."""
+        self.laid_cut = self.material.piece.end
+        var.copy(self.laid_window, self.piece_window)
+        self.is_cut_made = False
+        self.cycle.append_window(self.laid_window, self.laid_cut, self.next_blade())
+
+    def next_blade(self) -> float:
+        """The blade of the next cut."""
+        is_over = self.cycle.stage == Stage.SYNCHRONOUS
+        return self.blade_after(self.cycle.blade + 1.0) if is_over else self.cycle.blade
+
+    def lay_way(self) -> None:
+        """Lay the way to the next cut that the departure has found."""
+        way = self.departure.way
+        cycle = self.cycle
+        blade = self.next_blade()
+        knife = self.knife_data
+        if way.parks:
+            is_shortened = way.ramp_up.begin <= way.first.end + NEARLY * way.first.quintic.length
+            cycle.make_room(4 if is_shortened else 2, knife)
+            cycle.append_section(RAMP_DOWN, way.first, blade)
+            cycle.append_rest(way.first.end, blade, self.park_position())
+            if is_shortened:
+                cycle.append_section(RAMP_UP, way.ramp_up, blade)
+                self.lay_window()
+        else:
+            cycle.make_room(2, knife)
+            cycle.append_section(TURNING_ON, way.first, blade)
+            self.lay_window()
+        var.copy(self.cycle_peaks, self.departure.peaks)
+        self.enter_section(cycle.present + 1)
+
+    def lay_ramp_down(self) -> None:
+        """Lay the ramp down to park, whatever the axis can do."""
+        departure = self.departure
+        blade = self.next_blade()
+        departure.way.plan_ramp_down(departure.begin, departure.point, self.park_position())
+        departure.include_leaving(departure.way.peaks)
+        if not keeps_limits(self.knife_data, departure.way.peaks, departure.velocity):
+            self.is_ramp_too_fast = True
+        self.cycle.make_room(2, self.knife_data)
+        self.cycle.append_section(RAMP_DOWN, departure.way.first, blade)
+        self.cycle.append_rest(departure.way.first.end, blade, self.park_position())
+        var.copy(self.cycle_peaks, departure.peaks)
+        self.enter_section(self.cycle.present + 1)
+
+    # --- cuts ---
+
+    def make_cut(self) -> None:
+        """The piece ends, and the next one starts."""
+        self.is_cut_made = True
+        self.is_ramp_too_fast = False
+        self.is_change_pending = False
+        self.is_cut_refused = False
+        var.copy(self.last_window, self.laid_window)
+        self.has_last_window = True
+        record_piece(
+            self.laid_cut,
+            self.block_clock.time + self.now,
+            self.rest_time.share(self.now, self.is_piece_late),
+            self.material,
+            self.records,
+            self.last,
+            self.statistics,
+            self.order,
+        )
+        self.batch_count = self.records.batch_count
+        self.batches = self.records.batches
+        self.batch_done = self.records.is_batch_done
+        self.rest_time.cut(self.now)
+        self.predictions.is_cycle_current = False
+        self.fix_piece()
+
+    def leave_window(self) -> None:
+        """At the end of a window: the way to the next cut is laid, or the ramp down."""
+        departure = self.departure
+        operation = self.operation
+        piece = self.material.piece
+        velocity = self.master.velocity_at(self.now)
+        departure.leave_window(self.laid_window, self.laid_cut, self.knife_data.spacing, velocity)
+        has_to_rest = operation.is_stopping or self.hold
+        if not has_to_rest:
+            self.change_piece_in_window()
+            if operation.is_cut_pending:
+                operation.is_cut_pending = False
+                if self.try_earlier_cut():
+                    return
+                self.is_cut_refused = True
+        if has_to_rest or not piece.is_fixed:
+            self.lay_ramp_down()
+        elif departure.try_cut(self.knife_data, self.piece_window, piece.end, True):
+            self.lay_way()
+        else:
+            self.act_on_late_cut()
+
+    def change_piece_in_window(self) -> None:
+        """Fix the product in progress anew where a change has come in the window after the cut."""
+        material = self.material
+        if not (self.is_change_pending and can_change_pieces(material) and material.has_changed()):
+            return
+        cut = self.changed_cut()
+        if cut < UNLIMITED and self.departure.try_cut(self.knife_data, self.predictions.window, cut, True):
+            self.change_piece()
+            self.is_change_pending = False
+
+    def act_on_late_cut(self) -> None:
+        """The next cut cannot be reached from the window's end."""
+        knife = self.knife_data
+        piece = self.material.piece
+        departure = self.departure
+        if self.settings.late_mode == LateMode.STOP_LINE:
+            self.fail(PieceFault.CUT_MISSED)
+        elif self.settings.late_mode == LateMode.LATE and departure.try_earliest(knife, self.piece_window, piece.end):
+            self.delay_cut(departure.earliest.cut)
+            self.lay_way()
+        else:
+            self.show_skipped_cut()
+            if skip_to_reached_cut(departure, knife, self.piece_window, self.material, self.statistics):
+                self.lay_way()
+            else:
+                self.lay_ramp_down()
+            self.predictions.is_cycle_current = False
+
+    def delay_cut(self, cut: float) -> None:
+        """The cut is made late, at this position of the master, u."""
+        self.material.piece.end = cut
+        self.is_piece_late = True
+        self.statistics.late = increased(self.statistics.late, 1.0)
+
+    def show_skipped_cut(self) -> None:
+        """Show that the next cut is skipped."""
+        self.local.skip_reason = SkipReason.LATE
+        self.local.skipped_cut = wrap(self.material.piece.end, self.master.period)
+        self.local.line_velocity = self.master.velocity_at(self.now)
+
+    def leave_curve(self) -> None:
+        """The knife may leave the curve on which it is."""
+        position, d1, d2, d3 = self.cycle.at(self.place)
+        self.departure.leave_curve(self.place, position, d1, d2, d3, self.master.velocity_at(self.now))
+
+    def try_earlier_cut(self) -> bool:
+        """A cut_now where the knife turns: the cut is made as early as it can be, if that is before it is due."""
+        piece = self.material.piece
+        departure = self.departure
+        if not departure.velocity > 0.0:
+            return False
+        knife = self.knife_data
+        if piece.is_fixed:
+            if not departure.try_earliest_turning(knife, self.piece_window, departure.begin, piece.end):
+                return False
+            if not departure.earliest.cut < piece.end:
+                return False
+        else:
+            window = self.predictions.window
+            if not departure.try_earliest_turning(knife, window, departure.begin, UNLIMITED):
+                return False
+            self.take_window()
+        self.material.fix_short(departure.earliest.cut)
+        self.lay_way()
+        return True
+
+    # --- rest, park, faults ---
+
+    def enter_resting(self) -> None:
+        """The machine does not run any more; the knife is at park."""
+        self.cycle.rest_at(Stage.RESTING, self.knife_data, self.cycle.blade, self.park_position())
+        self.running = False
+        self.operation.is_cut_pending = False
+        self.is_change_pending = False
+        self.is_cut_refused = False
+        self.is_blocked = False
+        self.material.piece.reset()
+
+    def fail(self, fault: int) -> None:
+        """The machine stops for a fault: the knife parks."""
+        self.operation.fail(fault)
+        self.running = False
+        self.leave_material()
+
+    def leave_material(self) -> None:
+        """The knife parks, by a motion of its own if it turns."""
+        match self.cycle.stage:
+            case Stage.RESTING | Stage.PARKING:
+                pass
+            case Stage.WAITING:
+                self.enter_resting()
+            case _:
+                self.enter_parking()
+
+    def enter_parking(self) -> None:
+        """From the cycle to park."""
+        position, d1, d2, d3 = self.cycle.at(self.place)
+        velocity, acceleration, _ = chain_rule(
+            d1, d2, d3, self.master.velocity_at(self.now), self.master.mean_acceleration()
+        )
+        self.rest_time.leave(self.now)
+        self.parking.plan(self.knife_data, self.now, self.cycle.blade, position, velocity, acceleration)
+        self.cycle.stage = Stage.PARKING
+        if self.operation.fault != PieceFault.NONE:
+            self.drop_piece()
+
+    def drop_piece(self) -> None:
+        self.operation.is_cut_pending = False
+        self.is_change_pending = False
+        self.is_cut_refused = False
+        self.material.piece.reset()
+
+    def arrive(self) -> None:
+        """The knife is at park."""
+        knife = self.knife_data
+        self.count_passed_places(self.parking.end)
+        self.cycle.blade = self.blade_after(self.parking.blade + self.parking.turns_at_end(knife))
+        self.enter_resting()
+
+    def count_passed_places(self, position: float) -> None:
+        """Count the places of cuts that the blades have passed out of sync, up to a position of the knife."""
+        number = self.parking.places_passed(self.knife_data, position)
+        if number > 0.0:
+            self.parking.passed += number
+            self.statistics.unsynchronised = increased(self.statistics.unsynchronised, number)
+
+    def park_position(self) -> float:
+        """Where the knife rests, counted from where the blade of the next cut cuts."""
+        return self.knife_data.park_angle - self.knife_data.spacing
+
+    def blade_after(self, blade: float) -> float:
+        """The number of a blade, counted round the cylinder."""
+        return wrap(blade, float(self.knife.blades))
+
+    # --- what is put out ---
+
+    def set_slave(self) -> None:
+        """The knife's setpoint at the end of the step."""
+        if self.cycle.stage == Stage.PARKING:
+            position, velocity, acceleration, jerk = self.parking.at_end_of_step()
+            self.count_passed_places(position)
+            self.slave.set(self.shown_position(self.parking.blade, position), velocity, acceleration, jerk)
+        else:
+            position, d1, d2, d3 = self.cycle.at(self.master.end)
+            velocity, acceleration, jerk = chain_rule(
+                d1, d2, d3, self.master.end_velocity, self.master.end_acceleration
+            )
+            self.slave.set(self.shown_position(self.cycle.blade, position), velocity, acceleration, jerk)
+
+    def shown_position(self, blade: float, position: float) -> float:
+        """The position of the cylinder, for one of the knife that counts from where that blade cuts."""
+        return wrap(blade * self.knife_data.spacing + position, self.knife_data.turn)
+
+    def show_motion(self) -> None:
+        """The setpoint, and what is predicted from the motion of the line."""
+        self.set_slave()
+        self.update_predictions()
+        stage = self.cycle.stage
+        is_entering = stage == Stage.SYNCHRONOUS and not self.is_cut_made and self.cycle.is_last()
+        show_piece(self, self.material.piece, self.piece_window.before, is_entering)
+        self.local.coupling_factor = self.predictions.window.slope
+        show_line_request(self.line, self.operation.fault, self.settings.margin, self.limits.max_line_velocity)
+        show_peaks(self, self.cycle_peaks)
+
+    def update_predictions(self) -> None:
+        """The limits of the line: from the last cut to the one in progress, and on to the next."""
+        stage = self.cycle.stage
+        is_out_of_rest = (
+            stage in (Stage.RESTING, Stage.WAITING, Stage.ENGAGING) and self.operation.fault == PieceFault.NONE
+        )
+        if not (self.running and self.material.piece.is_fixed):
+            var.copy(self.piece_window, self.predictions.window)
+        if not self.has_last_window:
+            var.copy(self.last_window, self.predictions.window)
+        self.predictions.update(
+            self, self.knife_data, self.material, self.last_window, self.piece_window, is_out_of_rest
+        )
+
+    def show(self) -> None:
+        """What is shown of the machine from the first step on."""
+        material = self.material
+        show_state(self, self.cycle.stage, self.operation.fault, self.operation.pieces.fault)
+        show_orders(self.order, material.orders)
+        self.local.marks_waiting = material.marks.waiting
+        if self.cycle.stage in (Stage.RESTING, Stage.WAITING):
+            self.exceeded.clear()
+        else:
+            self.exceeded.check_setpoint(self.axis_limits, self.slave)
+        window = self.predictions.window
+        show_warnings(
+            self,
+            self.exceeded,
+            max(window.begin.d1, window.end.d1),
+            self.is_ramp_too_fast,
+            self.is_change_pending or self.is_cut_refused,
+        )
+        self.local.refused_parameter = self.settings.refused_parameter(material.settings)
+        self.clock = self.block_clock.time
+
+    def rebase(self) -> None:
+        """Drop the master's whole turns from all positions."""
+        if self.master.period > 0.0:
+            before = self.master.end
+            self.master.rebase()
+            turns = before - self.master.end
+            if turns != 0.0:
+                self.material.rebase(turns)
+                self.cycle.rebase(turns)
+                self.laid_cut -= turns

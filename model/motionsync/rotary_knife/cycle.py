@@ -1,0 +1,271 @@
+"""The sections on which the knife is: at rest, on curves and in windows, over the position of the master.
+
+A section holds from the master's position `begin` on, up to where the next one begins; further back the one before it
+holds. So the knife is where the sections have it, however far the line runs back. The sections of the last few cuts are
+kept: should the line run back further, the knife comes to rest before the oldest of these cuts, as if it had started
+there.
+
+Positions of the knife count from where the blade of the next cut cuts; in a window, from where the blade in it cuts.
+"""
+
+from dataclasses import dataclass
+
+from .. import var
+from ..var import Enumeration
+from .curves import Section, Way
+from .knife import Knife
+from .window import TWO_PI, Window
+
+CAPACITY = 8
+ROW = 13  # numbers per section
+
+# What is where in the row of a section.
+BEGIN = 0
+KIND = 1
+BLADE = 2
+ORIGIN = 3  # where a quintic begins, or the cut of a window, as positions of the master; where the knife rests
+END = 4  # of a quintic
+SCALE = 5  # the length of a quintic; the slope of a window
+RATE = 6
+COEFFICIENTS = 7
+
+# The kinds of sections.
+AT_REST = 0.0
+RAMP_UP = 1.0
+IN_WINDOW = 2.0
+TURNING_ON = 3.0
+RAMP_DOWN = 4.0
+
+
+class Stage(Enumeration):
+    """What drives the knife"""
+
+    RESTING = 0, "nothing: it rests, and the machine does not run"
+    PARKING = 1, "its motion to park"
+    WAITING = 2, "nothing: it rests until the ramp up to the next cut"
+    ENGAGING = 3, "the ramp up"
+    SYNCHRONOUS = 4, "the window of a cut"
+    TURNING = 5, "the curve from one window to the next"
+    DISENGAGING = 6, "the ramp down"
+
+
+@dataclass(slots=True)
+class Cycle:
+    """At most 8 sections, in rows one after the other; the knife is on the present one.
+
+    Attributes:
+        sections, present: how many there are, and which one the knife is on.
+        rows: all sections.
+        stage: of the present section, or what drives the knife instead.
+        begin: where the present section begins, as a position of the master, u.
+        next_begin: where the one after it begins, if there is one.
+        blade: which blade makes the next cut, or the one in whose window the knife is.
+        rest: the position of the knife, if it is at rest.
+        window, cut: the window that the knife is in; its cut as a position of the master, u.
+        section: the curve that the knife is on.
+        forgotten, forgotten_window: the ramp up to the oldest window that is kept.
+    """
+
+    sections: int = var.count(CAPACITY, 1)
+    present: int = var.count(CAPACITY - 1)
+    rows: list[float] = var.ring(104)
+    stage: Stage = Stage.RESTING
+    begin: float = 0.0
+    next_begin: float = 0.0
+    blade: float = 0.0
+    rest: float = 0.0
+    cut: float = 0.0
+    window: Window = var.part(Window)
+    section: Section = var.part(Section)
+    forgotten: Way = var.part(Way)
+    forgotten_window: Window = var.part(Window)
+
+    def is_last(self) -> bool:
+        """Whether no section comes after the present one."""
+        return self.present + 1 == self.sections
+
+    def at(self, master: float) -> tuple[float, float, float, float]:
+        """The position of the knife, and its derivatives by the master's, where that has this position, u."""
+        if self.stage <= Stage.WAITING:
+            return self.rest, 0.0, 0.0, 0.0
+        if self.stage == Stage.SYNCHRONOUS:
+            position, d1, d2, d3 = self.window.at(master - self.cut)
+            return position, d1, d2, d3
+        position, d1, d2, d3 = self.section.at(master)
+        return position, d1, d2, d3
+
+    # --- the knife is on another section ---
+
+    def enter(self, index: int) -> None:
+        """The knife is on the section with this index."""
+        self.present = index
+        row = ROW * index
+        kind = self.rows[row + KIND]
+        self.begin = self.rows[row + BEGIN]
+        self.blade = self.rows[row + BLADE]
+        if index + 1 < self.sections:
+            self.next_begin = self.rows[row + ROW + BEGIN]
+        if kind == AT_REST:
+            self.stage = Stage.WAITING
+            self.rest = self.rows[row + ORIGIN]
+        elif kind == IN_WINDOW:
+            self.stage = Stage.SYNCHRONOUS
+            self.load_window(row)
+        else:
+            self.load_section(row)
+            if kind == RAMP_UP:
+                self.stage = Stage.ENGAGING
+            elif kind == TURNING_ON:
+                self.stage = Stage.TURNING
+            else:
+                self.stage = Stage.DISENGAGING
+
+    def load_window(self, row: int) -> None:
+        """The window that is stored in the row which begins there."""
+        self.cut = self.rows[row + ORIGIN]
+        self.window.slope = self.rows[row + SCALE]
+        self.window.rate = self.rows[row + RATE]
+
+    def load_section(self, row: int) -> None:
+        """The curve that is stored in the row which begins there."""
+        section = self.section
+        quintic = section.quintic
+        section.begin = self.rows[row + ORIGIN]
+        section.end = self.rows[row + END]
+        quintic.length = self.rows[row + SCALE]
+        quintic.rate = self.rows[row + RATE]
+        quintic.c0 = self.rows[row + COEFFICIENTS]
+        quintic.c1 = self.rows[row + COEFFICIENTS + 1]
+        quintic.c2 = self.rows[row + COEFFICIENTS + 2]
+        quintic.c3 = self.rows[row + COEFFICIENTS + 3]
+        quintic.c4 = self.rows[row + COEFFICIENTS + 4]
+        quintic.c5 = self.rows[row + COEFFICIENTS + 5]
+
+    # --- sections are laid ---
+
+    def rest_at(self, stage: Stage, knife: Knife, blade: float, position: float) -> None:
+        """At rest from now on, wherever the master is; the curves are those of this knife."""
+        self.window.is_horizontal = knife.is_horizontal
+        self.window.radian = knife.turn / TWO_PI
+        self.sections = 0
+        self.append_rest(0.0, blade, position)
+        self.enter(0)
+        self.stage = stage
+
+    def cut_off(self) -> None:
+        """What comes after the present section holds no more."""
+        self.sections = self.present + 1
+
+    def append(self, begin: float, kind: float, blade: float) -> int:
+        """Append a section that begins at a position of the master, u, and return where its row begins."""
+        row = ROW * self.sections
+        self.sections += 1
+        self.rows[row + BEGIN] = begin
+        self.rows[row + KIND] = kind
+        self.rows[row + BLADE] = blade
+        if self.sections == self.present + 2:
+            self.next_begin = begin
+        return row
+
+    def append_rest(self, begin: float, blade: float, position: float) -> None:
+        """Append a rest of the knife at this position."""
+        row = self.append(begin, AT_REST, blade)
+        self.rows[row + ORIGIN] = position
+
+    def append_window(self, window: Window, cut: float, blade: float) -> None:
+        """Append the window of a cut, which is made where the master has this position, u."""
+        row = self.append(cut - window.before, IN_WINDOW, blade)
+        self.rows[row + ORIGIN] = cut
+        self.rows[row + SCALE] = window.slope
+        self.rows[row + RATE] = window.rate
+
+    def append_section(self, kind: float, section: Section, blade: float) -> None:
+        """Append a curve."""
+        quintic = section.quintic
+        row = self.append(section.begin, kind, blade)
+        self.rows[row + ORIGIN] = section.begin
+        self.rows[row + END] = section.end
+        self.rows[row + SCALE] = quintic.length
+        self.rows[row + RATE] = quintic.rate
+        self.rows[row + COEFFICIENTS] = quintic.c0
+        self.rows[row + COEFFICIENTS + 1] = quintic.c1
+        self.rows[row + COEFFICIENTS + 2] = quintic.c2
+        self.rows[row + COEFFICIENTS + 3] = quintic.c3
+        self.rows[row + COEFFICIENTS + 4] = quintic.c4
+        self.rows[row + COEFFICIENTS + 5] = quintic.c5
+
+    # --- old sections are forgotten ---
+
+    def can_append(self, number: int) -> bool:
+        """Whether there is room for more sections after the present one, when old ones have been forgotten."""
+        return self.oldest_kept(number) >= 0
+
+    def oldest_kept(self, number: int) -> int:
+        """The oldest section that need not be forgotten to append that many after the present one; -1: all must be.
+
+        Where old sections are forgotten, the oldest one is a rest, or a window: a ramp will lead up to that one."""
+        kept = self.present + 1
+        if kept + number <= CAPACITY:
+            return 0
+        for index in range(1, kept):
+            kind = self.rows[ROW * index + KIND]
+            if kind == AT_REST and kept - index + number <= CAPACITY:
+                return index
+            if kind == IN_WINDOW and kept - index + 2 + number <= CAPACITY:
+                return index
+        return -1
+
+    def make_room(self, number: int, knife: Knife) -> None:
+        """Forget what comes after the present section, and so many old ones that there is room for more."""
+        self.cut_off()
+        oldest = self.oldest_kept(number)
+        if oldest > 0:
+            is_window = self.rows[ROW * oldest + KIND] == IN_WINDOW
+            self.move_rows(oldest, 2 if is_window else 0)
+            if is_window:
+                self.lay_ramp_to_oldest_window(knife)
+
+    def move_rows(self, oldest: int, to: int) -> None:
+        """Let the rows from the oldest one that is kept start with that index."""
+        shift = ROW * (oldest - to)
+        if shift > 0:
+            for i in range(ROW * to, ROW * (self.sections + to - oldest)):
+                self.rows[i] = self.rows[i + shift]
+        else:
+            for i in range(ROW * (self.sections + to - oldest) - 1, ROW * to - 1, -1):
+                self.rows[i] = self.rows[i + shift]
+        self.sections += to - oldest
+        self.present += to - oldest
+
+    def lay_ramp_to_oldest_window(self, knife: Knife) -> None:
+        """Lay a ramp up to the window in row 2, and a rest before it, in rows 0 and 1."""
+        row = ROW * 2
+        sections = self.sections
+        blade = self.rows[row + BLADE]
+        window = self.forgotten_window
+        window.is_horizontal = self.window.is_horizontal
+        window.radian = self.window.radian
+        window.slope = self.rows[row + SCALE]
+        window.rate = self.rows[row + RATE]
+        window.before = self.rows[row + ORIGIN] - self.rows[row + BEGIN]
+        position, d1, d2, d3 = window.at(-window.before)
+        window.begin.set(position, d1, d2, d3)
+        self.forgotten.plan_ramp_up(knife, window, self.rows[row + ORIGIN], 0.0)
+        self.sections = 0
+        self.append_rest(0.0, blade, knife.park_angle - knife.spacing)
+        self.append_section(RAMP_UP, self.forgotten.ramp_up, blade)
+        self.sections = sections
+
+    def rebase(self, distance: float) -> None:
+        """Reduce all positions of the master by a distance, u: whole turns are dropped."""
+        for index in range(self.sections):
+            row = ROW * index
+            self.rows[row + BEGIN] -= distance
+            if self.rows[row + KIND] != AT_REST:
+                self.rows[row + ORIGIN] -= distance
+                self.rows[row + END] -= distance
+        self.begin -= distance
+        self.next_begin -= distance
+        self.cut -= distance
+        self.section.begin -= distance
+        self.section.end -= distance

@@ -1,0 +1,61 @@
+"""The knife's motion to park: in time, with the limits of its axis, from wherever it is and without turning back."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+from .. import var
+from ..grid import floor
+from ..motion import Motion, stopping_distance
+from ..motion_start import attainable_acceleration
+from .knife import Knife
+from .window import PARK_MARGIN
+
+
+@dataclass(slots=True)
+class Parking:
+    """The motion to the first park place at which the knife can come to rest.
+
+    Positions of the knife count from where the blade `blade` cuts.
+
+    Attributes:
+        end: where the motion ends.
+        passed: the number of the last place of a cut that was passed: 0 is that of `blade`.
+    """
+
+    motion: Motion = var.part(Motion)
+    blade: float = 0.0
+    end: float = 0.0
+    passed: float = 0.0
+
+    def plan(
+        self, knife: Knife, now: float, blade: float, position: float, velocity: float, acceleration: float
+    ) -> None:
+        """Plan it from this state; it starts at a time since the step's beginning, s.
+
+        What slows a knife down that turns forwards is no more than what a stop needs, sqrt(2 jerk velocity)."""
+        up = knife.max_acceleration
+        jerk = knife.max_jerk
+        start = attainable_acceleration(velocity, acceleration, knife.max_velocity, up, up)
+        if velocity >= 0.0:
+            start = max(start, -sqrt(2.0 * jerk * velocity))
+        stop = position + stopping_distance(velocity, start, up, jerk)
+        margin = PARK_MARGIN * knife.turn
+        places = -floor(-(stop - margin - knife.park_angle) / knife.spacing)
+        self.blade = blade
+        self.end = max(knife.park_angle + places * knife.spacing, stop)
+        self.passed = floor((position + margin) / knife.spacing)
+        self.motion.move(position, velocity, start, self.end, knife.max_velocity, up, up, jerk)
+        self.motion.clock.start(now)
+
+    def at_end_of_step(self) -> tuple[float, float, float, float]:
+        """Position, velocity, acceleration and jerk where the motion's clock is."""
+        position, velocity, acceleration, jerk = self.motion.at(self.motion.clock.time)
+        return position, velocity, acceleration, jerk
+
+    def places_passed(self, knife: Knife, position: float) -> float:
+        """How many places of cuts are passed at a position that were not passed before."""
+        return max(floor(position / knife.spacing) - self.passed, 0.0)
+
+    def turns_at_end(self, knife: Knife) -> float:
+        """How many blades have passed where they cut, beyond `blade`, when the motion is over."""
+        return floor(self.end / knife.spacing) + 1.0

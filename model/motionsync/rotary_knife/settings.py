@@ -1,0 +1,147 @@
+"""The tunable parameters of the machine: validated, and taken over if they are valid."""
+
+from dataclasses import dataclass
+
+from ..computable_range import LARGEST, is_usable
+from ..cutting.interface import LateMode
+from ..cutting.settings import PieceParameter, PieceSettings, has_narrow_window
+from .faults import KnifeParameter, Refusal
+from .interface import GREATEST_OVERSPEED, LEAST_OVERSPEED, RotaryKnifeInterface, SyncMode
+from .knife import Knife
+from .window import Window, has_way
+
+
+@dataclass(slots=True)
+class KnifeSettings:
+    """The values of the machine's tunable parameters when they were valid last.
+
+    Attributes:
+        invalid_factor, invalid_window, invalid_line: the first parameter of each group that is out of its range.
+        are_valid: no parameter is out of its range, those of pieces included.
+    """
+
+    invalid_factor: KnifeParameter = KnifeParameter.NONE
+    invalid_window: KnifeParameter = KnifeParameter.NONE
+    invalid_line: KnifeParameter = KnifeParameter.NONE
+    are_valid: bool = True
+    material_factor: float = 1.0
+    before: float = 20.0
+    after: float = 20.0
+    overspeed: float = 0.0
+    margin: float = 0.02
+    late_mode: LateMode = LateMode.SKIP
+
+    def are_current(self, block: RotaryKnifeInterface, pieces: PieceSettings) -> bool:
+        """Whether no parameter has been tuned since the settings were taken over."""
+        return (
+            self.material_factor == block.material_factor
+            and self.before == block.sync.before
+            and self.after == block.sync.after
+            and self.overspeed == block.sync.overspeed
+            and self.margin == block.line.margin
+            and self.late_mode == block.late_mode
+            and pieces.has_piece(
+                block.kerf,
+                block.length_tolerance,
+                block.sample_length,
+                block.waste_length,
+                block.batch_size,
+                block.change_mode,
+            )
+            and pieces.has_start(block.start_mode, block.front_position, block.trim_length)
+            and pieces.has_mark(block.mark)
+        )
+
+    def update(self, block: RotaryKnifeInterface, knife: Knife, pieces: PieceSettings) -> None:
+        """Validate the block's parameters, and take over those of each group in which all are valid."""
+        is_factor = is_usable(block.material_factor * block.calibration.factor)
+        self.invalid_factor = checked(KnifeParameter.NONE, is_factor, KnifeParameter.MATERIAL_FACTOR)
+        if is_factor:
+            self.material_factor = block.material_factor
+        self.invalid_window = invalid_window(block, knife)
+        if self.invalid_window == KnifeParameter.NONE:
+            self.before = block.sync.before
+            self.after = block.sync.after
+            self.overspeed = block.sync.overspeed
+        is_mode = LateMode.SKIP <= block.late_mode <= LateMode.STOP_LINE
+        invalid = checked(KnifeParameter.NONE, 0.0 <= block.line.margin < 1.0, KnifeParameter.MARGIN)
+        self.invalid_line = checked(invalid, is_mode, KnifeParameter.LATE_MODE)
+        if self.invalid_line == KnifeParameter.NONE:
+            self.margin = block.line.margin
+            self.late_mode = block.late_mode
+        pieces.set_piece(
+            block.kerf,
+            block.length_tolerance,
+            block.sample_length,
+            block.waste_length,
+            block.batch_size,
+            block.change_mode,
+        )
+        pieces.set_start(block.start_mode, block.front_position, block.trim_length)
+        pieces.set_mark(block.mark)
+        self.are_valid = self.first_invalid() == KnifeParameter.NONE and pieces.first_invalid() == PieceParameter.NONE
+
+    def first_invalid(self) -> KnifeParameter:
+        """The first parameter of the machine that is out of its range."""
+        invalid = checked(self.invalid_factor, self.invalid_window == KnifeParameter.NONE, self.invalid_window)
+        return checked(invalid, self.invalid_line == KnifeParameter.NONE, self.invalid_line)
+
+    def refused_parameter(self, pieces: PieceSettings) -> int:
+        """The number of the first parameter that is out of its range; 0: all are valid."""
+        if self.are_valid:
+            return 0
+        if self.first_invalid() != KnifeParameter.NONE:
+            return self.first_invalid()
+        return pieces.first_invalid()
+
+    def can_fix(self, pieces: PieceSettings) -> bool:
+        """Whether all is valid that a piece is fixed with."""
+        is_window = self.invalid_window == KnifeParameter.NONE and self.invalid_factor == KnifeParameter.NONE
+        return is_window and pieces.invalid_piece == PieceParameter.NONE
+
+    def can_start(self, pieces: PieceSettings) -> bool:
+        """Whether all is valid that the command start reads."""
+        is_machine_valid = self.first_invalid() == KnifeParameter.NONE
+        return is_machine_valid and self.can_fix(pieces) and pieces.invalid_start == PieceParameter.NONE
+
+    def describe(self, window: Window, knife: Knife, factor: float) -> None:
+        """The window with the present settings; `factor`: travel of the material per travel of the master."""
+        window.set(knife, factor, self.before, self.after, self.overspeed)
+
+
+def describe_knife(knife: Knife, block: RotaryKnifeInterface) -> None:
+    """Write what is fixed into what curves and limits are computed from."""
+    knife.turn = block.knife.turn
+    knife.circumference = block.knife.circumference
+    knife.spacing = block.knife.turn / float(block.knife.blades)
+    knife.park_angle = block.knife.park_angle
+    knife.is_horizontal = block.sync.mode == SyncMode.HORIZONTAL
+    knife.may_park = block.allow_parking
+    knife.max_velocity = block.axis.max_velocity
+    knife.max_acceleration = block.axis.max_acceleration
+    knife.max_jerk = block.axis.max_jerk
+
+
+def start_refusal(block: RotaryKnifeInterface, knife: Knife) -> Refusal:
+    """Why the start values contradict one another; NONE: they do not."""
+    if not has_way(knife, block.sync.before, block.sync.after, block.sync.overspeed):
+        return Refusal.KNIFE_WINDOW
+    return Refusal.NONE if has_narrow_window(block.mark) else Refusal.MARK_WINDOW
+
+
+def invalid_window(block: RotaryKnifeInterface, knife: Knife) -> KnifeParameter:
+    """The first parameter of the window that is out of its range. NaN is out of every range."""
+    sync = block.sync
+    is_overspeed = LEAST_OVERSPEED <= sync.overspeed <= GREATEST_OVERSPEED
+    invalid = checked(KnifeParameter.NONE, 0.0 <= sync.before <= LARGEST, KnifeParameter.SYNC_BEFORE)
+    invalid = checked(invalid, 0.0 <= sync.after <= LARGEST, KnifeParameter.SYNC_AFTER)
+    invalid = checked(invalid, is_overspeed, KnifeParameter.OVERSPEED)
+    if invalid != KnifeParameter.NONE:
+        return invalid
+    is_way = has_way(knife, sync.before, sync.after, sync.overspeed)
+    return checked(KnifeParameter.NONE, is_way, KnifeParameter.KNIFE_WINDOW)
+
+
+def checked(invalid: KnifeParameter, is_valid: bool, parameter: KnifeParameter) -> KnifeParameter:
+    """The first invalid parameter of a check so far; without one this parameter, unless it is valid."""
+    return invalid if invalid != KnifeParameter.NONE or is_valid else parameter
