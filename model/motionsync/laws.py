@@ -18,6 +18,9 @@ def parabola(z: float) -> tuple[float, float, float, float]:
     return 2.0 * z * z, 4.0 * z, 4.0, 0.0
 
 
+POLYNOMIAL_3_4_5_D1 = 1.875  # the greatest magnitudes of the first three derivatives over 0 <= z <= 1
+POLYNOMIAL_3_4_5_D2 = 10.0 / sqrt(3.0)
+POLYNOMIAL_3_4_5_D3 = 60.0
 POLYNOMIAL_3_4_5_TRAVEL = 15.0 / 8.0  # D
 POLYNOMIAL_3_4_5_PEAK_ACCELERATION = 64.0 / 135.0 * sqrt(3.0)  # v^2 / D
 POLYNOMIAL_3_4_5_PEAK_JERK = 512.0 / 225.0  # v^3 / D^2, at the ramp's rest end

@@ -5,15 +5,16 @@ that a cut keeps its last bits however far the material has run.
 """
 
 from dataclasses import dataclass
-from math import sqrt
 
 from ..axis_limits import AxisLimits
 from ..computable_range import clamp
-from ..laws import half_ramp, polynomial_3_4_5
-
-GAP_VELOCITY = 1.875  # g / T: greatest velocity of the gap's curve
-GAP_ACCELERATION = 10.0 / sqrt(3.0)  # g / T^2: its greatest acceleration
-GAP_JERK = 60.0  # g / T^3: its greatest jerk
+from ..laws import (
+    POLYNOMIAL_3_4_5_D1,
+    POLYNOMIAL_3_4_5_D2,
+    POLYNOMIAL_3_4_5_D3,
+    half_ramp,
+    polynomial_3_4_5,
+)
 
 
 @dataclass(slots=True)
@@ -90,8 +91,8 @@ def gap_extremes(speed: float, acceleration: float, distance: float, travel: flo
     """Bounds of the carriage's speed and acceleration while the gap is opened, u/s and u/s2; the line's, in its travel,
     are at most these."""
     rate = distance / travel * speed
-    slope = 1.0 + GAP_VELOCITY * distance / travel
-    return slope * speed, slope * acceleration + GAP_ACCELERATION * rate * (speed / travel)
+    slope = 1.0 + POLYNOMIAL_3_4_5_D1 * distance / travel
+    return slope * speed, slope * acceleration + POLYNOMIAL_3_4_5_D2 * rate * (speed / travel)
 
 
 def can_open_gap(velocity: float, distance: float, travel: float, axis: AxisLimits) -> bool:
@@ -101,5 +102,5 @@ def can_open_gap(velocity: float, distance: float, travel: float, axis: AxisLimi
     return (
         speed <= axis.max_velocity
         and acceleration <= min(axis.max_acceleration, axis.deceleration())
-        and GAP_JERK * distance / time / time / time <= axis.max_jerk
+        and POLYNOMIAL_3_4_5_D3 * distance / time / time / time <= axis.max_jerk
     )

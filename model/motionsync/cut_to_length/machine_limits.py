@@ -8,10 +8,9 @@ All functions are finite for limits and inputs from 1e-12 to 1e12.
 from dataclasses import dataclass
 from math import sqrt
 
-from ..computable_range import clamp
+from ..bracket import ROOT_TOLERANCE, next_try
 
 LEAST = 1e-100  # a line velocity below it counts as this one, a pitch below it as none: no quotient overflows
-ROOT_TOLERANCE = 1e-13  # relative width of the bracket that is left of the greatest line velocity
 ITERATIONS = 200  # a bound that no search comes near: about 10 steps are usual, 30 the most
 
 
@@ -210,17 +209,6 @@ def excess(machine: Machine, velocity: float, pitch: float) -> float:
     end = machine.home_position + way - machine.max_position
     of_stroke = end / max(machine.max_position - machine.home_position, LEAST)
     return max(of_stroke, (velocity * time - pitch) / pitch)
-
-
-def next_try(low: float, below: float, high: float, above: float) -> float:
-    """Where a bracket of a root is cut, not nearer to its ends than half of what it may be wide at last.
-
-    A wide bracket is halved in its logarithm, a narrow one by the chord between its values (`below` <= 0 < `above`)."""
-    if high > 4.0 * low:
-        return sqrt(low) * sqrt(high)
-    chord = low - (high - low) * below / (above - below)
-    margin = 0.5 * ROOT_TOLERANCE * high
-    return clamp(chord, low + margin, high - margin)
 
 
 def root_of_excess(machine: Machine, pitch: float, low: float, below: float, high: float, above: float) -> float:

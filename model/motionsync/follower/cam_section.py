@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from .. import var
 from ..computable_range import clamp
 from ..laws import Quintic, half_ramp, half_ramp_mirrored
-from ..polynomial import Polynomial
 from ..var import Enumeration
 
 FAR = 1e300  # beyond every position of the master
@@ -132,42 +131,3 @@ class CamSection:
         """The master's positions are from now on smaller by `dropped`."""
         self.begin -= dropped
         self.end -= dropped
-
-
-@dataclass(slots=True)
-class QuinticPeaks:
-    """The greatest |d1| (S/M) and |d2| (S/M2) of a quintic over its whole length."""
-
-    d1: float = 0.0
-    d2: float = 0.0
-    polynomial: Polynomial = var.part(Polynomial)
-
-    def measure(self, curve: Quintic) -> None:
-        """Measure both: they are at the ends of the curve, or where the next derivative is 0."""
-        self.d1 = 0.0
-        self.d2 = 0.0
-        for order in range(2, 4):
-            self.differentiate(curve, order)
-            self.polynomial.solve()
-            self.include(curve, 0.0)
-            self.include(curve, curve.length)
-            for i in range(self.polynomial.root_count):
-                self.include(curve, self.polynomial.roots[i] * curve.length)
-
-    def differentiate(self, curve: Quintic, order: int) -> None:
-        """The polynomial becomes the curve's derivative of that order, by u."""
-        self.polynomial.degree = 5
-        self.polynomial.coefficients[0] = curve.c0
-        self.polynomial.coefficients[1] = curve.c1
-        self.polynomial.coefficients[2] = curve.c2
-        self.polynomial.coefficients[3] = curve.c3
-        self.polynomial.coefficients[4] = curve.c4
-        self.polynomial.coefficients[5] = curve.c5
-        for _ in range(order):
-            self.polynomial.differentiate()
-
-    def include(self, curve: Quintic, x: float) -> None:
-        """The curve's derivatives at x count."""
-        _, d1, d2, _ = curve.at(x)
-        self.d1 = max(self.d1, abs(d1))
-        self.d2 = max(self.d2, abs(d2))

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from .. import var
 from ..grid import floor
-from .cam_section import FAR, QuinticPeaks
+from ..quintic_peaks import QuinticPeaks
+from .cam_section import FAR
 from .cycle import CycleState
 from .faults import Fault
 from .interface import FollowerInterface

@@ -1,7 +1,7 @@
 """The window of sync: the slave over the master from some material before a cut to some after it.
 
-Positions of the master count from the cut, in its own travel; those of the slave from where the blade cuts. d1, d2, d3
-are the derivatives of the slave's position by the master's.
+d1, d2, d3 are the derivatives of the slave's position by the master's. In a `Window` the positions of both count from
+the cut.
 """
 
 from dataclasses import dataclass
@@ -57,18 +57,70 @@ class Window:
 
     def set(self, knife: Knife, factor: float, before: float, after: float, overspeed: float) -> None:
         """The window of so much material before and after the cut, u, of which `factor` passes per travel of the
-        master; the blade is faster by the share `overspeed` (TANGENTIAL only)."""
+        master; the blade is faster by the share `overspeed` (TANGENTIAL only). The window has to be narrow enough."""
+        self.is_horizontal = knife.is_horizontal
+        self.before = before / factor
+        self.after = after / factor
+        self.radian = knife.turn / TWO_PI
+        self.slope = knife.turn / knife.circumference * factor
+        self.rate = 0.0
+        if knife.is_horizontal:
+            self.rate = TWO_PI / knife.circumference * factor
+        else:
+            self.slope *= 1.0 + overspeed
+        position, d1, d2, d3 = self.at(-self.before)
+        self.begin.set(position, d1, d2, d3)
+        position, d1, d2, d3 = self.at(self.after)
+        self.end.set(position, d1, d2, d3)
 
     def at(self, travel: float) -> tuple[float, float, float, float]:
-        """The slave's position and d1, d2, d3 where the master is `travel` beyond the cut."""
-        return 0.0, 0.0, 0.0, 0.0
+        """The slave's position and d1, d2, d3 where the master is `travel` beyond the cut.
 
-    def way_to_next(self, next: "Window", spacing: float) -> float:
-        """S: the slave's travel from the end of this window to the beginning of the next blade's."""
-        return 0.0
+        HORIZONTAL, with y = rate x: d1 = slope (1 - y2)^(-1/2), d2 = slope rate y (1 - y2)^(-3/2),
+        d3 = slope rate2 (1 + 2 y2) (1 - y2)^(-5/2)."""
+        if not self.is_horizontal:
+            return self.slope * travel, self.slope, 0.0, 0.0
+        y = self.rate * travel
+        square = (1.0 - y) * (1.0 + y)
+        d1 = self.slope / sqrt(square)
+        d2 = d1 * self.rate / square
+        return self.radian * arcsine(y), d1, d2 * y, d2 * self.rate * (1.0 + 2.0 * y * y) / square
+
+    def way_to(self, following: "Window", spacing: float) -> float:
+        """S: the slave's travel from the end of this window to the beginning of the following blade's."""
+        return spacing - self.end.position + following.begin.position
 
 
-def has_way(knife: Knife, before: float, after: float, overspeed: float) -> bool:
-    """Whether windows of so much material, u, are narrow enough, and leave the knife a way from one to the next on which
-    the park angle is."""
-    return False
+@dataclass(slots=True)
+class Cut:
+    """A cut with its window: the master's position at it is `place`, the slave's is `position`."""
+
+    place: float = 0.0
+    position: float = 0.0
+    window: Window = var.part(Window)
+
+    def begin(self) -> float:
+        """The master's position at the beginning of the window."""
+        return self.place - self.window.before
+
+    def end(self) -> float:
+        """The master's position at the end of the window."""
+        return self.place + self.window.after
+
+    def at(self, master: float) -> tuple[float, float, float, float]:
+        """The slave's position and d1, d2, d3 in the window."""
+        position, d1, d2, d3 = self.window.at(master - self.place)
+        return self.position + position, d1, d2, d3
+
+
+def leaves_way(knife: Knife, window: Window) -> bool:
+    """Whether the knife has a way from one such window to the next, and the park angle is on it."""
+    leaves = window.end.position
+    arrives = knife.spacing + window.begin.position
+    margin = PARK_MARGIN * knife.turn
+    return leaves + margin <= knife.park_angle <= arrives - margin
+
+
+def is_narrow(knife: Knife, before: float, after: float) -> bool:
+    """Whether a window of so much material, u, can be had; a TANGENTIAL one always."""
+    return not knife.is_horizontal or max(before, after) <= WIDEST_HALF * knife.circumference

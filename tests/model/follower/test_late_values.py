@@ -6,9 +6,10 @@ from typing import Any
 
 import pytest
 
-from motionsync.follower.cam_section import CamSection, QuinticPeaks
+from motionsync.follower.cam_section import CamSection
 from motionsync.follower.faults import Fault
 from motionsync.follower.interface import State
+from motionsync.quintic_peaks import QuinticPeaks
 from tests.model.follower.harness import RECOVERING, near, parked, quintic
 
 
