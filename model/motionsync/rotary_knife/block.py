@@ -21,25 +21,25 @@ from ..cutting.records import PieceRecords, increased
 from ..exceeded_limit import ExceededLimit
 from ..grid import wrap
 from ..laws import chain_rule
-from .curves import Peaks, Way
+from .curves import Peaks
 from .cycle import RAMP_DOWN, RAMP_UP, TURNING_ON, Cycle, Stage
 from .departure import Departure
 from .faults import KnifeParameter, Refusal, SkipReason
 from .interface import RotaryKnifeInterface
 from .knife import Knife
 from .late_cuts import skip_cuts_before, skip_to_reached_cut
-from .limits import PUNCTUAL, CycleLimit, keeps_limits
+from .limits import CycleLimit
 from .outputs import show_peaks, show_piece, show_state, show_warnings
 from .parking import Parking
 from .predictions import Predictions
 from .reserve import RestTime
-from .settings import KnifeSettings, describe_knife, start_refusal
-from .window import Window
+from .settings import KnifeSettings, describe_knife
+from .velocity import PUNCTUAL, keeps_limits
+from .window import Cut, Window
 
 MOST_PITCHES = 1e4  # that the master may travel in one step
 MOST_EVENTS = 1000000  # in a section of the path; so many never happen
 LATE = 1e-9  # of a ramp's travel: with so much less it begins in time
-NEARLY = 1e-12  # of a ramp's travel: what it begins late by rounding
 
 
 @dataclass(slots=True)
@@ -68,15 +68,13 @@ class RotaryKnife(RotaryKnifeInterface):
     # was laid; of the last cut that was made.
     piece_window: Window = var.part(Window)
     ramp: CycleLimit = var.part(CycleLimit)
-    laid_window: Window = var.part(Window)
-    laid_cut: float = 0.0
+    laid_cut: Cut = var.part(Cut)
     is_cut_made: bool = True
     last_window: Window = var.part(Window)
     has_last_window: bool = False
 
     cycle: Cycle = var.part(Cycle)
     departure: Departure = var.part(Departure)
-    way: Way = var.part(Way)
     cycle_peaks: Peaks = var.part(Peaks)
     parking: Parking = var.part(Parking)
     rest_time: RestTime = var.part(RestTime)
@@ -95,7 +93,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
         What the machine can do is put out, too; warnings come with the first step."""
         describe_knife(self.knife_data, self)
-        refusal = start_refusal(self, self.knife_data)
+        refusal = self.settings.start_refusal(self, self.knife_data)
         if refusal != Refusal.NONE:
             return refusal
         if not self.master.try_initialize():
@@ -318,27 +316,29 @@ class RotaryKnife(RotaryKnifeInterface):
         cut = self.changed_cut()
         if cut == UNLIMITED:
             return False
-        window = self.predictions.window
-        match self.cycle.stage:
-            case Stage.WAITING:
-                travel = -(window.before + self.predictions.ramp_up.way.ramp_up.begin)
-                begin = cut + self.predictions.ramp_up.way.ramp_up.begin
-                if self.master.begin > begin + LATE * travel:
-                    return False
-                self.change_piece()
-                return True
-            case Stage.ENGAGING | Stage.TURNING | Stage.DISENGAGING:
-                is_held = self.cycle.stage == Stage.DISENGAGING and (self.operation.is_stopping or self.hold)
-                if is_held or self.master.begin_velocity <= 0.0 or not self.cycle.can_append(4):
-                    return False
-                self.leave_curve()
-                if not self.departure.try_cut(self.knife_data, window, cut, False):
-                    return False
-                self.change_piece()
+        if self.cycle.stage == Stage.WAITING:
+            ramp_begin = self.predictions.ramp_up.way.ramp_up.begin
+            travel = -(self.predictions.window.before + ramp_begin)
+            can_reach = self.master.begin <= cut + ramp_begin + LATE * travel
+        else:
+            can_reach = self.can_leave_curve() and self.departure.try_cut(
+                self.knife_data, self.predictions.window, cut, False
+            )
+        if can_reach:
+            self.change_piece()
+            if self.cycle.stage != Stage.WAITING:
                 self.lay_way()
-                return True
-            case _:
-                return False
+        return can_reach
+
+    def can_leave_curve(self) -> bool:
+        """Whether the knife may leave the curve on which it is; then the departure is from there."""
+        stage = self.cycle.stage
+        is_held = stage == Stage.DISENGAGING and (self.operation.is_stopping or self.hold)
+        is_on_curve = stage in (Stage.ENGAGING, Stage.TURNING, Stage.DISENGAGING)
+        if is_held or not is_on_curve or self.master.begin_velocity <= 0.0 or not self.cycle.can_append(4):
+            return False
+        self.leave_curve()
+        return True
 
     def change_piece(self) -> None:
         self.material.change_product()
@@ -422,7 +422,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def try_event_synchronous(self, section: int, end: float) -> bool:
         """In the latest window: the cut, or the window's end."""
-        place = self.laid_cut + self.laid_window.after if self.is_cut_made else self.laid_cut
+        place = self.laid_cut.end() if self.is_cut_made else self.laid_cut.place
         if end < place:
             return False
         self.move_to(section, place)
@@ -441,9 +441,11 @@ class RotaryKnife(RotaryKnifeInterface):
             return False
         if self.operation.is_cut_pending:
             return self.try_requested_cut(section)
+        return end > begin and self.material.piece.is_fixed and self.try_ramp(section, end)
+
+    def try_ramp(self, section: int, end: float) -> bool:
+        """The ramp up to the next cut begins, if the section of the path leads there."""
         piece = self.material.piece
-        if not piece.is_fixed or end == begin:
-            return False
         ramp_begin = piece.end + self.ramp.way.ramp_up.begin
         if end < ramp_begin:
             return False
@@ -463,12 +465,12 @@ class RotaryKnife(RotaryKnifeInterface):
         if not is_fixed:
             self.take_window()
         self.material.fix_short(self.place - self.ramp.way.ramp_up.begin)
-        self.begin_ramp_at(self.place)
+        self.enter_engaging()
         return True
 
     def try_wait_for_line(self, section: int, limit: float) -> bool:
-        """Go to the first instant on a section of the path at which the line is no faster than the limit of a ramp, u/s;
-        False: there is none."""
+        """Go to the first instant on a section of the path at which the line is no faster than the limit of a ramp,
+        u/s; False: there is none."""
         master = self.master
         until = 0.0 if section == 0 else master.path.times[section + 1]
         greatest = limit * PUNCTUAL
@@ -513,13 +515,13 @@ class RotaryKnife(RotaryKnifeInterface):
         velocity = self.master.velocity_at(self.now)
         is_slow = velocity <= self.ramp.max_line_velocity * PUNCTUAL
         if is_slow and self.place <= ramp_begin + LATE * travel:
-            self.begin_ramp_at(ramp_begin if self.place <= ramp_begin + NEARLY * travel else self.place)
+            self.enter_engaging()
         elif piece.waits_for_line():
             piece.end = earliest
-            self.begin_ramp_at(self.place)
+            self.enter_engaging()
         elif is_slow and self.settings.late_mode == LateMode.LATE:
             self.delay_cut(earliest)
-            self.begin_ramp_at(self.place)
+            self.enter_engaging()
         elif self.settings.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
         else:
@@ -527,30 +529,23 @@ class RotaryKnife(RotaryKnifeInterface):
             skip_cuts_before(self.material, earliest - LATE * travel, self.statistics)
             self.predictions.is_cycle_current = False
 
-    def begin_ramp_at(self, begin: float) -> None:
-        """The ramp up to the next cut begins at this position of the master, u: where it has to, or hardly later."""
+    def enter_engaging(self) -> None:
+        """The ramp up to the next cut begins."""
         knife = self.knife_data
-        cut = self.material.piece.end
-        window = self.piece_window
-        self.way.plan_ramp_up(knife, window, cut, 0.0)
-        section = self.way.ramp_up
-        if begin > section.begin:
-            start = window.begin
-            section.begin = begin
-            section.quintic.fit(section.end - begin, self.park_position(), 0.0, 0.0, start.position, start.d1, start.d2)
         self.cycle.make_room(2, knife)
-        self.cycle.append_section(RAMP_UP, section, self.cycle.blade)
+        self.departure.aim(self.piece_window, self.material.piece.end)
+        self.departure.way.plan_ramp_up(knife, self.place, self.departure.cut)
+        self.cycle.append_section(RAMP_UP, self.departure.way.ramp_up, self.cycle.blade)
         self.lay_window()
-        self.cycle_peaks.clear()
-        self.cycle_peaks.include(self.way.peaks)
+        var.copy(self.cycle_peaks, self.departure.way.peaks)
         self.enter_section(self.cycle.present + 1)
 
     def lay_window(self) -> None:
         """Append the window of the next cut to the cycle."""
-        self.laid_cut = self.material.piece.end
-        var.copy(self.laid_window, self.piece_window)
+        self.laid_cut.place = self.material.piece.end
+        var.copy(self.laid_cut.window, self.piece_window)
         self.is_cut_made = False
-        self.cycle.append_window(self.laid_window, self.laid_cut, self.next_blade())
+        self.cycle.append_window(self.laid_cut, self.next_blade())
 
     def next_blade(self) -> float:
         """The blade of the next cut."""
@@ -564,7 +559,7 @@ class RotaryKnife(RotaryKnifeInterface):
         blade = self.next_blade()
         knife = self.knife_data
         if way.parks:
-            is_shortened = way.ramp_up.begin <= way.first.end + NEARLY * way.first.quintic.length
+            is_shortened = way.ramp_up.begin <= way.first.end
             cycle.make_room(4 if is_shortened else 2, knife)
             cycle.append_section(RAMP_DOWN, way.first, blade)
             cycle.append_rest(way.first.end, blade, self.park_position())
@@ -582,7 +577,7 @@ class RotaryKnife(RotaryKnifeInterface):
         """Lay the ramp down to park, whatever the axis can do."""
         departure = self.departure
         blade = self.next_blade()
-        departure.way.plan_ramp_down(departure.begin, departure.point, self.park_position())
+        departure.way.plan_ramp_down(self.knife_data, departure.begin, departure.point, 0.0)
         departure.include_leaving(departure.way.peaks)
         if not keeps_limits(self.knife_data, departure.way.peaks, departure.velocity):
             self.is_ramp_too_fast = True
@@ -600,10 +595,10 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_ramp_too_fast = False
         self.is_change_pending = False
         self.is_cut_refused = False
-        var.copy(self.last_window, self.laid_window)
+        var.copy(self.last_window, self.laid_cut.window)
         self.has_last_window = True
         record_piece(
-            self.laid_cut,
+            self.laid_cut.place,
             self.block_clock.time + self.now,
             self.rest_time.share(self.now, self.is_piece_late),
             self.material,
@@ -625,7 +620,7 @@ class RotaryKnife(RotaryKnifeInterface):
         operation = self.operation
         piece = self.material.piece
         velocity = self.master.velocity_at(self.now)
-        departure.leave_window(self.laid_window, self.laid_cut, self.knife_data.spacing, velocity)
+        departure.leave_window(self.laid_cut, self.knife_data.spacing, velocity)
         has_to_rest = operation.is_stopping or self.hold
         if not has_to_rest:
             self.change_piece_in_window()
@@ -659,7 +654,7 @@ class RotaryKnife(RotaryKnifeInterface):
         if self.settings.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
         elif self.settings.late_mode == LateMode.LATE and departure.try_earliest(knife, self.piece_window, piece.end):
-            self.delay_cut(departure.earliest.cut)
+            self.delay_cut(departure.cut.place)
             self.lay_way()
         else:
             self.show_skipped_cut()
@@ -696,14 +691,14 @@ class RotaryKnife(RotaryKnifeInterface):
         if piece.is_fixed:
             if not departure.try_earliest_turning(knife, self.piece_window, departure.begin, piece.end):
                 return False
-            if not departure.earliest.cut < piece.end:
+            if not departure.cut.place < piece.end:
                 return False
         else:
             window = self.predictions.window
             if not departure.try_earliest_turning(knife, window, departure.begin, UNLIMITED):
                 return False
             self.take_window()
-        self.material.fix_short(departure.earliest.cut)
+        self.material.fix_short(departure.cut.place)
         self.lay_way()
         return True
 
@@ -849,4 +844,4 @@ class RotaryKnife(RotaryKnifeInterface):
             if turns != 0.0:
                 self.material.rebase(turns)
                 self.cycle.rebase(turns)
-                self.laid_cut -= turns
+                self.laid_cut.place -= turns

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 from .. import var
 from ..var import Enumeration
-from .curves import Section, Way
+from .curves import FAR_BACK, Section, Way
 from .knife import Knife
-from .window import TWO_PI, Window
+from .window import TWO_PI, Cut
 
 CAPACITY = 8
 ROW = 13  # numbers per section
@@ -61,9 +61,9 @@ class Cycle:
         next_begin: where the one after it begins, if there is one.
         blade: which blade makes the next cut, or the one in whose window the knife is.
         rest: the position of the knife, if it is at rest.
-        window, cut: the window that the knife is in; its cut as a position of the master, u.
+        cut: the cut in whose window the knife is.
         section: the curve that the knife is on.
-        forgotten, forgotten_window: the ramp up to the oldest window that is kept.
+        forgotten, forgotten_cut: the ramp up to the oldest window that is kept.
     """
 
     sections: int = var.count(CAPACITY, 1)
@@ -74,11 +74,10 @@ class Cycle:
     next_begin: float = 0.0
     blade: float = 0.0
     rest: float = 0.0
-    cut: float = 0.0
-    window: Window = var.part(Window)
+    cut: Cut = var.part(Cut)
     section: Section = var.part(Section)
     forgotten: Way = var.part(Way)
-    forgotten_window: Window = var.part(Window)
+    forgotten_cut: Cut = var.part(Cut)
 
     def is_last(self) -> bool:
         """Whether no section comes after the present one."""
@@ -89,7 +88,7 @@ class Cycle:
         if self.stage <= Stage.WAITING:
             return self.rest, 0.0, 0.0, 0.0
         if self.stage == Stage.SYNCHRONOUS:
-            position, d1, d2, d3 = self.window.at(master - self.cut)
+            position, d1, d2, d3 = self.cut.at(master)
             return position, d1, d2, d3
         position, d1, d2, d3 = self.section.at(master)
         return position, d1, d2, d3
@@ -122,9 +121,9 @@ class Cycle:
 
     def load_window(self, row: int) -> None:
         """The window that is stored in the row which begins there."""
-        self.cut = self.rows[row + ORIGIN]
-        self.window.slope = self.rows[row + SCALE]
-        self.window.rate = self.rows[row + RATE]
+        self.cut.place = self.rows[row + ORIGIN]
+        self.cut.window.slope = self.rows[row + SCALE]
+        self.cut.window.rate = self.rows[row + RATE]
 
     def load_section(self, row: int) -> None:
         """The curve that is stored in the row which begins there."""
@@ -145,8 +144,8 @@ class Cycle:
 
     def rest_at(self, stage: Stage, knife: Knife, blade: float, position: float) -> None:
         """At rest from now on, wherever the master is; the curves are those of this knife."""
-        self.window.is_horizontal = knife.is_horizontal
-        self.window.radian = knife.turn / TWO_PI
+        self.cut.window.is_horizontal = knife.is_horizontal
+        self.cut.window.radian = knife.turn / TWO_PI
         self.sections = 0
         self.append_rest(0.0, blade, position)
         self.enter(0)
@@ -172,12 +171,12 @@ class Cycle:
         row = self.append(begin, AT_REST, blade)
         self.rows[row + ORIGIN] = position
 
-    def append_window(self, window: Window, cut: float, blade: float) -> None:
-        """Append the window of a cut, which is made where the master has this position, u."""
-        row = self.append(cut - window.before, IN_WINDOW, blade)
-        self.rows[row + ORIGIN] = cut
-        self.rows[row + SCALE] = window.slope
-        self.rows[row + RATE] = window.rate
+    def append_window(self, cut: Cut, blade: float) -> None:
+        """Append the window of a cut."""
+        row = self.append(cut.begin(), IN_WINDOW, blade)
+        self.rows[row + ORIGIN] = cut.place
+        self.rows[row + SCALE] = cut.window.slope
+        self.rows[row + RATE] = cut.window.rate
 
     def append_section(self, kind: float, section: Section, blade: float) -> None:
         """Append a curve."""
@@ -242,15 +241,16 @@ class Cycle:
         row = ROW * 2
         sections = self.sections
         blade = self.rows[row + BLADE]
-        window = self.forgotten_window
-        window.is_horizontal = self.window.is_horizontal
-        window.radian = self.window.radian
+        window = self.forgotten_cut.window
+        window.is_horizontal = self.cut.window.is_horizontal
+        window.radian = self.cut.window.radian
         window.slope = self.rows[row + SCALE]
         window.rate = self.rows[row + RATE]
         window.before = self.rows[row + ORIGIN] - self.rows[row + BEGIN]
         position, d1, d2, d3 = window.at(-window.before)
         window.begin.set(position, d1, d2, d3)
-        self.forgotten.plan_ramp_up(knife, window, self.rows[row + ORIGIN], 0.0)
+        self.forgotten_cut.place = self.rows[row + ORIGIN]
+        self.forgotten.plan_ramp_up(knife, FAR_BACK, self.forgotten_cut)
         self.sections = 0
         self.append_rest(0.0, blade, knife.park_angle - knife.spacing)
         self.append_section(RAMP_UP, self.forgotten.ramp_up, blade)
@@ -266,6 +266,6 @@ class Cycle:
                 self.rows[row + END] -= distance
         self.begin -= distance
         self.next_begin -= distance
-        self.cut -= distance
+        self.cut.place -= distance
         self.section.begin -= distance
         self.section.end -= distance

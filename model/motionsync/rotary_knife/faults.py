@@ -1,8 +1,8 @@
 """Which tuned parameter is out of its range, why a cut is skipped, and why a call fails.
 
 Why a command is refused and why the machine stops is the same for all machines that cut to length: `PieceFault`
-(`cutting/faults.py`). An invalid parameter changes nothing by itself: no piece is fixed with it, a command that reads it
-is refused, a cycle under way ends with the values it began with.
+(`cutting/faults.py`). An invalid parameter changes nothing by itself: no piece is fixed with it, a command that reads
+it is refused, a cycle under way ends with the values it began with.
 """
 
 from ..master import TOO_MANY_TURNS

@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
+from .. import var
 from ..computable_range import LARGEST, is_usable
 from ..cutting.interface import LateMode
 from ..cutting.settings import PieceParameter, PieceSettings, has_narrow_window
 from .faults import KnifeParameter, Refusal
 from .interface import GREATEST_OVERSPEED, LEAST_OVERSPEED, RotaryKnifeInterface, SyncMode
 from .knife import Knife
-from .window import Window, has_way
+from .window import Window, is_narrow, leaves_way
 
 
 @dataclass(slots=True)
@@ -18,6 +19,7 @@ class KnifeSettings:
     Attributes:
         invalid_factor, invalid_window, invalid_line: the first parameter of each group that is out of its range.
         are_valid: no parameter is out of its range, those of pieces included.
+        window: that of the parameters which were validated last.
     """
 
     invalid_factor: KnifeParameter = KnifeParameter.NONE
@@ -30,6 +32,7 @@ class KnifeSettings:
     overspeed: float = 0.0
     margin: float = 0.02
     late_mode: LateMode = LateMode.SKIP
+    window: Window = var.part(Window)
 
     def are_current(self, block: RotaryKnifeInterface, pieces: PieceSettings) -> bool:
         """Whether no parameter has been tuned since the settings were taken over."""
@@ -58,7 +61,7 @@ class KnifeSettings:
         self.invalid_factor = checked(KnifeParameter.NONE, is_factor, KnifeParameter.MATERIAL_FACTOR)
         if is_factor:
             self.material_factor = block.material_factor
-        self.invalid_window = invalid_window(block, knife)
+        self.validate_window(block, knife)
         if self.invalid_window == KnifeParameter.NONE:
             self.before = block.sync.before
             self.after = block.sync.after
@@ -80,6 +83,28 @@ class KnifeSettings:
         pieces.set_start(block.start_mode, block.front_position, block.trim_length)
         pieces.set_mark(block.mark)
         self.are_valid = self.first_invalid() == KnifeParameter.NONE and pieces.first_invalid() == PieceParameter.NONE
+
+    def validate_window(self, block: RotaryKnifeInterface, knife: Knife) -> None:
+        """Find the first parameter of the window that is out of its range. NaN is out of every range."""
+        sync = block.sync
+        is_overspeed = LEAST_OVERSPEED <= sync.overspeed <= GREATEST_OVERSPEED
+        invalid = checked(KnifeParameter.NONE, 0.0 <= sync.before <= LARGEST, KnifeParameter.SYNC_BEFORE)
+        invalid = checked(invalid, 0.0 <= sync.after <= LARGEST, KnifeParameter.SYNC_AFTER)
+        invalid = checked(invalid, is_overspeed, KnifeParameter.OVERSPEED)
+        if invalid == KnifeParameter.NONE:
+            is_way = is_narrow(knife, sync.before, sync.after)
+            if is_way:
+                self.window.set(knife, 1.0, sync.before, sync.after, sync.overspeed)
+                is_way = leaves_way(knife, self.window)
+            invalid = checked(invalid, is_way, KnifeParameter.KNIFE_WINDOW)
+        self.invalid_window = invalid
+
+    def start_refusal(self, block: RotaryKnifeInterface, knife: Knife) -> Refusal:
+        """Why the start values contradict one another; NONE: they do not."""
+        self.validate_window(block, knife)
+        if self.invalid_window != KnifeParameter.NONE:
+            return Refusal.KNIFE_WINDOW
+        return Refusal.NONE if has_narrow_window(block.mark) else Refusal.MARK_WINDOW
 
     def first_invalid(self) -> KnifeParameter:
         """The first parameter of the machine that is out of its range."""
@@ -120,26 +145,6 @@ def describe_knife(knife: Knife, block: RotaryKnifeInterface) -> None:
     knife.max_velocity = block.axis.max_velocity
     knife.max_acceleration = block.axis.max_acceleration
     knife.max_jerk = block.axis.max_jerk
-
-
-def start_refusal(block: RotaryKnifeInterface, knife: Knife) -> Refusal:
-    """Why the start values contradict one another; NONE: they do not."""
-    if not has_way(knife, block.sync.before, block.sync.after, block.sync.overspeed):
-        return Refusal.KNIFE_WINDOW
-    return Refusal.NONE if has_narrow_window(block.mark) else Refusal.MARK_WINDOW
-
-
-def invalid_window(block: RotaryKnifeInterface, knife: Knife) -> KnifeParameter:
-    """The first parameter of the window that is out of its range. NaN is out of every range."""
-    sync = block.sync
-    is_overspeed = LEAST_OVERSPEED <= sync.overspeed <= GREATEST_OVERSPEED
-    invalid = checked(KnifeParameter.NONE, 0.0 <= sync.before <= LARGEST, KnifeParameter.SYNC_BEFORE)
-    invalid = checked(invalid, 0.0 <= sync.after <= LARGEST, KnifeParameter.SYNC_AFTER)
-    invalid = checked(invalid, is_overspeed, KnifeParameter.OVERSPEED)
-    if invalid != KnifeParameter.NONE:
-        return invalid
-    is_way = has_way(knife, sync.before, sync.after, sync.overspeed)
-    return checked(KnifeParameter.NONE, is_way, KnifeParameter.KNIFE_WINDOW)
 
 
 def checked(invalid: KnifeParameter, is_valid: bool, parameter: KnifeParameter) -> KnifeParameter:
