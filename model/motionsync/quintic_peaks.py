@@ -21,11 +21,11 @@ class QuinticPeaks:
 
     def measure(self, curve: Quintic) -> None:
         """Measure a curve."""
-        _, self.least_d1, _, _ = curve.at(0.0)
-        self.d1 = 0.0
-        self.d2 = 0.0
-        self.d3 = 0.0
-        self.include(curve, 0.0)
+        _, d1, d2, d3 = curve.at(0.0)
+        self.d1 = abs(d1)
+        self.d2 = abs(d2)
+        self.d3 = abs(d3)
+        self.least_d1 = d1
         self.include(curve, curve.length)
         for order in range(2, 5):
             self.differentiate(curve, order)

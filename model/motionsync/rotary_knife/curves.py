@@ -142,8 +142,8 @@ class Way:
         self.fit_ramp_up(knife, min(ramp_up_travel(knife, cut.window), cut.begin() - begin), cut)
 
     def plan_ramp_down(self, knife: Knife, begin: float, point: CurvePoint, position: float) -> None:
-        """To rest alone, before the cut at which the slave's position is `position`: `first`. There is none if the knife
-        cannot stop there without turning back."""
+        """To rest alone, before the cut at which the slave's position is `position`: `first`. There is none if the
+        knife cannot stop there without turning back."""
         self.parks = True
         self.peaks.clear()
         length = ramp_down_travel(knife, point, position)

@@ -100,10 +100,12 @@ class LengthLimits:
             var.copy(self.cut.window, window)
             self.cut.position = knife.spacing
             self.search.start(False, window.after, window.end, self.cut)
+            self.search.counted.include_window_end(window.begin)
             self.search.counted.include_window_end(window.end)
             self.search.find_longest(knife)
             self.longest = around + self.search.travel
-            self.search.find_fastest(knife, 0.0, self.search.travel, UNLIMITED)
+            in_window = admissible_velocity(knife, self.search.counted)
+            self.search.find_fastest(knife, 0.0, self.search.travel, in_window)
             self.fastest = around + self.search.travel
             self.max_line_velocity = self.search.velocity
         else:
@@ -141,8 +143,8 @@ def shortest_tangential(knife: Knife, slope: float, distance: float, velocity: f
     """The least Z at a line velocity v with k' v within the axis's limit, for the slave's travel S.
 
     With D = S - k' Z >= 0 the curve's greatest derivatives are k' + 15/8 D/Z, 10/sqrt(3) D/Z2, 60 D/Z3. The limit of
-    the first gives Z at once, those of the others a quadratic and a cubic equation. Newton's method for the cubic starts
-    above its root; since it rises and is convex no step passes the root."""
+    the first gives Z at once, those of the others a quadratic and a cubic equation. Newton's method for the cubic
+    starts above its root; since it rises and is convex no step passes the root."""
     v = velocity
     by_velocity = POLYNOMIAL_3_4_5_D1 * distance / (knife.max_velocity / v + (POLYNOMIAL_3_4_5_D1 - 1.0) * slope)
     square = knife.max_acceleration / (POLYNOMIAL_3_4_5_D2 * v * v)
