@@ -168,14 +168,14 @@ class _Rows(Rows[Snapshot]):
 
     def _limits(self, snapshot: Snapshot, v: Number) -> dict[str, Number]:
         """What depends on the line's present velocity."""
-        window, (_, kerf, correction) = snapshot.window, snapshot.material
+        window = snapshot.window
         around = window.before + window.after
         longest = longest_turning(self.knife, window, window) + around
         way = shortest_way(self.knife, window, v) if v > 0 else None
         shortest = way + around if way is not None else mp.mpf(NO_LENGTH)
         pitch = snapshot.piece.pitch if snapshot.piece else inf
         return {
-            "limits.max_length": snapshot.f * longest - kerf - correction,
+            "limits.max_length": snapshot.f * longest - snapshot.allowance,
             "limits.min_length": _length(snapshot, shortest) if v > 0 else ZERO,
             "limits.cycle_time": shortest / v if v > 0 else ZERO,
             "limits.reserve": 1 - shortest / pitch if v > 0 else mp.mpf(1),
@@ -202,8 +202,7 @@ def _length(snapshot: Snapshot, pitch: Number) -> Number:
     """Of a piece with that pitch."""
     if pitch >= NO_LENGTH:
         return pitch
-    _, kerf, correction = snapshot.material
-    return max(snapshot.f * pitch - kerf - correction, ZERO)
+    return max(snapshot.f * pitch - snapshot.allowance, ZERO)
 
 
 def _slave(snapshot: Snapshot, time: float, master: Motion) -> tuple[Number, Number, Number, Number]:

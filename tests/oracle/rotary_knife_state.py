@@ -40,7 +40,7 @@ class Snapshot:
 
     `at_step_begin`: because of something that is noticed at a step's beginning; the step's end shows it first.
     `window`: as it is set; `sync_place`: where the next window begins, if a cut is known; `extremes`: of the cycle;
-    `material`: f, b and Δ of the piece, or as they are set.
+    `material`: f, b and Δ of the piece, or as they are set; `allowance`: b + Δ as they are set.
     """
 
     time: float
@@ -55,6 +55,7 @@ class Snapshot:
     extremes: Extremes
     f: float
     material: tuple[float, float, float]
+    allowance: float
     mark_delay: float
     outputs: Mapping[str, float]
     max_velocity: float
@@ -138,6 +139,7 @@ class KnifeState(PieceMachine):
                 self.extremes,
                 records.f,
                 (piece.f, piece.kerf, piece.correction) if piece else material,
+                records.kerf + records.correction,
                 float(records.inputs["mark.delay"]),
                 {name: float(value) for name, value in outputs.items()},
                 highest,

@@ -11,11 +11,15 @@ from ..var import Enumeration
 MASTER = ("master.position", "master.velocity", "master.acceleration")
 SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity", "limits.max_line_velocity")
 FACTORS = ("material_factor", "calibration.factor")
-WINDOW = ("sync.before", "sync.after", "sync.overspeed", "knife.park_angle", "knife.circumference", "knife.blades")
 WAY_BETWEEN_WINDOWS = (
     "between the windows of two blades there must be a way, with knife.park_angle on it; with sync.mode HORIZONTAL "
     "sync.before and sync.after must be at most 0.15 of knife.circumference",
-    *WINDOW,
+    "sync.before",
+    "sync.after",
+    "sync.overspeed",
+    "knife.park_angle",
+    "knife.circumference",
+    "knife.blades",
 )
 
 

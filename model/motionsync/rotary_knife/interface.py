@@ -37,9 +37,8 @@ GREATEST_OVERSPEED = 0.5
 
 # What the predictions depend on, after the initialization as ever after.
 COUPLING = ("material_factor", "knife.turn", "knife.circumference")
-WINDOW = (*COUPLING, "knife.blades", "sync.before", "sync.after", "sync.mode", "sync.overspeed")
-AXIS = ("axis.max_velocity", "axis.max_acceleration", "axis.max_jerk")
-RAMP = (*WINDOW, "knife.park_angle")
+WINDOW = ("knife.blades", "sync.before", "sync.after", "sync.mode", "sync.overspeed")
+PARK = ("knife.park_angle", "axis.max_velocity", "axis.max_acceleration", "axis.max_jerk")
 PITCH = ("length", "length_correction", "kerf", "source", "waste", "waste_length", "mark.spacing", "mark.every")
 ALLOWANCE = ("length_correction", "kerf", "source")
 REQUEST = ("line.wanted_velocity", "line.margin")
@@ -226,7 +225,9 @@ class RotaryKnifeInterface:
     waste: bool = var.input(False, "pieces that start while it is true are waste of waste_length")
     order: Order = var.part(Order)
     mark: Mark = var.part(Mark)
-    line: LineRequest = var.part(LineRequest, depends={"velocity_request": (*RAMP, *AXIS, *PITCH, *REQUEST)})
+    line: LineRequest = var.part(
+        LineRequest, depends={"velocity_request": (*COUPLING, *WINDOW, *PARK, *PITCH, *REQUEST)}
+    )
     slave: Slave = var.part(Slave, depends={"position": ("knife.park_angle",)}, slave_unit=True)
     state: State = var.output(State.OFF, "what the machine does")
     state_code: int = var.output(0, "the state as a plain integer")
@@ -246,12 +247,12 @@ class RotaryKnifeInterface:
     limits: MachineLimits = var.part(
         MachineLimits,
         depends={
-            "max_line_velocity": (*RAMP, *AXIS, *PITCH),
-            "max_line_velocity_orders": (*RAMP, *AXIS, *PITCH),
-            "min_length": (*RAMP, *AXIS, *VELOCITY_SOURCES, *ALLOWANCE),
-            "max_length": (*WINDOW, *ALLOWANCE),
-            "cycle_time": (*RAMP, *AXIS, *VELOCITY_SOURCES),
-            "min_sensor_distance": (*RAMP, *VELOCITY_SOURCES, "mark.delay"),
+            "max_line_velocity": (*COUPLING, *WINDOW, *PARK, *PITCH),
+            "max_line_velocity_orders": (*COUPLING, *WINDOW, *PARK, *PITCH),
+            "min_length": (*COUPLING, *WINDOW, *PARK, *VELOCITY_SOURCES, *ALLOWANCE),
+            "max_length": (*COUPLING, *WINDOW, *ALLOWANCE),
+            "cycle_time": (*COUPLING, *WINDOW, *PARK, *VELOCITY_SOURCES),
+            "min_sensor_distance": (*COUPLING, *WINDOW, "knife.park_angle", *VELOCITY_SOURCES, "mark.delay"),
         },
     )
     peaks: Peaks = var.part(Peaks, slave_unit=True)
