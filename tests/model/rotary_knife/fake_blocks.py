@@ -1,6 +1,6 @@
 """A small block around the geometry of a rotary knife: for tests and measurements of the compiled code.
 
-It stands alone since a module of tests, whose functions are wrapped, cannot be compiled.
+It is in a file of its own since a module of tests, whose functions are wrapped, cannot be compiled.
 """
 
 from dataclasses import dataclass
