@@ -70,7 +70,8 @@ class Role(Enum):
     `error`, `kind` (an enumeration with the members PRODUCT and MERGED), `good`, `time` and `reserve`. That of
     MAX_MASTER_VELOCITY also has the `reserve` at the present velocity. A tool measures each piece once more, from the
     positions of slave and master while CUTTING: it is as long as the material's travel between two cuts, less KERF and
-    LENGTH_CORRECTION.
+    LENGTH_CORRECTION. A tool that turns has a CUT_SPACING and an EDGE_RADIUS: with the angle 0 at a cut, its edge is at
+    the sine of the angle along the material.
     """
 
     TASK_CYCLE = "the length of the block's own cycles, s"
@@ -89,6 +90,8 @@ class Role(Enum):
     RUNNING = "whether pieces are cut; the first one after a start is not measured from the cut before"
     CUTTING = "whether the tool works in the material, in sync with it"
     COUPLING_FACTOR = "the slave's travel over the master's in sync"
+    CUT_SPACING = "of a tool that turns: the slave's travel from one position at which it cuts to the next one"
+    EDGE_RADIUS = "of a tool that turns: the slave's travel per rad if its edge is in sync along the material, or 0"
     MATERIAL_FACTOR = "the material's true travel over the master's"
     CALIBRATION_FACTOR = "a further factor of it, from a piece that was measured"
     KERF = "the length of material that a cut removes"

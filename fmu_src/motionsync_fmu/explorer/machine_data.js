@@ -267,12 +267,29 @@ function factorOf(run) {
   return factors[at < 0 ? factors.length - 1 : at] || 1;
 }
 
+/** How far the tool is beyond the place where it cuts, along the material and in the slave's unit. */
+function toolTravel(run, names) {
+  const slave = run.values("slave.position");
+  if (!names.cut_spacing) return slave;
+  const spacings = run.values(names.cut_spacing), radii = run.values(names.edge_radius);
+  return slave.map((s, k) => {
+    const travel = s - spacings[k] * roundedToEven(s / spacings[k]);
+    return radii[k] > 0 ? radii[k] * Math.sin(travel / radii[k]) : travel;
+  });
+}
+
+/** The nearest whole number, of two the even one. */
+function roundedToEven(x) {
+  const low = Math.floor(x), above = x - low;
+  return above < 0.5 || (above === 0.5 && low % 2 === 0) ? low : low + 1;
+}
+
 /** The pieces of a run, in the order in which they were cut off. */
 function piecesOf(run) {
   const names = run.block.piece_variables,
     counter = run.values(names.pieces),
     factors = run.values(names.coupling_factor);
-  const slave = run.values("slave.position"), places = run.master.map((m, k) => m - slave[k] / (factors[k] || 1));
+  const tool = toolTravel(run, names), places = run.master.map((m, k) => m - tool[k] / (factors[k] || 1));
   const [material, calibration] = names.factors.map((name) => run.values(name));
   const removed = run.values(names.kerf), correction = run.values(names.correction);
   const running = run.values(names.running), cutting = run.values(names.cutting);

@@ -50,6 +50,8 @@ class PieceVariables:
         running: whether pieces are cut.
         cutting: whether the tool works in the material, in sync with it.
         coupling_factor: the slave's travel over the master's in sync.
+        cut_spacing, edge_radius: of a tool that turns, the slave's travel from cut to cut, and per rad where its edge
+            is in sync along the material (else 0); empty for another tool.
         factors: their product is the material's true travel over the master's.
         kerf: the length of material that a cut removes, in u.
         correction: by how much pieces are cut longer than the reported length, in u.
@@ -78,12 +80,16 @@ class PieceVariables:
     max_velocity: str
     spare: str
     request: str
+    cut_spacing: str = ""
+    edge_radius: str = ""
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """The outputs that describe the pieces of a run."""
-        names = (self.pieces, self.skipped, self.late, self.length, self.error, self.kind, self.in_tolerance, self.time)
-        return (*names, self.reserve, self.running, self.cutting, self.coupling_factor, self.max_velocity)
+        last = (self.length, self.error, self.kind, self.in_tolerance, self.time, self.reserve)
+        turning = (self.cut_spacing, self.edge_radius) if self.cut_spacing else ()
+        counted = (self.pieces, self.skipped, self.late)
+        return (*counted, *last, self.running, self.cutting, self.coupling_factor, self.max_velocity, *turning)
 
 
 def find_by_role(variables: Iterable[Variable], role: Role) -> Variable | None:
@@ -143,4 +149,6 @@ def piece_variables(variables: Iterable[Variable]) -> PieceVariables | None:
         max_velocity=limit,
         spare=f"{limits}.reserve",
         request=by_role[Role.MASTER_REQUEST],
+        cut_spacing=by_role.get(Role.CUT_SPACING, ""),
+        edge_radius=by_role.get(Role.EDGE_RADIUS, ""),
     )

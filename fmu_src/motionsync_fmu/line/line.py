@@ -106,7 +106,7 @@ class ProductionLine:
         """The outputs by which the follower reports its pieces."""
         names = astuple(self.piece_variables) if self.piece_variables else ()
         flat = [n for name in names for n in (name if isinstance(name, tuple) else (name,))]
-        return [n for n in flat if not self.follower.recipe.variables[n].settable]
+        return [n for n in flat if n and not self.follower.recipe.variables[n].settable]
 
     @cached_property
     def commands(self) -> dict[str, NDArray[Any]]:

@@ -796,7 +796,10 @@ class RotaryKnife(RotaryKnifeInterface):
         stage = self.cycle.stage
         is_entering = stage == Stage.SYNCHRONOUS and not self.is_cut_made and self.cycle.is_last()
         show_piece(self, self.material.piece, self.piece_window.before, is_entering)
-        self.local.coupling_factor = self.predictions.window.slope
+        window = self.predictions.window
+        self.local.coupling_factor = window.slope
+        self.local.blade_spacing = self.knife_data.spacing
+        self.local.edge_radius = window.radian if window.is_horizontal else 0.0
         show_line_request(self.line, self.operation.fault, self.settings.margin, self.limits.max_line_velocity)
         show_peaks(self, self.cycle_peaks)
 

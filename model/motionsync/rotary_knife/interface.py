@@ -68,7 +68,7 @@ class SyncMode(Enumeration):
 class Cylinder:
     """The cylinder with its blades."""
 
-    in_window: bool = var.output(False, "a blade is in the window of a cut")
+    in_window: bool = var.output(False, "a blade is in the window of a cut", role=Role.CUTTING)
     turn: float = var.parameter(
         360.0,
         "the slave's position per turn of the cylinder, not 0",
@@ -153,7 +153,9 @@ class KnifeAxis:
 class MachineLimits:
     """What the machine can do."""
 
-    max_line_velocity: float = var.output(0.0, "highest for this piece and the next one", Unit.VELOCITY, discrete=True)
+    max_line_velocity: float = var.output(
+        0.0, "highest for this piece and the next one", Unit.VELOCITY, discrete=True, role=Role.MAX_MASTER_VELOCITY
+    )
     min_length: float = var.output(0.0, "shortest piece at the present line velocity; 1e12: none", Unit.POSITION)
     reserve: float = var.output(1.0, "share of the cycle that is left at the present line velocity")
     max_line_velocity_orders: float = var.snapshot(0.0, "highest admissible for all orders or marks", Unit.VELOCITY)
@@ -192,7 +194,15 @@ class Warnings:
 class Local:
     """What a commissioning engineer would watch."""
 
-    coupling_factor: float = var.snapshot(1.0, "the knife's travel per travel of the master in sync")
+    coupling_factor: float = var.snapshot(
+        1.0, "the knife's travel per travel of the master in sync", Unit.SLAVE_PER_MASTER, role=Role.COUPLING_FACTOR
+    )
+    blade_spacing: float = var.snapshot(
+        360.0, "the knife's travel from one blade to the next", Unit.SLAVE_POSITION, role=Role.CUT_SPACING
+    )
+    edge_radius: float = var.snapshot(
+        0.0, "HORIZONTAL: the knife's travel per rad; else 0", Unit.SLAVE_POSITION, role=Role.EDGE_RADIUS
+    )
     marks_waiting: int = var.local(0, "marks in the queue")
     refused_parameter: int = var.local(
         0, "which tunable parameter is out of its range", codes=var.merged(KnifeParameter, PieceParameter)
@@ -218,7 +228,7 @@ class RotaryKnifeInterface:
     hold: bool = var.input(False, "no way to a cut begins while it is true: the knife parks")
     length: float = var.input(1000.0, "length of a piece without an order; <= 0: none", Unit.POSITION, discrete=True)
     length_correction: float = var.input(
-        0.0, "added to each measured length (tape error)", Unit.POSITION, discrete=True
+        0.0, "added to each measured length (tape error)", Unit.POSITION, discrete=True, role=Role.LENGTH_CORRECTION
     )
     cut_now: bool = var.command(False, "rising edge: cut as soon as possible")
     take_sample: bool = var.command(False, "rising edge: one sample after the next cut")
@@ -238,7 +248,9 @@ class RotaryKnifeInterface:
         "18 marks missing, 20 marks full",
         codes=PieceFault,
     )
-    running: bool = var.output(False, "from start to the rest at park after stop or abort, or to a fault")
+    running: bool = var.output(
+        False, "from start to the rest at park after stop or abort, or to a fault", role=Role.RUNNING
+    )
     in_sync: bool = var.output(False, "the knife is in sync with the material")
     knife: Cylinder = var.part(Cylinder)
     next_cut: NextCut = var.part(NextCut)
@@ -270,9 +282,10 @@ class RotaryKnifeInterface:
         tunable=True,
         min=SMALLEST_LIMIT,
         max=LARGEST,
+        role=Role.MATERIAL_FACTOR,
     )
-    kerf: float = var.length(0.0, "material that a cut removes")
-    length_tolerance: float = var.length(0.5, "greatest length error of a good piece")
+    kerf: float = var.length(0.0, "material that a cut removes", role=Role.KERF)
+    length_tolerance: float = var.length(0.5, "greatest length error of a good piece", role=Role.LENGTH_TOLERANCE)
     source: Source = var.parameter(Source.LENGTH, "what decides where the cuts are")
     start_mode: StartMode = var.parameter(StartMode.FRONT, "what the first piece is measured from", tunable=True)
     front_position: float = var.position(
@@ -290,4 +303,11 @@ class RotaryKnifeInterface:
     batches: int = var.local(0, "full batches")
     batch_done: bool = var.local(False, "a batch is full, until the next cut")
     clock: float = var.local(0.0, "the block's time: 0 at initialization", Unit.TIME)
-    local: Local = var.part(Local, depends={"coupling_factor": COUPLING})
+    local: Local = var.part(
+        Local,
+        depends={
+            "coupling_factor": (*COUPLING, "sync.mode", "sync.overspeed"),
+            "blade_spacing": ("knife.turn", "knife.blades"),
+            "edge_radius": ("knife.turn", "sync.mode"),
+        },
+    )

@@ -1,7 +1,8 @@
 """The pieces of a run: what the block reports of each that it has cut off, and what the positions show.
 
 The material moves with the master. A tool that is in sync with a place on it stays there: slave = factor (master -
-place). So the places of two cuts follow from the positions alone, and from them the length of the piece in between.
+place), counted from where it cuts if it turns. So the places of two cuts follow from the positions alone, and from them
+the length of the piece in between.
 """
 
 from dataclasses import dataclass
@@ -102,6 +103,15 @@ def coupling_factor(scenario: Scenario, recording: Recording) -> float:
     return float(factors[at[0] if len(at) else -1]) or 1.0
 
 
+def tool_travel(names: PieceVariables, recording: Recording, slave: Reals) -> Reals:
+    """How far the tool is beyond the place where it cuts, along the material and in the slave's unit."""
+    if not names.cut_spacing:
+        return slave
+    spacing, radius = recording.values[names.cut_spacing], recording.values[names.edge_radius]
+    travel = slave - spacing * np.round(slave / spacing)
+    return np.where(radius > 0.0, radius * np.sin(travel / np.where(radius > 0.0, radius, 1.0)), travel)
+
+
 def rises(counter: Reals) -> Reals:
     """By how much a counter went up at each point, shape (points,); where it falls it has started again from 0."""
     steps = np.diff(counter, prepend=counter[0])
@@ -122,7 +132,9 @@ class _Finder:
         self._readings = np.column_stack([first * second, sum(removed)])  # the factor f; what a cut takes away
         self._steady = bool((self._readings == self._readings[0]).all())  # in nearly all runs, which saves time
         factor = recording.values[names.coupling_factor]
-        self._places = recording.master[:, 0] - recording.values["slave.position"] / np.where(factor, factor, 1.0)
+        self._places = recording.master[:, 0] - tool_travel(
+            names, recording, recording.values["slave.position"]
+        ) / np.where(factor, factor, 1.0)
 
     def pieces(self) -> list[Piece]:
         pieces: list[Piece] = []

@@ -16,7 +16,7 @@ from ...interface.units import unit_name
 from ..computed_columns import ACTUAL_POSITION
 from ..recording import Reals, Recording
 from ..scenario import Scenario
-from .find_pieces import coupling_factor
+from .find_pieces import coupling_factor, tool_travel
 from .time_series import time_series, true_stretches
 
 if TYPE_CHECKING:
@@ -127,6 +127,8 @@ def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
     begins = np.cumsum(points) - points  # of the cuts, among the points of all
     at = np.arange(points.sum()) + np.repeat(first - begins, points)
     tool = recording.computed.get(ACTUAL_POSITION, recording.values["slave.position"])
+    if names := scenario.recipe.piece_variables:
+        tool = tool_travel(names, recording, tool)
     places = recording.master[at, 0] - tool[at] / _ratio(scenario, recording)
     spans = np.diff(recording.time[at], prepend=0.0)
     spans[begins] = 0.0
