@@ -100,6 +100,10 @@ FIXED: dict[str, Any] = {
 """What holds for a whole run."""
 
 
+OVER = 1e-12
+"""Of a turn: how near to its end the position may be for rounding to decide whether it starts again."""
+
+
 def reference(script: Mapping[str, Any], times: Sequence[float]) -> list[dict[str, float]]:
     """The block's outputs at each of `times` (s, in rising order, each once), enumerations and Booleans as numbers.
 
@@ -140,6 +144,14 @@ class _Rows(Rows[Snapshot]):
         super().__init__(machine.snapshots)
         self.sections, self.knife = sections, machine.knife
         self.section_begins = [section.begin for section in sections]
+
+    def at(self, time: float) -> list[dict[str, float]]:
+        """Two rows, too, where the position starts again from 0: a turn is over."""
+        rows = super().at(time)
+        position, turn = rows[0]["slave.position"], float(self.knife.turn)
+        if min(position, turn - position) > OVER * turn:
+            return rows
+        return [rows[0] | {"slave.position": turn}, rows[-1] | {"slave.position": 0.0}]
 
     def _row(self, time: float, snapshot: Snapshot, offset: float) -> dict[str, float]:
         motion = self.sections[max(bisect_right(self.section_begins, time + offset) - 1, 0)].at(time)
