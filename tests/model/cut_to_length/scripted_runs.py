@@ -1,20 +1,15 @@
 """Random scripts of a line with commands, the CutToLength's run along one, and its comparison with the oracle."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import accumulate, pairwise
+from itertools import pairwise
 from random import Random
 from typing import Any
 
 from motionsync.cut_to_length.block import CutToLength
 from motionsync.master import MasterInput
-from motionsync_fmu.interface.stepper import Stepper
-from tests.oracle import mp
 from tests.oracle.cut_to_length import events, reference
-from tests.oracle.cut_to_length_carriage import MasterSection
-from tests.oracle.master import stretches
-
-Script = dict[str, Any]
-Row = dict[str, float]
+from tests.support import cutting_scripts
+from tests.support.cutting_scripts import Row, Script, random_line, random_marks
 
 LEAST_RETURN_TIME = 1e-4
 """Time (s) in which no carriage returns home that has left it."""
@@ -39,56 +34,17 @@ SHARES = (
 )
 AT_VELOCITY = ("limits.min_length", "limits.cycle_time", "limits.reserve", "limits.stroke", "next_cut.distance")
 """What jumps where the line comes to rest: rounding of the velocity decides."""
-LEAST_SPEED = 1e-3
 ARRIVAL_TOLERANCE = 1e-5
 """Time (s): the way home ends so softly that rounding of the carriage's state changes the end by so much."""
 NOT_COMPARED = ("time",)
 """The columns of the oracle's rows that are not compared."""
 
 
-def step_ends(script: Script, extra_ends: Iterable[float]) -> list[float]:
-    """The ends of the steps: `extra_ends`, and where something is set or the line's script breaks."""
-    stop = float(script["stop_time"])
-    breaks = accumulate(segment["duration"] for segment in script["master"]["segments"])
-    fixed = {0.0, stop, *breaks, *(table["at"] for table in script["set"])}
-    apart = {time for time in extra_ends if min(abs(time - other) for other in fixed) > 1e-9}
-    return [time for time in sorted(fixed | apart) if 0.0 <= time <= stop]
-
-
 def simulate(
     script: Script, extra_ends: Iterable[float], names: Sequence[str], mode: MasterInput, stride: int = 1
 ) -> list[Row]:
     """The block's outputs at the end of each step, or of each `stride`-th one."""
-    stepper = Stepper(CutToLength())
-    parts = stretches(script["master"], mp.mpf(script["stop_time"]) + 1)[1:]
-    sections = [MasterSection.of(part, 0.0) for part in parts]
-    period = float(script["start"].get("master.period", 0.0))
-
-    def set_master(time: float, master: MasterSection) -> None:
-        m = master.at(time)
-        position = m.position % period if period > 0.0 else m.position
-        values = {"master.position": position, "master.velocity": m.velocity, "master.acceleration": m.acceleration}
-        stepper.set(values)
-
-    stepper.set(script["start"] | {"master.input_mode": mode})
-    set_master(0.0, sections[0])
-    stepper.initialize()
-    rows = []
-    sets: dict[float, dict[str, Any]] = {}
-    for table in script["set"]:
-        sets.setdefault(table["at"], {}).update({name: value for name, value in table.items() if name != "at"})
-    for i, (begin, end) in enumerate(pairwise(step_ends(script, extra_ends))):
-        while len(sections) > 1 and sections[1].begin <= begin:
-            sections.pop(0)
-        stepper.set(sets.get(begin, {}))
-        set_master(end if mode == MasterInput.END_OF_STEP else begin, sections[0])
-        stepper.step(end - begin)
-        speed = abs(sections[0].at(end).velocity)
-        if i % stride or (speed < LEAST_SPEED and abs(end - sections[0].end) < 1e-9):
-            continue
-        compared_names = [name for name in names if name not in AT_VELOCITY or speed > LEAST_SPEED]
-        rows.append({"time": end, **{name: float(value) for name, value in stepper.get(compared_names).items()}})
-    return rows
+    return cutting_scripts.simulate(CutToLength(), script, extra_ends, names, AT_VELOCITY, mode, stride)
 
 
 def tolerance(name: str, scale: Mapping[str, float], relative: float) -> float:
@@ -201,71 +157,6 @@ def random_machine(r: Random) -> dict[str, Any]:
     }
     start["axis.initial_position"] = r.choice([start["home_position"], start["home_position"] + r.uniform(-90.0, 90.0)])
     return start
-
-
-def random_line(r: Random, duration: float, *, jumps: bool = True) -> dict[str, Any]:
-    """A line that speeds up, brakes, rests, jumps and now and then reverses; a stop is exact, in binary fractions."""
-    speed = r.choice([0.0, *[float(r.randint(300, 1300))] * 3])
-    segments: list[dict[str, float]] = []
-    now, total = speed, 0.0
-    while total < duration:
-        segment = {"duration": r.randint(12, 192) / 128.0}
-        kinds = ["steady", "steady", "ramp", "ramp", "ramp", "stop"] + ["jump"] * jumps + ["back"] * (now > 0.0)
-        match r.choice(kinds) if now > 0.0 else "ramp":
-            case "ramp":
-                change = r.uniform(200.0, 1300.0) - now
-                segment["acceleration"] = round(16.0 * change / segment["duration"]) / 16.0
-            case "stop":
-                segment = {"duration": r.choice([0.25, 0.5, 1.0])}
-                segment["acceleration"] = -now / segment["duration"]
-            case "back":
-                segment["acceleration"] = -16.0 * round((now + r.uniform(20.0, 300.0)) / segment["duration"] / 16.0)
-            case "jump":
-                segment["velocity"] = now = max(now + r.randint(-200, 200), 0.0)
-        segments.append(segment)
-        now += segment.get("acceleration", 0.0) * segment["duration"]
-        if now < 0.0:  # it does not go back for long, and does not rest then: rounding would decide
-            segments.append({"duration": 0.25, "acceleration": (256.0 - now) / 0.25})
-            now = 256.0
-        if now == 0.0 and r.random() < 0.7:  # nor rests for long
-            segments.append({"duration": 0.25})
-        total = sum(part["duration"] for part in segments)
-    return {"position": r.uniform(-500.0, 5000.0), "velocity": speed, "segments": segments}
-
-
-def random_marks(
-    r: Random, start: dict[str, Any], master: dict[str, Any], duration: float, *, windows: bool
-) -> list[dict[str, Any]]:
-    """Edges of a sensor that sees a mark on each `spacing` of the material, or nearly so; values for the machine."""
-    spacing = r.uniform(300.0, 1500.0)
-    start |= {
-        "source": 2,
-        "mark.latched": r.random() < 0.6,
-        "mark.delay": r.choice([0.0, 0.004]),
-        "mark.sensor_distance": r.uniform(600.0, 2500.0),
-        "mark.cut_offset": r.uniform(-50.0, 50.0),
-        "mark.spacing": r.choice([0.0, spacing, spacing]),
-        "mark.window": r.choice([0.0, 30.0]) if windows else 0.0,
-        "mark.every": r.choice([1, 1, 2]),
-        "mark.max_missing": r.choice([0, 1, 3]),
-        "mark.substitute": r.random() < 0.6,
-    }
-    sections = [MasterSection.of(part, 0.0) for part in stretches(master, mp.mpf(duration))[1:]]
-    position = master["position"] + r.uniform(0.0, spacing)
-    sets: list[dict[str, Any]] = []
-    for section in sections:
-        while section.direction > 0 and section.at(section.end).position > position:
-            passed = section.passes(position, 1, section.begin, section.end)
-            time = round((passed or section.begin) + 1.5e-3, 4)
-            if r.random() < 0.9:
-                period = start["master.period"]
-                latched = position % period if period else position
-                sets.append({"at": time, "mark.detected": True, "mark.position": latched})
-                sets.append({"at": round(time + 0.0063, 4), "mark.detected": False})
-            position += (spacing + r.choice([0.0, r.uniform(-5.0, 5.0), r.uniform(-60.0, 60.0)])) / start[
-                "material_factor"
-            ]
-    return sets
 
 
 COMMANDS = (

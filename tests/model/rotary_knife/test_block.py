@@ -1,0 +1,321 @@
+"""The RotaryKnife, sentence by sentence, with numbers by hand.
+
+The knife has a circumference of 600, one blade, windows of 30 before and after the cut and k = 0.6 degrees per u. A
+ramp takes 2 * 162 / 0.6 = 540 of the master. The line runs with 1000 u/s from 0 at 0 s, where `start` is given.
+"""
+
+import math
+from typing import Any
+
+import pytest
+
+from motionsync.cutting.faults import PieceFault
+from motionsync.cutting.interface import ChangeMode, LateMode, PieceKind
+from motionsync.rotary_knife.block import RotaryKnife
+from motionsync.rotary_knife.faults import KnifeParameter, Refusal
+from motionsync.rotary_knife.interface import State, SyncMode
+from tests.model.rotary_knife.harness import RotaryKnifeHarness, started_knife
+
+SYNC = 600.0  # degrees/s, the knife's velocity in sync
+
+
+def near(*values: float, tolerance: float = 1e-9) -> Any:
+    """What equals one number, or a tuple of several, within the tolerance, relative or absolute."""
+    return pytest.approx(values if len(values) > 1 else values[0], rel=tolerance, abs=tolerance)
+
+
+# --- the law ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("length", "in_the_middle"),
+    [
+        (600.0, 1.0),
+        (400.0, 1.0 + 15.0 / 8.0 * 200.0 / 340.0),
+        (300.0, 3.34375),
+        (900.0, 1.0 - 15.0 / 8.0 * 300.0 / 840.0),
+    ],
+)
+def test_between_two_windows_the_knife_turns_on(length: float, in_the_middle: float) -> None:
+    """The first piece is one of 900, which lies 360 behind the ramp's beginning; the next one has the length."""
+    knife = started_knife({"length": 900.0}).at(0.1).set({"length": length})
+    knife.at(0.9 + 0.5e-3 * length)
+    assert knife.state == State.TURNING
+    assert knife["slave.velocity"] == near(in_the_middle * SYNC)
+    assert knife["slave.position"] == near(180.0)
+    assert knife["peaks.velocity"] == near(max(in_the_middle, 1.0) * SYNC)
+    knife.at(0.9 + 1e-3 * length + 1e-6)
+    assert (knife["slave.velocity"], knife["last.length"]) == near(SYNC, length)
+    assert knife["slave.position"] == near(SYNC * 1e-6)
+
+
+def test_the_knife_rests_on_a_long_piece() -> None:
+    """Pieces of 1500: from a cut the ramp down begins 30 later and is 540 long, the ramp up ends 30 before the next."""
+    knife = started_knife({"length": 1500.0}).at(1.5 + 0.03 + 0.54 - 1e-6)
+    assert knife.state == State.DISENGAGING
+    knife.at(1.5 + 0.03 + 0.54)
+    assert (knife.state, knife["slave.position"], knife["slave.velocity"]) == (State.WAITING, near(180.0), 0.0)
+    knife.at(3.0 - 0.03 - 0.54 - 1e-6)
+    assert (knife.state, knife["slave.position"]) == (State.WAITING, near(180.0))
+    knife.at(3.0 - 0.03 - 0.54 + 1e-6)
+    assert knife.state == State.ENGAGING
+    knife.at(3.0)
+    assert (knife["statistics.cuts"], knife["slave.velocity"]) == (2, near(SYNC))
+
+
+def test_the_longest_piece_without_rest_comes_to_rest_in_one_instant() -> None:
+    """Z = 15/7 540."""
+    longest = 60.0 + 15.0 / 7.0 * 540.0
+    knife = started_knife({"length": longest}).at(0.1)
+    assert knife["limits.max_length"] == near(longest)
+    knife.at(1.5e-3 * longest)
+    assert (knife.state, knife["slave.velocity"]) == (State.TURNING, near(0.0, tolerance=1e-6))
+
+
+def test_two_blades_cut_in_turns() -> None:
+    """With two blades 300 is the synchronous length: the knife turns evenly, and the blades cut at 0 and at 180."""
+    values = {"knife.blades": 2, "knife.park_angle": 90.0, "length": 300.0}
+    knife = started_knife(values).at(0.6)
+    assert (knife["slave.position"], knife["slave.velocity"]) == near(0.0, SYNC)
+    knife.at(0.9)
+    assert (knife["slave.position"], knife["slave.velocity"]) == near(180.0, SYNC)
+    knife.at(1.0)
+    assert (knife["slave.velocity"], knife["statistics.cuts"]) == (near(SYNC), 3)
+
+
+def test_an_overspeed_pulls_the_piece_away() -> None:
+    """5 %: 60 of the material take 63 of the edge; in between 537 are left for 540, so the middle is below the line."""
+    knife = started_knife({"sync.overspeed": 0.05, "length": 600.0}).at(1.2)
+    assert knife["slave.velocity"] == near(1.05 * SYNC)
+    knife.at(1.5)
+    assert knife["slave.velocity"] == near(SYNC * (1.05 - 15.0 / 8.0 * 30.0 / 540.0))
+
+
+def test_along_the_material_the_edge_is_as_fast_as_the_line() -> None:
+    """HORIZONTAL, 60 before the cut: the angle's sine is 2 pi 60/600, and cos * speed along the circle = the line's."""
+    values = {"sync.mode": SyncMode.HORIZONTAL, "sync.before": 60.0, "sync.after": 60.0, "length": 600.0}
+    knife = RotaryKnifeHarness(values, speed=500.0).give("start").at(2.4 - 59.0 / 500.0)
+    angle = math.asin(2.0 * math.pi * 59.0 / 600.0)
+    assert knife.state == State.SYNCHRONOUS
+    assert knife["slave.position"] == near(360.0 - math.degrees(angle))
+    assert knife["slave.velocity"] == near(math.degrees(500.0 / (600.0 / (2.0 * math.pi)) / math.cos(angle)))
+
+
+# --- limits -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("length", "fastest"),
+    [(300.0, 1085.767047), (400.0, 1760.765087), (900.0, 3800.184663), (1500.0, 4326.748711)],
+)
+def test_the_greatest_line_velocity_of_each_format(length: float, fastest: float) -> None:
+    knife = RotaryKnifeHarness({"length": length})
+    assert knife["limits.max_line_velocity"] == near(fastest, tolerance=1e-9)
+
+
+@pytest.mark.parametrize(("velocity", "shortest"), [(500.0, 183.312645), (1000.0, 284.730278), (2000.0, 427.567549)])
+def test_the_shortest_piece_at_a_line_velocity(velocity: float, shortest: float) -> None:
+    assert RotaryKnifeHarness(speed=velocity)["limits.min_length"] == near(shortest, tolerance=1e-8)
+
+
+@pytest.mark.parametrize("length", [300.0, 400.0, 900.0, 1500.0])
+def test_the_greatest_line_velocity_is_sharp(length: float) -> None:
+    fastest = RotaryKnifeHarness({"length": length})["limits.max_line_velocity"]
+    slow = RotaryKnifeHarness({"length": length}, speed=0.999999 * fastest).give("start")
+    fast = RotaryKnifeHarness({"length": length}, speed=1.000001 * fastest).give("start")
+    duration = 8.0 * length / fastest
+    slow.run(1500.0 / fastest)
+    left_out = slow["statistics.skipped"]
+    for row in slow.rows(duration, cuts=[i * duration / 500.0 for i in range(500)]).values():
+        assert abs(row["slave.velocity"]) <= 3600.0 * (1.0 + 1e-9)
+        assert abs(row["slave.acceleration"]) <= 72000.0 * (1.0 + 1e-9)
+        assert abs(row["slave.jerk"]) <= 1e6 * (1.0 + 1e-9)
+    assert slow["statistics.cuts"] >= 7
+    assert slow["statistics.skipped"] == left_out
+    assert not slow["warning.any"]
+    fast.run(1500.0 / fastest + duration)
+    assert fast["warning.line_too_fast"]
+    assert fast["statistics.skipped"] > left_out
+
+
+# --- late cuts --------------------------------------------------------------------------------------------------------
+
+
+def test_a_cut_whose_ramp_would_have_begun_before_start_is_left_out() -> None:
+    """Pieces of 300: the ramp and half a window take 570, so the first cut is that at 600."""
+    knife = started_knife({"length": 300.0}).at(0.6)
+    assert (knife["statistics.cuts"], knife["statistics.skipped"]) == (1, 1)
+    assert (knife["last.length"], knife["last.kind"]) == (near(600.0), PieceKind.MERGED)
+    knife.at(0.9)
+    assert (knife["last.length"], knife["last.kind"]) == (near(300.0), PieceKind.PRODUCT)
+
+
+def test_what_becomes_of_a_cut_that_is_too_near() -> None:
+    """At 1200 u/s the piece of 300 is too short: SKIP cuts 600, LATE as soon as possible, STOP_LINE stops the line."""
+    skip, late, stop = (started_knife({"length": 300.0, "late_mode": mode}, speed=1200.0).at(1.65) for mode in LateMode)
+    assert (skip["last.length"], skip["last.kind"]) == (near(600.0), PieceKind.MERGED)
+    assert late["statistics.late"] > 0
+    assert late["last.length"] == near(late["limits.min_length"])
+    assert (stop.state, stop["error_id"], stop["line.stop_request"]) == (State.FAULT, PieceFault.CUT_MISSED, True)
+    assert stop["line.velocity_request"] == 0.0
+
+
+def test_a_pitch_of_no_more_than_the_window_is_late_on_any_line() -> None:
+    knife = started_knife({"length": 60.0}, speed=1.0).at(10.0)
+    assert knife["limits.max_line_velocity"] == 0.0
+    assert knife["warning.line_too_fast"]
+
+
+def test_pieces_that_need_a_rest_count_as_no_length_where_the_knife_must_not_park() -> None:
+    knife = started_knife({"length": 1300.0, "allow_parking": False}).at(0.5)
+    assert (knife["warning.no_length"], knife["error_id"]) == (True, PieceFault.TUNABLE)
+    assert knife.set({"length": 1200.0}).at(0.6)["warning.no_length"] is False
+
+
+# --- commands ---------------------------------------------------------------------------------------------------------
+
+
+def test_stop_finishes_the_cut_under_way() -> None:
+    """Given between the cuts at 600 and 1200: this one is made, and the ramp down ends 570 behind it."""
+    knife = started_knife({"length": 600.0}).at(0.8).give("stop").at(1.77 - 1e-6)
+    assert (knife["statistics.cuts"], knife.state, knife["running"]) == (2, State.DISENGAGING, True)
+    knife.at(1.77 + 1e-6)
+    assert (knife.state, knife["running"], knife["slave.position"]) == (State.OFF, False, near(180.0))
+
+
+def test_abort_parks_at_once_and_does_not_turn_back() -> None:
+    knife = started_knife({"length": 600.0}).at(0.8).give("abort")
+    rows = knife.rows(1.0, cuts=[i / 1000.0 for i in range(1000)])
+    assert all(row["slave.velocity"] >= -1e-9 for row in rows.values())
+    assert all(abs(row["slave.jerk"]) <= 1e6 * (1.0 + 1e-9) for row in rows.values())
+    assert (knife.state, knife["slave.position"], knife["statistics.cuts"]) == (State.OFF, near(180.0), 1)
+
+
+def test_a_blade_that_passes_its_cut_on_the_way_to_park_is_counted() -> None:
+    """Aborted 20 before a cut at 1000 u/s: the way to stop from 600 degrees/s is longer than these 12 degrees."""
+    knife = started_knife({"length": 600.0}).at(1.18).give("abort").at(3.0)
+    assert (knife["statistics.unsynchronised"], knife["statistics.cuts"]) == (1, 1)
+
+
+def test_cut_now_at_rest_cuts_after_the_ramp() -> None:
+    """Given at 100, with 570 for ramp and window: the piece is as long as the material that has passed."""
+    knife = started_knife({"length": 5000.0}).at(0.1).give("cut_now").at(0.67 + 1e-6)
+    assert (knife["last.kind"], knife["last.length"]) == (PieceKind.SHORT, near(670.0))
+
+
+def test_cut_now_on_a_curve_gains_what_the_limits_allow_or_warns() -> None:
+    """400 of 1200 have passed at 500 u/s: the cut is made long before it is due. Where the axis is at its limit, which
+    rounding may exceed by 1e-9, nothing is gained."""
+    knife = started_knife({"length": 1200.0}, speed=500.0).at(3.2).give("cut_now").at(4.0)
+    assert (knife["statistics.cuts"], knife["last.kind"]) == (2, PieceKind.SHORT)
+    assert 400.0 < knife["last.length"] < 700.0
+    late = started_knife({"length": 600.0, "axis.max_velocity": SYNC * (1.0 - 5e-10)}).at(1.0).give("cut_now").at(1.1)
+    assert late["warning.change_pending"]
+    assert not late.at(1.201)["warning.change_pending"]
+    assert late["last.length"] == near(600.0)
+
+
+def test_hold_keeps_the_knife_at_rest_and_its_end_lets_it_go_on() -> None:
+    knife = started_knife({"length": 600.0}).at(0.8).set({"hold": True}).at(2.5)
+    assert (knife.state, knife["statistics.cuts"], knife["running"]) == (State.WAITING, 2, True)
+    knife.set({"hold": False}).at(4.0)
+    assert knife["statistics.cuts"] > 2
+
+
+def test_a_new_length_is_for_the_next_piece_or_for_this_one() -> None:
+    """600 becomes 900 while the second piece is made: it is cut at 1200, or at 1500."""
+    for mode, cuts in ((ChangeMode.NEXT_PIECE, 2), (ChangeMode.THIS_PIECE, 1)):
+        knife = started_knife({"length": 600.0, "change_mode": mode}).at(0.7).set({"length": 900.0}).at(1.4)
+        assert (knife["statistics.cuts"], knife["warning.change_pending"]) == (cuts, False)
+    assert knife.at(1.51)["last.length"] == near(900.0)
+
+
+def test_a_change_that_cannot_be_made_any_more_waits() -> None:
+    """600 becomes 300 when 250 of it have passed."""
+    knife = started_knife({"length": 600.0, "change_mode": ChangeMode.THIS_PIECE}).at(0.85).set({"length": 300.0})
+    assert knife.at(0.9)["warning.change_pending"]
+    assert knife.at(1.21)["last.length"] == near(600.0)
+    assert not knife["warning.change_pending"]
+
+
+# --- the line ---------------------------------------------------------------------------------------------------------
+
+
+def test_only_on_a_line_that_turns_back_the_knife_turns_back() -> None:
+    """Over the second piece and back before the first: the knife is where the material has it, down to park."""
+    knife = started_knife({"length": 600.0}).at(1.5)
+    forwards = {}
+    for i in range(100):
+        master = 1500.0 - 15.0 * i
+        forwards[master] = started_knife({"length": 600.0}).at(max(master, 1e-9) / 1000.0)["slave.position"]
+    for i in range(1, 100):
+        master = 1500.0 - 15.0 * i
+        knife.speed = -1000.0
+        knife.run(0.015)
+        assert knife["slave.position"] == near(forwards[master], tolerance=1e-7) or (
+            abs(knife["slave.position"] - forwards[master]) > 359.999999
+        )
+    assert knife["statistics.cuts"] == 2
+
+
+def test_far_back_the_knife_rests_as_if_it_had_started_there() -> None:
+    """The line runs back over ten pieces: the knife comes to rest, and cuts on where it left off."""
+    knife = started_knife({"length": 600.0}).at(6.5)
+    knife.speed = -1000.0
+    rows = knife.rows(6.5, cuts=[i / 100.0 for i in range(650)])
+    assert all(-SYNC * 2.5 <= row["slave.velocity"] <= 0.0 for row in rows.values())
+    assert (knife["slave.velocity"], knife["slave.position"]) == near(0.0, 180.0)
+    knife.speed = 1000.0
+    knife.run(7.3, cuts=[i / 100.0 for i in range(730)])
+    assert (knife["statistics.cuts"], knife["last.length"]) == (12, near(600.0))
+
+
+# --- invalid values ---------------------------------------------------------------------------------------------------
+
+
+def refusal(**values: Any) -> Refusal:
+    """Of a knife with these start values; a name has `__` for a dot."""
+    block = RotaryKnife()
+    for name, value in values.items():
+        group, _, leaf = name.partition("__")
+        setattr(getattr(block, group) if leaf else block, leaf or group, value)
+    return block.initialize()
+
+
+def test_windows_without_a_way_between_them_are_refused() -> None:
+    """The park angle of 180 lies behind a window of 301, and before one that begins 301 before the next cut."""
+    assert refusal() == Refusal.NONE
+    assert refusal(sync__after=299.0) == Refusal.NONE
+    assert refusal(sync__after=301.0) == Refusal.KNIFE_WINDOW
+    assert refusal(sync__before=301.0) == Refusal.KNIFE_WINDOW
+    assert refusal(knife__blades=2) == Refusal.KNIFE_WINDOW
+    assert refusal(knife__blades=2, knife__park_angle=90.0) == Refusal.NONE
+    assert refusal(sync__mode=SyncMode.HORIZONTAL, sync__before=91.0) == Refusal.KNIFE_WINDOW
+    assert refusal(mark__spacing=100.0, mark__window=50.0) == Refusal.MARK_WINDOW
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "parameter"),
+    [
+        ("sync.before", math.nan, KnifeParameter.SYNC_BEFORE),
+        ("sync.after", -1.0, KnifeParameter.SYNC_AFTER),
+        ("sync.overspeed", 0.6, KnifeParameter.OVERSPEED),
+        ("sync.before", 301.0, KnifeParameter.KNIFE_WINDOW),
+        ("material_factor", 0.0, KnifeParameter.MATERIAL_FACTOR),
+        ("line.margin", 1.0, KnifeParameter.MARGIN),
+        ("late_mode", 4, KnifeParameter.LATE_MODE),
+    ],
+)
+def test_a_tuned_parameter_out_of_its_range_is_named_and_a_start_refused(
+    name: str, value: Any, parameter: KnifeParameter
+) -> None:
+    knife = RotaryKnifeHarness({"length": 600.0}, speed=1000.0).run(0.01).set({name: value}).give("start").run(0.01)
+    assert (knife["local.refused_parameter"], knife["error_id"]) == (parameter, PieceFault.TUNABLE)
+    assert knife.state == State.OFF
+
+
+def test_a_piece_is_not_fixed_with_a_window_that_the_knife_cannot_have() -> None:
+    knife = started_knife({"length": 600.0}).at(0.3).set({"sync.before": 301.0}).at(0.65)
+    assert (knife["statistics.cuts"], knife["warning.no_length"], knife["error_id"]) == (1, True, PieceFault.TUNABLE)
+    knife.set({"sync.before": 30.0}).at(0.66)
+    assert not knife["warning.no_length"]
