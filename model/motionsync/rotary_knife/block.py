@@ -335,7 +335,7 @@ class RotaryKnife(RotaryKnifeInterface):
         stage = self.cycle.stage
         is_held = stage == Stage.DISENGAGING and (self.operation.is_stopping or self.hold)
         is_on_curve = stage in (Stage.ENGAGING, Stage.TURNING, Stage.DISENGAGING)
-        if is_held or not is_on_curve or self.master.begin_velocity <= 0.0 or not self.cycle.can_append(4):
+        if is_held or not is_on_curve or self.master.begin_velocity <= 0.0 or not self.cycle.can_append(2):
             return False
         self.leave_curve()
         return True
@@ -559,7 +559,7 @@ class RotaryKnife(RotaryKnifeInterface):
         blade = self.next_blade()
         knife = self.knife_data
         if way.parks:
-            is_shortened = way.ramp_up.begin <= way.first.end
+            is_shortened = way.ramp_up.begin <= way.first.end and cycle.can_append(4)
             cycle.make_room(4 if is_shortened else 2, knife)
             cycle.append_section(RAMP_DOWN, way.first, blade)
             cycle.append_rest(way.first.end, blade, self.park_position())
