@@ -65,10 +65,10 @@ class RotaryKnife(RotaryKnifeInterface):
     axis_limits: AxisLimits = var.part(AxisLimits, hidden=True)
 
     # The windows: of the cut that ends the piece in progress, with the ramp up to it; of the latest cut to which a way
-    # was laid; of the last cut that was made.
+    # was planned; of the last cut that was made.
     piece_window: Window = var.part(Window)
     ramp: CycleLimit = var.part(CycleLimit)
-    laid_cut: Cut = var.part(Cut)
+    planned_cut: Cut = var.part(Cut)
     is_cut_made: bool = True
     last_window: Window = var.part(Window)
     has_last_window: bool = False
@@ -312,7 +312,7 @@ class RotaryKnife(RotaryKnifeInterface):
         return UNLIMITED if pitch == UNLIMITED or self.is_too_long(pitch) else self.material.piece.begin + pitch
 
     def try_change_piece(self) -> bool:
-        """Fix the product in progress anew, if its cut can still be reached: the curve to it is laid anew."""
+        """Fix the product in progress anew, if its cut can still be reached: the curve to it is planned anew."""
         cut = self.changed_cut()
         if cut == UNLIMITED:
             return False
@@ -327,7 +327,7 @@ class RotaryKnife(RotaryKnifeInterface):
         if can_reach:
             self.change_piece()
             if self.cycle.stage != Stage.WAITING:
-                self.lay_way()
+                self.plan_way()
         return can_reach
 
     def can_leave_curve(self) -> bool:
@@ -422,7 +422,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def try_event_synchronous(self, section: int, end: float) -> bool:
         """In the latest window: the cut, or the window's end."""
-        place = self.laid_cut.end() if self.is_cut_made else self.laid_cut.place
+        place = self.planned_cut.end() if self.is_cut_made else self.planned_cut.place
         if end < place:
             return False
         self.move_to(section, place)
@@ -532,56 +532,56 @@ class RotaryKnife(RotaryKnifeInterface):
     def enter_engaging(self) -> None:
         """The ramp up to the next cut begins."""
         knife = self.knife_data
-        self.cycle.make_room(2, knife)
+        self.cycle.forget_old_sections(2, knife)
         self.departure.aim(self.piece_window, self.material.piece.end)
         self.departure.way.plan_ramp_up(knife, self.place, self.departure.cut)
         self.cycle.append_section(RAMP_UP, self.departure.way.ramp_up, self.cycle.blade)
-        self.lay_window()
+        self.plan_window()
         var.copy(self.cycle_peaks, self.departure.way.peaks)
         self.enter_section(self.cycle.present + 1)
 
-    def lay_window(self) -> None:
+    def plan_window(self) -> None:
         """Append the window of the next cut to the cycle."""
-        self.laid_cut.place = self.material.piece.end
-        var.copy(self.laid_cut.window, self.piece_window)
+        self.planned_cut.place = self.material.piece.end
+        var.copy(self.planned_cut.window, self.piece_window)
         self.is_cut_made = False
-        self.cycle.append_window(self.laid_cut, self.next_blade())
+        self.cycle.append_window(self.planned_cut, self.next_blade())
 
     def next_blade(self) -> float:
         """The blade of the next cut."""
         is_over = self.cycle.stage == Stage.SYNCHRONOUS
         return self.blade_after(self.cycle.blade + 1.0) if is_over else self.cycle.blade
 
-    def lay_way(self) -> None:
-        """Lay the way to the next cut that the departure has found."""
+    def plan_way(self) -> None:
+        """Plan the way to the next cut that the departure has found."""
         way = self.departure.way
         cycle = self.cycle
         blade = self.next_blade()
         knife = self.knife_data
         if way.parks:
             is_shortened = way.ramp_up.begin <= way.first.end and cycle.can_append(4)
-            cycle.make_room(4 if is_shortened else 2, knife)
+            cycle.forget_old_sections(4 if is_shortened else 2, knife)
             cycle.append_section(RAMP_DOWN, way.first, blade)
             cycle.append_rest(way.first.end, blade, self.park_position())
             if is_shortened:
                 cycle.append_section(RAMP_UP, way.ramp_up, blade)
-                self.lay_window()
+                self.plan_window()
         else:
-            cycle.make_room(2, knife)
+            cycle.forget_old_sections(2, knife)
             cycle.append_section(TURNING_ON, way.first, blade)
-            self.lay_window()
+            self.plan_window()
         var.copy(self.cycle_peaks, self.departure.peaks)
         self.enter_section(cycle.present + 1)
 
-    def lay_ramp_down(self) -> None:
-        """Lay the ramp down to park, whatever the axis can do."""
+    def plan_ramp_down(self) -> None:
+        """Plan the ramp down to park, whatever the axis can do."""
         departure = self.departure
         blade = self.next_blade()
         departure.way.plan_ramp_down(self.knife_data, departure.begin, departure.point, 0.0)
         departure.include_leaving(departure.way.peaks)
         if not keeps_limits(self.knife_data, departure.way.peaks, departure.velocity):
             self.is_ramp_too_fast = True
-        self.cycle.make_room(2, self.knife_data)
+        self.cycle.forget_old_sections(2, self.knife_data)
         self.cycle.append_section(RAMP_DOWN, departure.way.first, blade)
         self.cycle.append_rest(departure.way.first.end, blade, self.park_position())
         var.copy(self.cycle_peaks, departure.peaks)
@@ -595,10 +595,10 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_ramp_too_fast = False
         self.is_change_pending = False
         self.is_cut_refused = False
-        var.copy(self.last_window, self.laid_cut.window)
+        var.copy(self.last_window, self.planned_cut.window)
         self.has_last_window = True
         record_piece(
-            self.laid_cut.place,
+            self.planned_cut.place,
             self.block_clock.time + self.now,
             self.rest_time.share(self.now, self.is_piece_late),
             self.material,
@@ -615,12 +615,12 @@ class RotaryKnife(RotaryKnifeInterface):
         self.fix_piece()
 
     def leave_window(self) -> None:
-        """At the end of a window: the way to the next cut is laid, or the ramp down."""
+        """At the end of a window: the way to the next cut is planned, or the ramp down."""
         departure = self.departure
         operation = self.operation
         piece = self.material.piece
         velocity = self.master.velocity_at(self.now)
-        departure.leave_window(self.laid_cut, self.knife_data.spacing, velocity)
+        departure.leave_window(self.planned_cut, self.knife_data.spacing, velocity)
         has_to_rest = operation.is_stopping or self.hold
         if not has_to_rest:
             self.change_piece_in_window()
@@ -630,9 +630,9 @@ class RotaryKnife(RotaryKnifeInterface):
                     return
                 self.is_cut_refused = True
         if has_to_rest or not piece.is_fixed:
-            self.lay_ramp_down()
+            self.plan_ramp_down()
         elif departure.try_cut(self.knife_data, self.piece_window, piece.end, True):
-            self.lay_way()
+            self.plan_way()
         else:
             self.act_on_late_cut()
 
@@ -655,13 +655,13 @@ class RotaryKnife(RotaryKnifeInterface):
             self.fail(PieceFault.CUT_MISSED)
         elif self.settings.late_mode == LateMode.LATE and departure.try_earliest(knife, self.piece_window, piece.end):
             self.delay_cut(departure.cut.place)
-            self.lay_way()
+            self.plan_way()
         else:
             self.show_skipped_cut()
             if skip_to_reached_cut(departure, knife, self.piece_window, self.material, self.statistics):
-                self.lay_way()
+                self.plan_way()
             else:
-                self.lay_ramp_down()
+                self.plan_ramp_down()
             self.predictions.is_cycle_current = False
 
     def delay_cut(self, cut: float) -> None:
@@ -699,7 +699,7 @@ class RotaryKnife(RotaryKnifeInterface):
                 return False
             self.take_window()
         self.material.fix_short(departure.cut.place)
-        self.lay_way()
+        self.plan_way()
         return True
 
     # --- rest, park, faults ---
@@ -847,4 +847,4 @@ class RotaryKnife(RotaryKnifeInterface):
             if turns != 0.0:
                 self.material.rebase(turns)
                 self.cycle.rebase(turns)
-                self.laid_cut.place -= turns
+                self.planned_cut.place -= turns

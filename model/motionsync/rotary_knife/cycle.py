@@ -2,8 +2,8 @@
 
 A section holds from the master's position `begin` on, up to where the next one begins; further back the one before it
 holds. So the knife is where the sections have it, however far the line runs back. The sections of the last few cuts are
-kept: should the line run back further, the knife comes to rest before the oldest of these cuts, as if it had started
-there.
+retained: should the line run back further, the knife comes to rest before the oldest of these cuts, as if it had
+started there.
 
 Positions of the knife count from where the blade of the next cut cuts; in a window, from where the blade in it cuts.
 """
@@ -63,7 +63,7 @@ class Cycle:
         rest: the position of the knife, if it is at rest.
         cut: the cut in whose window the knife is.
         section: the curve that the knife is on.
-        forgotten, forgotten_cut: the ramp up to the oldest window that is kept.
+        forgotten, forgotten_cut: the ramp up to the oldest window that is retained.
     """
 
     sections: int = var.count(CAPACITY, 1)
@@ -140,7 +140,7 @@ class Cycle:
         quintic.c4 = self.rows[row + COEFFICIENTS + 4]
         quintic.c5 = self.rows[row + COEFFICIENTS + 5]
 
-    # --- sections are laid ---
+    # --- sections are planned ---
 
     def rest_at(self, stage: Stage, knife: Knife, blade: float, position: float) -> None:
         """At rest from now on, wherever the master is; the curves are those of this knife."""
@@ -196,36 +196,36 @@ class Cycle:
     # --- old sections are forgotten ---
 
     def can_append(self, number: int) -> bool:
-        """Whether there is room for more sections after the present one, when old ones have been forgotten."""
-        return self.oldest_kept(number) >= 0
+        """Whether there is capacity for more sections after the present one, when old ones have been forgotten."""
+        return self.oldest_retained(number) >= 0
 
-    def oldest_kept(self, number: int) -> int:
+    def oldest_retained(self, number: int) -> int:
         """The oldest section that need not be forgotten to append that many after the present one; -1: all must be.
 
         Where old sections are forgotten, the oldest one is a rest, or a window: a ramp will lead up to that one."""
-        kept = self.present + 1
-        if kept + number <= CAPACITY:
+        retained = self.present + 1
+        if retained + number <= CAPACITY:
             return 0
-        for index in range(1, kept):
+        for index in range(1, retained):
             kind = self.rows[ROW * index + KIND]
-            if kind == AT_REST and kept - index + number <= CAPACITY:
+            if kind == AT_REST and retained - index + number <= CAPACITY:
                 return index
-            if kind == IN_WINDOW and kept - index + 2 + number <= CAPACITY:
+            if kind == IN_WINDOW and retained - index + 2 + number <= CAPACITY:
                 return index
         return -1
 
-    def make_room(self, number: int, knife: Knife) -> None:
-        """Forget what comes after the present section, and so many old ones that there is room for more."""
+    def forget_old_sections(self, number: int, knife: Knife) -> None:
+        """Forget what comes after the present section, and so many old ones that there is capacity for more."""
         self.cut_off()
-        oldest = self.oldest_kept(number)
+        oldest = self.oldest_retained(number)
         if oldest > 0:
             is_window = self.rows[ROW * oldest + KIND] == IN_WINDOW
             self.move_rows(oldest, 2 if is_window else 0)
             if is_window:
-                self.lay_ramp_to_oldest_window(knife)
+                self.plan_ramp_to_oldest_window(knife)
 
     def move_rows(self, oldest: int, to: int) -> None:
-        """Let the rows from the oldest one that is kept start with that index."""
+        """Let the rows from the oldest one that is retained start with that index."""
         shift = ROW * (oldest - to)
         if shift > 0:
             for i in range(ROW * to, ROW * (self.sections + to - oldest)):
@@ -236,8 +236,8 @@ class Cycle:
         self.sections += to - oldest
         self.present += to - oldest
 
-    def lay_ramp_to_oldest_window(self, knife: Knife) -> None:
-        """Lay a ramp up to the window in row 2, and a rest before it, in rows 0 and 1."""
+    def plan_ramp_to_oldest_window(self, knife: Knife) -> None:
+        """Plan a ramp up to the window in row 2, and a rest before it, in rows 0 and 1."""
         row = ROW * 2
         sections = self.sections
         blade = self.rows[row + BLADE]

@@ -77,7 +77,7 @@ def multiples_of(duration: float, step: float) -> list[float]:
     return [i * step for i in range(1, int(duration / step) + 1)]
 
 
-def turned(knife: RotaryKnifeHarness, before: float, after: float) -> float:
+def travel_between(knife: RotaryKnifeHarness, before: float, after: float) -> float:
     """By how much the knife has turned, by less than half a turn."""
     turn = knife["knife.turn"]
     return float((after - before + 0.5 * turn) % turn - 0.5 * turn)
@@ -109,7 +109,7 @@ def test_position_velocity_and_acceleration_have_no_step(rng: Random, mode: Mast
             allowed = h * h * jerk + h * jump + 1e-9 * values["axis.max_velocity"]
             assert abs(y["slave.velocity"] - x["slave.velocity"] - trapezoid) <= allowed
             trapezoid = 0.5 * h * (x["slave.velocity"] + y["slave.velocity"])
-            travel = turned(knife, x["slave.position"], y["slave.position"])
+            travel = travel_between(knife, x["slave.position"], y["slave.position"])
             assert abs(travel - trapezoid) <= h * h * h * jerk + h * h * jump + 1e-9 * values["knife.turn"]
         line_acceleration = phase.acceleration
 
@@ -167,12 +167,12 @@ def test_only_on_a_line_that_turns_back_the_knife_turns_back(rng: Random, mode: 
             assert not forwards or is_parking or row["slave.velocity"] >= -1e-9 * values["axis.max_velocity"]
 
 
-# --- books ------------------------------------------------------------------------------------------------------------
+# --- records ----------------------------------------------------------------------------------------------------------
 
 
 @repeatable
 @given(rngs, modes)
-def test_all_material_is_in_the_books_and_turns_are_cuts(rng: Random, mode: MasterInput) -> None:
+def test_all_material_is_recorded(rng: Random, mode: MasterInput) -> None:
     """Pieces, kerfs and corrections are the material from the front end to the last cut, whatever is ordered."""
     values = knife_values(rng, length_correction=-2.0, late_mode=rng.choice((1, 2)), length_tolerance=1e9)
     knife = RotaryKnifeHarness(values, speed=speed_for(values, 0.8), mode=mode).give("start")
@@ -219,7 +219,7 @@ def assert_same_outputs(one: RotaryKnifeHarness, other: RotaryKnifeHarness, valu
         for name, (value, scale) in read_outputs(one, values).items()
         if abs(value - second[name][0]) > 1e-9 * scale * max(1.0, abs(value) / LENGTH)
     ] == []
-    assert abs(turned(one, one["slave.position"], other["slave.position"])) <= 1e-9 * values["knife.turn"]
+    assert abs(travel_between(one, one["slave.position"], other["slave.position"])) <= 1e-9 * values["knife.turn"]
 
 
 @settings(repeatable, max_examples=20)
