@@ -10,7 +10,7 @@ from motionsync.laws import chain_rule
 from motionsync.rotary_knife.curves import FAR_BACK, Section, Way, ramp_travel, ramp_up_travel
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.window import CurvePoint, Cut, Window
-from tests.model.rotary_knife.geometry import Case, cases, derivatives, window_of
+from tests.model.rotary_knife.geometry import Case, cases, derivatives, repeatable, window_of
 from tests.oracle import mp
 from tests.oracle.rotary_knife_curves import Cut as ExactCut
 from tests.oracle.rotary_knife_curves import Quintic as ExactQuintic
@@ -116,6 +116,7 @@ def test_the_slave_in_time_on_a_line_that_speeds_up() -> None:
 # --- ramps ------------------------------------------------------------------------------------------------------------
 
 
+@repeatable
 @given(st.floats(1.0, 300.0), st.floats(0.1, 2.0), st.just(0.0) | st.floats(0.0, 0.05))
 def test_a_ramp_joins_rest_and_window_and_never_turns_back(distance: float, slope: float, d2: float) -> None:
     """(4 D - V) w³ + (V - 3 D) w⁴ with V = slope W has at its end the slope V/W and the curvature -d2: over w it is
@@ -197,6 +198,7 @@ def test_a_knife_that_must_not_park_has_no_way_for_a_long_piece() -> None:
 # --- the oracle -------------------------------------------------------------------------------------------------------
 
 
+@repeatable
 @given(cases(), st.floats(0.05, 6.0), st.floats(0.0, 1.0))
 def test_any_way(case: Case, share: float, place: float) -> None:
     """Turning or parking, and where the knife is anywhere on it, as the oracle has it."""
@@ -225,6 +227,7 @@ def assert_section(section: Section, curve: ExactQuintic, share: float, turn: fl
         assert value == pytest.approx(float(expected), rel=1e-9, abs=1e-10 * turn / width**order)
 
 
+@repeatable
 @given(cases(), st.floats(0.02, 0.98), st.floats(0.05, 4.0))
 def test_a_way_planned_anew(case: Case, place: float, share: float) -> None:
     """From anywhere on the ramp down to a cut at another place; without shortening."""
@@ -246,6 +249,7 @@ def test_a_way_planned_anew(case: Case, place: float, share: float) -> None:
             assert_section(section, curve, place, case.knife.turn)
 
 
+@repeatable
 @given(cases(), st.floats(0.05, 6.0))
 def test_the_sections_join_the_windows(case: Case, share: float) -> None:
     """Position, slope and curvature of both windows, and rest in between."""

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.window import Cut, is_narrow, leaves_way
-from tests.model.rotary_knife.geometry import Case, cases, window_of
+from tests.model.rotary_knife.geometry import Case, cases, repeatable, window_of
 from tests.oracle import mp
 
 K = 0.6  # ° per mm
@@ -41,6 +41,7 @@ def test_the_edge_of_a_horizontal_window() -> None:
     assert edge.d1 == pytest.approx(K / sqrt(1 - (0.2 * pi) ** 2), rel=1e-14)
 
 
+@repeatable
 @given(st.floats(-0.15, 0.15), st.floats(50.0, 5000.0))
 def test_the_edge_is_at_the_material_and_as_fast_along_it(share: float, circumference: float) -> None:
     """The edge is at r sin(angle) along the material and moves along it with r cos(angle) times its angular speed."""
@@ -53,6 +54,7 @@ def test_the_edge_is_at_the_material_and_as_fast_along_it(share: float, circumfe
     assert cos(angle) * d2 * pi / 180 == pytest.approx(sin(angle) * rate**2, rel=1e-12, abs=1e-300)
 
 
+@repeatable
 @given(cases(), st.floats(-1.0, 1.0))
 def test_any_window(case: Case, share: float) -> None:
     """Within a few roundings of 50 digits, in both halves and at both ends."""
@@ -65,6 +67,7 @@ def test_any_window(case: Case, share: float) -> None:
             assert value == pytest.approx(float(expected), rel=3e-15, abs=1e-300)
 
 
+@repeatable
 @given(cases(), st.floats(-1.0, 1.0))
 def test_all_derivatives_are_greatest_at_the_ends(case: Case, share: float) -> None:
     window = case.window
@@ -75,6 +78,7 @@ def test_all_derivatives_are_greatest_at_the_ends(case: Case, share: float) -> N
     assert d3 <= end.d3 * (1 + 1e-15)
 
 
+@repeatable
 @given(cases(), st.floats(-1e6, 1e6), st.floats(-1.0, 1.0))
 def test_a_cut_has_its_window_where_it_is(case: Case, place: float, share: float) -> None:
     cut = Cut(place, 360.0, case.window)
