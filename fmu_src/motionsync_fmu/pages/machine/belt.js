@@ -4,7 +4,6 @@ scenes.belt = () => {
 const SAW = data.tool === "saw";
 const HEIGHT = 240, EDGE = 32; // px, as all that follows
 const RAIL = 52, TOP = 128, BOTTOM = 160, ROLLERS = 172, LINE = 192, RULER = 212;
-const GAP = 14, FASTER = 0.15; // between cut pieces: those that are cut off run so much faster until the gap is there
 const GRAIN = 46; // between the lines by which one sees the material move
 const LOWERING = 0.06; // s, the tool needs it up and down
 const [low, high] = data.window, ratio = data.ratio;
@@ -121,13 +120,6 @@ function show(t) {
   else if (data.cuts.length) showReadout("cuts", `${done.length} of ${data.cuts.length}`);
 }
 
-/** Show how many pieces have been cut off, and what the last one is. */
-function showPieces(done) {
-  showReadout("pieces", `${done.length} of ${data.pieces.length}`);
-  const last = data.pieces[done.length - 1];
-  showReadout("last piece", last ? `${number(last.length, data.unit, 1e-3)} ${last.name}` : "none");
-}
-
 /** How far the tool is down: 0 to 1. */
 function lowered(t) {
   const i = last(data.down.t, t), since = i ? (t - data.down.t[i]) / LOWERING : 1, u = Math.min(since, 1);
@@ -135,36 +127,15 @@ function lowered(t) {
   return data.down.x[i] ? eased : 1 - eased;
 }
 
-/** By how many px the piece at a place on the material has been taken away from the material that is not cut yet. */
-function taken(place, master, done) {
-  let sum = 0;
-  for (const cut of done) {
-    if (flow * ratio * (cut.place - place) > 1e-9 * data.span) {
-      sum += Math.min(GAP, FASTER * Math.abs(length(ratio * (master - cut.master))));
-    }
-  }
-  return flow * sum;
-}
-
 /** The bodies into which the cuts have parted the material: their ends, null where one is endless, and their names. */
 function bodies(done) {
-  if (data.pieces) return ownBodies(done);
+  if (data.pieces) return partedMaterial(done);
   const borders = done.map((cut) => cut.place).sort((a, b) => flow * ratio * (b - a)); // from upstream on
   return Array.from({length: borders.length + 1}, (_, i) => {
     const [upstream, downstream] = [borders[i - 1] ?? null, borders[i] ?? null];
     const text = i === 0 ? "" : i === borders.length ? "front end" : `piece ${borders.length - i}`;
     return {upstream, downstream, text, fill: "var(--wood)"};
   });
-}
-
-/** The same where each piece is known: those that have been cut off, and the material behind them. */
-function ownBodies(done) {
-  const ready = data.pieces.slice(0, done.length), front = data.pieces[done.length]?.begin ?? ready.at(-1)?.end ?? null;
-  const off = ready.map(({number: n, begin, end, kind, name, length: of}) => {
-    const text = `${n}: ${name === "PRODUCT" ? "" : `${name} `}${number(of, data.unit, 1e-4 * data.span)}`;
-    return {upstream: end, downstream: begin, text, fill: `var(--kind-${kind})`};
-  });
-  return [{upstream: null, downstream: front, text: "", fill: "var(--wood)"}, ...off.reverse()];
 }
 
 function showMaterial(t, master, done) {
@@ -175,7 +146,7 @@ function showMaterial(t, master, done) {
   for (const {upstream, downstream, text, fill} of bodies(done)) {
     const inside = upstream === null ? downstream + flow * ratio
       : downstream === null ? upstream - flow * ratio : (upstream + downstream) / 2;
-    const shift = done.length ? taken(inside, master, done) : 0;
+    const shift = done.length ? taken(inside, master, done, {flow, length}) : 0;
     const from = upstream === null ? endless[0] : where(upstream) + shift;
     const to = downstream === null ? endless[1] : where(downstream) + shift;
     const x = Math.max(Math.min(from, to), -GAP), end = Math.min(Math.max(from, to), width + GAP);
@@ -205,7 +176,7 @@ function showGrain(master, where, done, shown) {
   const edges = [low - 0.05 * (high - low), high + 0.05 * (high - low)].map((x) => master - x / ratio).sort((a, b) => a - b);
   let count = 0;
   for (let n = Math.floor(edges[0] / distance); n * distance <= edges[1]; n++) {
-    const x = where(n * distance) + taken(n * distance, master, done), y = SAW ? TOP + 6 + (n * 7919 & 3) * 7 : BOTTOM - 4;
+    const x = where(n * distance) + taken(n * distance, master, done, {flow, length}), y = SAW ? TOP + 6 + (n * 7919 & 3) * 7 : BOTTOM - 4;
     if (!shown.some(([from, to]) => from <= x - 8 && x + 8 <= to)) continue; // it would stick out
     grain.use(count++, {d: `M${(x - 7).toFixed(2)} ${y}h${SAW ? 14 : 8}`});
   }
@@ -263,7 +234,7 @@ function showMarks(t, master, slave, done) {
   const cut = new Set(cuts.filter(({begin}) => begin <= t).map(({mark}) => Math.round(mark / data.within)));
   let count = 0;
   for (const [n, place] of marksIn(t, master, done)) {
-    const x = at(ratio * (master - place)) + taken(place, master, done);
+    const x = at(ratio * (master - place)) + taken(place, master, done, {flow, length});
     if (SAW && cut.has(Math.round(place / data.within))) continue;
     const box = `M${x - 11} ${BOTTOM - 9}v-22h22v22Z`, line = `M${x.toFixed(3)} ${TOP - 4}V${BOTTOM}`;
     marks.use(count, {d: SAW ? line : box, "data-mark": n});

@@ -15,13 +15,13 @@ from ...scenario.evaluate.cuts import Cut, find_cuts
 from ...scenario.evaluate.find_pieces import Piece, coupling_factor, find_pieces
 from ...scenario.recording import Reals
 from ..numbers import rounded
+from .pieces import next_cut, pieces_drawn
 from .run import Run
-from .signals import DIGITS, Signal, held
+from .signals import DIGITS, held
 
 MARGIN = 0.14  # of the carriage's range, beside it at both ends
 OUTFEED = 0.7  # of the carriage's range, the most that is shown of the pieces that have been cut off
 REACH = 1.0  # of the carriage's range, in which an end position is worth showing
-DRAWN = ("number", "begin", "end", "kind", "name", "length")  # what is drawn of a piece
 LEAST = 1e-3  # of the master's travel: the least range, for a carriage at rest
 
 
@@ -49,8 +49,7 @@ def belt(run: Run, picture: dict[str, Any]) -> dict[str, Any]:
     cuts = [(*(piece.cut or (piece.reported_at, piece.reported_at)), piece.end) for piece in pieces]
     return data | {
         "cuts": [{"begin": begin, "end": end, "place": place, "mark": place} for begin, end, place in cuts],
-        "pieces": [{name: getattr(piece, name) for name in DRAWN} for piece in pieces],
-        "request": run.held(names.request),
+        **pieces_drawn(run, names, pieces),
     }
 
 
@@ -80,7 +79,7 @@ def _marks(run: Run, picture: dict[str, Any], pieces: list[Piece], span: float) 
     if run.scenario.cuts:
         return {"offset": run.scenario.cuts.offset, "length": run.scenario.cuts.length}
     if "next_cut" in picture:
-        return {"next": _next_cut(run, picture, pieces), "shown": run.held(picture["next_cut_shown"])}
+        return {"next": next_cut(run, picture, pieces), "shown": run.held(picture["next_cut_shown"])}
     return {"places": _products(run, picture, span)} if "product_distance" in picture else None
 
 
@@ -92,17 +91,6 @@ def _products(run: Run, picture: dict[str, Any], span: float) -> list[float]:
     meetings = (taken + missing)[missing > 0.0]
     places = np.unique(np.round(meetings, 6)) - run.start(picture["zone"][0]) / run.start(picture["ratio"])
     return rounded(places[np.diff(places, prepend=-np.inf) > 1e-6 * span], DIGITS)
-
-
-def _next_cut(run: Run, picture: dict[str, Any], pieces: list[Piece]) -> Signal:
-    """Where on the material the next cut is due: in the turn in which it is made, or else in that of the master."""
-    time, places = run.recording.time, run.values(picture["next_cut"])
-    if period := run.scenario.period:
-        ends = np.array([piece.end for piece in pieces] + [np.nan])
-        near = ends[np.searchsorted([piece.reported_at for piece in pieces], time, side="right")]
-        near = np.where(np.isnan(near), run.recording.master[:, 0], near)
-        places = places + period * np.round((near - places) / period)
-    return held(time, np.where(run.values(picture["next_cut_shown"]) != 0.0, places, 0.0))
 
 
 def _carriage(run: Run, down: Any, ratio: float, length: float = 0.0) -> dict[str, Any]:

@@ -6,7 +6,8 @@ The file holds tables `[[picture]]`; the first one that applies is drawn. A *con
 required.
 
 - `where`: a start value that is not 0 if the picture applies; without it, it always does.
-- `scene` *: "axes", master and slave side by side, or "belt", a carriage over moving material.
+- `scene` *: "axes", master and slave side by side; "belt", a carriage over moving material; or "cylinder", blades that
+  turn above it.
 
 Of axes:
 
@@ -23,6 +24,15 @@ Of a belt:
 - `home` *: a start value, with `home_label`; with `home_used`, a Boolean output, if that is ever true.
 - `next_cut`, `next_cut_shown`: the position on the material, and whether it is determined.
 - `product_distance`: how far the master is from the meeting with the next product.
+
+Of a cylinder, whose block records its pieces, all of them are required:
+
+- `turn`, `circumference`, `blades`, `park`: start values: the slave's position per turn and that at park, the circle
+  on which the blades' edges run, and how many there are; one is at the material where the slave's position is 0.
+- `before`, `after`, `overspeed`: the window around a cut, and by which share the edge is faster in it.
+- `along_material`: `parameter == MEMBER`, where the edge's speed along the material is the line's, not that along its
+  circle.
+- `in_sync`: conditions; `next_cut`, `next_cut_shown`: as of a belt.
 """
 
 from collections.abc import Iterable
@@ -37,7 +47,12 @@ from ...scenario.files.toml_tables import TomlTable, read_toml
 from ...scenario.files.variable_tables import Subject, VariableTable
 
 FILE = "machine.toml"
-REQUIRED = {"axes": ("master_period", "slave_period", "coupled", "changing"), "belt": ("tool", "down", "home")}
+CYLINDER = ("turn", "circumference", "blades", "park", "before", "after", "overspeed", "along_material", "in_sync")
+REQUIRED = {
+    "axes": ("master_period", "slave_period", "coupled", "changing"),
+    "belt": ("tool", "down", "home"),
+    "cylinder": (*CYLINDER, "next_cut", "next_cut_shown"),
+}
 TEXTS = ("scene", "tool", "label", "home_label")
 MARKS = ("master_marks", "slave_marks")
 

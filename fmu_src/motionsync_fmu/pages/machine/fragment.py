@@ -15,13 +15,14 @@ from ...scenario.scenario import Scenario
 from ..style import TEMPLATES, load_template
 from .axes import axes
 from .belt import belt
+from .cylinder import cylinder
 from .description import pictures_of
 from .remote_axis import remote_axis
 from .run import Run
 
 FOLDER = Path(__file__).parent
-PLACEHOLDER = "/* fragment.py puts the scenes here: axes.js, belt.js, window.js */\n"  # in machine.js
-SCENES = {"axes": axes, "belt": belt}
+PLACEHOLDER = "/* fragment.py puts the scenes here: axes.js, belt.js, cylinder.js, window.js */\n"  # in machine.js
+SCENES = {"axes": axes, "belt": belt, "cylinder": cylinder}
 NAMES = (*SCENES, "window")
 
 

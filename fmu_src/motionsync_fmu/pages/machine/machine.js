@@ -137,7 +137,41 @@ function nameState(number) {
   showReadout("state", `${name} \u2013 ${meaning}`, meaning);
 }
 
-/* fragment.py puts the scenes here: axes.js, belt.js, window.js */
+// --- pieces of material ---
+
+const GAP = 14, FASTER = 0.15; // px between pieces: those that are cut off run so much faster until the gap is there
+
+/** By how many px the piece at a place on the material has been taken away from the material that is not cut yet.
+ * `length` makes px of the material's travel. */
+function taken(place, master, done, {flow, length}) {
+  let sum = 0;
+  for (const cut of done) {
+    if (flow * data.ratio * (cut.place - place) > 1e-9 * data.span) {
+      sum += Math.min(GAP, FASTER * Math.abs(length(data.ratio * (master - cut.master))));
+    }
+  }
+  return flow * sum;
+}
+
+/** The material that is not cut yet, and the pieces that have been cut off: their ends, null where one is endless, and
+ * their names. */
+function partedMaterial(done) {
+  const ready = data.pieces.slice(0, done.length), front = data.pieces[done.length]?.begin ?? ready.at(-1)?.end ?? null;
+  const off = ready.map(({number: n, begin, end, kind, name, length: of}) => {
+    const text = `${n}: ${name === "PRODUCT" ? "" : `${name} `}${number(of, data.unit, 1e-4 * data.span)}`;
+    return {upstream: end, downstream: begin, text, fill: `var(--kind-${kind})`};
+  });
+  return [{upstream: null, downstream: front, text: "", fill: "var(--wood)"}, ...off.reverse()];
+}
+
+/** Show how many pieces have been cut off, and what the last one is. */
+function showPieces(done) {
+  showReadout("pieces", `${done.length} of ${data.pieces.length}`);
+  const last = data.pieces[done.length - 1];
+  showReadout("last piece", last ? `${number(last.length, data.unit, 1e-3)} ${last.name}` : "none");
+}
+
+/* fragment.py puts the scenes here: axes.js, belt.js, cylinder.js, window.js */
 
 /** Fit the picture and its readouts to the width of the page. */
 function fit() {

@@ -49,6 +49,11 @@ class Run:
             self.values(name) == next(int(m) for m in choices if m.name == member) if member else self.values(name) != 0
         )
 
+    def starts_as(self, condition: str) -> bool:
+        """Whether a start value is that member of its enumeration: `parameter == MEMBER`."""
+        name, _, member = condition.partition(" == ")
+        return self.start(name) == next(int(m) for m in self.scenario.recipe.variables[name].choices if m.name == member)
+
     def shown(self, conditions: Sequence[str]) -> Signal:
         """Whether one of these conditions holds, over time."""
         return held(self.recording.time, self.where(conditions).astype(float))
