@@ -17,7 +17,7 @@ const angle = (position) => 2 * Math.PI * position / turn; // from the lowest po
 /** A place on the circle of the blades, as its share of the radius. */
 const on = (turned, share) => [at(0) + share * radius * scale * Math.sin(turned), bottom - radius * scale * (1 - share * Math.cos(turned))];
 
-const [ground, stock, wheel, text] = ["ground", "stock", "cylinder", "text"].map((name) => draw(svg, "g", {class: name}));
+const [ground, stock, marks, wheel, text] = ["ground", "stock", "marks", "cylinder", "text"].map((name) => draw(svg, "g", {class: name}));
 const band = draw(ground, "rect", {fill: "var(--ok)", opacity: 0.13});
 const tables = [0, 1].map(() => draw(ground, "rect", {height: 5, fill: "var(--steel)"}));
 const anvil = draw(ground, "circle", {fill: "var(--paper)", stroke: "var(--muted)", "stroke-width": 2});
@@ -27,7 +27,7 @@ const arrowNames = ["material", "edge"].map((name) => draw(ground, "text", {clas
 const scaleLayer = draw(ground, "g");
 const bodies = pool(stock, "rect", {stroke: "var(--edge)", height: THICK, rx: 1});
 const grain = pool(stock, "path", {stroke: "var(--grain)", "stroke-width": 1.5});
-const mark = draw(stock, "path", {stroke: "var(--ink)", "stroke-width": 1.5, "stroke-dasharray": "4 3"});
+const mark = draw(marks, "path", {stroke: "var(--ink)", "stroke-width": 1.5, "stroke-dasharray": "4 3"});
 const circle = draw(wheel, "circle", {fill: "none", stroke: "var(--grid)", "stroke-dasharray": "3 4"});
 const zone = draw(wheel, "path", {fill: "none", stroke: "var(--ok)", "stroke-width": 7, opacity: 0.5});
 const body = draw(wheel, "g");
@@ -72,7 +72,7 @@ const end = () => Math.min(at(0) + Math.max(radius * scale, 60), width - 40);
 function show(t) {
   const [master, lineVelocity] = smooth(data.master, t), [slave, velocity] = smooth(data.slave, t);
   const done = cuts.filter((cut) => cut.end <= t), r = radius * scale;
-  const shown = slave - turn * Math.floor(slave / turn), inSync = held(data.in_sync, t) !== 0;
+  const fineness = 1e-4 * turn, shown = slave - turn * Math.floor(slave / turn + 0.05 * fineness / turn), inSync = held(data.in_sync, t) !== 0;
   set(body, {transform: `translate(${at(0).toFixed(3)} ${(bottom - r).toFixed(3)}) rotate(${(-360 * shown / turn).toFixed(4)})`});
   showWindow(t, inSync);
   showMaterial(master, done);
@@ -84,7 +84,7 @@ function show(t) {
   Object.assign(wheel.dataset, {slavePosition: shown, slaveVelocity: velocity, inSync, scale});
   Object.assign(stock.dataset, {masterPosition: master, cuts: done.length, pixels: at(0)});
   const slow = 1e-4 * data.fastest || 1e-3;
-  showReadout("knife", number(shown, data.slave_unit, 1e-4 * turn));
+  showReadout("knife", number(shown, data.slave_unit, fineness));
   showReadout("knife velocity", number(velocity, `${data.slave_unit}/s`, slow));
   showReadout("material", number(lineVelocity, `${data.unit}/s`, slow));
   showReadout("edge", number(edge, `${data.unit}/s`, slow));
@@ -141,7 +141,8 @@ function showGrain(first, [from, to], transform, master, shift) {
 function showMark(t, master, done) {
   const place = held(data.marks.next, t), away = ratio * (place - master), x = at(-away);
   const seen = held(data.marks.shown, t) !== 0 && away > 0;
-  for (const element of [mark, markName]) set(element, {visibility: seen && x > 0 ? "visible" : "hidden"});
+  set(mark, {visibility: seen ? "visible" : "hidden"});
+  set(markName, {visibility: seen && x < at(0) - 16 ? "visible" : "hidden"}); // the blade would hide it
   set(mark, {d: `M${x.toFixed(3)} ${bottom - THICK - 5}V${bottom}`});
   set(markName, {x, y: bottom - THICK - 9, text: done.length + 1});
   return seen ? number(away, data.unit, 1e-4 * circumference) : "none";
