@@ -105,7 +105,7 @@ function sceneOf(course, block) {
   if (course.scenario.remote) return remoteAxis(run);
   const picture = block.pictures.find(({where}) => !where || run.start(where));
   if (!picture) return null;
-  return picture.scene === "belt" ? belt(run, picture) : twoAxes(run, picture);
+  return {axes: twoAxes, belt, cylinder}[picture.scene](run, picture);
 }
 
 // --- two axes that may be coupled ---
@@ -218,7 +218,14 @@ function belt(run, picture) {
       place: end,
       mark: end,
     })),
-    pieces: pieces.map(({cut, reported, ...shown}) => shown),
+    ...drawnPieces(run, pieces),
+  };
+}
+
+/** The pieces, and the velocity that the block asks the line for. */
+function drawnPieces(run, pieces) {
+  return {
+    pieces: pieces.map(({cut, reported, sync, ...shown}) => shown),
     request: run.heldOf(run.block.piece_variables.request),
   };
 }
@@ -306,7 +313,8 @@ function piecesOf(run) {
       rise === 1 && pieces.length && running.subarray(before, at + 1).every((x) => x !== 0) ? pieces.at(-1) : null;
     const begin = last ? last.end : end - (length + (removed[at] + correction[at])) / (material[at] * calibration[at]);
     const cut = seen ? [run.time[first], run.time[at - 1]] : null;
-    pieces.push({number: total, begin, end, kind, name: kinds.get(kind), length, cut, reported: run.time[at]});
+    const sync = run.values(names.time)[at];
+    pieces.push({number: total, begin, end, kind, name: kinds.get(kind), length, cut, sync, reported: run.time[at]});
     before = at;
   }
   return pieces;
@@ -355,6 +363,31 @@ function carriage(run, down, ratio, length) {
 function zone(run, down) {
   const inside = run.values("slave.position").filter((_, k) => down[k] !== 0);
   return inside.length ? [least(inside), greatest(inside)] : null;
+}
+
+// --- a cylinder with blades above moving material ---
+
+function cylinder(run, picture) {
+  const [turn, circumference, blades, park] = ["turn", "circumference", "blades", "park"].map((key) => run.start(picture[key]));
+  const ratio = run.start(run.block.piece_variables.factors[0]), pieces = piecesOf(run);
+  const [name, member] = picture.along_material.split(" == ");
+  const edge = (furthest(run.values("slave.velocity")) * circumference) / turn;
+  return {
+    ...run.axes(unwrapped(run.values("slave.position"), turn), turn),
+    scene: "cylinder",
+    turn,
+    circumference,
+    blades,
+    park,
+    ratio,
+    sync: Object.fromEntries(["before", "after", "overspeed"].map((key) => [key, run.signal(picture[key])])),
+    along_material: run.start(name) === run.declared.get(name).choices.find(([, text]) => text === member)[0],
+    in_sync: run.held(run.where(picture.in_sync)),
+    fastest: Math.max(edge, Math.abs(ratio) * furthest(run.course.axis(1))),
+    marks: {next: run.held(nextCuts(run, picture, pieces)), shown: run.heldOf(picture.next_cut_shown)},
+    cuts: pieces.map(({sync, end}) => ({begin: sync, end: sync, place: end, mark: end})),
+    ...drawnPieces(run, pieces),
+  };
 }
 
 // --- an axis on another controller ---

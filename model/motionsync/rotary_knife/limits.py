@@ -182,18 +182,17 @@ class EarliestCut:
         search.start(False, begin, point, cut)
         most = greatest - cut.window.before - begin
         first = max(least - cut.window.before - begin, 0.0)
-        natural = search.natural_travel()
         self.exists = False
-        if natural <= 0.0 or most <= first:
+        if search.natural_travel() <= 0.0:
             return
         if greatest >= UNLIMITED:
             search.find_longest(knife)
             most = search.travel
+        if most <= first:
+            return
         v = max(velocity, LEAST)
-        search.plan(knife, most)
-        if search.velocity < v and most > first:
-            search.find_fastest(knife, first, most, v)
-        self.exists = search.velocity >= v and most > first
+        search.find_fastest(knife, first, most, v)
+        self.exists = search.velocity >= v
         if self.exists:
             search.find_shortest(knife, first, v)
 

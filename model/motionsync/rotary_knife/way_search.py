@@ -1,7 +1,8 @@
 """Ways of one kind from where the knife is to a cut whose place is searched.
 
-The greatest line velocity of a way depends on the master's travel on it, Z. For ways that turn on it rises up to some Z
-and falls from there on, until a longer way would turn back; for ways that park it rises.
+The greatest line velocity of a way depends on the master's travel on it, Z. For ways that turn on it rises up to some
+Z, and falls from there on; where the jerk limits it, it may rise again before a longer way would turn back (the jerk of
+a TANGENTIAL one is 0 at S/k' and, beyond, greatest at 3/2 S/k'). For ways that park it rises.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from .velocity import admissible_velocity
 from .window import CurvePoint, Cut
 
 GOLDEN = 0.6180339887498949  # (sqrt(5) - 1) / 2
+SCANNED = 32  # the parts of a range of travels at whose ends the velocity is computed first
 SAME_TRAVEL = 1e-10  # relative: how narrow the interval is in which the greatest velocity lies at last
 DOUBLINGS = 1100  # more than a double's exponent has
 
@@ -99,8 +101,25 @@ class WaySearch:
         self.plan(knife, self.bracket.low)
 
     def find_fastest(self, knife: Knife, least: float, most: float, enough: float) -> None:
-        """Plan the way with the greatest velocity, for a travel from `least` to `most`, or one whose velocity is
-        `enough`; by golden sections."""
+        """Plan the way with the greatest velocity, for a travel from `least` to `most`, or the first one of a scan
+        whose velocity is `enough`."""
+        part = (most - least) / SCANNED
+        fastest = most
+        greatest = 0.0
+        for n in range(SCANNED + 1):
+            travel = least + n * part
+            if travel <= 0.0:
+                continue
+            self.plan(knife, travel)
+            if self.velocity >= enough:
+                return
+            if self.velocity > greatest:
+                fastest = travel
+                greatest = self.velocity
+        self.narrow_to_fastest(knife, max(fastest - part, least), min(fastest + part, most), enough)
+
+    def narrow_to_fastest(self, knife: Knife, least: float, most: float, enough: float) -> None:
+        """As `find_fastest`, in a range in which the velocity rises and then falls; by golden sections."""
         low = least
         high = most
         left = high - GOLDEN * (high - low)
