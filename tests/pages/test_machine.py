@@ -220,3 +220,51 @@ def test_a_mistake_in_a_description_is_named(
 
 def test_the_description_of_every_block_has_no_mistake(block: str) -> None:
     description.pictures_of(Recipe(block))
+
+
+# --- a cylinder with blades ---
+
+FORMATS = "RotaryKnife/formats"
+
+
+def test_the_page_knows_the_cylinder_and_where_its_cuts_are() -> None:
+    """Cuts at 800, 1400, 2000, 2400, 3300, 4800, 5100, ... 7800 of a line of 1000 mm/s, when each place is there."""
+    data = data_of(FORMATS)
+    assert (data["scene"], data["turn"], data["circumference"], data["blades"], data["park"], data["ratio"]) == (
+        "cylinder",
+        360.0,
+        600.0,
+        1,
+        180.0,
+        1.0,
+    )
+    assert {name: signal["x"] for name, signal in data["sync"].items()} == {
+        "before": [30.0],
+        "after": [30.0],
+        "overspeed": [0.0],
+    }
+    assert data["along_material"] is False
+    places = [800, 1400, 2000, 2400, 3300, 4800, *range(5100, 8000, 300)]
+    assert [cut["place"] for cut in data["cuts"]] == pytest.approx(places, abs=1e-6)
+    assert [cut["end"] for cut in data["cuts"]] == pytest.approx([place / 1000 for place in places], abs=1e-9)
+    assert [piece["length"] for piece in data["pieces"]] == pytest.approx([600.0, *np.diff(places)], abs=1e-6)
+
+
+def test_the_cylinder_is_known_without_its_jumps_from_turn_to_turn() -> None:
+    """16 turns from park to park and on: the knife, which shows 0 to 360, is drawn on from turn to turn."""
+    scenario, recording = run(FORMATS)
+    data = data_of(FORMATS)
+    shown = [value(data["slave"], t) for t in recording.time[::7].tolist()]
+    wrapped = np.mod(shown, 360.0) - recording.values["slave.position"][::7]
+    assert np.abs(wrapped - 360.0 * np.round(wrapped / 360.0)).max() < 1e-3
+    assert max(np.abs(np.diff(shown))) < 360.0 * 7 * scenario.step_size * 2006.25 / 360.0 + 1e-6
+
+
+@pytest.mark.parametrize("key", ["turn", "along_material", "next_cut"])
+def test_a_cylinder_needs_all_of_its_keys(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, key: str) -> None:
+    file = ROOT / "model" / "motionsync" / "rotary_knife" / "machine.toml"
+    text = "\n".join(line for line in file.read_text("utf-8").splitlines() if not line.startswith(f"{key} "))
+    (tmp_path / "machine.toml").write_text(text, "utf-8")
+    monkeypatch.setattr(description, "block_file", lambda *_: tmp_path / "machine.toml")
+    with pytest.raises(UserError, match=f"{key}.*is missing"):
+        description.pictures_of(Recipe("RotaryKnife"))

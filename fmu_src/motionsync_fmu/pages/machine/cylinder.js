@@ -15,7 +15,7 @@ const at = (distance) => CUT_AT * width + distance * scale; // along the materia
 const length = (distance) => distance * scale;
 const angle = (position) => 2 * Math.PI * position / turn; // from the lowest point on, with the material
 /** A place on the circle of the blades, as its share of the radius. */
-const on = (turned, share) => [at(0) + share * radius * scale * Math.sin(turned), bottom - radius * scale * (1 - share * Math.cos(turned))];
+const on = (beyond, share) => [at(0) + share * radius * scale * Math.sin(beyond), bottom - radius * scale * (1 - share * Math.cos(beyond))];
 
 const [ground, stock, marks, wheel, text] = ["ground", "stock", "marks", "cylinder", "text"].map((name) => draw(svg, "g", {class: name}));
 const band = draw(ground, "rect", {fill: "var(--ok)", opacity: 0.13});
@@ -96,9 +96,9 @@ function show(t) {
 /** The window of sync: on the material, and on the circle by what the blade turns meanwhile. */
 function showWindow(t, inSync) {
   const {before, after, overspeed} = Object.fromEntries(Object.entries(data.sync).map(([name, signal]) => [name, held(signal, t)]));
-  const turned = (distance) => data.along_material ? Math.asin(Math.min(distance / radius, 1)) : distance / radius * (1 + overspeed);
-  const r = (radius * scale).toFixed(3), wide = turned(before) + turned(after) > Math.PI ? 1 : 0;
-  set(zone, {d: `M${on(-turned(before), 1)}A${r} ${r} 0 ${wide} 0 ${on(turned(after), 1)}`, opacity: inSync ? 0.9 : 0.4});
+  const rotation = (distance) => data.along_material ? Math.asin(Math.min(distance / radius, 1)) : distance / radius * (1 + overspeed);
+  const r = (radius * scale).toFixed(3), wide = rotation(before) + rotation(after) > Math.PI ? 1 : 0;
+  set(zone, {d: `M${on(-rotation(before), 1)}A${r} ${r} 0 ${wide} 0 ${on(rotation(after), 1)}`, opacity: inSync ? 0.9 : 0.4});
   set(band, {x: at(-before), width: Math.max(length(before + after), 1), y: bottom - 40, height: RULER + 40});
   set(syncName, {x: at((after - before) / 2), y: bottom + RULER - 8});
 }
@@ -142,7 +142,7 @@ function showMark(t, master, done) {
   const place = held(data.marks.next, t), away = ratio * (place - master), x = at(-away);
   const seen = held(data.marks.shown, t) !== 0 && away > 0;
   set(mark, {visibility: seen ? "visible" : "hidden"});
-  set(markName, {visibility: seen && x < at(0) - 16 ? "visible" : "hidden"}); // the blade would hide it
+  set(markName, {visibility: seen && x > EDGE && x < at(0) - 16 ? "visible" : "hidden"}); // the blade would hide it
   set(mark, {d: `M${x.toFixed(3)} ${bottom - THICK - 5}V${bottom}`});
   set(markName, {x, y: bottom - THICK - 9, text: done.length + 1});
   return seen ? number(away, data.unit, 1e-4 * circumference) : "none";
