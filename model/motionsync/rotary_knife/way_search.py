@@ -17,7 +17,7 @@ from .window import CurvePoint, Cut
 GOLDEN = 0.6180339887498949  # (sqrt(5) - 1) / 2
 SCANNED = 32  # the parts of a range of travels at whose ends the velocity is computed first
 SAME_TRAVEL = 1e-10  # relative: how narrow the interval is in which the greatest velocity lies at last
-DOUBLINGS = 1100  # more than a double's exponent has
+DOUBLINGS = 200  # a bound that only numbers beyond all machines come near
 
 
 @dataclass(slots=True)

@@ -142,7 +142,7 @@ function showMark(t, master, done) {
   const place = held(data.marks.next, t), away = ratio * (place - master), x = at(-away);
   const seen = held(data.marks.shown, t) !== 0 && away > 0;
   set(mark, {visibility: seen ? "visible" : "hidden"});
-  set(markName, {visibility: seen && x > EDGE && x < at(0) - 16 ? "visible" : "hidden"}); // the blade would hide it
+  set(markName, {visibility: seen && x > EDGE && x < at(0) - 30 ? "visible" : "hidden"}); // the blade would hide it
   set(mark, {d: `M${x.toFixed(3)} ${bottom - THICK - 5}V${bottom}`});
   set(markName, {x, y: bottom - THICK - 9, text: done.length + 1});
   return seen ? number(away, data.unit, 1e-4 * circumference) : "none";
