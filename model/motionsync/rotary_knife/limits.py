@@ -1,7 +1,7 @@
 """What a rotary knife can do: how fast the line may be for a piece, and which pieces it can cut.
 
-Z is the master's travel between two windows. Without parking, the greatest line velocity rises with Z up to a certain
-one, and falls from there on.
+Z is the master's travel between two windows. Up to the Z that admits the fastest line, the greatest line velocity rises
+with Z.
 """
 
 from dataclasses import dataclass
