@@ -12,7 +12,7 @@ from motionsync.rotary_knife.curves import Peaks
 from motionsync.rotary_knife.knife import Knife
 from motionsync.rotary_knife.limits import NO_LENGTH, CycleLimit, EarliestCut, LengthLimits
 from motionsync.rotary_knife.velocity import admissible_velocity, keeps_limits
-from motionsync.rotary_knife.window import CurvePoint, Cut, Window
+from motionsync.rotary_knife.window import CurvePoint, Cut, Window, leaves_way
 from tests.model.rotary_knife.fake_blocks import KnifeGeometry
 from tests.model.rotary_knife.geometry import Case, cases, derivatives, repeatable, window_of
 from tests.oracle import mp
@@ -340,7 +340,9 @@ def test_compiled_code_gives_the_bits_of_python(case: Case, share: float, faster
     block = KnifeGeometry(knife=case.knife)
     block.before, block.after = case.window.before, case.window.after
     block.next_before, block.next_after = case.window.after, case.window.before
-    assume(case.window.end.position < case.knife.park_angle)
+    swapped = Window()
+    swapped.set(case.knife, 1.0, block.next_before, block.next_after, 0.0)
+    assume(leaves_way(case.knife, swapped))
     travel = case.window.way_to(case.window, case.knife.spacing) / case.window.slope
     block.pitch = case.around + share * travel
     block.least = least * block.pitch
