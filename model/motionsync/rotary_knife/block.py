@@ -399,8 +399,12 @@ class RotaryKnife(RotaryKnifeInterface):
         end = self.master.path.positions[section + 1]
         cycle = self.cycle
         if end < begin:
-            if cycle.present > 0 and end < cycle.begin:
-                self.move_to(section, cycle.begin)
+            # On a measured line noise must not end a ramp that has hardly begun: before it the knife rests as well.
+            begin_of_stage = cycle.begin
+            if cycle.stage == Stage.ENGAGING:
+                begin_of_stage -= min(self.master.uncertain_travel(), cycle.rest_before())
+            if cycle.present > 0 and end < begin_of_stage:
+                self.move_to(section, begin_of_stage)
                 self.enter_section(cycle.present - 1)
                 return True
         elif end > begin and not cycle.is_last():
@@ -774,16 +778,20 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def set_slave(self) -> None:
         """The knife's setpoint at the end of the step."""
-        if self.cycle.stage == Stage.PARKING:
-            position, velocity, acceleration, jerk = self.parking.at_end_of_step()
-            self.count_passed_places(position)
-            self.slave.set(self.shown_position(self.parking.blade, position), velocity, acceleration, jerk)
-        else:
-            position, d1, d2, d3 = self.cycle.at(self.master.end)
-            velocity, acceleration, jerk = chain_rule(
-                d1, d2, d3, self.master.end_velocity, self.master.end_acceleration
-            )
-            self.slave.set(self.shown_position(self.cycle.blade, position), velocity, acceleration, jerk)
+        match self.cycle.stage:
+            case Stage.RESTING | Stage.WAITING:
+                last_blade = self.blade_after(self.cycle.blade - 1.0)
+                self.slave.set(self.shown_position(last_blade, self.knife_data.park_angle), 0.0, 0.0, 0.0)
+            case Stage.PARKING:
+                position, velocity, acceleration, jerk = self.parking.at_end_of_step()
+                self.count_passed_places(position)
+                self.slave.set(self.shown_position(self.parking.blade, position), velocity, acceleration, jerk)
+            case _:
+                position, d1, d2, d3 = self.cycle.at(self.master.end)
+                velocity, acceleration, jerk = chain_rule(
+                    d1, d2, d3, self.master.end_velocity, self.master.end_acceleration
+                )
+                self.slave.set(self.shown_position(self.cycle.blade, position), velocity, acceleration, jerk)
 
     def shown_position(self, blade: float, position: float) -> float:
         """The position of the cylinder, for one of the knife that counts from where that blade cuts."""

@@ -11,6 +11,7 @@ Positions of the knife count from where the blade of the next cut cuts; in a win
 from dataclasses import dataclass
 
 from .. import var
+from ..cutting.piece import UNLIMITED
 from ..var import Enumeration
 from .curves import FAR_BACK, Section, Way
 from .knife import Knife
@@ -82,6 +83,12 @@ class Cycle:
     def is_last(self) -> bool:
         """Whether no section comes after the present one."""
         return self.present + 1 == self.sections
+
+    def rest_before(self) -> float:
+        """How much travel of the master the knife rests before the present section, a ramp up, u."""
+        if self.present <= 1:
+            return UNLIMITED
+        return self.begin - self.rows[ROW * (self.present - 1) + BEGIN]
 
     def at(self, master: float) -> tuple[float, float, float, float]:
         """The position of the knife, and its derivatives by the master's, where that has this position, u."""

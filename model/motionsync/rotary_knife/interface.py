@@ -267,7 +267,6 @@ class RotaryKnifeInterface:
             "min_sensor_distance": (*COUPLING, *WINDOW, "knife.park_angle", *VELOCITY_SOURCES, "mark.delay"),
         },
     )
-    peaks: Peaks = var.part(Peaks, slave_unit=True)
     statistics: Statistics = var.part(Statistics)
     warning: Warnings = var.part(Warnings)
     axis: KnifeAxis = var.part(KnifeAxis, slave_unit=True)
@@ -303,6 +302,7 @@ class RotaryKnifeInterface:
     batches: int = var.local(0, "full batches")
     batch_done: bool = var.local(False, "a batch is full, until the next cut")
     clock: float = var.local(0.0, "the block's time: 0 at initialization", Unit.TIME)
+    peaks: Peaks = var.part(Peaks, slave_unit=True)
     local: Local = var.part(
         Local,
         depends={
