@@ -58,6 +58,14 @@ class InputWarning(Enumeration):
     )
 
 
+class PathRefusal(Enumeration):
+    """Why the master's path of a step is refused"""
+
+    NONE = 0, "it is not"
+    TURNS = 1, "it has too many turns"
+    TRAVEL = 2, "it may be longer than the block allows"
+
+
 @dataclass(slots=True)
 class ResolutionWatch:
     """Whether positions come in counts: those of a line of constant velocity have second differences of 0, one count
@@ -160,40 +168,20 @@ class Master:
 
     def try_advance(self, h: float) -> bool:
         """Set the path of a step of h seconds. False if the path has too many turns: then nothing has changed."""
+        return self.try_advance_within(h, 0.0) == PathRefusal.NONE
+
+    def try_advance_within(self, h: float, longest: float) -> PathRefusal:
+        """The same for a block that refuses a step in which the master might travel, back and forth, more than
+        `longest`, u; 0: it refuses none."""
         if self.has_too_many_turns(self.position):
-            return False
+            return PathRefusal.TURNS
         match self.input_mode:
             case MasterInput.END_OF_STEP:
-                return self.try_interpolate(h)
+                return self.try_interpolate(h, longest)
             case MasterInput.MEASURED:
-                return self.try_follow_measurement(h)
+                return self.try_follow_measurement(h, longest)
             case _:
-                return self.try_predict(h)
-
-    def longest_travel(self, h: float) -> float:
-        """An upper bound of the distance that the master travels, back and forth, in the coming step, u.
-
-        A block that refuses steps with too much travel calls this before `try_advance`. 0 if `try_advance` refuses the
-        step anyway."""
-        if self.has_too_many_turns(self.position):
-            return 0.0
-        match self.input_mode:
-            case MasterInput.END_OF_STEP:
-                expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
-                if self.has_too_many_turns(expected):
-                    return 0.0
-                return abs(self.unwrap_input(expected) - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h
-            case MasterInput.MEASURED:
-                if self.samples == 0:
-                    speed = abs(self.velocity + self.acceleration * self.delay)
-                    return (speed + 0.5 * abs(self.acceleration) * h) * h
-                _, _, _, acceleration = self.follow_measurement(h)
-                return (abs(self.end_velocity) + 0.5 * abs(acceleration) * h) * h
-            case _:
-                position = self.unwrap_input(self.end)
-                correction = abs(position - self.end) if self.samples > 0 else 0.0
-                velocity, acceleration = self.input_motion(position)
-                return correction + (abs(velocity) + 0.5 * abs(acceleration) * h) * h
+                return self.try_predict(h, longest)
 
     def velocity_at(self, time: float) -> float:
         """The master's velocity at a time within the step, interpolated between the velocities at both ends.
@@ -260,16 +248,19 @@ class Master:
             self.second_last_sample -= turns
             self.encoder.rebase(turns)
 
-    def try_predict(self, h: float) -> bool:
-        """Set the path from the input at t, with constant acceleration, to t+h; False: too many turns."""
+    def try_predict(self, h: float, longest: float) -> PathRefusal:
+        """Set the path from the input at t, with constant acceleration, to t+h."""
         position = self.unwrap_input(self.end)
         velocity, acceleration = self.input_motion(position)
+        correction = abs(position - self.end) if self.samples > 0 else 0.0
+        if 0.0 < longest < correction + (abs(velocity) + 0.5 * abs(acceleration) * h) * h:
+            return PathRefusal.TRAVEL
         end = position + (velocity + 0.5 * acceleration * h) * h
         if self.has_too_many_turns(end):
-            return False
+            return PathRefusal.TURNS
         self.set_path(h, position, velocity, acceleration, end)
         self.add_sample(position, h)
-        return True
+        return PathRefusal.NONE
 
     def set_path(self, h: float, position: float, velocity: float, acceleration: float, end: float) -> None:
         """Set the path of constant acceleration, from an unwrapped position to the end."""
@@ -305,39 +296,43 @@ class Master:
         if self.resolution.alternations == ALTERNATIONS:
             self.input_warning = InputWarning.COUNTS
 
-    def try_follow_measurement(self, h: float) -> bool:
-        """Set the path that leads on to the estimate from the measurements; False: as `try_predict`."""
+    def try_follow_measurement(self, h: float, longest: float) -> PathRefusal:
+        """Set the path that leads on to the estimate from the measurements."""
         encoder = self.encoder
         if self.samples == 0:
-            return self.try_start_measurement(h)
+            return self.try_start_measurement(h, longest)
         position, velocity, acceleration, path_acceleration = self.follow_measurement(h)
+        if 0.0 < longest < (abs(self.end_velocity) + 0.5 * abs(path_acceleration) * h) * h:
+            return PathRefusal.TRAVEL
         end = self.end + (self.end_velocity + 0.5 * path_acceleration * h) * h
         if self.has_too_many_turns(end):
-            return False
+            return PathRefusal.TURNS
         if encoder.is_due:
             encoder.set(position, velocity, acceleration, path_acceleration)
         encoder.advance(h, self.smoothing_time, self.sample_time)
         self.set_path(h, self.end, self.end_velocity, path_acceleration, end)
         self.fastest = max(self.fastest, abs(self.end_velocity))
-        return True
+        return PathRefusal.NONE
 
-    def try_start_measurement(self, h: float) -> bool:
-        """Set the path of the first step, along the line as the inputs say that it runs; False: as `try_predict`."""
+    def try_start_measurement(self, h: float, longest: float) -> PathRefusal:
+        """Set the path of the first step, along the line as the inputs say that it runs."""
         age = self.delay
         travel = (self.velocity + 0.5 * self.acceleration * age) * age
         measured = self.unwrap_input(self.end - travel)
         begin = measured + travel
         velocity = self.velocity + self.acceleration * age
+        if 0.0 < longest < (abs(velocity) + 0.5 * abs(self.acceleration) * h) * h:
+            return PathRefusal.TRAVEL
         end = begin + (velocity + 0.5 * self.acceleration * h) * h
         if self.has_too_many_turns(end):
-            return False
+            return PathRefusal.TURNS
         self.encoder.set(measured, self.velocity, self.acceleration, self.acceleration)
         self.encoder.sample_clock.start(0.0)
         self.encoder.advance(h, self.smoothing_time, self.sample_time)
         self.set_path(h, begin, velocity, self.acceleration, end)
         self.samples = 1
         self.fastest = max(self.fastest, abs(self.end_velocity))
-        return True
+        return PathRefusal.NONE
 
     def follow_measurement(self, h: float) -> tuple[float, float, float, float]:
         """The encoder's estimate at the start of the coming step, which is not the first, and the acceleration that
@@ -361,12 +356,14 @@ class Master:
         )
         return position, velocity, acceleration, path_acceleration
 
-    def try_interpolate(self, h: float) -> bool:
-        """Set the path along a cubic, from the end of the step before to the input at t+h; False: as `try_predict`."""
+    def try_interpolate(self, h: float, longest: float) -> PathRefusal:
+        """Set the path along a cubic, from the end of the step before to the input at t+h."""
         expected = self.end + 0.5 * (self.end_velocity + self.velocity) * h
         if self.has_too_many_turns(expected):
-            return False
+            return PathRefusal.TURNS
         position = self.unwrap_input(expected)
+        if 0.0 < longest < abs(position - self.end) + (abs(self.end_velocity) + abs(self.velocity)) * h:
+            return PathRefusal.TRAVEL
         self.begin = self.end
         self.begin_velocity = self.end_velocity
         self.begin_acceleration = self.end_acceleration
@@ -374,7 +371,7 @@ class Master:
         self.path.set_cubic(self.end, self.end_velocity, position, self.velocity, h)
         self.set_end(position, self.velocity, self.acceleration)
         self.add_sample(position, h)
-        return True
+        return PathRefusal.NONE
 
     def set_end(self, position: float, velocity: float, acceleration: float) -> None:
         """The master at the end of the step, and what is shown of it."""

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motionsync.master import Master, MasterInput
+from motionsync.master import Master, MasterInput, PathRefusal
 from tests.model.exact_paths import repeatable
 from tests.oracle.measured_master import MeasuredMaster
 
@@ -306,15 +306,67 @@ def test_the_other_modes_show_what_they_predict() -> None:
     assert outputs(master) == [10.0, 5.0, 2.0]
 
 
+def travelled(master: Master) -> float:
+    """How far the master goes, back and forth, in the step whose path is set."""
+    path = master.path.positions[: master.path.sections + 1]
+    return sum(abs(b - a) for a, b in pairwise(path))
+
+
 @pytest.mark.parametrize("mode", MasterInput)
-def test_the_longest_travel_bounds_what_the_step_travels(mode: MasterInput) -> None:
+def test_a_step_is_refused_in_which_the_master_might_travel_more_than_the_block_allows(mode: MasterInput) -> None:
+    """Whatever is allowed: an accepted step travels no more, and a refused one has changed nothing."""
     r = Random(int(mode))
     master = Master(input_mode=mode, smoothing_time=0.02, delay=0.004)
     assert master.try_initialize()
+    met = set()
     for _ in range(500):
         master.position, master.velocity, master.acceleration = (r.uniform(-10.0, 10.0) for _ in range(3))
         h = r.choice([1e-3, 0.1])
-        bound = master.longest_travel(h)
-        assert master.try_advance(h)
-        path = master.path.positions[: master.path.sections + 1]
-        assert sum(abs(b - a) for a, b in pairwise(path)) <= bound * (1.0 + 1e-9) + 1e-9
+        longest = r.choice([0.1, 3.0, 10.0])
+        before = deepcopy(master)
+        refusal = master.try_advance_within(h, longest)
+        met.add(refusal)
+        if refusal == PathRefusal.NONE:
+            assert travelled(master) <= longest * (1.0 + 1e-9) + 1e-9
+        else:
+            assert master == before
+            assert master.try_advance(h)
+    assert met == {PathRefusal.NONE, PathRefusal.TRAVEL}
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("mode", "travel"),
+    [
+        (MasterInput.START_OF_STEP, 2.25),
+        (MasterInput.END_OF_STEP, 2.0),
+        (MasterInput.MEASURED, 2.25),
+    ],
+)
+def test_the_longest_travel_is_counted_with_the_signs_of_a_master_that_gets_faster(
+    mode: MasterInput, travel: float, direction: float
+) -> None:
+    """In the first step of 0.5 s from position 0 at 4 u/s and 2 u/s2: 4 * 0.5 + 2 * 0.25 / 2 = 2.25. At END_OF_STEP the
+    position given for its end counts, and both velocities for the way back and forth: 0 + (4 + 0) * 0.5 = 2."""
+    master = Master(input_mode=mode, velocity=4.0 * direction, acceleration=2.0 * direction, smoothing_time=0.02)
+    assert master.try_initialize()
+    if mode == MasterInput.END_OF_STEP:
+        master.velocity = master.acceleration = 0.0
+    assert master.try_advance_within(0.5, travel * (1.0 - 1e-9)) == PathRefusal.TRAVEL
+    assert master.try_advance_within(0.5, travel * (1.0 + 1e-9)) == PathRefusal.NONE
+
+
+@pytest.mark.parametrize("mode", [MasterInput.START_OF_STEP, MasterInput.POSITION_ONLY])
+def test_the_input_correction_counts_as_travel(mode: MasterInput) -> None:
+    """From rest at 3, where the position before was, to the given position 5: 2 u. MEASURED has no correction."""
+    master = Master(input_mode=mode, position=3.0)
+    assert master.try_initialize()
+    assert master.try_advance(1.0)
+    master.position = 5.0
+    if mode == MasterInput.POSITION_ONLY:  # an estimated 2 u/s for another second
+        assert master.try_advance_within(1.0, 3.999) == PathRefusal.TRAVEL
+        assert master.try_advance_within(1.0, 4.001) == PathRefusal.NONE
+    else:
+        assert master.try_advance_within(1.0, 1.999) == PathRefusal.TRAVEL
+        assert master.try_advance_within(1.0, 2.001) == PathRefusal.NONE
+    assert travelled(master) > 1.999

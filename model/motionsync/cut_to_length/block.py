@@ -17,6 +17,7 @@ from ..cutting.outputs import show_line_request, show_orders
 from ..cutting.pieces import record_piece
 from ..cutting.records import PieceRecords, increased
 from ..exceeded_limit import ExceededLimit
+from ..master import PathRefusal
 from .blade import Blade, stage_end
 from .carriage import Carriage, Stage
 from .carriage_curve import can_open_gap
@@ -94,10 +95,10 @@ class CutToLength(CutToLengthInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        if self.running and self.master.longest_travel(h) > MOST_PITCHES * self.predictions.pitch_orders:
-            return Refusal.TRAVEL
-        if not self.master.try_advance(h):
-            return Refusal.MASTER_TURNS
+        longest = MOST_PITCHES * self.predictions.pitch_orders if self.running else 0.0
+        refusal = self.master.try_advance_within(h, longest)
+        if refusal != PathRefusal.NONE:
+            return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
         self.read_demand()
         self.local.skip_reason = SkipReason.NONE
         for section in range(self.master.path.sections):

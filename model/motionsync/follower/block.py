@@ -6,7 +6,7 @@ from .. import var
 from ..computable_range import LARGEST, clamp, is_usable
 from ..grid import nearest_on_grid, wrap
 from ..laws import chain_rule
-from ..master import MasterInput
+from ..master import MasterInput, PathRefusal
 from ..motion import Motion
 from ..slave import Edge
 from .cycle_sequence import CycleSequence
@@ -69,10 +69,9 @@ class Follower(FollowerInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h: the input correction, the commands, then the master's path."""
-        if 0.0 < MOST_CYCLES * self.master_cycle < self.master.longest_travel(h):
-            return Refusal.CYCLES
-        if not self.master.try_advance(h):
-            return Refusal.MASTER_TURNS
+        refusal = self.master.try_advance_within(h, MOST_CYCLES * self.master_cycle)
+        if refusal != PathRefusal.NONE:
+            return Refusal.CYCLES if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
         if not self.is_on_cam() and self.sequence.current.stage != Stage.TO_CYCLE:
             self.master.watch_travel()
         self.travel(0)
