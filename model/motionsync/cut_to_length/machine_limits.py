@@ -11,6 +11,7 @@ from math import sqrt
 from ..bracket import ROOT_TOLERANCE, next_try
 
 LEAST = 1e-100  # a line velocity below it counts as this one, a pitch below it as none: no quotient overflows
+CONVERGED = 1e-8  # of the peak of a return: after a step of Newton's method up to here, rounding is all that is left
 ITERATIONS = 200  # a bound that no search comes near: about 10 steps are usual, 30 the most
 
 
@@ -107,7 +108,8 @@ def change(speed: float, acceleration: float, jerk: float, ramp: float) -> tuple
     """R and dR/dx, in s and s2/u: `change_time`, and how it rises with the speed > 0; `ramp` is a/j, in s."""
     if speed >= acceleration * ramp:
         return speed / acceleration + ramp, 1.0 / acceleration
-    return 2.0 * sqrt(speed / jerk), 1.0 / sqrt(speed * jerk)
+    root = sqrt(speed / jerk)
+    return 2.0 * root, root / speed
 
 
 def return_way(velocity: float, peak: float, turn: float, stop: float) -> float:
@@ -143,15 +145,15 @@ def short_return_time(velocity: float, distance: float, up: float, down: float, 
     peak = 2.0 * rest / (ramps + sqrt(ramps * ramps + 4.0 * (1.0 / up + 1.0 / down) * rest))
     turn = 0.0
     stop = 0.0
-    for n in range(ITERATIONS):
+    for _ in range(ITERATIONS):
         if peak <= 0.0:
             break
         turn, turn_rate = change(velocity + peak, up, jerk, turn_ramp)
         stop, stop_rate = change(peak, down, jerk, stop_ramp)
         beyond = return_way(velocity, peak, turn, stop) - distance
         step = 2.0 * beyond / (turn + (peak - velocity) * turn_rate + stop + peak * stop_rate)
-        if n > 0 and step <= 1e-16 * peak:
-            break
+        if abs(step) <= CONVERGED * peak:
+            return turn + stop - (turn_rate + stop_rate) * step
         peak = min(peak - step, speed)
     return turn + stop
 
