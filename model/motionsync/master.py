@@ -172,7 +172,7 @@ class Master:
 
     def try_advance_within(self, h: float, longest: float) -> PathRefusal:
         """The same for a block that refuses a step in which the master might travel, back and forth, more than
-        `longest`, u; 0: it refuses none."""
+        `longest`, u; 0: it refuses none. The answer is why the path is refused."""
         if self.has_too_many_turns(self.position):
             return PathRefusal.TURNS
         match self.input_mode:

@@ -137,7 +137,8 @@ def short_return_time(velocity: float, distance: float, up: float, down: float, 
 
     Newton's method: G is convex and rises, so the first step leads beyond the solution, if not to it, and no later one
     passes it. It starts at the solution for changes of velocity that reach their acceleration, R(x) = x/a + a/j: there
-    G(w) - distance = (A w2 + B w - C)/2."""
+    G(w) - distance = (A w2 + B w - C)/2. Each step doubles the digits. After a small one the times are those at its
+    begin, changed by their rates."""
     turn_ramp = up / jerk
     stop_ramp = down / jerk
     ramps = turn_ramp + stop_ramp  # B

@@ -21,6 +21,7 @@ from ..cutting.records import PieceRecords, increased
 from ..exceeded_limit import ExceededLimit
 from ..grid import wrap
 from ..laws import chain_rule
+from ..master import PathRefusal
 from .curves import Peaks
 from .cycle import RAMP_DOWN, RAMP_UP, TURNING_ON, Cycle, Stage
 from .departure import Departure
@@ -122,12 +123,10 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        if self.running:
-            shortest = self.predictions.shortest_pitch(self.material)
-            if self.master.longest_travel(h) > MOST_PITCHES * shortest:
-                return Refusal.TRAVEL
-        if not self.master.try_advance(h):
-            return Refusal.MASTER_TURNS
+        longest = MOST_PITCHES * self.predictions.shortest_pitch(self.material) if self.running else 0.0
+        refusal = self.master.try_advance_within(h, longest)
+        if refusal != PathRefusal.NONE:
+            return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
         self.read_demand()
         self.local.skip_reason = SkipReason.NONE
         for section in range(self.master.path.sections):
