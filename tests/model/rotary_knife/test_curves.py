@@ -180,6 +180,8 @@ def test_ramps_that_do_not_fit_are_shortened_in_the_same_ratio() -> None:
     assert way.first.end - way.first.begin == pytest.approx(0.9 * down)
     assert way.ramp_up.end - way.ramp_up.begin == pytest.approx(0.9 * up)
     assert way.ramp_up.begin == pytest.approx(way.first.end)
+    assert way.first.at(way.first.end)[:3] == pytest.approx((60.0, 0.0, 0.0), abs=1e-12)
+    assert way.ramp_up.at(way.ramp_up.begin)[:3] == pytest.approx((60.0, 0.0, 0.0), abs=1e-12)
     way.plan_parking(knife, 60.0, window.end, cut, False)
     assert not way.exists
 
