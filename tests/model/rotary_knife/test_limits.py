@@ -111,6 +111,15 @@ def test_horizontal_windows(half: float, longest: float, width: float, velocity:
     assert cycle.way.parks == (half == 80.0)
 
 
+@pytest.mark.parametrize(("before", "after"), [(20.0, 80.0), (80.0, 20.0)])
+def test_the_wider_half_of_a_horizontal_window_limits_the_line(before: float, after: float) -> None:
+    """674.55 as for both halves of 80, whether the cycle leaves the window there or enters it; at the best length."""
+    window = window_of(HORIZONTAL, before, after)
+    lengths = lengths_of(HORIZONTAL, window)
+    assert piece_velocity(lengths.fastest, HORIZONTAL, window) == pytest.approx(674.55, abs=5e-3)
+    assert lengths.max_line_velocity == pytest.approx(674.55, abs=5e-3)
+
+
 def test_the_longest_piece_without_parking() -> None:
     assert lengths_of(REFERENCE, WINDOW).longest == pytest.approx(1217.142857, abs=5e-7)
     assert lengths_of(REFERENCE, WINDOW).fastest == pytest.approx(600.0)

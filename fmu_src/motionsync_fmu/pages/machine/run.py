@@ -52,7 +52,9 @@ class Run:
     def starts_as(self, condition: str) -> bool:
         """Whether a start value is that member of its enumeration: `parameter == MEMBER`."""
         name, _, member = condition.partition(" == ")
-        return self.start(name) == next(int(m) for m in self.scenario.recipe.variables[name].choices if m.name == member)
+        return self.start(name) == next(
+            int(m) for m in self.scenario.recipe.variables[name].choices if m.name == member
+        )
 
     def shown(self, conditions: Sequence[str]) -> Signal:
         """Whether one of these conditions holds, over time."""
