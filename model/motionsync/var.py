@@ -9,7 +9,7 @@ at run time it returns a `dataclasses.field` whose metadata holds the `Declarati
 belongs to the block's state, but is not visible outside the block.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from enum import Enum, EnumMeta, IntEnum
 from functools import cache
@@ -136,11 +136,20 @@ def merged(first: type[Enumeration], *others: type[Enumeration]) -> type[Enumera
     """An enumeration with the members of several, in the order of their values; the first one describes it.
 
     Members of the same name are the same."""
-    every = sorted((member for kind in (first, *others) for member in kind), key=int)
-    values = {member.name: (member.value, member.description, *member.names) for member in every}
-    kind = EnumMeta.__call__(Enumeration, first.__name__, values, module=first.__module__)
-    kind.__doc__ = first.__doc__
-    return cast(type[Enumeration], kind)
+    return _with_members(first, sorted((member for kind in (first, *others) for member in kind), key=int))
+
+
+def selected(kind: type[Enumeration], *names: str) -> type[Enumeration]:
+    """The enumeration with 0 and the members of these names alone."""
+    return _with_members(kind, [member for member in kind if member == 0 or member.name in names])
+
+
+def _with_members(kind: type[Enumeration], members: Iterable[Enumeration]) -> type[Enumeration]:
+    """An enumeration with these members, described as `kind` is."""
+    values = {member.name: (member.value, member.description, *member.names) for member in members}
+    made = EnumMeta.__call__(Enumeration, kind.__name__, values, module=kind.__module__)
+    made.__doc__ = kind.__doc__
+    return cast(type[Enumeration], made)
 
 
 class Block(Protocol):

@@ -212,7 +212,12 @@ class Local:
     )
     skipped_cut: float = var.snapshot(0.0, "master position of the last skipped cut", Unit.POSITION)
     line_velocity: float = var.snapshot(0.0, "the line's velocity when it was skipped", Unit.VELOCITY)
-    exceeded_limit: int = var.local(0, "which limit of the axis is exceeded", codes=Limit, report=Report.EPISODES)
+    exceeded_limit: int = var.local(
+        0,
+        "which limit of the axis is exceeded",
+        codes=var.selected(Limit, "MAX_VELOCITY", "MAX_ACCELERATION", "MAX_JERK", "INSTANT_STOP"),
+        report=Report.EPISODES,
+    )
     exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")
 
 
