@@ -4,11 +4,28 @@
 
     run("CutToLength/basic_cut", set={"master.velocity": 400.0}).passed
 
-`__init__.pyi` lists the names; each is imported when it is used first.
+`__init__.pyi` lists the names; each is imported when it is used first. Before that nothing is imported, so that Ctrl-C
+at the start of a command is no traceback.
 """
 
-import lazy_loader
+from functools import cache
+from typing import Any
 
 from .about import __version__ as __version__
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+@cache
+def _public() -> Any:
+    """What finds a name, what lists the names, and the names."""
+    import lazy_loader  # noqa: PLC0415 (see above)
+
+    return lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    find, _, names = _public()
+    return names if name == "__all__" else find(name)
+
+
+def __dir__() -> list[str]:
+    return list(_public()[2])

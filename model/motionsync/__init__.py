@@ -10,6 +10,8 @@ from typing import Any
 
 
 def __getattr__(name: str) -> Any:
+    if not name[:1].isupper():  # a module, which `from . import` asks for before it imports it
+        raise AttributeError(f"motionsync has no {name}")
     blocks = import_module(f"{__name__}.blocks").BLOCKS
     if name in blocks:
         return blocks[name]

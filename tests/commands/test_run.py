@@ -11,7 +11,6 @@ import pytest
 
 from motionsync_fmu import paths
 from motionsync_fmu.api import run as api
-from motionsync_fmu.commands import run
 from motionsync_fmu.fmus.fmu import Flavour, fmu_path
 from motionsync_fmu.pages import results
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
@@ -139,10 +138,10 @@ def test_an_interruption_keeps_what_is_finished(
         scenario(name)
     write = results.write_results
 
-    def interrupted(s: Any, *arguments: Any, **options: Any) -> Any:
-        if s.name == "b":
+    def interrupted(outcome: Any, *arguments: Any, **options: Any) -> Any:
+        if outcome.name == "Synchronizer/b":
             monkeypatch.setattr(results, "write_inputs", interrupted_too)
-        return write(s, *arguments, **options)
+        return write(outcome, *arguments, **options)
 
     def interrupted_too(*_: Any) -> None:
         raise KeyboardInterrupt
@@ -309,7 +308,7 @@ def test_a_mistake_in_run_is_one_line(workshop: Command, arguments: tuple[str, .
 
 
 def test_a_step_size_with_absurdly_many_steps_is_one_line(workshop: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "_run_scenario", lambda *_, **__: pytest.fail("it would take hours and all memory"))
+    monkeypatch.setattr(api, "simulate", lambda *_, **__: pytest.fail("it would take hours and all memory"))
     assert_one_line(workshop("run", "stop", "--step-size", "1e-10"), "--step-size 1e-10", "steps")
 
 

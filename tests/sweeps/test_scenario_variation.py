@@ -96,7 +96,7 @@ def plain(thing: Any) -> Any:
     if isinstance(thing, Script):
         return thing.breaks, plain(thing.motions)
     if is_dataclass(thing):
-        return type(thing), [plain(getattr(thing, f.name)) for f in fields(thing)]
+        return type(thing), [plain(getattr(thing, f.name)) for f in fields(thing) if f.compare]
     if isinstance(thing, list | tuple):
         return [plain(inner) for inner in thing]
     return repr(sorted(thing.items())) if hasattr(thing, "keys") else repr(thing)

@@ -118,7 +118,7 @@ class Scenario:
     """
 
     file: Path
-    text: str
+    text: str = field(compare=False)
     title: str
     source: str
     recipe: Recipe
