@@ -238,7 +238,8 @@ def test_the_console_and_json_show_what_is_true(tmp_path: Path, capsys: pytest.C
     assert any(line.startswith("in the cut the tool moves 0.0") for line in lines)
     assert any(line.startswith("force rms ") and line.endswith(f"over {figures.load.cycles} cycles") for line in lines)
     assert any(line.startswith("following ") for line in lines)
-    assert any(line.startswith("! beyond the motor: peak force 1") and line.endswith("% of its own") for line in lines)
+    share = f"{figures.load.peak:.3g} % of its own"  # of 100 N
+    assert any(line.startswith("! beyond the motor: peak force 1") and line.endswith(share) for line in lines)
     assert not any("rms force" in line for line in lines)
     json = shown.as_json()
     assert json["true_pieces"]["worst"] == figures.true_pieces.worst

@@ -82,6 +82,7 @@ def test_a_plan_below_the_lower_end_position() -> None:
         saw = FlyingSawHarness({"axis.initial_velocity": -100.0, "axis.min_position": low}, speed=100.0).modes()
         saw.give("gear_in_velo", acceleration=300.0, deceleration=300.0)
         assert exceeded(saw.run(INSTANT)) == expected
+        assert saw["local.plan_position_min"] == near(-31.25)
         assert exceeded(saw.run(1.1)) == NOTHING
 
 
