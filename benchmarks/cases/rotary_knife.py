@@ -1,6 +1,6 @@
 """What the RotaryKnife is measured in."""
 
-from cases.measured import FAR_AWAY, Cases, Steady, Values, Worst
+from cases.measured import FAR_AWAY, VELOCITY, Cases, Steady, Values, Worst
 from motionsync.cutting.interface import LateMode, PieceKind, Source, StartMode
 from motionsync.rotary_knife.interface import State, SyncMode
 
@@ -18,6 +18,7 @@ AFTER_TRIM: Values = LARGE | {
     "trim_length": 6000.0,
 }
 LEAD_IN = 90.0  # s
+LEADING: Values = START_COMMAND | {"master.position": -LEAD_IN * VELOCITY}  # the master is at 0 at its end
 # A line on which about one piece ends in each step of 1 ms, and an axis that can follow it.
 A_PIECE_A_STEP: Values = {
     "auto_start": True,
@@ -38,42 +39,43 @@ CASES = Cases(
         Steady(
             "ramp up",  # 2 (360 - 180 - 36) / k = 8e9, and the window's 1e9
             start=WINDOW | {"length": 9.0 * FAR_AWAY + 100.0},
-            begin=START_COMMAND,
+            begin=LEADING,
             first=LEAD_IN,
             holds={"state_code": State.ENGAGING},
         ),
         Steady(
             "in the window",  # a ramp of 2 (360 - 323.9999 - 36) / k = 5556
             start=WINDOW | {"knife.park_angle": 323.9999, "length": FAR_AWAY + 6000.0},
-            begin=START_COMMAND,
+            begin=LEADING,
             first=LEAD_IN,
             holds={"state_code": State.SYNCHRONOUS},
         ),
         Steady(
-            "in the window, HORIZONTAL",
-            start=WINDOW | {"sync.mode": SyncMode.HORIZONTAL, "knife.park_angle": 321.0, "length": FAR_AWAY + 6000.0},
-            begin=START_COMMAND,
+            "in the window, HORIZONTAL",  # it begins at 321.073825, 1.2854 k over the master: a ramp of 5383
+            start=WINDOW
+            | {"sync.mode": SyncMode.HORIZONTAL, "knife.park_angle": 321.0737, "length": FAR_AWAY + 6000.0},
+            begin=LEADING,
             first=LEAD_IN,
             holds={"state_code": State.SYNCHRONOUS},
         ),
         Steady(
             "turning on",
             start=AFTER_TRIM | {"length": 8.0 * FAR_AWAY},
-            begin=START_COMMAND,
+            begin=LEADING,
             first=LEAD_IN,
             holds={"state_code": State.TURNING},
         ),
         Steady(
             "ramp down",
             start=AFTER_TRIM | {"length": 50.0 * FAR_AWAY},
-            begin=START_COMMAND,
+            begin=LEADING,
             first=LEAD_IN,
             holds={"state_code": State.DISENGAGING},
         ),
         Steady(
             "parking after a fault",
             start=AFTER_TRIM | {"length": 1e-3, "late_mode": LateMode.STOP_LINE, "axis.max_velocity": 1e-5},
-            begin=START_COMMAND,
+            begin=LEADING,
             first=LEAD_IN,
             holds={"state_code": State.FAULT},
         ),

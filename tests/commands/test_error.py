@@ -22,7 +22,13 @@ def test_error_explains_a_code(motionsync: Command, arguments: tuple[str, ...]) 
 
 def test_error_lists_all_blocks_that_have_a_code(motionsync: Command) -> None:
     text = motionsync("error", "2").out
-    assert re.findall(r"^(\w+), 2 ", text, re.MULTILINE) == ["FlyingSaw", "Gearing", "Follower", *4 * ["CutToLength"]]
+    assert re.findall(r"^(\w+), 2 ", text, re.MULTILINE) == [
+        "FlyingSaw",
+        "Gearing",
+        "Follower",
+        *4 * ["CutToLength"],
+        *2 * ["RotaryKnife"],
+    ]
     assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
 
 

@@ -232,7 +232,7 @@ def test_the_builds_that_the_pages_show_are_possible() -> None:
         name, *words = shlex.split(command.replace("\\\n", " "), comments=True)
         overrides: dict[str, list[str]] = {}
         for option, value in zip(words[::2], words[1::2], strict=True):
-            overrides.setdefault(option.removeprefix("--"), []).append(value)
+            overrides.setdefault(option.removeprefix("--as-"), []).append(value)
         if overrides and overrides.keys() <= {"input", "output", "parameter", "local"}:
             seen += len(Recipe(name, interface=Interface(**overrides)).causality_overrides)
     assert seen > 10

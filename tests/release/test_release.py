@@ -262,7 +262,7 @@ def test_the_readme_in_the_package_refers_to_no_file_but_by_its_address(made: Pa
 
 def test_the_source_gives_the_same_wheel(made: Path, tmp_path: Path) -> None:
     with tarfile.open(made / f"{NAME}.tar.gz") as t:
-        t.extractall(tmp_path, filter="data")
+        t.extractall(tmp_path, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))  # since 3.11.4
         (time,) = {str(int(member.mtime)) for member in t}
     command = [sys.executable, "-m", "hatchling", "build", "--target", "wheel", "--directory", str(tmp_path)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": time}

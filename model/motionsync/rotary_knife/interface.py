@@ -38,7 +38,8 @@ GREATEST_OVERSPEED = 0.5
 # What the predictions depend on, after the initialization as ever after.
 COUPLING = ("material_factor", "knife.turn", "knife.circumference")
 WINDOW = ("knife.blades", "sync.before", "sync.after", "sync.mode", "sync.overspeed")
-PARK = ("knife.park_angle", "axis.max_velocity", "axis.max_acceleration", "axis.max_jerk")
+RAMP_UP = ("knife.blades", "knife.park_angle", "sync.before", "sync.mode", "sync.overspeed")
+AXIS = ("axis.max_velocity", "axis.max_acceleration", "axis.max_jerk")
 PITCH = ("length", "length_correction", "kerf", "source", "waste", "waste_length", "mark.spacing", "mark.every")
 ALLOWANCE = ("length_correction", "kerf", "source")
 REQUEST = ("line.wanted_velocity", "line.margin")
@@ -241,7 +242,7 @@ class RotaryKnifeInterface:
     order: Order = var.part(Order)
     mark: Mark = var.part(Mark)
     line: LineRequest = var.part(
-        LineRequest, depends={"velocity_request": (*COUPLING, *WINDOW, *PARK, *PITCH, *REQUEST)}
+        LineRequest, depends={"velocity_request": (*COUPLING, *WINDOW, "knife.park_angle", *AXIS, *PITCH, *REQUEST)}
     )
     slave: Slave = var.part(Slave, depends={"position": ("knife.park_angle",)}, slave_unit=True)
     state: State = var.output(State.OFF, "what the machine does")
@@ -264,12 +265,12 @@ class RotaryKnifeInterface:
     limits: MachineLimits = var.part(
         MachineLimits,
         depends={
-            "max_line_velocity": (*COUPLING, *WINDOW, *PARK, *PITCH),
-            "max_line_velocity_orders": (*COUPLING, *WINDOW, *PARK, *PITCH),
-            "min_length": (*COUPLING, *WINDOW, *PARK, *VELOCITY_SOURCES, *ALLOWANCE),
+            "max_line_velocity": (*COUPLING, *WINDOW, "knife.park_angle", *AXIS, *PITCH),
+            "max_line_velocity_orders": (*COUPLING, *WINDOW, "knife.park_angle", *AXIS, *PITCH),
+            "min_length": (*COUPLING, *WINDOW, *AXIS, *VELOCITY_SOURCES, *ALLOWANCE),
             "max_length": (*COUPLING, *WINDOW, *ALLOWANCE),
-            "cycle_time": (*COUPLING, *WINDOW, *PARK, *VELOCITY_SOURCES),
-            "min_sensor_distance": (*COUPLING, *WINDOW, "knife.park_angle", *VELOCITY_SOURCES, "mark.delay"),
+            "cycle_time": (*COUPLING, *WINDOW, *AXIS, *VELOCITY_SOURCES),
+            "min_sensor_distance": (*COUPLING, *RAMP_UP, *VELOCITY_SOURCES, "mark.delay"),
         },
     )
     statistics: Statistics = var.part(Statistics)
