@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from ..pages.console import out
+from .. import paths
+from ..pages.console import err, out
 from ..pages.progress import report_progress
 
 
@@ -33,7 +34,8 @@ def command(
     """
     from ..api.explore import explore
 
-    page = explore(subject, output=output, report=report_progress)
+    folder = output or paths.output_folder(err.print) / "explore"
+    page = explore(subject, output=folder, report=report_progress)
     out.print(f"{escape(str(page))}  {page.stat().st_size / 1000:.0f} kB")
     if show:
         webbrowser.open(page.resolve().as_uri())
