@@ -11,7 +11,7 @@ FLAGSHIP := CutToLength/cyclic_orders
 unexport PYTHONDONTWRITEBYTECODE
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
-.PHONY: run line quick check test soak build lint types words style format references pictures benchmark release clean help
+.PHONY: run line quick check test soak build lint types words style format references pictures docs benchmark release clean help
 
 run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
@@ -62,6 +62,9 @@ pictures: $(READY) ## the pictures of the README and of docs/
 	$(BIN)/python -m tools.shortest_length_picture docs
 	$(BIN)/python -m tools.measured_line_pictures docs
 
+docs: $(VENV)/ready-docs ## build/site: the documentation, which opens from the folder
+	@$(BIN)/python -m tools.site
+
 benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are like
 	$(BIN)/python benchmarks/step_cost.py
 	$(BIN)/python benchmarks/native_cost.py
@@ -71,7 +74,7 @@ benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are l
 	$(BIN)/python benchmarks/random_cuts.py
 	$(BIN)/python benchmarks/accuracy.py
 
-release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, notes, checksums
+release: $(VENV)/ready-release ## build/release: package, FMUs with their pages, site, notes, checksums
 	@$(ALIVE) $(BIN)/python -m tools.release
 
 clean: ## remove whatever was made

@@ -1,4 +1,4 @@
-"""Imports go downwards: between packages as docs/architecture.md draws them, and between modules without a circle.
+"""Imports go downwards: between packages as the page Architecture draws them, and between modules without a circle.
 
 A package is a folder below `motionsync` or `motionsync_fmu`; the parts of `scenario` count as packages of their own.
 """

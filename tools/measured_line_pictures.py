@@ -1,7 +1,7 @@
-"""Draws the pictures of a measured line, for docs/measured_line.md and the README.
+"""Draws the pictures of a measured line, for docs/how_to/measured_line.md and the README.
 
 `python -m tools.measured_line_pictures FOLDER` reads seeds.csv, noise.csv and ramps.csv in FOLDER/measured_line, which
-come from the sweeps that docs/measured_line.md names, and runs CutToLength/measured_line. It draws length_errors.svg,
+come from the sweeps on the pages of the measured line, and runs CutToLength/measured_line. It draws length_errors.svg,
 smoothing_time.svg and measured_line.svg in FOLDER.
 """
 
@@ -80,7 +80,7 @@ class ErrorTable:
 
 
 def predict_noise(smoothing_time: float) -> float:
-    """One sigma of a length, in mm, if two independent positions with the noise of docs/measured_line.md bound it."""
+    """One sigma of a length, in mm, if two independent positions with the noise of the page bound it."""
     return sqrt(2.0) * 1.187 * NOISE * sqrt(STEP / smoothing_time)
 
 

@@ -4,6 +4,7 @@
 | --- | --- |
 | motionsync-<version>-py3-none-any.whl, motionsync-<version>.tar.gz | the package, as wheel and as source |
 | motionsync-<version>-fmus.zip | the FMUs of all blocks (FMI 2.0 and 3.0, in several units), pages, pages to explore |
+| motionsync-<version>-site.zip | the documentation, which opens from its folder; natively |
 | RELEASE_NOTES.md | this version's section of CHANGELOG.md |
 | SHA256SUMS | the other files' checksums, for `sha256sum --check` |
 
@@ -38,6 +39,7 @@ from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import summary
 from motionsync_fmu.pages.block_page import PICTURE
 from motionsync_fmu.pages.style import load_template
+from tools.site.build import EXPLORED, make_site
 
 ROOT = Path(__file__).parent.parent
 UNITS = ("mm", "m", "deg")
@@ -99,7 +101,11 @@ def make_release(
         part.mkdir()
         progress("wheel and source")
         build_package(part)
-        write_zip(part / f"motionsync-{__version__}-fmus.zip", build_fmus(list(blocks), list(units), flavour, progress))
+        fmus = build_fmus(list(blocks), list(units), flavour, progress)
+        write_zip(part / f"motionsync-{__version__}-fmus.zip", fmus)
+        if explore_page := fmus.get(f"explore/{EXPLORED}.html"):
+            progress("site")
+            write_zip(part / f"motionsync-{__version__}-site.zip", build_site(explore_page))
         (part / "RELEASE_NOTES.md").write_bytes(current.text.encode())
         (part / "SHA256SUMS").write_bytes(checksums(part).encode())
         shutil.rmtree(folder, ignore_errors=True)
@@ -159,6 +165,20 @@ def build_fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: 
                 write_page(recipe.name, scenarios_of(recipe.name), fmu, explore_page, progress)
                 files[f"explore/{recipe.name}.html"] = explore_page.read_bytes()
     return files
+
+
+def build_site(explore_page: bytes) -> Files:
+    """The files of the documentation; `explore_page`: the page to explore the block EXPLORED.
+
+    Raises:
+        UserError: a page is missing, or a link leads nowhere.
+    """
+    with tempfile.TemporaryDirectory() as work:
+        page, folder = Path(work, "explore.html"), Path(work, "site")
+        page.write_bytes(explore_page)
+        make_site(folder, page)
+        files = (file for file in folder.rglob("*") if file.is_file())
+        return {file.relative_to(folder).as_posix(): file.read_bytes() for file in sorted(files)}
 
 
 def make_first_page(blocks: list[str], units: list[str], *, native: bool) -> bytes:

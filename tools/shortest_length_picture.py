@@ -1,4 +1,4 @@
-"""Draws the picture of docs/sweeps.md: the shortest length over the line velocity, as the results of two searches.
+"""Draws the picture of the page on sweeps: the shortest length over the line velocity, as the results of two searches.
 
 `python -m tools.shortest_length_picture FOLDER` reads CutToLength.csv and FlyingSaw.csv in
 FOLDER/shortest_length, which `motionsync search` has written, and draws FOLDER/shortest_length.svg.

@@ -1,4 +1,4 @@
-"""A FlyingSaw on a measured line: the small PLC program of docs/wiring.md makes all cuts, and states do not flicker."""
+"""A FlyingSaw on a measured line: the PLC program of docs/how_to/plc.md makes all cuts, no state flickers."""
 
 from typing import Any
 

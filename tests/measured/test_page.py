@@ -1,4 +1,4 @@
-"""docs/measured_line.md is true: its figures are those of the runs and formulas that it names."""
+"""The pages on a measured line are true: their figures are those of the runs and formulas that they name."""
 
 import re
 from math import sqrt
@@ -10,7 +10,7 @@ from motionsync_fmu.batch.scripted_runs import run_scenarios
 from motionsync_fmu.scenario.evaluate.key_figures import KeyFigures, compute_key_figures
 from tests import ROOT
 
-PAGE = (ROOT / "docs" / "measured_line.md").read_text("utf-8")
+PAGE = "".join((ROOT / "docs" / folder / "measured_line.md").read_text("utf-8") for folder in ("tutorial", "how_to"))
 FILE = ROOT / "scenarios" / "CutToLength" / "measured_line" / "scenario.toml"
 
 

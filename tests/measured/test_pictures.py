@@ -1,4 +1,4 @@
-"""The pictures of docs/measured_line.md and of the README are true: the commands of the page find what the tables have,
+"""The pictures of a measured line, on two pages and in the README, are true: the commands find what the tables have,
 the pictures are drawn from these, and the figures next to them are theirs."""
 
 import csv
@@ -21,7 +21,7 @@ from tests.support.pictures import assert_same_picture
 from tools.measured_line_pictures import ErrorTable, draw_histogram, draw_line, draw_trade, run_line
 
 DOCS = ROOT / "docs"
-PAGE = (DOCS / "measured_line.md").read_text("utf-8")
+PAGE = "".join((DOCS / folder / "measured_line.md").read_text("utf-8") for folder in ("tutorial", "how_to"))
 README = (ROOT / "README.md").read_text("utf-8")
 PROSE, README_PROSE = (re.sub(r"\s+", " ", text) for text in (PAGE, README))
 SMOOTHING, DURATION, SEED = "master.smoothing_time", "master.segments.1.duration", "encoder.seed"

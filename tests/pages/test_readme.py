@@ -32,8 +32,8 @@ from tests.model.cut_to_length.harness import machine_data
 from tests.support.fmus import Fmus
 
 README = (ROOT / "README.md").read_text("utf-8")
-WIRING = (ROOT / "docs" / "wiring.md").read_text("utf-8")
-PYTHON = (ROOT / "docs" / "python.md").read_text("utf-8")
+HOW_TO = ROOT / "docs" / "how_to"
+PLC, FMPY, PYTHON = ((HOW_TO / f"{name}.md").read_text("utf-8") for name in ("plc", "fmpy", "python"))
 SOURCES = {"mv_follow2"}  # a source that is written like a variable
 SECTIONS = ("How to use it", "Names in the source system", "Decisions where the source is silent", "States")
 
@@ -111,9 +111,7 @@ def test_the_plc_loop_is_right_about_other_lengths_and_speeds(
 ) -> None:
     """A cut is counted 0.2 s after its mark met the saw, `meet` beyond it; the first order can be met by mark 1. At
     1300 mm/s the saw comes home too late for the second mark of 1000 mm."""
-    code = replaced(
-        code_with(WIRING, "gear_in_pos"), "length, line = 1500.0, 1000.0", f"length, line = {length}, {line}"
-    )
+    code = replaced(code_with(PLC, "gear_in_pos"), "length, line = 1500.0, 1000.0", f"length, line = {length}, {line}")
     code = replaced(code, "build/native/FlyingSaw.fmu", str(fmus.native("FlyingSaw")))
     names, out = executed(code, capsys)
     assert max(map(abs, names["cuts"])) < 1e-9
@@ -132,14 +130,14 @@ def test_the_line_that_follows_the_request_misses_no_cut(fmus: Fmus, capsys: pyt
     """The example starts like the one of the FlyingSaw. All 17 pieces are made, and each is good; what is printed
     is below it. Pieces of 600 mm are cut at 98 % of what the machine can do then, those of 2500 mm at the velocity
     that is wanted, which the line comes near to."""
-    head, _, _ = code_with(WIRING, "gear_in_pos").partition("saw.instantiate()")
+    head, _, _ = code_with(PLC, "gear_in_pos").partition("saw.instantiate()")
     code = head.replace("build/native/FlyingSaw.fmu", str(fmus.native("CutToLength")))
-    names, out = executed(code + code_with(WIRING, "line.velocity_request"), capsys)
+    names, out = executed(code + code_with(PLC, "line.velocity_request"), capsys)
     assert "17 good pieces, 0 cuts left out" in out
     assert names["slowest"] == pytest.approx(0.98 * max_line_velocity(Machine(max_position=900.0), 604.0), rel=1e-6)
     assert names["fastest"] == pytest.approx(1500.0, abs=0.5)
     assert 0.98 * max_line_velocity(Machine(max_position=900.0), 2504.0) > 1500.0
-    velocities = re.findall(r"at (\d+) to (\d+) mm/s", WIRING)
+    velocities = re.findall(r"at (\d+) to (\d+) mm/s", PLC)
     assert velocities == [(f"{names['slowest']:.0f}", f"{names['fastest']:.0f}")]
 
 
@@ -197,7 +195,7 @@ def test_the_example_with_scenarios_gives_what_its_comments_say() -> None:
 
 
 def test_the_line_for_fmpy_runs(native: Path, tmp_path: Path) -> None:
-    (line,) = re.findall(r"fmpy simulate (?:.*\\\n)+.*", WIRING)
+    (line,) = re.findall(r"fmpy simulate (?:.*\\\n)+.*", FMPY)
     words = shlex.split(line.replace("\\\n", " "))
     words[words.index("build/native/Synchronizer.fmu")] = str(native)
     words[words.index("Synchronizer_out.csv")] = str(tmp_path / "out.csv")
@@ -209,13 +207,13 @@ def test_the_line_for_fmpy_runs(native: Path, tmp_path: Path) -> None:
 
 def test_its_commands_exist() -> None:
     targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.M))
-    assert set(re.findall(r"make (run|test|line|benchmark|pictures|quick|check|help)\b", README)) <= targets
+    assert set(re.findall(r"make (run|test|docs|line|benchmark|pictures|quick|check|help)\b", README)) <= targets
     for file in re.findall(r"(?:scenarios|build)/[\w/]+\.csv", README):
         assert (ROOT / file).exists(), file
 
 
 def test_links_lead_to_files_that_exist() -> None:
-    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
     files = [*pages, *(ROOT / "scenarios").rglob("README.md"), *(ROOT / "model").rglob("README.md")]
     for file in files:
         for link in re.findall(r"\]\((?!http|#)([^)#]+)[^)]*\)", file.read_text("utf-8")):
@@ -224,7 +222,7 @@ def test_links_lead_to_files_that_exist() -> None:
 
 def test_the_builds_that_the_pages_show_are_possible() -> None:
     """Their patterns name variables that may have this causality; baked start values are tested elsewhere."""
-    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "model").rglob("README.md")]
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "model").rglob("README.md")]
     seen = 0
     text = "\n".join(page.read_text("utf-8") for page in pages)
     inline, blocks = r"`motionsync build ([^`]+)`", r"^    motionsync build (.*(?:(?<=\\)\n.*)*)$"

@@ -373,7 +373,7 @@ def test_the_runout_and_what_is_left_out_can_be_varied(tmp_path: Path) -> None:
         ("length = 500.0", "phase = 0.0", 21, "phase: unknown key; there is amplitude, length"),
         ("{ amplitude = 0.05, length = 500.0 }", "0.05", 21, "runout: must be a table"),
         ("sample_time = 0.002", "sample_time = 2", 22, "sample_time: 2 is not allowed: it must be >= 0 and <= 1"),
-        ("seed = 7", "seed = -1", 23, "seed: -1 is not allowed: it must be >= 0"),
+        ("seed = 7", "seed = -1", 23, "seed: -1 is not allowed: it must be 0 to 4294967295"),
         ("seed = 7", "seed = 4294967296", 23, "seed: 4294967296 is not allowed: it must be 0 to 4294967295"),
         ("seed = 7", "seed = 0.5", 23, "seed: 0.5 is not a whole number"),
     ],

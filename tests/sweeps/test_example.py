@@ -1,4 +1,4 @@
-"""docs/sweeps.md is true: its commands find the lengths in its tables, and its picture is drawn from them."""
+"""docs/how_to/sweeps.md is true: its commands find the lengths in its tables, and its picture is drawn from them."""
 
 import ast
 import csv
@@ -20,7 +20,7 @@ from tests.support.pictures import assert_same_picture
 from tools.shortest_length_picture import BoundaryCurves, compare_with, draw_picture
 
 DOCS = ROOT / "docs"
-PAGE = (DOCS / "sweeps.md").read_text("utf-8")
+PAGE = (DOCS / "how_to" / "sweeps.md").read_text("utf-8")
 README = (ROOT / "README.md").read_text("utf-8")
 BLOCKS = ("CutToLength", "FlyingSaw")
 

@@ -55,14 +55,15 @@ def search(
         set: the grid, as of a sweep; none: there is one point.
         relative: how far apart the two values beside a boundary may be, as a share of their magnitude.
         output: a folder that keeps the rows as parts, so that the same call goes on; None: nothing is kept.
-        workers, scheduler: who searches, as of a sweep.
+        workers: how many processes of this computer search, as of a sweep.
+        scheduler: the address of a Dask scheduler, as of a sweep.
         progress: called with the number of points that are done, and of all.
         notify: called with a message to the user.
         options: as of a sweep. The measures are those of the run at the boundary; what the condition names is measured
             anyway.
 
     Returns:
-        A row for each point, with the columns that docs/sweeps.md lists. A point without a boundary has a row, too.
+        A row for each point, with the columns of a sweep. A point without a boundary has a row, too.
 
     Raises:
         UserError: what is asked for is refused, the folder has another search, or it cannot be written.

@@ -6,7 +6,8 @@ from typing import Any
 
 from ..interface.recipe import Recipe
 from ..scenario.cutting import PieceSpec
-from ..scenario.files.reader import SCALARS, BlockReader, read_block, read_file, read_times
+from ..scenario.files.reader import BlockReader, read_block, read_file, read_times
+from ..scenario.files.tables import TOP
 from ..scenario.files.toml_tables import TomlTable
 from ..scenario.remote_view import RemoteView
 from ..scenario.scenario import Expectation, Scenario
@@ -24,7 +25,7 @@ def load_line(file: Path) -> ProductionLine:
     top = read_file(file)
     if "on" in top:
         top.fail("on", "a line cannot react: its importers get all inputs before the run; give times in [[set]]")
-    top.allow_only(*(key for key in SCALARS if key not in ("tolerance", "step_bound")), *TABLES)
+    top.allow_only(*TOP.without("tolerance", "step_bound").names, *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
     reader = BlockReader(top, name, stop_time, REMOTE)
@@ -38,8 +39,8 @@ def load_line(file: Path) -> ProductionLine:
     follower = Scenario(
         file=file,
         text=top.text,
-        title=top.string("title"),
-        source=top.string("source", ""),
+        title=TOP.value(top, "title"),
+        source=TOP.value(top, "source"),
         recipe=reader.recipe,
         unit=unit,
         slave_unit=slave_unit,

@@ -2,6 +2,7 @@
 
 from ..load import Load
 from ..servo import Servo
+from .keys import TableKeys, number
 from .toml_tables import TomlTable
 
 MOST_GAIN = 1e6  # 1/s
@@ -10,6 +11,35 @@ SHORTEST = 1e-9  # s: a shorter time constant would be rounding of the communica
 MOST_FEEDFORWARD = 10.0
 MOST = 1e12  # of mass, inertia and forces
 
+SERVO = TableKeys(
+    "[servo]",
+    "A position controller with feedforward, between the setpoint and the tool.",
+    (
+        number("position_gain", "Kv", "1/s", above=0.0, most=MOST_GAIN),
+        number("velocity_time_constant", "Tv of the velocity loop", "s", smallest=SHORTEST, most=LONGEST),
+        number("feedforward", "share of the setpoint's velocity", default=1.0, least=0.0, most=MOST_FEEDFORWARD),
+        number("dead_time", "how late the setpoint acts", "s", default=0.0, least=0.0, most=LONGEST),
+    ),
+)
+LOAD = TableKeys(
+    "[load]",
+    "What the slave's axis moves. Forces are torques, in N m, where the slave is in deg or rad.",
+    (
+        number("mass", "of a slave in mm, m or 1", "kg", above=0.0, most=MOST),
+        number("inertia", "of a slave in deg or rad, instead of the mass", "kg m2", above=0.0, most=MOST),
+        number("friction", "Coulomb friction", "N", default=0.0, least=0.0, most=MOST),
+        number("peak_force", "what the motor can give for moments", "N", absent="any", above=0.0, most=MOST),
+        number(
+            "continuous_force",
+            "what the motor can give for ever, as the root of the mean square",
+            "N",
+            absent="any",
+            above=0.0,
+            most=MOST,
+        ),
+    ),
+)
+
 
 def read_servo(table: TomlTable) -> Servo:
     """The servo in the table [servo].
@@ -17,13 +47,7 @@ def read_servo(table: TomlTable) -> Servo:
     Raises:
         UserError: the first mistake in it.
     """
-    table.allow_only("position_gain", "velocity_time_constant", "feedforward", "dead_time")
-    return Servo(
-        table.number("position_gain", above=0.0, most=MOST_GAIN),
-        table.number_or_0("velocity_time_constant", smallest=SHORTEST, most=LONGEST),
-        table.number("feedforward", default=1.0, least=0.0, most=MOST_FEEDFORWARD),
-        table.number("dead_time", default=0.0, least=0.0, most=LONGEST),
-    )
+    return Servo(**SERVO.read(table))
 
 
 def read_load(table: TomlTable, unit: str) -> Load:
@@ -36,13 +60,5 @@ def read_load(table: TomlTable, unit: str) -> Load:
     name, other, quantity = ("inertia", "mass", "kg m2") if load.turns else ("mass", "inertia", "kg")
     if other in table:
         table.fail(other, f"the slave is in {unit}: what it moves is the {name}, in {quantity}")
-    table.allow_only(name, "friction", "peak_force", "continuous_force")
-    return Load(
-        table.number(name, above=0.0, most=MOST),
-        table.number("friction", default=0.0, least=0.0, most=MOST),
-        unit,
-        *(
-            table.number(key, above=0.0, most=MOST) if key in table else None
-            for key in ("peak_force", "continuous_force")
-        ),
-    )
+    values = LOAD.without(other).read(table)
+    return Load(values.pop(name), unit=unit, **values)

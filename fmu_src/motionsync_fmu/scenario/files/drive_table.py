@@ -6,10 +6,19 @@ from motionsync.var import Unit
 
 from ...interface.variables import Variable
 from ..drive import Drive
+from .keys import Key, TableKeys, number
 from .toml_tables import TomlTable
 from .variable_tables import OutputTable, Subject
 
-KEYS = ("follows", "time_constant", "max_acceleration")  # in addition to the keys of the script
+DRIVE = TableKeys(
+    "[master], a master that follows",
+    "A master that follows a velocity which the block requests has these keys in place of acceleration and segments.",
+    (
+        Key("follows", "what it follows", "an output or local variable that is a velocity in the master's unit"),
+        number("time_constant", "of a lag of first order (PT1)", "s", above=0.0),
+        number("max_acceleration", "in both directions", "u/s2", default=math.inf, above=0.0),
+    ),
+)
 SCRIPTED = ("acceleration", "segments")  # what a master that follows a velocity does not have
 
 
@@ -28,7 +37,7 @@ def read_drive(table: TomlTable, block: Subject) -> Drive | None:
     Raises:
         UserError: the first mistake in it.
     """
-    given = [key for key in KEYS if key in table]
+    given = [key for key in DRIVE.names if key in table]
     if not given:
         return None
     if "follows" not in given:
@@ -38,5 +47,5 @@ def read_drive(table: TomlTable, block: Subject) -> Drive | None:
             table.fail(key, "a master that follows a velocity starts with its position and velocity alone")
     name = table.string("follows")
     VelocityTable(table, block).variable(name, "follows")
-    limit = table.number("max_acceleration", default=math.inf, above=0.0)
-    return Drive(name, table.number("time_constant", above=0.0), limit)
+    limit = DRIVE.value(table, "max_acceleration")
+    return Drive(name, DRIVE.value(table, "time_constant"), limit)

@@ -5,12 +5,32 @@ from typing import Any
 from motionsync.master import MasterInput
 
 from ..encoder import LARGEST_SEED, Encoder
+from .keys import Key, TableKeys, number, whole
 from .toml_tables import TomlTable
 
-KEYS = ("resolution", "noise", "delay", "scale", "runout", "sample_time", "seed")
 MOST = 1e12  # u
 SMALLEST = 1e-9  # u and s: what is smaller is rounding
 LONGEST = 1.0  # s, as of the block's own parameters
+
+ENCODER = TableKeys(
+    "[encoder]",
+    "An encoder between the true master and master.position. In mode MEASURED master.delay and master.sample_time are "
+    "those of the encoder, unless [start] has others.",
+    (
+        number("resolution", "the position is rounded down to a multiple of it", "u", smallest=SMALLEST, most=MOST),
+        number("noise", "one sigma; white, Gaussian, clipped at 4 sigma", "u", default=0.0, least=0.0, most=MOST),
+        number("delay", "how old a position is", "s", default=0.0, least=0.0, most=LONGEST),
+        number("scale", "the measured travel over the true one", default=1.0, above=0.0, most=MOST),
+        Key("runout", "a sine, once a turn of the wheel", "{ amplitude, length }: both numbers in u", "none"),
+        number("sample_time", "how long a position is held", "s", smallest=SMALLEST, most=LONGEST),
+        whole("seed", "of the noise", default=0, most=LARGEST_SEED),
+    ),
+)
+RUNOUT = TableKeys(
+    "runout",
+    "",
+    (number("amplitude", "", "u", least=0.0, most=MOST), number("length", "", "u", least=SMALLEST, most=MOST)),
+)
 
 
 def read_encoder(table: TomlTable) -> Encoder:
@@ -19,27 +39,11 @@ def read_encoder(table: TomlTable) -> Encoder:
     Raises:
         UserError: the first mistake in it.
     """
-    table.allow_only(*KEYS)
-    runout = table.table("runout", required=False)
-    runout.allow_only("amplitude", "length")
-    has_runout = "runout" in table
-    return Encoder(
-        table.number_or_0("resolution", smallest=SMALLEST, most=MOST),
-        table.number("noise", default=0.0, least=0.0, most=MOST),
-        table.number("delay", default=0.0, least=0.0, most=LONGEST),
-        table.number("scale", default=1.0, above=0.0, most=MOST),
-        runout.number("amplitude", least=0.0, most=MOST) if has_runout else 0.0,
-        runout.number("length", least=SMALLEST, most=MOST) if has_runout else 1.0,
-        table.number_or_0("sample_time", smallest=SMALLEST, most=LONGEST),
-        _seed(table),
-    )
-
-
-def _seed(table: TomlTable) -> int:
-    seed = table.whole("seed", default=0)
-    if seed > LARGEST_SEED:
-        table.fail("seed", f"{seed} is not allowed: it must be 0 to {LARGEST_SEED}")
-    return seed
+    values = ENCODER.read(table)
+    if "runout" in table:
+        runout = RUNOUT.read(table.table("runout"))
+        values |= {f"runout_{name}": value for name, value in runout.items()}
+    return Encoder(**values)
 
 
 def with_encoder(start: dict[str, Any], encoder: Encoder) -> dict[str, Any]:

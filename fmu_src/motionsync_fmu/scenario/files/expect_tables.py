@@ -5,10 +5,48 @@ import re
 
 from ..scenario import AtTime, Expectation, When, Within
 from ..settings import OutputCondition
+from .keys import Key, TableKeys, number
 from .toml_tables import TomlTable, parse_literal, to_float
 from .variable_tables import OutputTable, Subject
 
 CONDITION = re.compile(r"\s*([\w.]+)\s*(?:(==|<|>)\s*(\S+)\s*)?")
+VALUE = "number, Boolean or name of a member"
+
+AT_TIME = TableKeys(
+    "[[expect]], values at a time",
+    "The values of outputs and local variables at a time.",
+    (
+        number("at", "the time", "s", least=0.0, note="up to stop_time"),
+        Key("NAME", "the value of this variable", VALUE),
+        number("tolerance", "how far a value may be off", default=1e-6, least=0.0),
+    ),
+)
+WHEN = TableKeys(
+    "[[expect]], the time of an event",
+    "The first time at which a condition holds.",
+    (
+        Key("when", "the condition", "as in [[on]]"),
+        number("time", "when it holds first", "s", least=0.0, note="up to stop_time"),
+        number(
+            "tolerance",
+            "how far the time may be off",
+            "s",
+            absent="one step, with [remote] at least a cycle",
+            least=0.0,
+        ),
+    ),
+)
+WITHIN = TableKeys(
+    "[[expect]], limits",
+    "Limits at all communication points of an interval.",
+    (
+        number("from", "where the interval begins", "s", least=0.0, note="up to stop_time"),
+        number("to", "where it ends", "s", note="from to stop_time"),
+        Key("NAME", "the limits of this variable", "{ min, max }: numbers, one or both"),
+        number("tolerance", "how far a value may be beyond a limit", default=1e-9, least=0.0),
+    ),
+)
+BOUNDS = TableKeys("NAME", "", (number("min", "", default=-math.inf), number("max", "", default=math.inf)))
 
 
 def read_expectation(table: TomlTable, block: Subject, stop_time: float) -> Expectation:
@@ -32,19 +70,18 @@ def read_expectation(table: TomlTable, block: Subject, stop_time: float) -> Expe
 
 def _read_at_time(outputs: OutputTable, stop_time: float) -> AtTime:
     table = outputs.table
-    at = table.number("at", least=0.0, most=stop_time)
+    at = AT_TIME.value(table, "at", most=stop_time)
     values = {name: float(value) for name, value in outputs.values("at", "tolerance").items()}
     if not values:
         table.fail("at", "expects nothing")
-    return AtTime(at, values, table.number("tolerance", default=1e-6, least=0.0))
+    return AtTime(at, values, AT_TIME.value(table, "tolerance"))
 
 
 def _read_when(outputs: OutputTable, stop_time: float) -> When:
     table = outputs.table
-    table.allow_only("when", "time", "tolerance")
+    WHEN.check(table)
     condition = read_condition(outputs)
-    time = table.number("time", least=0.0, most=stop_time)
-    tolerance = table.number("tolerance", least=0.0) if "tolerance" in table else None
+    time, tolerance = WHEN.value(table, "time", most=stop_time), WHEN.value(table, "tolerance")
     return When(condition.text, condition.name, condition.comparison, condition.value, time, tolerance)
 
 
@@ -71,8 +108,8 @@ def read_condition(outputs: OutputTable) -> OutputCondition:
 
 def _read_within(outputs: OutputTable, stop_time: float) -> Within:
     table = outputs.table
-    begin = table.number("from", least=0.0, most=stop_time)
-    end = table.number("to", least=begin, most=stop_time)
+    begin = WITHIN.value(table, "from", most=stop_time)
+    end = WITHIN.value(table, "to", least=begin, most=stop_time)
     limits: dict[str, tuple[float, float]] = {}
     for name in table.values:
         if name in ("from", "to", "tolerance"):
@@ -81,9 +118,9 @@ def _read_within(outputs: OutputTable, stop_time: float) -> Within:
         bounds = table.inline(name)
         if bounds is None or not bounds.values:
             table.fail(name, "must be { min = ..., max = ... }, or one of them")
-        bounds.allow_only("min", "max")
-        low = bounds.number("min", default=-math.inf)
-        limits[name] = (low, bounds.number("max", default=math.inf, least=low))
+        BOUNDS.check(bounds)
+        low = BOUNDS.value(bounds, "min")
+        limits[name] = (low, BOUNDS.value(bounds, "max", least=low))
     if not limits:
         table.fail("from", "expects nothing")
-    return Within(begin, end, limits, table.number("tolerance", default=1e-9, least=0.0))
+    return Within(begin, end, limits, WITHIN.value(table, "tolerance"))

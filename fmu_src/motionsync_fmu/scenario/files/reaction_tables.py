@@ -6,10 +6,29 @@ from typing import Any, NoReturn
 from ...interface.variables import Variable
 from ..settings import Reaction
 from .expect_tables import read_condition
+from .keys import Key, TableKeys, flag, number, whole
 from .toml_tables import TomlTable
 from .variable_tables import OutputTable, SetTable, Subject
 
 LENGTH = "cuts.length"  # the text that stands for the length in the table [cuts]
+
+ON = TableKeys(
+    "[[on]]",
+    "Values that are set each time a condition becomes true.",
+    (
+        Key(
+            "when", "the condition", "NAME, NAME == VALUE, NAME < VALUE or NAME > VALUE, of an output or local variable"
+        ),
+        number("after", "how much later the values act", "s", default=0.0, least=0.0, note="below stop_time"),
+        Key("set", "what is set", "table of inputs and tunable parameters", "nothing, if there is add"),
+        Key(
+            "add", "what is added to present values", f'table of numbers, or of "{LENGTH}"', "nothing, if there is set"
+        ),
+        whole("times", "how often at most", least=1, absent="once"),
+        flag("repeat", "each time, instead of times"),
+        flag("required", "whether the run is not as expected if it never happens, or less often than times"),
+    ),
+)
 
 
 class AddTable(SetTable):
@@ -43,24 +62,21 @@ def read_reaction(table: TomlTable, block: Subject, stop_time: float, length: An
     Raises:
         UserError: the first mistake in it.
     """
-    table.allow_only("when", "after", "set", "add", "times", "repeat", "required")
+    ON.check(table)
     condition = read_condition(OutputTable(table, block))
-    after = table.number("after", default=0.0, least=0.0, below=stop_time)
+    after = ON.value(table, "after", below=stop_time)
     set_values = SetTable(table.table("set", required=False), block).values()
     added_values = AddTable(table.table("add", required=False), block, length).values()
     if both := set_values.keys() & added_values.keys():
         table.fail("add", f"{min(both)} is set, too: give one of both")
     if not set_values and not added_values:
         table.fail("when", "sets nothing: it needs set, add or both")
-    return Reaction(condition, after, set_values, added_values, _read_times(table), table.flag("required"))
+    return Reaction(condition, after, set_values, added_values, _read_times(table), ON.value(table, "required"))
 
 
 def _read_times(table: TomlTable) -> int | None:
     if "times" not in table:
-        return None if table.flag("repeat") else 1
+        return None if ON.value(table, "repeat") else 1
     if "repeat" in table:
         table.fail("times", "repeat means each time: give one of both")
-    times = table.whole("times")
-    if times == 0:
-        table.fail("times", "0 is not allowed: it must be >= 1")
-    return times
+    return int(ON.value(table, "times"))

@@ -4,7 +4,7 @@ Every mistake is one `UserError` that starts with file and line and names the ke
 """
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,24 +26,20 @@ from ..script import Script, Segment
 from ..servo import Servo
 from ..settings import Reaction, Setting
 from .axis_tables import read_load, read_servo
-from .drive_table import KEYS as DRIVE
-from .drive_table import read_drive
+from .drive_table import DRIVE, read_drive
 from .encoder_table import read_encoder, with_encoder
 from .expect_tables import read_expectation
 from .reaction_tables import read_reaction
-from .remote_table import KEYS as TELEGRAMS
-from .remote_table import LISTS, read_remote
+from .remote_table import LISTS, REMOTE, read_remote
+from .tables import CONSTANT, CUTS, INTERFACE, PICTURE, PIECES, SCRIPT, SEGMENT, TOP
 from .toml_tables import TomlTable, read_text, read_toml
-from .trace_file import KEY as RECORDED
-from .trace_file import read_trace
+from .trace_file import KEY as RECORDED_KEY
+from .trace_file import RECORDED, read_trace
 from .variable_tables import FlagTable, OutputTable, SetTable, StartTable, Subject
 
-SCALARS = ("title", "source", "fmu", "unit", "slave_unit", "stop_time", "step_size", "step_bound", "tolerance")
 REAL = ("encoder", "servo", "load")  # what a real line has, and an ideal one has not
 TABLES = ("interface", "start", "master", "remote", *REAL, "set", "on", "expect", "cuts", "picture")
 PERIOD = "master.period"
-SCRIPT = ("position", "velocity", "acceleration", "segments")
-CONSTANT = ("velocity", "acceleration", "jerk")  # of these a segment has at most one, which is constant in it
 BRACED = ("segments", *LISTS)  # lists of tables in braces
 MOST_STEPS = 1_000_000  # their results still fit into memory
 
@@ -76,7 +72,7 @@ def read_scenario(
     Raises:
         UserError: the first mistake in it, with file, line and key.
     """
-    top.allow_only(*SCALARS, *TABLES)
+    top.allow_only(*TOP.names, *TABLES)
     name, unit, slave_unit = read_block(top)
     stop_time, step_size = read_times(top)
     reader = (make_reader or BlockReader)(top, name, stop_time)
@@ -85,15 +81,15 @@ def read_scenario(
     return Scenario(
         file=top.file,
         text=top.text,
-        title=top.string("title"),
-        source=top.string("source", ""),
+        title=TOP.value(top, "title"),
+        source=TOP.value(top, "source"),
         recipe=reader.recipe,
         unit=unit,
         slave_unit=slave_unit,
         stop_time=stop_time,
         step_size=step_size,
         scan=step_size,
-        tolerance=top.number("tolerance", default=1e-9, above=0.0),
+        tolerance=TOP.value(top, "tolerance"),
         start=with_encoder(start, encoder) if encoder else start,
         master=script,
         encoder=encoder,
@@ -107,7 +103,7 @@ def read_scenario(
         drive=None if reader.axis else reader.drive(),
         servo=reader.servo(),
         load=reader.load(slave_unit or unit),
-        step_bound=top.string("step_bound", ""),
+        step_bound=TOP.value(top, "step_bound"),
     )
 
 
@@ -118,13 +114,13 @@ def read_file(file: Path) -> TomlTable:
 
 def read_block(top: TomlTable) -> tuple[str, str, str]:
     """The block's name, the unit of positions, and that of the slave's positions (empty: the same)."""
-    name = top.string("fmu")
+    name = TOP.value(top, "fmu")
     if name not in BLOCKS:
         top.fail("fmu", f"no block is named {name!r}; there is {', '.join(BLOCKS)}")
-    unit = top.string("unit", "mm")
+    unit = TOP.value(top, "unit")
     if unit not in BASES:
         top.fail("unit", f"{unit!r} is not one of {', '.join(BASES)}")
-    if slave_unit := top.string("slave_unit", ""):
+    if slave_unit := TOP.value(top, "slave_unit"):
         try:
             check_slave_unit(BLOCKS[name](), slave_unit)
         except UserError as error:
@@ -134,8 +130,8 @@ def read_block(top: TomlTable) -> tuple[str, str, str]:
 
 def read_times(top: TomlTable) -> tuple[float, float]:
     """stop_time and step_size, in s."""
-    stop_time = top.number("stop_time", above=0.0)
-    step_size = top.number("step_size", above=0.0, most=stop_time)
+    stop_time = TOP.value(top, "stop_time")
+    step_size = TOP.value(top, "step_size", most=stop_time)
     if stop_time / step_size > MOST_STEPS:
         top.fail("step_size", f"{step_size:g} makes more than {MOST_STEPS:,} steps up to {stop_time:g}")
     return stop_time, step_size
@@ -144,9 +140,8 @@ def read_times(top: TomlTable) -> tuple[float, float]:
 def read_interface(top: TomlTable, name: str) -> Interface:
     """The variables whose causality is overridden; `name`: the block's name."""
     table = top.table("interface", required=False)
-    keys = [field.name for field in fields(Interface)]
-    table.allow_only(*keys)
-    interface = Interface(**{key: table.strings(key) for key in keys})
+    INTERFACE.check(table)
+    interface = Interface(**{key: table.strings(key) for key in INTERFACE.names})
     try:
         interface.causalities(BLOCKS[name]())
     except CausalityError as error:
@@ -195,10 +190,10 @@ class BlockReader:
 
     def script(self) -> Script:
         table = self.axis_table
-        table.allow_only(*SCRIPT, *(TELEGRAMS if self.axis else (*DRIVE, RECORDED)))
-        if RECORDED in table:
+        table.allow_only(*SCRIPT.names, *(REMOTE.names if self.axis else (*DRIVE.names, *RECORDED.names)))
+        if RECORDED_KEY in table:
             return read_trace(table, self.top.table("start", required=False).values.get(PERIOD, 0.0), self.stop_time)
-        p, v, a = (table.number(key, default=0.0) for key in ("position", "velocity", "acceleration"))
+        p, v, a = (SCRIPT.value(table, key) for key in ("position", "velocity", "acceleration"))
         return Script(p, v, a, [_read_segment(t) for t in table.tables("segments", "{ duration = ..., ... }")])
 
     def remote(self, script: Script, start: dict[str, Any], settings: tuple[Setting, ...]) -> RemoteView:
@@ -213,7 +208,7 @@ class BlockReader:
 
     def encoder(self) -> Encoder | None:
         """What is between the true master and the inputs; None: the inputs are the true motion."""
-        if not self.axis and RECORDED in self.axis_table:
+        if not self.axis and RECORDED_KEY in self.axis_table:
             if "encoder" in self.top:
                 self.top.fail("encoder", "a recorded line has been measured already: leave out [encoder]")
             return Encoder()
@@ -258,23 +253,18 @@ class BlockReader:
     def cuts(self, unit: str) -> CutSpec:
         """How cuts are detected and checked; `unit`: the unit of positions."""
         table = self.top.table("cuts")
-        table.allow_only("while", "length", "offset", "ratio", "tolerance", "count")
-        name = table.string("while")
+        CUTS.check(table)
+        name = CUTS.value(table, "while")
         FlagTable(table, self.block).variable(name, "while")
         if period := self.top.table("start", required=False).values.get("master.period"):
             table.fail("", f"the material is a linear axis, but master.period is {period:g}")
-        count = table.whole("count") if "count" in table else None
-        if (ratio := table.number("ratio", default=1.0)) == 0.0:
+        values = CUTS.read(table)
+        if values["ratio"] == 0.0:
             table.fail("ratio", "0 is not allowed: the saw moves along with the material")
-        length = table.number("length", above=0.0)
-        return CutSpec(
-            name,
-            length,
-            table.number("offset", default=0.0),
-            ratio,
-            table.number("tolerance", default=usual_tolerance(unit, length), least=0.0),
-            count,
-        )
+        del values["while"]
+        if values["tolerance"] is None:
+            values["tolerance"] = usual_tolerance(unit, values["length"])
+        return CutSpec(name, **values)
 
     def pieces(self, unit: str) -> PieceSpec:
         """How the pieces are checked that the block reports; `unit`: the unit of positions."""
@@ -285,25 +275,22 @@ class BlockReader:
                 needless[0],
                 f"is not needed: {self.block.name} itself reports where it cuts, and how long each piece is",
             )
-        table.allow_only("tolerance", "count", "skipped", "lengths", "kinds")
+        values = PIECES.read(table)
         if BASES[unit][0] != "m" and "tolerance" not in table:
             table.fail("tolerance", f"is missing: in {unit} there is no usual one")
         available = [str(member.name) for member in self.recipe.variables[self.piece_variables.kind].choices]
         kinds = table.strings("kinds") if "kinds" in table else None
         if unknown := [kind for kind in kinds or () if kind not in available]:
             table.fail("kinds", f"{unknown[0]!r} is no kind of piece; there is {', '.join(available)}")
-        return PieceSpec(
-            table.number("tolerance", default=usual_tolerance(unit, 0.0), least=0.0),
-            table.whole("count") if "count" in table else None,
-            table.whole("skipped") if "skipped" in table else 0,
-            table.numbers("lengths") if "lengths" in table else None,
-            kinds,
-        )
+        if values["tolerance"] is None:
+            values["tolerance"] = usual_tolerance(unit, 0.0)
+        lengths = table.numbers("lengths") if "lengths" in table else None
+        return PieceSpec(lengths=lengths, kinds=kinds, **values)
 
     def picture(self) -> Picture:
         table = self.top.table("picture", required=False)
-        table.allow_only("shaded", "curves", "variants")
-        if shaded := table.string("shaded", ""):
+        PICTURE.check(table)
+        if shaded := PICTURE.value(table, "shaded"):
             FlagTable(table, self.block).variable(shaded, "shaded")
         labels = table.table("curves", required=False)
         curves = {OutputTable(labels, self.block).variable(name).name: labels.string(name) for name in labels.values}
@@ -313,9 +300,9 @@ class BlockReader:
 
 
 def _read_segment(table: TomlTable) -> Segment:
-    table.allow_only("duration", *CONSTANT)
-    duration = table.number("duration", above=0.0)
+    SEGMENT.check(table)
+    duration = SEGMENT.value(table, "duration")
     given = [key for key in CONSTANT if key in table]
     if len(given) > 1:
         table.fail(given[1], f"a segment holds at most one of {', '.join(CONSTANT)}, not {given}")
-    return Segment(duration, **{key: table.number(key) for key in given})
+    return Segment(duration, **{key: SEGMENT.value(table, key) for key in given})

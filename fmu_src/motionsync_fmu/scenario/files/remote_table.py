@@ -9,13 +9,58 @@ from ..clocks import Clocks, Rate
 from ..remote_view import Accuracy, RemoteView
 from ..script import Script
 from ..settings import Setting
+from .keys import Key, TableKeys, number, whole
 from .toml_tables import TomlTable
 
-# in addition to the keys of the script
-KEYS = ("sender_cycle", "phase", "jitter", "seed", "lost", "first_index", "accuracy")
 LISTS = ("sender_cycle",)  # the keys whose values are lists of tables
 MOST_CYCLES = 1_000_000  # their results still fit into memory
 MOST_JITTER = 0.15  # of a cycle: `clocks.LARGEST_JITTER` is three times as much, so it limits hardly any instant
+
+REMOTE = TableKeys(
+    "[remote]",
+    "The true axis of a block that sees it by telegrams, instead of [master]: the keys of its script, and these.",
+    (
+        Key(
+            "sender_cycle",
+            "between two telegrams",
+            "number in s, > 0, or a list { at, cycle }: from each time on, in s",
+        ),
+        number(
+            "phase",
+            "how long before 0 the first telegram is sent, in cycles of the sender",
+            default=0.0,
+            least=0.0,
+            below=1.0,
+        ),
+        number(
+            "jitter",
+            "of sending and of receiving, one sigma, in cycles of the receiver",
+            default=0.0,
+            least=0.0,
+            most=MOST_JITTER,
+        ),
+        whole("seed", "of the jitter", default=0),
+        Key("lost", "telegrams that never arrive", "list of ranges [first, last]", "none"),
+        whole("first_index", "index of the first telegram", default=0, most=65535),
+        Key("accuracy", "how near to the truth the block has to be", "table", "not checked"),
+    ),
+)
+RATE = TableKeys("sender_cycle", "", (number("at", "", "s"), number("cycle", "", "s", above=0.0)))
+ACCURACY = TableKeys(
+    "[remote.accuracy]",
+    "How near to the truth the block has to be: index, position or both.",
+    (
+        number("from", "the time from which on this is checked", "s", least=0.0, note="up to stop_time"),
+        number(
+            "index",
+            "corrected_cycle_index less the true index, peak to peak, in cycles of the sender",
+            absent="not checked",
+            least=0.0,
+        ),
+        number("position", "slave.position less the true axis", "u", absent="not checked", least=0.0),
+        number("behind", "how many data cycles the slave is behind by design", default=0.0, least=0.0),
+    ),
+)
 
 
 def read_remote(
@@ -38,13 +83,13 @@ def read_remote(
     rates = list(_read_rates(table))
     if max(stop_time / cycle, *(stop_time / rate.cycle for rate in rates)) > MOST_CYCLES:
         table.fail("", f"makes more than {MOST_CYCLES:,} cycles up to {stop_time:g}")
-    first_index = table.whole("first_index", default=0, most=axis.wraps_at - 1)
+    first_index = REMOTE.value(table, "first_index", most=axis.wraps_at - 1)
     clocks = Clocks(
         cycle,
         rates,
-        table.number("phase", default=0.0, least=0.0, below=1.0),
-        table.number("jitter", default=0.0, least=0.0, most=MOST_JITTER),
-        table.whole("seed", default=0),
+        REMOTE.value(table, "phase"),
+        REMOTE.value(table, "jitter"),
+        REMOTE.value(table, "seed"),
         list(_read_lost(table, first_index)),
         first_index,
         axis.wraps_at,
@@ -65,11 +110,11 @@ def _read_rates(table: TomlTable) -> Iterator[Rate]:
     if not rates:
         table.fail("sender_cycle", "is empty")
     for i, rate in enumerate(rates):
-        rate.allow_only("at", "cycle")
-        at = rate.number("at", above=last_at)
+        RATE.check(rate)
+        at = RATE.value(rate, "at", above=last_at)
         if i == 0 and at != 0.0:
             rate.fail("at", f"{at:g}: the first cycle is that from 0 on")
-        yield Rate(at, rate.number("cycle", above=0.0))
+        yield Rate(at, RATE.value(rate, "cycle"))
         last_at = at
 
 
@@ -90,9 +135,8 @@ def _read_lost(table: TomlTable, first_index: int) -> Iterator[tuple[int, int]]:
 
 
 def _read_accuracy(table: TomlTable, stop_time: float) -> Accuracy:
-    table.allow_only("from", "index", "position", "behind")
+    ACCURACY.check(table)
     if not table.values.keys() & {"index", "position"}:
         table.fail("", "expects nothing: it needs index, position or both")
-    index, position = (table.number(key, least=0.0) if key in table else None for key in ("index", "position"))
-    begin = table.number("from", least=0.0, most=stop_time)
-    return Accuracy(begin, index, position, table.number("behind", default=0.0, least=0.0))
+    begin = ACCURACY.value(table, "from", most=stop_time)
+    return Accuracy(begin, *(ACCURACY.value(table, key) for key in ("index", "position", "behind")))

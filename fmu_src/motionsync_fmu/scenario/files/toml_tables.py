@@ -186,11 +186,14 @@ class TomlTable:
             self.fail(key, f"{value:g} is not allowed: it must be 0, or {smallest:g} to {most:g}")
         return value
 
-    def whole(self, key: str, *, default: int | None = None, most: float = math.inf) -> int:
-        """A number >= 0 without a fraction."""
-        value = self.number(key, default=default, least=0.0, most=most)
+    def whole(self, key: str, *, default: int | None = None, least: int = 0, most: int | None = None) -> int:
+        """A number without a fraction within these limits."""
+        value = self.number(key, default=default)
         if not value.is_integer():
             self.fail(key, f"{value:g} is not a whole number")
+        if value < least or (most is not None and value > most):
+            allowed = f">= {least}" if most is None else f"{least} to {most}"
+            self.fail(key, f"{int(value)} is not allowed: it must be {allowed}")
         return int(value)
 
     def string(self, key: str, default: str | None = None) -> str:

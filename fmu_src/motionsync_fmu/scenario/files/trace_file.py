@@ -13,9 +13,16 @@ from ...errors import UserError
 from ...optional_dependencies import require
 from ..recording import Reals
 from ..trace import Trace
+from .keys import TableKeys, text
 from .toml_tables import TomlTable
 
 KEY = "file"
+RECORDED = TableKeys(
+    "[master], a recorded line",
+    "Positions that an encoder has given: a CSV or Parquet file with the columns time, in s, and position. The times "
+    "rise. The table has no other key then.",
+    (text(KEY, "the file", value="path from the folder of the scenario"),),
+)
 COLUMNS = ("time", "position")
 SEPARATORS = ",;\t"
 MOST = 1e12  # u, as of the block's inputs
@@ -33,7 +40,7 @@ def read_trace(table: TomlTable, period: float, stop_time: float) -> Trace:
     for key in table.values:
         if key != KEY:
             table.fail(key, "a line that is recorded in a file has nothing else")
-    name = table.string(KEY)
+    name = RECORDED.value(table, KEY)
     file = table.file.parent / name
     try:
         status = file.stat()

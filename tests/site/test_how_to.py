@@ -1,0 +1,77 @@
+"""The how-to pages are true, as far as no other test runs them."""
+
+import re
+import textwrap
+from pathlib import Path
+
+import pytest
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssd
+
+from motionsync.laws import (
+    PARABOLA_PEAK_ACCELERATION,
+    PARABOLA_TRAVEL,
+    POLYNOMIAL_3_4_5_PEAK_ACCELERATION,
+    POLYNOMIAL_3_4_5_PEAK_JERK,
+    POLYNOMIAL_3_4_5_TRAVEL,
+)
+from motionsync_fmu.batch.reductions import NUMBERED, PLAIN
+from motionsync_fmu.fmus.zip import write_zip
+from tests import ROOT
+from tests.support.fmus import Fmus
+
+DOCS = ROOT / "docs"
+
+
+def code(page: str, language: str) -> list[str]:
+    """The code of a language on a page, without its indentation."""
+    blocks = re.findall(rf"^( *)```{language}\n(.*?)^ *```", (DOCS / page).read_text("utf-8"), re.M | re.S)
+    return [textwrap.dedent(text) for _, text in blocks]
+
+
+def test_the_system_of_ones_own_cuts_the_pieces_that_it_is_given(fmus: Fmus, tmp_path: Path) -> None:
+    """At 500 mm/s from `start` at 0.5 s on the n-th cut is due where the line has come 250 - 2 + 804 n mm, and is made
+    some 166 mm later: the fifth one at 4434, the sixth one beyond the 5000 mm of ten seconds."""
+    (text,) = code("how_to/omsimulator.md", "xml")
+    package, h = tmp_path / "saw.ssp", 0.005
+    saw = fmus.native("CutToLength").read_bytes()
+    write_zip(package, {"SystemStructure.ssd": text.encode(), "resources/CutToLength.fmu": saw})
+    system = read_ssd(str(package), validate=True).system
+    (binding,) = system.elements[0].parameterBindings
+    (parameters,) = binding.parameterValues
+    for parameter in parameters.parameters:
+        parameter.name = f"saw.{parameter.name}"
+    inputs = {
+        "line.position": lambda t: 500.0 * (t + h),
+        "line.velocity": lambda t: 500.0,
+        "length": lambda t: 800.0,
+        "start": lambda t: t > 0.5,
+    }
+    table = simulate_ssp(str(package), stop_time=10.0, step_size=h, parameter_set=parameters, input=inputs)
+    assert table["saw.statistics.cuts"][-1] == 5
+    assert table["saw.last.length"][-1] == pytest.approx(800.0, abs=1e-6)
+    assert table["saw.slave.position"].max() == pytest.approx(table["carriage.position"].max())
+
+
+def test_the_table_of_ramps() -> None:
+    """Those of the half ramp by hand: the second derivative of u^3 - u^4/2 is at most 1.5, the third one 6. Over 2 D
+    these are 1.5/2 v²/D and 6/4 v³/D²."""
+    text = (DOCS / "explanation" / "laws.md").read_text("utf-8")
+    parabola, polynomial, half = (
+        [float(number) for number in re.findall(r"\| ([\d.]+) ", re.findall(rf"^\| {law}.*$", text, re.M)[0])]
+        for law in ("parabola", "polynomial 3-4-5", "half ramp")
+    )
+    assert parabola == [PARABOLA_TRAVEL, PARABOLA_PEAK_ACCELERATION]
+    computed = (POLYNOMIAL_3_4_5_TRAVEL, POLYNOMIAL_3_4_5_PEAK_ACCELERATION, POLYNOMIAL_3_4_5_PEAK_JERK)
+    assert polynomial == [round(number, 3) for number in computed]
+    assert half == [2.0, 0.75, 1.5]
+
+
+def test_every_kind_of_measure_is_listed() -> None:
+    table = re.findall(r"^\| (`.*?) \|", (DOCS / "reference" / "measures.md").read_text("utf-8"), re.M)
+    assert re.findall(r"`(.*?)`", " ".join(table)) == sorted([*PLAIN, *NUMBERED.values()], key=" ".join(table).index)
+
+
+def test_a_test_of_ones_own_project_runs() -> None:
+    for text in code("how_to/tests.md", "python"):
+        exec(text, {})

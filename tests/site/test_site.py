@@ -1,0 +1,150 @@
+"""The documentation site: its links lead somewhere, its references are complete, and no page shows Markdown."""
+
+import posixpath
+import re
+import tomllib
+from collections.abc import Iterator
+from typing import Any
+from urllib.parse import unquote
+
+import pytest
+
+from motionsync_fmu.about import HOME, __version__
+from motionsync_fmu.commands.app import COMMANDS
+from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.variables import members
+from tests import ROOT
+from tests.support.command_line import Command
+from tests.support.fmus import Fmus
+from tests.support.site import Site, made_site
+
+ELSEWHERE = re.compile(r"[a-z]+:")
+REPOSITORY = re.compile(rf"{re.escape(HOME)}/(?:blob|tree)/v{re.escape(__version__)}/([^#]*)")
+OWN_ANCHORS = {"", "__skip", "__search"}  # of the theme
+LEFT = re.compile(r"\]\(|\*\*|\| ?---|\n\d+\. \S|<!--|```")
+
+
+@pytest.fixture(scope="module")
+def site(fmus: Fmus) -> Site:
+    return made_site(fmus)
+
+
+def test_every_link_leads_to_a_page_an_anchor_or_a_file_of_the_project(site: Site) -> None:
+    """Nothing but a link leads out of the site: neither a script nor a font nor a picture comes from the network."""
+    broken = []
+    for path, page in site.pages.items():
+        for tag, address in page.addresses:
+            if file := REPOSITORY.fullmatch(address.partition("#")[0]):
+                assert (ROOT / file[1]).exists(), f"{path}: {address}"
+            elif ELSEWHERE.match(address):
+                assert tag == "a", f"{path}: {address}"
+            else:
+                name, _, anchor = unquote(address).partition("#")
+                target = posixpath.normpath(posixpath.join(posixpath.dirname(path), name)) if name else path
+                anchors = site.pages[target].anchors | OWN_ANCHORS if target in site.pages else {anchor}
+                if not (site.folder / target).is_file() or anchor not in anchors:
+                    broken.append(f"{path}: {address}")
+    assert not broken
+
+
+def test_no_page_shows_markdown(site: Site) -> None:
+    shown = [(path, text) for path, page in site.pages.items() for text in page.prose if LEFT.search(text)]
+    assert not shown
+
+
+def test_every_page_of_the_project_is_on_the_site(site: Site) -> None:
+    sources = [*(ROOT / "docs").rglob("*.md")]
+    pages = {file.relative_to(ROOT / "docs").with_suffix(".html").as_posix() for file in sources}
+    assert pages - {"assets/README.html"} <= site.pages.keys()
+
+
+def test_the_first_page_has_the_machine_and_the_two_commands(site: Site) -> None:
+    first = site.pages["index.html"]
+    assert ("iframe", "explore/CutToLength.html") in first.addresses
+    assert (site.folder / "explore" / "CutToLength.html").stat().st_size > 100_000
+    assert any("make run" in code and "make test" in code for code in first.code)
+    assert ("img", "CutToLength.svg") in first.addresses
+
+
+def test_the_reference_of_a_block_has_its_variables_members_and_codes(site: Site, block: str) -> None:
+    code = site.pages[f"reference/blocks/{block}.html"].code
+    recipe = Recipe(block)
+    names = set(recipe.variables)
+    for v in recipe.variables.values():
+        names |= {member.name for member in v.choices}
+        if v.declaration.codes:
+            names |= {member.name for member in members(v.declaration.codes)}
+    assert names <= set(code)
+    text = " ".join(site.pages[f"reference/blocks/{block}.html"].prose)
+    for v in recipe.variables.values():
+        assert v.declaration.description in text, v.name
+
+
+def test_the_reference_of_commands_has_what_the_help_prints(site: Site, motionsync: Command) -> None:
+    page = site.pages["reference/commands.html"]
+    written = " ".join(page.code)
+    for name in COMMANDS:
+        assert f"motionsync-{name}" in page.anchors
+        printed = motionsync(name, "--help").out
+        options = set(re.findall(r"^ +(?:-\w, )?(--[a-z-]+)", printed, re.M)) - {"--help"}
+        assert options
+        for option in options:
+            assert re.search(rf"{option}\b", written), f"{name} {option}"
+
+
+def test_the_reference_of_python_has_what_the_package_offers(site: Site) -> None:
+    """The names in the stub that type checkers read."""
+    stub = (ROOT / "fmu_src" / "motionsync_fmu" / "__init__.pyi").read_text("utf-8")
+    names = set(re.findall(r"import \w+ as (\w+)", stub)) - {"__version__"}
+    page = site.pages["reference/python.html"]
+    text = {part.strip() for part in [*page.prose, *page.code]}
+    assert names
+    assert names <= text
+
+
+def test_the_reference_of_scenario_files_has_every_key_of_the_shipped_ones(site: Site) -> None:
+    code = set(site.pages["reference/scenario_keys.html"].code)
+    seen = 0
+    for file in (ROOT / "scenarios").rglob("scenario.toml"):
+        scenario = tomllib.loads(file.read_text("utf-8"))
+        for key in keys(scenario, Recipe(scenario["fmu"]).variables.keys()):
+            seen += 1
+            assert key in code or key in TABLE_NAMES, f"{file}: {key}"
+    assert seen > 1000
+
+
+TABLE_NAMES = {
+    "interface",
+    "start",
+    "master",
+    "remote",
+    "encoder",
+    "servo",
+    "load",
+    "set",
+    "on",
+    "expect",
+    "cuts",
+    "picture",
+}
+IN_BRACES = {"min", "max", "amplitude", "cycle"}  # shown with the key of their table
+
+
+def keys(value: Any, variables: Any) -> Iterator[str]:
+    """The keys of a table and of those inside it that are no names of variables."""
+    if isinstance(value, list):
+        for part in value:
+            yield from keys(part, variables)
+    elif isinstance(value, dict):
+        for key, inner in value.items():
+            computed = key.startswith(("actual.", "load."))
+            if key not in variables and not computed and key not in IN_BRACES:
+                yield key
+            if key not in ("variants", "curves"):
+                yield from keys(inner, variables)
+
+
+def test_a_section_of_another_file_comes_with_its_links(site: Site) -> None:
+    """The README links to docs/how_to/wiring.md, and to a file in examples/, which is a page, too."""
+    addresses = {address for _, address in site.pages["explanation/proof.html"].addresses}
+    assert {"../how_to/wiring.html#fmi-20-or-fmi-30", "../how_to/axis_in_modelica.html"} <= addresses

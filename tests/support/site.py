@@ -1,0 +1,73 @@
+"""The documentation site, built once in a test run, and its pages."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from html.parser import HTMLParser
+from pathlib import Path
+
+from tests.support.explored import explored
+from tests.support.fmus import Fmus
+
+VERBATIM = ("code", "pre", "script", "style", "svg")  # their texts are no prose
+
+
+@dataclass
+class SitePage(HTMLParser):
+    """A page: its anchors, its addresses (tag, address), the texts of its code, and its prose."""
+
+    file: Path
+    anchors: set[str] = field(default_factory=set)
+    addresses: list[tuple[str, str]] = field(default_factory=list)
+    code: list[str] = field(default_factory=list)
+    prose: list[str] = field(default_factory=list)
+    inside: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        super().__init__()
+        self.feed(self.file.read_text("utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        self.anchors |= {value for key in ("id", "name") if (value := values.get(key))}
+        self.addresses += [(tag, value) for key in ("href", "src") if (value := values.get(key))]
+        if tag in VERBATIM:
+            self.inside.append(tag)
+            self.code.append("")
+
+    def handle_endtag(self, tag: str) -> None:
+        if self.inside[-1:] == [tag]:
+            self.inside.pop()
+
+    def handle_data(self, data: str) -> None:
+        if self.inside:
+            self.code[-1] += data
+        else:
+            self.prose.append(data)
+
+
+class Site:
+    """The site in a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @cached_property
+    def pages(self) -> dict[str, SitePage]:
+        """The pages by their paths, without those of `motionsync explore`."""
+        files = sorted(self.folder.rglob("*.html"))
+        return {
+            path: SitePage(file)
+            for file in files
+            if not (path := file.relative_to(self.folder).as_posix()).startswith("explore/")
+        }
+
+
+def made_site(fmus: Fmus) -> Site:
+    """The site, in the process that asks first."""
+
+    def fill(folder: Path) -> None:
+        from tools.site.build import make_site  # noqa: PLC0415 (MkDocs takes half a second to load)
+
+        make_site(folder / "site", explored(fmus, "CutToLength").file)
+
+    return Site(fmus.shared.once("site", fill) / "site")

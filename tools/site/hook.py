@@ -1,0 +1,43 @@
+"""What the site adds to MkDocs: pages from files outside docs/, references made from the sources, links between them.
+
+MkDocs calls the functions `on_…` of this module. A file of the project is written for a code host, and is used as it
+is: its links lead to files of the project, and become links to pages of the site or to the code host.
+"""
+
+from typing import Any
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+from motionsync.blocks import BLOCKS
+from tools.site.markdown import draw_diagrams, indent_lists
+from tools.site.pages import BLOCK_PAGE, ROOT, insert_sections, made_pages, source_of, with_site_links
+from tools.site.reference import REFERENCES, block_reference
+
+
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Put the pages of the blocks into the navigation."""
+    (reference,) = (part["Reference"] for part in config.nav or () if "Reference" in part)
+    reference[0]["Blocks"] += [{name: BLOCK_PAGE.format(name)} for name in BLOCKS]
+    return config
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the pages that are made from files outside docs/."""
+    for page, source in made_pages().items():
+        files.append(File.generated(config, page, content=(ROOT / source).read_text("utf-8")))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
+    """A page as the site has it."""
+    name = page.file.src_uri
+    text = insert_sections(with_site_links(markdown, source_of(name), name), name)
+    text = draw_diagrams(indent_lists(text))
+    if block := {BLOCK_PAGE.format(name): name for name in BLOCKS}.get(name):
+        text += block_reference(block)
+    for marker, make in REFERENCES.items():
+        if marker in text:
+            text = text.replace(marker, make())
+    return text

@@ -1,0 +1,86 @@
+"""The references of the site, made from what they describe: blocks, commands, keys of files, functions."""
+
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import typer
+
+import motionsync_fmu
+from motionsync.blocks import BLOCKS
+from motionsync_fmu.commands.app import COMMANDS, app
+from motionsync_fmu.interface.table import groups
+from motionsync_fmu.interface.variables import members, summary, variables
+from motionsync_fmu.pages.style import load_template
+from motionsync_fmu.scenario.files.keys import REQUIRED
+from motionsync_fmu.scenario.files.tables import ALL_TABLES
+
+TEMPLATES = Path(__file__).parent / "templates"
+UNIT = "mm"  # in which the tables give positions
+PARAGRAPH_AS_IT_IS = "\b"  # click's mark of a paragraph whose lines are not joined
+
+
+def block_reference(name: str) -> str:
+    """The variables of a block, its enumerations and its fault codes, in HTML."""
+    block = BLOCKS[name]()
+    values = {
+        "unit": UNIT,
+        "groups": groups(block, UNIT),
+        "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
+        "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
+        "describe": summary,
+    }
+    return load_template(TEMPLATES, "block.html.j2").render(values)
+
+
+def command_reference() -> str:
+    """All commands with their options."""
+    group: Any = typer.main.get_command(app)
+    template = load_template(TEMPLATES, "command.md.j2")
+    return "\n".join(template.render(_command(name, group.get_command(None, name))) for name in COMMANDS)
+
+
+def _command(name: str, command: Any) -> dict[str, Any]:
+    context = typer.Context(command, info_name=f"motionsync {name}")
+    return {
+        "name": name,
+        "usage": " ".join(["motionsync", name, *command.collect_usage_pieces(context)]),
+        "text": _help_as_markdown(command.help),
+        "parameters": list(filter(None, (p.get_help_record(context) for p in command.params))),
+    }
+
+
+def _help_as_markdown(text: str) -> str:
+    """The help of a command; a paragraph whose lines are kept becomes code."""
+    paragraphs = inspect.cleandoc(text).split("\n\n")
+    for i, paragraph in enumerate(paragraphs):
+        if paragraph.startswith(PARAGRAPH_AS_IT_IS):
+            lines = textwrap.dedent(paragraph.removeprefix(PARAGRAPH_AS_IT_IS).strip("\n"))
+            paragraphs[i] = textwrap.indent(lines, "    ")
+    return "\n\n".join(paragraphs)
+
+
+def python_reference() -> str:
+    """The public functions and classes of motionsync_fmu, as mkdocstrings reads them."""
+    return "\n".join(_public_names())
+
+
+def _public_names() -> Iterator[str]:
+    for name in dir(motionsync_fmu):
+        if inspect.isroutine(member := getattr(motionsync_fmu, name)) or inspect.isclass(member):
+            options = f"    options:\n      heading: {name}\n      toc_label: {name}\n"
+            yield f"::: {member.__module__}.{member.__qualname__}\n{options}"
+
+
+def key_reference() -> str:
+    """The tables of a scenario file with their keys, in HTML."""
+    return load_template(TEMPLATES, "keys.html.j2").render(tables=ALL_TABLES, required=REQUIRED)
+
+
+REFERENCES: dict[str, Callable[[], str]] = {  # what a page writes where a reference belongs, and what makes it
+    "<!-- reference: commands -->": command_reference,
+    "<!-- reference: keys -->": key_reference,
+    "<!-- reference: python -->": python_reference,
+}
