@@ -2,6 +2,7 @@
 
 import gc
 import inspect
+import os
 import re
 import sys
 from collections.abc import Callable
@@ -37,6 +38,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--soak", action="store_true", help="the tests with random examples alone, in their long form")
     parser.addoption("--block", metavar="FOLDER", help="the tests of one block that need no FMU: gearing, say")
     parser.addoption("--registered", metavar="NAME", help="the tests that concern a registered block: Gearing, say")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """One process more than processors: a process often waits, for a browser, an emulator or another one's build."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_configure(config: pytest.Config) -> None:
