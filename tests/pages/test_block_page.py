@@ -258,7 +258,7 @@ velocity = 10.0
 "gearing.numerator" = 2
 """)
     shown = make_panels(load_scenario(file), "mm")
-    assert [panel.label for panel in shown] == ["position\nmm", "velocity\nmm/s", "acceleration\nmm/s2", "share"]
+    assert [panel.label for panel in shown] == ["position\nmm", "velocity\nmm/s", "acceleration\nmm/s²", "share"]
     assert [[curve.label for curve in panel.curves] for panel in shown] == [
         ["master", "single", "double"],
         ["master", "single", "double"],

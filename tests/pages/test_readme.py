@@ -228,6 +228,7 @@ def test_the_builds_that_the_pages_show_are_possible() -> None:
     inline, blocks = r"`motionsync build ([^`]+)`", r"^    motionsync build (.*(?:(?<=\\)\n.*)*)$"
     for command in re.findall(inline, text) + re.findall(blocks, text, re.M):
         name, *words = shlex.split(command.replace("\\\n", " "), comments=True)
+        words = [word for word in words if word != "--sources"]  # the one option without a value
         overrides: dict[str, list[str]] = {}
         for option, value in zip(words[::2], words[1::2], strict=True):
             overrides.setdefault(option.removeprefix("--as-"), []).append(value)

@@ -143,9 +143,16 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
         write_zip(target, {"documentation/index.html": page.encode(), "documentation/example.svg": b""})
         return target
 
+    def make_site(folder: Path, explore_page: Path) -> None:
+        """The files of the site; what they are is another test's."""
+        (folder / "how_to").mkdir(parents=True)
+        for name in ("index.html", "how_to/wiring.html"):
+            (folder / name).write_text(explore_page.read_text())
+
     monkeypatch.setattr(release, "build", build)
     monkeypatch.setattr(release, "write_page", lambda name, scenarios, fmu, target, notify: target.write_text(name))
     monkeypatch.setattr(release, "build_package", lambda folder: None)
+    monkeypatch.setattr(release, "make_site", make_site)
     release.make_release(tmp_path / "all", lambda text: None)
     assert sorted(built) == sorted(
         ("native", block, unit, fmi) for block in BLOCKS for unit in ("mm", "m", "deg") for fmi in ("2", "3")
@@ -157,6 +164,11 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
         assert b'href="../explore/FlyingSaw.html"' in z.read("deg/FlyingSaw_deg.html")
         first = z.read("README.html").decode()
         assert relative(Referring(first).addresses) == set(z.namelist()) - {"README.html"}
+    with zipfile.ZipFile(tmp_path / "all" / f"{NAME}-site.zip") as z:
+        assert {name: z.read(name) for name in z.namelist()} == {
+            "index.html": b"CutToLength",
+            "how_to/wiring.html": b"CutToLength",
+        }
 
 
 def test_the_date_is_that_of_the_changelog(made: Path) -> None:

@@ -73,5 +73,5 @@ def test_every_kind_of_measure_is_listed() -> None:
 
 
 def test_a_test_of_ones_own_project_runs() -> None:
-    for text in code("how_to/tests.md", "python"):
-        exec(text, {})
+    (text,) = [text for text in code("how_to/tests.md", "python") if "assert" in text]
+    exec(text, {})

@@ -33,7 +33,7 @@ from ..scenario.remote_view import RemoteView
 from ..scenario.run.simulation import run_in_process
 from ..scenario.scenario import Scenario
 from .compact import compact
-from .style import MASTER, SLAVE
+from .style import MASTER, SLAVE, typeset
 
 STYLE: Any = {  # the same picture at every build
     "path.simplify_threshold": 0.6,  # of a point, by which a simplified curve may differ
@@ -205,7 +205,7 @@ def _cycles(remote: RemoteView, time: Reals) -> Reals:
 
 
 def _labelled(name: str, unit: str) -> str:
-    return name + (f"\n{unit}" if unit else "")
+    return name + (f"\n{typeset(unit)}" if unit else "")
 
 
 def _thinned(time: Reals) -> slice:

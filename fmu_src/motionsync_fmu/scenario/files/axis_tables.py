@@ -31,7 +31,7 @@ LOAD = TableKeys(
         number("peak_force", "what the motor can give for moments", "N", absent="any", above=0.0, most=MOST),
         number(
             "continuous_force",
-            "what the motor can give for ever, as the root of the mean square",
+            "what the motor can give continuously, as the root of the mean square",
             "N",
             absent="any",
             above=0.0,
