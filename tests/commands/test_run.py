@@ -381,7 +381,14 @@ def test_a_run_is_evaluated_as_the_sweep_evaluates_it(motionsync: Command, fmus:
     [
         ("master.velocty=500", ("--set", "'master.velocty'", "master.velocity")),
         ("master.velocity", ("--set", "NAME=VALUE")),
-        ("master.velocity=fast", ("--set", "master.velocity=fast", "'fast' is no value")),
+        (
+            "master.velocity=fast",
+            (
+                "--set",
+                "master.velocity=fast",
+                "'fast' is not allowed: it must be a number in mm/s, or with a unit of its own",
+            ),
+        ),
         ("master.velocity=100:200:3", ("--set", "one value", "motionsync sweep")),
         ("master.velocity=nan", ("--set", "finite")),
         ("axis.max_acceleration=-1", ("--set", "axis.max_acceleration", "-1")),

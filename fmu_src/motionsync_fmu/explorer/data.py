@@ -2,7 +2,6 @@
 
 import hashlib
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -26,6 +25,7 @@ from ..scenario.encoder import Encoder
 from ..scenario.files import encoder_table
 from ..scenario.files.example import load_example
 from ..scenario.files.reaction_tables import LENGTH
+from ..scenario.files.reader import read_tables
 from ..scenario.files.shipped import SCENARIO_FILE
 from ..scenario.recording import Recording
 from ..scenario.remote_view import RemoteView
@@ -145,7 +145,7 @@ def _names(scenarios: Iterable[Scenario]) -> list[str]:
 
 
 def _scenario(s: Scenario, name: str, fmu: Path) -> dict[str, Any]:
-    raw = tomllib.loads(s.text)
+    raw = read_tables(s.text, s.file).values
     try:
         recording = simulate(s, fmu, s.step_size)
     except UserError:

@@ -19,17 +19,16 @@ from pathlib import Path
 from typing import Any, Self, TypeVar, cast
 
 from ..errors import UserError, choose
+from ..interface.units import unit_name
 from ..interface.variables import Variable
-from ..scenario.files.reader import BRACED, BlockReader, read_scenario
-from ..scenario.files.toml_tables import TomlTable, read_text
+from ..scenario.files.quantities import KeyPath, measured_kind
+from ..scenario.files.reader import BlockReader, read_scenario, read_tables
+from ..scenario.files.toml_tables import TomlTable
 from ..scenario.files.variable_tables import Subject
 from ..scenario.scenario import Scenario
 from .factors import ValueKind
 
 T = TypeVar("T")
-KeyPath = tuple[str | int, ...]
-"""Keys and indices that lead from the top of a scenario file to a value."""
-
 NAMED = ("start", "set", "on", "expect")  # tables whose keys are names of variables
 
 
@@ -42,12 +41,14 @@ class Target:
         paths: where its value is written, or will be.
         variable: the block's variable; None: a key of the script.
         present: the value in the scenario; None: it has none.
+        unit: the name of the value's unit; None: it is no number that may have one.
     """
 
     name: str
     paths: tuple[KeyPath, ...]
     variable: Variable | None
     present: float | bool | str | None
+    unit: str | None = None
 
     @property
     def kind(self) -> ValueKind:
@@ -74,7 +75,7 @@ class ScenarioVariation:
         Raises:
             UserError: the first mistake in it, with file, line and key.
         """
-        self._top = read_text(text, file, BRACED)
+        self._top = read_tables(text, file)
         self._reader: _CachingReader | None = None
         self.scenario = self.with_values(())
 
@@ -89,7 +90,7 @@ class ScenarioVariation:
         path = choose(self._paths_by_name, name, f"variable of {self._block.name} or number of the scenario")
         if not path:
             return self._target_of(self._block.variables[name])
-        return Target(name, (path,), self._variable_at(path), _value_at(self._top.values, path))
+        return Target(name, (path,), self._variable_at(path), _value_at(self._top.values, path), self._unit_at(path))
 
     def with_values(self, values: Iterable[tuple[Target, Any]]) -> Scenario:
         """The scenario with other values.
@@ -124,7 +125,12 @@ class ScenarioVariation:
             several = ", ".join(f"{value} in {name}" for name, value in values_by_name.items())
             raise UserError(f"{v.name} has several values in the scenario: {several}; name the one that is to vary")
         present = next(iter(values_by_name.values()), v.start)
-        return Target(v.name, tuple(paths) or (("start", v.name),), v, present)
+        return Target(v.name, tuple(paths) or (("start", v.name),), v, present, self._unit_at(("start", v.name)))
+
+    def _unit_at(self, path: KeyPath) -> str | None:
+        """The name of the unit of a value; None: it is no number that may have one."""
+        kind = measured_kind(path, self._block.variables)
+        return unit_name(kind, self.scenario.unit, self.scenario.slave_unit) if kind else None
 
     @cached_property
     def _paths_by_name(self) -> dict[str, KeyPath]:

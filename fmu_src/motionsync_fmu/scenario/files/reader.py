@@ -29,6 +29,7 @@ from .axis_tables import read_load, read_servo
 from .drive_table import DRIVE, read_drive
 from .encoder_table import read_encoder, with_encoder
 from .expect_tables import read_expectation
+from .quantities import resolve_quantities
 from .reaction_tables import read_reaction
 from .remote_table import LISTS, REMOTE, read_remote
 from .tables import CONSTANT, CUTS, INTERFACE, PICTURE, PIECES, SCRIPT, SEGMENT, TOP
@@ -50,7 +51,7 @@ def load_scenario(file: Path) -> Scenario:
     Raises:
         UserError: the first mistake in it, with file, line and key.
     """
-    return read_scenario(read_file(file))
+    return read_scenario(resolved(read_file(file)))
 
 
 def read_scenario_text(text: str, file: Path) -> Scenario:
@@ -59,7 +60,26 @@ def read_scenario_text(text: str, file: Path) -> Scenario:
     Raises:
         UserError: as `load_scenario`.
     """
-    return read_scenario(read_text(text, file, BRACED))
+    return read_scenario(read_tables(text, file))
+
+
+def read_tables(text: str, file: Path) -> TomlTable:
+    """The top level of a scenario file with this text, without units at its numbers.
+
+    Raises:
+        UserError: the text is not TOML, or a mistake in the block's name or in a unit.
+    """
+    return resolved(read_text(text, file, BRACED))
+
+
+def resolved(top: TomlTable) -> TomlTable:
+    """The top level of a scenario file with numbers in the scenario's units in place of numbers with a unit.
+
+    Raises:
+        UserError: a mistake in the block's name or in a unit.
+    """
+    name, unit, slave_unit = read_block(top)
+    return resolve_quantities(top, Recipe(name).variables, unit, slave_unit)
 
 
 def read_scenario(

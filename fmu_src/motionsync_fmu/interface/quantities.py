@@ -1,0 +1,74 @@
+"""Numbers with a unit, as people write them: `40 m/min`, `6 m`, `4 m/s2`, `250 ms`."""
+
+import math
+import re
+from fractions import Fraction
+
+from ..errors import UserError
+
+Dimensions = dict[str, int]  # the exponents of m, deg and s; none is 0
+
+UNITS: dict[str, tuple[Dimensions, Fraction]] = {
+    "um": ({"m": 1}, Fraction(1, 1_000_000)),
+    "mm": ({"m": 1}, Fraction(1, 1000)),
+    "cm": ({"m": 1}, Fraction(1, 100)),
+    "m": ({"m": 1}, Fraction(1)),
+    "km": ({"m": 1}, Fraction(1000)),
+    "in": ({"m": 1}, Fraction(254, 10_000)),
+    "ft": ({"m": 1}, Fraction(3048, 10_000)),
+    "deg": ({"deg": 1}, Fraction(1)),
+    "rad": ({"deg": 1}, Fraction(180.0 / math.pi)),
+    "rev": ({"deg": 1}, Fraction(360)),
+    "rpm": ({"deg": 1, "s": -1}, Fraction(6)),
+    "us": ({"s": 1}, Fraction(1, 1_000_000)),
+    "ms": ({"s": 1}, Fraction(1, 1000)),
+    "s": ({"s": 1}, Fraction(1)),
+    "min": ({"s": 1}, Fraction(60)),
+    "h": ({"s": 1}, Fraction(3600)),
+}
+QUANTITY = re.compile(r"((?>[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?))(?:\s*(?=[a-z])|\s+(?=1/))(.+)", re.IGNORECASE)
+PART = re.compile(r"([a-z]+)\^?([2-9]?)", re.IGNORECASE)
+RAISED = str.maketrans("²³", "23")
+
+
+def is_quantity(text: str) -> bool:
+    """Whether a text is a number with something behind it that may be a unit."""
+    return bool(QUANTITY.fullmatch(text.strip()))
+
+
+def convert(text: str, unit: str) -> float:
+    """The number of a quantity in another unit: `40 m/min` in `mm/s` is 666.67.
+
+    Raises:
+        UserError: the text has no unit, or one that measures something else.
+    """
+    match = QUANTITY.fullmatch(text.strip())
+    if not match:
+        raise UserError(f"{text!r} is no number with a unit, as in: 40 m/min")
+    dimensions, factor = _parse(match[2])
+    required, size = _parse(unit)
+    if dimensions != required:
+        raise UserError(f"{text!r} is in {match[2]}: it must be in {unit or 'no unit'}, or in what measures the same")
+    return float(Fraction(match[1]) * factor / size)
+
+
+def _parse(unit: str) -> tuple[Dimensions, Fraction]:
+    """What a unit measures, and its size in m, deg and s.
+
+    Raises:
+        UserError: there is no such unit.
+    """
+    dimensions: Dimensions = {}
+    factor = Fraction(1)
+    for i, part in enumerate(unit.translate(RAISED).replace(" ", "").split("/") if unit else []):
+        if part == "1" and i == 0:
+            continue
+        match = PART.fullmatch(part)
+        if not match or match[1] not in UNITS:
+            raise UserError(f"{unit!r} is no unit; there is {', '.join(UNITS)}, and what is made of them: m/min, mm/s2")
+        own, size = UNITS[match[1]]
+        power = int(match[2] or 1) * (-1 if i else 1)
+        factor *= size**power
+        for name, exponent in own.items():
+            dimensions[name] = dimensions.get(name, 0) + exponent * power
+    return {name: exponent for name, exponent in dimensions.items() if exponent}, factor
