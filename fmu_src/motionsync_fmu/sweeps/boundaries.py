@@ -4,7 +4,6 @@ All points of a chunk are looked at together. Each round runs every point once, 
 range.
 """
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -112,8 +111,8 @@ class Search:
         Raises:
             UserError: they cannot be written.
         """
-        more = f"\n[{SEARCH}]\nuntil = {json.dumps(self.until)}\nrelative = {self.relative!r}\n"
-        replace(self.plan, chunk=self.chunk).write(folder, more)
+        own = {"until": self.until, "relative": self.relative}
+        replace(self.plan, chunk=self.chunk).write(folder, **{SEARCH: own})
 
     @classmethod
     def read(cls, folder: Path) -> Self:

@@ -6,7 +6,6 @@ come from sampling. The values of any runs are computed from their numbers alone
 and the values do not depend on how the runs are cut into chunks.
 """
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any, Self, TypedDict, Unpack
 
 import numpy as np
+import tomli_w
 
 from ..about import __version__
 from ..errors import UserError, choose
@@ -218,14 +218,15 @@ class SweepPlan:
                 differences.append(_describe_difference(WORDS.get(what, what), _to_text(own), _to_text(other_value)))
         return "; ".join(differences)
 
-    def write(self, folder: Path, more: str = "") -> None:
-        """Write `plan.toml` and a copy of the scenario's file; `more`: the text of further tables.
+    def write(self, folder: Path, **others: Mapping[str, Any]) -> None:
+        """Write `plan.toml` and a copy of the scenario's file; `others`: further tables by name.
 
         Raises:
             UserError: they cannot be written.
         """
+        plan = HEAD + tomli_w.dumps(self._tables() | others)
         try:
-            for name, text in ((SCENARIO, self.text), (FILE, self._toml() + more)):  # who finds the plan finds both
+            for name, text in ((SCENARIO, self.text), (FILE, plan)):  # who finds the plan finds both
                 part = folder / f"{name}.tmp"
                 part.write_text(text, "utf-8", newline="\n")
                 part.replace(folder / name)
@@ -262,8 +263,8 @@ class SweepPlan:
             top.fail("sha256", f"{SCENARIO} beside the plan has changed")
         return plan
 
-    def _toml(self) -> str:
-        entries = {
+    def _tables(self) -> dict[str, Any]:
+        return {
             "motionsync": self.version,
             "guid": self.guid,
             "scenario": self.file.resolve().as_posix(),
@@ -273,12 +274,9 @@ class SweepPlan:
             "seed": self.seed,
             "sampler": self.sampler,
             "chunk": self.chunk,
+            "set": {factor.name: factor.text for factor in self.factors},
+            "measures": {name: list(kinds) for name, kinds in self.measures.items()},
         }
-        lines = [f"{key} = {_literal(value)}" for key, value in entries.items()]
-        lines += ["", "[set]", *(f"{_literal(f.name)} = {_literal(f.text)}" for f in self.factors)]
-        kinds = ((name, ", ".join(map(_literal, k))) for name, k in self.measures.items())
-        lines += ["", "[measures]", *(f"{_literal(name)} = [{listed}]" for name, listed in kinds)]
-        return HEAD + "\n".join(lines) + "\n"
 
     def __getstate__(self) -> dict[str, Any]:
         """What another process needs: not what this one has computed."""
@@ -428,8 +426,3 @@ def _to_text(value: object) -> str:
     if isinstance(value, Mapping):
         return " ".join(f"{name}={','.join(kinds)}" for name, kinds in value.items())
     return str(value)
-
-
-def _literal(value: object) -> str:
-    """A text or number as TOML writes it."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
