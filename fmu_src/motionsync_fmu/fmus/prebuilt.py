@@ -61,12 +61,28 @@ def _prepare_fmu(recipe: Recipe, flavour: Flavour, report: Report) -> Path:
 
     The latter has a library for this machine alone. Therefore it is in a folder from which nobody passes FMUs on."""
     complete = fmu_path(recipe, paths.OUTPUT, flavour)
-    if not why_outdated(complete, recipe):
+    if _is_current(complete, recipe):
         return complete
     platform = host_platform(recipe.fmi) if flavour == Flavour.NATIVE else None
     kind = f"{complete.parent.name}-{platform.folder}" if platform else complete.parent.name
     target = paths.cache_folder() / kind / compute_guid(recipe).strip("{}") / complete.name
-    if why_outdated(target, recipe):
+    if not _is_current(target, recipe):
         with report(f"building {target}{', for this machine alone' if platform else ''}") as notify:
             build(recipe, target, BuildOptions(flavour, [platform] if platform else ()), notify)
     return target
+
+
+_CURRENT: set[tuple[object, ...]] = set()
+"""The FMUs that this process has found to be up to date: path and version of the file, and recipe."""
+
+
+def _is_current(fmu: Path, recipe: Recipe) -> bool:
+    """Whether an FMU can be used as it is. One whose file has not changed since the last look is not read again."""
+    try:
+        status = fmu.stat()
+    except OSError:
+        return False
+    version = (fmu.absolute(), status.st_ino, status.st_size, status.st_mtime_ns, repr(recipe))
+    if version not in _CURRENT and not why_outdated(fmu, recipe):
+        _CURRENT.add(version)
+    return version in _CURRENT
