@@ -14,7 +14,7 @@ from tests.support.fmus import Shared
 
 NEW_BLOCK = ROOT / "tests" / "support" / "new_block"
 LINE = "from .shifter.block import Shifter as Shifter"
-ENTRY = '"Shifter": Shifter,'
+ENTRY = '"Shifter": ".shifter.block",'
 LEFT_OUT = ("install", "__pycache__")
 OF_FMUS = ("fmi3", "fmu", "native")  # these folders take as long as all others
 ROW = "| run a slave ahead of its master | [`Shifter`](model/motionsync/shifter/README.md) |"
@@ -42,8 +42,8 @@ def follow_the_list(folder: Path) -> None:
         copyfile(NEW_BLOCK / file, root / file)
     registry = root / "model" / "motionsync" / "blocks.py"
     text = registry.read_text()
-    text = text.replace("from .synchronizer", f"{LINE}\nfrom .synchronizer", 1)
-    registry.write_text(text.replace('    "Synchronizer"', f'    {ENTRY}\n    "Synchronizer"', 1))
+    text = text.replace("from .synchronizer", f"{LINE}\n    from .synchronizer", 1)
+    registry.write_text(text.replace('        "Synchronizer"', f'        {ENTRY}\n        "Synchronizer"', 1))
     front = (root / "README.md").read_text()
     (root / "README.md").write_text(front.replace("| switch a slave", f"{ROW}\n| switch a slave", 1))
     run(root, "-m", "tests.regenerate", "shifter")  # make references

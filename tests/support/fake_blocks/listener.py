@@ -78,7 +78,7 @@ class Listener:
 def registered() -> Iterator[None]:
     """The context in which the Listener is one of the registered blocks."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(BLOCKS, "Listener", Listener)  # type: ignore[arg-type]
+        patch.setitem(BLOCKS.modules, "Listener", __name__)
         yield
 
 
