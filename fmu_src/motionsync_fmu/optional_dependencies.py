@@ -34,7 +34,7 @@ def how_to_install(extra: str) -> str:
     named motionsync in an index may be somebody else's."""
     checkout = FOLDER.parents[1]
     if (checkout / "pyproject.toml").is_file():
-        return f"pip install '.[{extra}]' in {checkout}"
+        return f"pip install --editable '.[{extra}]' in {checkout}"
     requirements = [Requirement(text) for text in metadata.requires("motionsync") or []]
     needed = [r for r in requirements if r.marker and "extra" in str(r.marker) and r.marker.evaluate({"extra": extra})]
     packages = " ".join(f"'{r.name}{r.specifier}'" for r in needed)

@@ -74,7 +74,7 @@ def test_without_libcosim_the_package_runs_and_a_message_says_so(
     monkeypatch.setitem(sys.modules, "libcosimpy.CosimEnums", None)
     outcome = run_line(short(tmp_path / "line.toml"), "--no-report")
     assert outcome.status == 0
-    assert "not run in libcosim: libcosimpy is not installed (pip install '.[line]'" in outcome.out
+    assert "not run in libcosim: libcosimpy is not installed (pip install --editable '.[line]'" in outcome.out
     assert "agree" not in outcome.out
     assert "RemoteSync, PHASE" in outcome.out
 

@@ -329,7 +329,7 @@ def test_a_missing_compiler_is_reported_with_the_remedy(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
     assert "built with ziglang" in done.stderr
-    assert "pip install '.[native]'" in done.stderr
+    assert "pip install --editable '.[native]'" in done.stderr
     assert "--flavour python" in done.stderr
 
 
