@@ -23,8 +23,6 @@ TOOL = {
     "cli": {"commands"},
     "commands": {
         "api",
-        "explorer",
-        "export",
         "fmus",
         "interface",
         "line",
@@ -34,7 +32,7 @@ TOOL = {
         "sweeps",
         *SCENARIO,
     },
-    "api": {"batch", "explorer", "fmus", "interface", "pages", "sweeps", *SCENARIO},
+    "api": {"batch", "explorer", "export", "fmus", "interface", "pages", "plan", "sweeps", *SCENARIO},
     "explorer": {"batch", "fmus", "interface", "native", "pages", "scenario", "scenario.run", "scenario.files"},
     "line": {"fmus", "interface", "pages", *SCENARIO},
     "sweeps": {"batch", "fmus", "interface", "pages", *SCENARIO},

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from motionsync_fmu.api.scenarios import load
+from motionsync_fmu.api.scenario_source import load
 from motionsync_fmu.batch.scripted_runs import run_scenarios
 from motionsync_fmu.pages.pictures import SHADE, STYLE, write_svg
 from motionsync_fmu.pages.report.histogram import bar_borders

@@ -1,9 +1,16 @@
 from .about import __version__ as __version__
+from .api.build import BuiltFmu as BuiltFmu
+from .api.build import build as build
+from .api.describe import Description as Description
+from .api.describe import describe as describe
+from .api.error import error as error
 from .api.explore import explore as explore
+from .api.export_crosscheck import export_crosscheck as export_crosscheck
 from .api.run import RunResult as RunResult
 from .api.run import run as run
 from .api.scenarios import scenarios as scenarios
 from .api.search import search as search
 from .api.sweep import sweep as sweep
+from .api.sweep_plot import sweep_plot as sweep_plot
 from .batch.simulation import simulate_many as simulate_many
 from .errors import UserError as UserError

@@ -5,30 +5,55 @@ import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import motionsync_fmu
+from motionsync_fmu import UserError
+from motionsync_fmu.commands.app import COMMANDS
 from tests import ROOT
+from tests.support.command_line import Command, assert_one_line
 
-FUNCTIONS = ["explore", "run", "scenarios", "search", "simulate_many", "sweep"]
-OF_COMMANDS = ["explore", "run", "search", "sweep"]
-HEAVY = ["numpy", "fmpy", "matplotlib", "jinja2", "typer", "rich", "scipy", "pyarrow", "distributed"]
+SCENARIO = "Synchronizer/polynomial"
+CALLS = {  # each command that has a function of its name, with arguments that are accepted
+    "build": ["Synchronizer"],
+    "describe": ["Synchronizer"],
+    "error": ["17118"],
+    "explore": ["Synchronizer"],
+    "export-crosscheck": ["here", "Synchronizer"],
+    "list": [],
+    "run": [SCENARIO, "--no-report"],
+    "search": [SCENARIO, "--vary", "rest_value=1..2", "--until", "passed"],
+    "sweep": [SCENARIO, "--set", "rest_value=1", "--output", "rows"],
+    "sweep-plot": ["rows", "--x", "rest_value"],
+}
+OTHER_NAMES = {"list": "scenarios"}  # `list` is a name of Python's own
+FUNCTIONS = sorted(OTHER_NAMES.get(name, name.replace("-", "_")) for name in CALLS)
+TYPES = ["BuiltFmu", "Description", "RunResult", "UserError", "__version__"]
+HEAVY = ["numpy", "fmpy", "matplotlib", "jinja2", "typer", "rich", "scipy", "pyarrow", "distributed", "motionsync"]
 SNIPPET = """
-from motionsync_fmu import RunResult, UserError, run, sweep
+from motionsync_fmu import BuiltFmu, RunResult, UserError, build, describe, new, run, sweep
 
-result: RunResult = run("CutToLength/basic_cut", set={"master.velocity": 400.0})
+result: RunResult = run("CutToLength/basic_cut", set={"master.velocity": "24 m/min", "kerf": 4.0})
 passed: bool = result.passed
 length: float = result.pieces[0].length
 latest: float = float(result["slave.position"][-1])
 result.report("report.html")
 rows = sweep("CutToLength/basic_cut", set={"length": [600.0, 800.0, 1000.0]}, output="rows")
 rows.to_frame()
+fmus: list[BuiltFmu] = build("CutToLength", flavour="native", start={"kerf": 4.0})
+size: int = fmus[0].path.stat().st_size
+unit: str = describe("CutToLength").variables["kerf"].unit
+try:
+    run("mine")
+except UserError as error:
+    print(error)
 """
 
 
 def test_all_names_are_there_and_described() -> None:
-    assert motionsync_fmu.__all__ == sorted([*FUNCTIONS, "RunResult", "UserError", "__version__"])
+    assert motionsync_fmu.__all__ == sorted([*FUNCTIONS, "simulate_many", *TYPES])
     for name in FUNCTIONS:
         function = getattr(motionsync_fmu, name)
         assert inspect.isfunction(function), name  # and no module of the same name
@@ -47,17 +72,39 @@ def test_the_import_loads_nothing_heavy() -> None:
     assert loaded.split() == []
 
 
-@pytest.mark.parametrize("name", OF_COMMANDS)
-def test_a_command_has_the_parameters_of_its_function_and_calls_it(name: str) -> None:
-    """Beside them it has those that say how it prints; `--set` is a list of texts there."""
-    command = import_module(f"motionsync_fmu.commands.{name}").command
-    assert f"from ..api.{name} import {name}\n" in inspect.getsource(command)
-    called = set(inspect.signature(getattr(motionsync_fmu, name)).parameters)
-    renamed = {"setting": "set", "path": "scenario", "measure": "options"}
-    own = {renamed.get(p, p) for p in inspect.signature(command).parameters}
-    shown = {"as_json", "show", "no_report", "verbose", "yes", "samples", "method", "seed", "output"}
+def test_each_command_has_a_function() -> None:
+    assert set(COMMANDS) - set(CALLS) == {"line", "new", "plan-line"}
+
+
+@pytest.mark.parametrize("command", CALLS)
+def test_a_command_calls_its_function_and_reports_its_error(
+    motionsync: Command, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    def refuse(*_arguments: Any, **_options: Any) -> Any:
+        raise UserError(f"{command} was called")
+
+    name = OTHER_NAMES.get(command, command.replace("-", "_"))
+    monkeypatch.setattr(import_module(f"motionsync_fmu.api.{name}"), name, refuse)
+    monkeypatch.setattr("motionsync_fmu.commands.run.prepare_fmus", lambda *_: [])
+    assert_one_line(motionsync(command, *CALLS[command]), f"motionsync: {command} was called")
+
+
+@pytest.mark.parametrize("command", sorted({*CALLS} - {"list"}))
+def test_a_command_has_the_parameters_of_its_function(command: str) -> None:
+    """Beside them it has those that say how it prints; `--set` and `--measure` are lists of texts there."""
+    name = command.replace("-", "_")
+    function = getattr(motionsync_fmu, name)
+    called = set(inspect.signature(function).parameters)
+    if "options" in called:
+        called |= {"samples", "method", "seed", "measures", "yes"}
+    renamed = {"setting": "set", "path": "scenario", "measure": "measures"}
+    own = {
+        renamed.get(p, p)
+        for p in inspect.signature(import_module(f"motionsync_fmu.commands.{name}").command).parameters
+    }
+    shown = {"as_json", "show", "no_report", "verbose"} | ({"output"} if command == "run" else set())
     assert own - shown <= called
-    assert called - own <= {"progress", "notify", "report", "options"}
+    assert called - own <= {"progress", "notify", "report", "finished", "exported", "options"}
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from motionsync_fmu.api.scenarios import load
+from motionsync_fmu.api.scenario_source import load
 from motionsync_fmu.sweeps.plot.page import make_page
 from motionsync_fmu.sweeps.plot.view import Question
 from motionsync_fmu.sweeps.sweep_plan import SweepPlan

@@ -8,7 +8,6 @@ from fmpy import simulate_fmu
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import paths
-from motionsync_fmu.commands import build as build_command
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.fmus.fmu import BuildOptions, Finish, Flavour
 from motionsync_fmu.fmus.guid import compute_guid
@@ -247,7 +246,7 @@ def events(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
         return finish
 
-    monkeypatch.setattr(build_command, "start_build", start_build)
+    monkeypatch.setattr("motionsync_fmu.api.build.start_build", start_build)
     return events
 
 
@@ -289,7 +288,7 @@ def test_the_command_builds_anew_what_lacks_the_sources_or_should(
 
         return finish
 
-    monkeypatch.setattr(build_command, "start_build", start_build)
+    monkeypatch.setattr("motionsync_fmu.api.build.start_build", start_build)
     monkeypatch.setattr(paths, "OUTPUT", tmp_path)
     for further in ([], [], ["--sources"], ["--sources"], []):
         outcome = motionsync("build", "Synchronizer", *NATIVE, *further)

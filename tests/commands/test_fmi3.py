@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from fmpy.validation import validate_fmu
 
-from motionsync_fmu.commands import build as build_command
 from motionsync_fmu.fmus.fmu import BuildOptions, Finish, Flavour, fmu_path, start_build, why_outdated
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.platforms import OF_VERSION, host_platform
@@ -78,7 +77,7 @@ def test_a_component_is_added_for_fmi_3_only(built: Command, monkeypatch: pytest
         """For this machine alone."""
         return start_build(recipe, replace(options, platforms=[platform]))
 
-    monkeypatch.setattr(build_command, "start_build", start_quick_build)
+    monkeypatch.setattr("motionsync_fmu.api.build.start_build", start_quick_build)
     assert "kB" in built("build", "Synchronizer", "--fmi", "3", "--wasm").out  # what is there has none
     component = "binaries/wasm32-wasip2/Synchronizer.wasm"
     with zipfile.ZipFile(FMU) as z:

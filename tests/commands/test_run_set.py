@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 
-from motionsync_fmu.api.scenarios import load
+from motionsync_fmu.api.scenario_source import load
 from motionsync_fmu.scenario.run.simulation import run_in_process
 from motionsync_fmu.sweeps.plot.page import make_page
 from motionsync_fmu.sweeps.plot.view import Question

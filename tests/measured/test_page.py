@@ -5,7 +5,7 @@ from math import sqrt
 
 import pytest
 
-from motionsync_fmu.api.scenarios import load
+from motionsync_fmu.api.scenario_source import load
 from motionsync_fmu.batch.scripted_runs import run_scenarios
 from motionsync_fmu.scenario.evaluate.key_figures import KeyFigures, compute_key_figures
 from tests import ROOT

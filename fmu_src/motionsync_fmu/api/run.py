@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import choose
+from ..errors import UserError, choose
 from ..fmus.fmu import Flavour
 from ..fmus.prebuilt import prepare_fmus, select_flavours
 from ..interface.recipe import Fmi
@@ -19,10 +19,11 @@ from ..pages.summary import figure_rows
 from ..paths import replace_file
 from ..scenario.evaluate.find_pieces import Piece
 from ..scenario.evaluate.outcome import ScenarioOutcome
+from ..scenario.evaluate.reference_files import csv_text, options_text
 from ..scenario.recording import Reals, Recording
 from ..scenario.run.simulation import simulate
 from ..scenario.scenario import Scenario
-from .scenarios import Source, Value, load
+from .scenario_source import Source, Value, load
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -150,6 +151,30 @@ class RunResult:
         The outcome that is returned names the files.
         """
         return write_results(self.outcome, self.scenario, self.recording, self.fmu, Path(folder), report=report)
+
+    def write_reference(self, *names: str, tolerance: float = 1e-6) -> Path:
+        """Write columns beside the scenario's file, as the reference of its later runs; return the file.
+
+        `run` compares each later run with it, and fails a variable that is further off. Look at the run first.
+
+        Args:
+            names: outputs or local variables; by default the slave's position and velocity.
+            tolerance: relative to the greatest magnitude of each variable, at least 1.
+
+        Raises:
+            UserError: there is no such variable, or the run is not that of a scenario's file with its own values.
+        """
+        scenario = self.scenario
+        if scenario.overrides or scenario.step_size != scenario.scan or not scenario.file.is_file():
+            raise UserError(f"{scenario.label}: only a run of a scenario's file as it is can be its reference")
+        listed = names or ("slave.position", "slave.velocity")
+        columns = [choose(self.recording.columns, name, "variable with values over time") for name in listed]
+        rows = zip(self.time.tolist(), *(column.tolist() for column in columns), strict=True)
+        file = scenario.file.parent / f"{scenario.recipe.name}_ref.csv"
+        with replace_file(file) as part:
+            part.write_text(csv_text(["time", *listed], rows), "utf-8")
+        file.with_suffix(".opt").write_text(options_text(replace(scenario, tolerance=tolerance)), "utf-8")
+        return file
 
     def __repr__(self) -> str:
         """The figures of the run, a line each."""

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike
 from ..errors import UserError
 from ..optional_dependencies import require
 from ..scenario.files.shipped import find_scenario
-from .scenarios import literal
+from .scenario_source import literal
 
 if TYPE_CHECKING:
     from ..sweeps.sweep_plan import SamplingOptions

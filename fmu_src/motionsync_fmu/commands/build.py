@@ -1,35 +1,19 @@
 """motionsync build"""
 
-from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
 
-from motionsync.blocks import BLOCKS
-
-from .. import paths
-from ..errors import UserError, resolve_name
-from ..fmus.fmu import (
-    NO_COMPONENT,
-    BuildOptions,
-    Finish,
-    Flavour,
-    fmu_path,
-    optional_contents,
-    start_build,
-    why_outdated,
-)
-from ..fmus.prebuilt import select_flavours
-from ..interface.build_time import build_time
-from ..interface.causality import CausalityError, Interface
-from ..interface.recipe import Fmi, Recipe
-from ..interface.units import BASES
+from ..fmus.fmu import Flavour
+from ..interface.recipe import Fmi
 from ..pages.console import err, out
 from ..pages.progress import report_progress
 from .options import UNITS, Version, parse_assignments
+
+if TYPE_CHECKING:
+    from ..api.build import BuiltFmu
 
 PATTERNS = "Give variables this causality; may be repeated. For one block only."
 
@@ -90,67 +74,34 @@ def command(
 
         motionsync build Gearing --as-input "gearing.*" --as-parameter activate
     """
-    names = [resolve_name(BLOCKS, name, "block") for name in fmu or BLOCKS]
-    unit, slave_unit = resolve_name(BASES, unit, "unit"), resolve_name(["", *BASES], slave_unit, "slave unit")
-    starts = parse_assignments("--start", start or [], "output_phasing=45")
-    interface = Interface(as_input or (), as_output or (), as_parameter or (), as_local or ())
-    override = next((f"--as-{causality}" for causality, _ in interface.patterns()), "")
-    if (option := "--start" if starts else override) and len(names) != 1:
-        example = f"motionsync build Synchronizer {option} ..."
-        raise UserError(f"{option}: name the one block that it is for, as in: {example}")
-    recipes = [Recipe(name, unit, starts, slave_unit, interface, fmi) for name in names]
-    for recipe in recipes:
-        _validate(recipe)
-    build_time()  # refuses a bad SOURCE_DATE_EPOCH
-    flavours, folder = select_flavours(fmi, flavour or [], err.print), output or paths.output_folder(err.print)
-    if sources and Flavour.NATIVE not in flavours:
-        raise UserError("--sources: the python flavour has no C; take --flavour native")
-    if wasm and fmi != Fmi.THREE:
-        raise UserError(NO_COMPONENT)
-    builds = [
-        RequestedBuild(recipe, fmu_path(recipe, folder, options.flavour), options, force)
-        for recipe in recipes
-        for options in (BuildOptions(each, (), sources and each == Flavour.NATIVE, wasm) for each in flavours)
-    ]
-    finish_next: Finish | None = None
-    for this, following in zip(builds, [*builds[1:], None], strict=True):
-        finish, finish_next = finish_next, None
-        if this.is_up_to_date():
-            out.print(f"{escape(str(this.target))}  is up to date")
-            continue
-        this.target.parent.mkdir(parents=True, exist_ok=True)
-        with report_progress(f"building {this.target}") as notify:
-            finish = finish or this.start()
-            with suppress(UserError):  # its own iteration starts it again, and reports this error
-                finish_next = following.start() if following and not following.is_up_to_date() else None
-            finish(this.target, notify)
-        of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
-        size = this.target.stat().st_size
-        out.print(f"{escape(str(this.target))}  {size / 1000:.0f} kB, positions in {unit}{of_slave}")
+    from ..api.build import build
+
+    build(
+        fmu or [],
+        flavour=flavour or [],
+        fmi=fmi,
+        unit=unit,
+        slave_unit=slave_unit,
+        start=parse_assignments("--start", start or [], "output_phasing=45"),
+        as_input=as_input or [],
+        as_output=as_output or [],
+        as_parameter=as_parameter or [],
+        as_local=as_local or [],
+        output=output,
+        sources=sources,
+        wasm=wasm,
+        force=force,
+        report=report_progress,
+        notify=err.print,
+        finished=_print_built,
+    )
 
 
-@dataclass(frozen=True)
-class RequestedBuild:
-    """An FMU to build, and what it shall contain."""
-
-    recipe: Recipe
-    target: Path
-    options: BuildOptions
-    force: bool
-
-    def is_up_to_date(self) -> bool:
-        if self.force or why_outdated(self.target, self.recipe):
-            return False
-        return optional_contents(self.target) == (self.options.with_sources, self.options.with_component)
-
-    def start(self) -> Finish:
-        """Start the build: zig compiles this FMU while the previous one is finished."""
-        return start_build(self.recipe, self.options)
-
-
-def _validate(recipe: Recipe) -> None:
-    """Report a mistake in a recipe before anything is built."""
-    try:
-        recipe.block()
-    except CausalityError as e:
-        raise UserError(f"--as-{e}") from None
+def _print_built(fmu: "BuiltFmu") -> None:
+    """Print an FMU's path, and what is new about it."""
+    if not fmu.is_new:
+        out.print(f"{escape(str(fmu.path))}  is up to date")
+        return
+    unit, slave_unit = fmu.recipe.unit, fmu.recipe.slave_unit
+    of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
+    out.print(f"{escape(str(fmu.path))}  {fmu.path.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")

@@ -6,9 +6,6 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from ..errors import UserError
-from ..interface.build_time import build_time
-from ..optional_dependencies import how_to_install, missing_for_native
 from ..pages.console import out
 from ..pages.progress import report_progress
 
@@ -31,13 +28,8 @@ def command(
 
         motionsync export-crosscheck fmi-cross-check Gearing Synchronizer/polynomial
     """
-    from ..export.crosscheck import export, models
+    from ..api.export_crosscheck import export_crosscheck
 
-    if missing := missing_for_native():
-        raise UserError(f"{missing} builds the FMUs, and is not installed: {how_to_install('native')}")
-    build_time()  # refuses a bad SOURCE_DATE_EPOCH
-    for each in models(model or []):
-        with report_progress(f"building {each.name}") as notify:
-            exported = export(each, folder, notify)
-        for path in exported:
-            out.print(escape(str(path)))
+    export_crosscheck(
+        folder, model or [], report=report_progress, exported=lambda written: out.print(escape(str(written)))
+    )

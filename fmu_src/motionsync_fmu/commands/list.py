@@ -11,7 +11,7 @@ from rich.table import Table
 from motionsync.blocks import BLOCKS
 
 from ..errors import resolve_name
-from ..interface.variables import summary
+from ..interface.block_folder import block_summary
 from ..pages.console import out, print_table
 from ..scenario.files.shipped import LINE_FILES, SCENARIO_FILE, scenario_name, shipped_folder
 from ..scenario.files.toml_tables import TomlTable, read_toml
@@ -33,18 +33,21 @@ def command(
 
         motionsync list --scenarios my_scenarios
     """
+    from ..api.scenarios import scenarios as shipped_scenarios
+
     if block:
         block = resolve_name(BLOCKS, block, "block")
     folder = scenarios or shipped_folder()
     if not folder.is_dir():
         out.print(f"No scenarios: there is no folder {escape(str(folder))}")
         return
-    if block or scenarios:
-        below = folder if scenarios else folder / block  # what comes with motionsync is in a folder for each block
-        tables = [read_toml(file) for file in sorted(below.rglob(SCENARIO_FILE))]
+    if scenarios:
+        tables = [read_toml(file) for file in sorted(folder.rglob(SCENARIO_FILE))]
         _print_files("Scenarios", [t for t in tables if block in ("", t.string("fmu"))])
+    elif block:
+        _print_files("Scenarios", [read_toml(folder / name / SCENARIO_FILE) for name in shipped_scenarios(block)])
     else:
-        _print_blocks({name: len([*(folder / name).rglob(SCENARIO_FILE)]) for name in BLOCKS})
+        _print_blocks({name: len(shipped_scenarios(name)) for name in BLOCKS})
     if not block:
         _print_files("Lines", [read_toml(file) for file in sorted(folder.rglob(LINE_FILES))])
     if not (block or scenarios):
@@ -55,8 +58,8 @@ def command(
 
 def _print_blocks(counts: Mapping[str, int]) -> None:
     table = Table("block", "scenarios", "what it does", box=None)
-    for name, block_type in BLOCKS.items():
-        table.add_row(name, str(counts[name]), summary(block_type))
+    for name, count in counts.items():
+        table.add_row(name, str(count), block_summary(name))
     print_table(table)
 
 

@@ -139,7 +139,7 @@ class _ScenarioBatch:
 
 def _load_batch(paths: list[Path], overrides: Mapping[str, str], step_size: float | None) -> _ScenarioBatch:
     """The scenarios at these paths, with the overrides. Every mistake in them is reported before anything runs."""
-    from ..api.scenarios import load, with_step_size
+    from ..api.scenario_source import load, with_step_size
 
     scenarios = [load(file, set=overrides) for path in paths for file in _find_scenario_files(path)]
     folders: dict[str, Path] = {}

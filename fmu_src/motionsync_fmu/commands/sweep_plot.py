@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 from rich.markup import escape
 
-from ..optional_dependencies import require
 from ..pages.console import out
 from ..pages.progress import report_progress
 
@@ -86,13 +85,20 @@ def command(
 
         motionsync sweep-plot out --x true_length_errors
     """
-    require("sweep", "duckdb", "pyarrow", "scipy")
-    from ..sweeps.plot.page import make_page
-    from ..sweeps.plot.view import Question
+    from ..api.sweep_plot import sweep_plot
 
-    question = Question(x, y, colour, amount or "", better, comparisons or (), passed)
     with report_progress(f"reading {folder}", at_once=False):
-        page = make_page(folder, question, output)
+        page = sweep_plot(
+            folder,
+            x=x,
+            y=y,
+            colour=colour,
+            amount=amount or "",
+            better=better,
+            comparisons=comparisons or [],
+            passed=passed,
+            output=output,
+        )
     out.print(f"page: {escape(page.resolve().as_uri())}")
     if show:
         webbrowser.open(page.resolve().as_uri())
