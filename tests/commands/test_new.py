@@ -1,25 +1,160 @@
-"""`motionsync new`: a scenario that runs."""
+"""`motionsync new`: a short scenario that runs, and goes on being valid when its figures are changed."""
 
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from motionsync.blocks import BLOCKS
+from motionsync_fmu import new
+from motionsync_fmu.commands import new as command
 from motionsync_fmu.fmus.fmu import Flavour
+from motionsync_fmu.scenario.files.new_scenario import figures
+from motionsync_fmu.sweeps.rows import rows
+from motionsync_fmu.sweeps.sweep_plan import SweepPlan
 from tests.support.command_line import Command, assert_one_line
 from tests.support.fmus import Fmus
 from tests.support.workshop import PYTHON
 
+TUBE = ("--length", "6000", "--line-speed", "40 m/min", "--stroke", "5000", "--max-velocity", "2000")
+TUBE += ("--max-acceleration", "4000")
+WITHIN = {  # values of each figure, one by one, that the other ones of the template allow
+    "CutToLength": {
+        "length": "500,6000,25000",
+        "master.velocity": "50,900",
+        "axis.max_position": "450,5000",
+        "axis.max_velocity": "800,4000",
+        "axis.max_acceleration": "4000,30000",
+        "axis.max_jerk": "40000,1000000",
+        "tool.cut_time": "0.05,0.5",
+        "kerf": "4",
+    },
+    "RotaryKnife": {
+        "length": "350,1500,20000",
+        "master.velocity": "100,2500",
+        "knife.circumference": "400,900",
+        "axis.max_velocity": "1200,7200",
+        "axis.max_acceleration": "30000,200000",
+        "sync.before": "5,40",
+    },
+    "FlyingSaw": {
+        "cuts.length": "800,6000",
+        "master.velocity": "100,700",
+        "axis.max_position": "500,5000",
+        "axis.max_velocity": "1500,4000",
+        "axis.max_acceleration": "5000,30000",
+        "on.0.after": "0.05,0.5",
+    },
+    "Follower": {
+        "master_cycle": "900,3000",
+        "master.velocity": "100,400",
+        "max_speed": "600,4000",
+        "max_acceleration": "6000,30000",
+    },
+    "Gearing": {"master.velocity": "50,1000", "gearing.numerator": "2,-1", "gear_in.reference_position": "1000"},
+    "Synchronizer": {"master.velocity": "100,720", "output_phasing": "45,120"},
+    "RemoteSync": {"remote.velocity": "100,2000"},
+}
+BEYOND = {  # a value that the machine cannot do, and what the row says of it
+    "CutToLength": ("master.velocity=1500", "number of skipped cuts = 0"),
+    "RotaryKnife": ("master.velocity=9000", "number of skipped cuts = 0"),
+    "FlyingSaw": ("master.velocity=1900", ""),
+}
 
-@pytest.mark.parametrize("name", BLOCKS)
-def test_a_new_scenario_runs_as_expected(motionsync: Command, fmus: Fmus, name: str) -> None:
-    fmus.copied(Flavour.PYTHON, name, Path("build"))
-    outcome = motionsync("new", name.lower(), "mine/first")
+
+def test_a_new_scenario_runs_as_expected(motionsync: Command, fmus: Fmus) -> None:
+    fmus.copied(Flavour.PYTHON, "Synchronizer", Path("build"))
+    outcome = motionsync("new", "synchronizer", "mine/first")
     assert (outcome.status, outcome.err) == (0, "")
     file = Path("mine/first/scenario.toml")
     assert outcome.out.splitlines()[:2] == [f"written: {file}", f"run it:  motionsync run {file.parent} --open"]
-    assert file.read_text("utf-8").count("\n# ") >= 4
     outcome = motionsync("run", "mine/first", *PYTHON, "--no-report")
     assert (outcome.status, outcome.err) == (0, "")
     assert ": as expected\n" in outcome.out
-    assert_one_line(motionsync("new", name, "mine/first"), str(file), "exists")
+    assert_one_line(motionsync("new", "Synchronizer", "mine/first"), str(file), "exists")
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_a_new_scenario_is_short_and_each_figure_has_a_line_that_says_what_it_is(name: str, tmp_path: Path) -> None:
+    text = new(name, tmp_path).read_text("utf-8")
+    assert len(text.splitlines()) <= 40
+    assert [figure.name for figure in figures(name)] != []
+    for figure in figures(name):
+        assert re.search(rf' = "?{re.escape(figure.value)}"? +# {re.escape(figure.meaning)}$', text, re.M)
+        assert len(figure.meaning.split()) >= 3
+
+
+@pytest.mark.parametrize("name", WITHIN)
+def test_the_expectations_stay_true_when_the_figures_change(name: str, tmp_path: Path) -> None:
+    """Each figure alone takes other values that the machine can do; then one takes a value that it cannot do."""
+    file = new(name, tmp_path)
+    for varied, values in WITHIN[name].items():
+        plan = SweepPlan.of(file, [f"{varied}={values}"])
+        for row in rows(plan, 0, plan.runs).to_pylist():
+            assert row["passed"], (varied, row)
+    if name in BEYOND:
+        setting, reason = BEYOND[name]
+        (row,) = rows(SweepPlan.of(file, [setting]), 0, 1).to_pylist()
+        assert not row["passed"]
+        assert reason in row["first_broken"]
+
+
+def test_the_figures_of_a_machine_are_options(motionsync: Command) -> None:
+    assert motionsync("new", "CutToLength", "tube", *TUBE).status == 0
+    text = Path("tube/scenario.toml").read_text("utf-8")
+    tables = tomllib.loads(text)
+    assert tables["master"] == {"velocity": "40 m/min"}
+    assert tables["start"] == {
+        "length": 6000.0,
+        "axis.max_position": 5000.0,
+        "axis.max_velocity": 2000.0,
+        "axis.max_acceleration": 4000.0,
+        "axis.max_jerk": 100000.0,
+        "tool.cut_time": 0.25,
+        "kerf": 0.0,
+    }
+    untouched = new("CutToLength", "untouched").read_text("utf-8")
+    comments = [line.partition("#")[::2] for line in untouched.splitlines()]
+    assert [line.partition("#")[2] for line in text.splitlines()] == [comment for _, comment in comments]
+    plan = SweepPlan.of(Path("tube/scenario.toml"), ["kerf=0"])
+    (row,) = rows(plan, 0, 1).to_pylist()
+    assert (row["passed"], row["cuts"]) == (True, 6)  # 40 m in a minute
+
+
+def test_figures_are_asked_for_at_a_terminal(motionsync: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is given by an option is not asked for; Enter takes what is proposed."""
+    questions: list[str] = []
+
+    def answer(question: str, default: str) -> str:
+        questions.append(question)
+        return {"stroke": "5 m"}.get(question.partition(",")[0], default)
+
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr(command.typer, "prompt", answer)
+    assert motionsync("new", "CutToLength", "asked", "--length", "2 m").status == 0
+    assert [question.partition(",")[0] for question in questions] == [
+        "line speed",
+        "stroke",
+        "max velocity",
+        "max acceleration",
+    ]
+    start = tomllib.loads(Path("asked/scenario.toml").read_text("utf-8"))["start"]
+    assert (start["length"], start["axis.max_position"]) == ("2 m", "5 m")
+    assert start["axis.max_velocity"] == 2000.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (("Gearing", "x", "--stroke", "5000"), ("no figure of Gearing is named 'stroke'", "line_speed")),
+        (("CutToLength", "x", "--line-speed", "fast"), ("--line-speed fast: it must be a number", "40 m/min")),
+        (("CutToLength", "x", "--line-speed", "40 m"), ("velocity: '40 m' is in m: it must be in mm/s",)),
+        (("CutToLength", "x", "--max-velocity", "-5"), ("axis.max_velocity", "-5 is not allowed")),
+    ],
+)
+def test_a_wrong_figure_is_named_and_nothing_is_written(
+    motionsync: Command, arguments: tuple[str, ...], parts: tuple[str, ...]
+) -> None:
+    assert_one_line(motionsync("new", *arguments), *parts)
+    assert not Path("x").exists()
