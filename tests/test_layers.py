@@ -21,6 +21,7 @@ RUN = {"scenario", "scenario.run"}
 SCENARIO = RUN | {"scenario.files", "scenario.evaluate"}
 TOOL = {
     "cli": {"commands"},
+    "pytest_plugin": {"api"},
     "commands": {
         "api",
         "fmus",
