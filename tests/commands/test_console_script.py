@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__
 from motionsync_fmu.commands import app as command_line
 from motionsync_fmu.pages.console import PlainConsole
@@ -48,22 +49,28 @@ def test_help_lists_the_commands() -> None:
         (("list",), {"motionsync", "motionsync_fmu", "typer", "rich"}),
         (("--help",), {"motionsync_fmu", "typer", "rich"}),
         (("run", "--help"), {"motionsync", "motionsync_fmu", "typer", "rich"}),
+        (("describe", "Gearing"), {"motionsync", "motionsync_fmu", "typer", "rich"}),
     ],
 )
 def test_a_command_without_runs_loads_no_library_of_runs_and_pictures(
     arguments: tuple[str, ...], needed: set[str]
 ) -> None:
-    """They take a second to load; a fresh interpreter shows what a command has loaded. The help needs no block."""
+    """They take a second to load; a fresh interpreter shows what a command has loaded. Only the block that is described
+    is loaded, and the help needs none."""
     script = (
         f"import sys\nfrom motionsync_fmu import cli\nsys.argv = ['motionsync', *{arguments!r}]\n"
         "try:\n    cli.main()\nexcept SystemExit as exit_:\n    assert not exit_.code, exit_.code\n"
-        "print('loaded:', *sorted({name.partition('.')[0] for name in sys.modules}))"
+        "print('loaded:', *sorted(sys.modules))"
     )
     outcome = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
-    loaded = set(outcome.stdout.splitlines()[-1].split())
+    modules = outcome.stdout.splitlines()[-1].split()
+    loaded = {name.partition(".")[0] for name in modules}
+    blocks = [name for name in modules if re.fullmatch(r"motionsync\.\w+\.block", name)]
+    assert blocks == [f"motionsync.{name.lower()}.block" for name in arguments[1:] if name in BLOCKS]
     assert needed <= loaded
     assert ("motionsync" in loaded) == ("motionsync" in needed)
     assert not loaded & {"matplotlib", "numpy", "plotly", "ziglang", "fmpy", "PIL"}
+    assert "pydantic" not in loaded or arguments != ("--help",)
 
 
 def test_the_console_script_passes_exit_status_and_streams_on(built: Path, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from motionsync.blocks import BLOCKS
+from motionsync_fmu.interface.variables import summary
 from tests import ROOT
 from tests.support.command_line import Command
 from tests.support.workshop import STOP, scenario
@@ -15,6 +16,7 @@ def test_list_counts_the_scenarios_of_each_block(motionsync: Command) -> None:
     counts = dict(re.findall(r"^ *(\w+) +(\d+) ", outcome.out, re.M))
     for name in BLOCKS:
         files = (ROOT / "scenarios").rglob("scenario.toml")
+        assert summary(BLOCKS[name]) in outcome.out
         assert counts[name] == str(sum(f'\nfmu = "{name}"\n' in file.read_text("utf-8") for file in files))
     assert "line/line.toml" in outcome.out
 
