@@ -46,14 +46,16 @@ def test_a_file_is_planned(motionsync: Command) -> None:
     assert (outcome.status, outcome.err) == (0, "")
     head, top, *_ = outcome.out.splitlines()
     assert head == "Saw 3 (saw.toml): confirmed by 12 runs of the block"
-    assert top == "  greatest line velocity, for any length: 1431.8 mm/s, limited by the carriage's stroke"
+    assert top == (
+        "  greatest line velocity: 1431.8 mm/s (85.91 m/min), for any length, limited by the carriage's stroke"
+    )
     fastest = rows(outcome.out, "The greatest line velocity, over the length of the pieces")
     assert [row[:4] for row in fastest] == [
-        ["500", "619.646", "619.646", "cycle time: acceleration"],
-        ["1500", "1297.29", "1297.29", "cycle time: acceleration"],
+        ["500", "619.646", "37.18", "cycle time: acceleration"],
+        ["1500", "1297.29", "77.84", "cycle time: acceleration"],
     ]
     shortest = rows(outcome.out, "The shortest length, over the line velocity")
-    assert [row[:2] for row in shortest] == [["500", "372.937"], ["1000", "997.607"]]
+    assert [row[:3] for row in shortest] == [["500", "30", "372.937"], ["1000", "60", "997.607"]]
     assert all(row[-1] == "yes" for row in (*fastest, *shortest))
     page = Path("build/reports/plan/saw/report.html").resolve()
     assert outcome.out.splitlines()[-1] == f"report: {page.as_uri()}"
@@ -67,8 +69,8 @@ def test_options_are_a_machine_too(motionsync: Command) -> None:
     """Relaxing the stroke by 1 % is worth 0.72 % where the stroke limits."""
     outcome = motionsync("plan-line", *SETTINGS, "--length", "2000", "--velocity", "1400,1480", "--no-report")
     assert (outcome.status, outcome.err) == (0, "")
-    assert rows(outcome.out, "over the length of the pieces")[0][:4] == ["2000", "1431.8", "1431.8", "stroke"]
-    assert [row[1] for row in rows(outcome.out, "over the line velocity")] == ["1708", "none"]
+    assert rows(outcome.out, "over the length of the pieces")[0][:4] == ["2000", "1431.8", "85.91", "stroke"]
+    assert [row[2] for row in rows(outcome.out, "over the line velocity")] == ["1708", "none"]
     assert "stroke 0.72 %" in outcome.out
     assert not Path("build/reports/plan/machine").exists()
 
@@ -76,19 +78,21 @@ def test_options_are_a_machine_too(motionsync: Command) -> None:
 def test_options_take_precedence_over_the_file(motionsync: Command) -> None:
     """Without the end of the stroke the axis's velocity of 1500 is the end."""
     outcome = motionsync("plan-line", saw(), "--set", "axis.max_position=1e9", "--length", "3000", "--no-report")
-    assert rows(outcome.out, "over the length of the pieces")[0][:4] == ["3000", "1500", "1500", "velocity"]
+    assert rows(outcome.out, "over the length of the pieces")[0][:4] == ["3000", "1500", "90", "velocity"]
 
 
 def test_json_has_all_digits(motionsync: Command) -> None:
     outcome = motionsync("plan-line", saw(), "--json", "--no-report")
     assert outcome.status == 0
-    plan = json.loads(outcome.out)
-    assert plan["confirmed"] is True
+    whole = json.loads(outcome.out)
+    assert whole["confirmed"] is True
+    assert whole["comparison"] is None
+    (plan,) = whole["machines"]
     assert [point["velocity"] for point in plan["over_length"]] == pytest.approx(
         [GREATEST_VELOCITIES[500.0], GREATEST_VELOCITIES[1500.0]], abs=5e-7
     )
     assert plan["over_velocity"][1]["cycle_time"] == to(9, CYCLES[1000.0].cycle_time)
-    assert plan["over_velocity"][1]["cycle"]["way_home"] == to(9, CYCLES[1000.0].return_time)
+    assert plan["over_velocity"][1]["cycle"]["way home"] == to(9, CYCLES[1000.0].return_time)
     assert plan["over_length"][0]["gains"]["cut"] > 0.0
 
 
@@ -97,7 +101,26 @@ def test_the_machine_of_a_scenario_is_planned(motionsync: Command) -> None:
     outcome = motionsync("plan-line", "CutToLength/basic_cut", "--length", "1500", "--velocity", "1000", "--no-report")
     assert (outcome.status, outcome.err) == (0, "")
     assert rows(outcome.out, "over the length of the pieces")[0][:2] == ["1500", "1299.44"]
-    assert rows(outcome.out, "over the line velocity")[0][:2] == ["1000", "993.607"]
+    assert rows(outcome.out, "over the line velocity")[0][:3] == ["1000", "60", "993.607"]
+
+
+def test_two_machines_are_compared(motionsync: Command) -> None:
+    """The knife: 1085.767047 for 300; for 900 between two windows 840 cbrt(1e6/(60 180)) = 3800.18."""
+    knife = Path("knife.toml")
+    knife.write_text(
+        'title = "Knife"\nmachine = "knife"\n[start]\n"sync.before" = 30.0\n"sync.after" = 30.0\n', "utf-8"
+    )
+    outcome = motionsync("plan-line", saw(), knife, "--length", "300,900", "--velocity", "1000", "--no-report")
+    assert (outcome.status, outcome.err) == (0, "")
+    first, *_ = outcome.out.splitlines()
+    assert first.startswith("The knife is the better machine for pieces of 300 and 900 mm at 1000 mm/s (60 m/min): it ")
+    orders = rows(outcome.out, "The greatest line velocity for the orders")
+    assert [[row[0], *row[3:]] for row in orders] == [
+        ["300", "1085.77 mm/s (65.15 m/min)", "8.58 %"],
+        ["900", "3800.18 mm/s (228 m/min)", "280 %"],
+    ]
+    assert "Saw 3 (saw.toml): confirmed by" in outcome.out
+    assert "Knife (knife.toml): confirmed by" in outcome.out
 
 
 def test_what_the_block_does_not_confirm_is_reported(motionsync: Command, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -131,7 +154,12 @@ def test_what_the_block_does_not_confirm_is_reported(motionsync: Command, monkey
         (["--open", "--no-report"], ("--open", "--no-report")),
         (["nothing.toml"], ("nothing.toml", "no such file")),
         (["CutToLength"], ("CutToLength", "name one of them")),
-        (["FlyingSaw/cyclic_cut"], ("scenario.toml:", "fmu: FlyingSaw", "CutToLength")),
+        (["FlyingSaw/cyclic_cut"], ("scenario.toml:", "fmu: FlyingSaw", "CutToLength or RotaryKnife")),
+        (["--machine", "drill"], ("no kind of machine is named 'drill'", "saw, knife, both")),
+        (
+            ["--machine", "both", "--set", "axis.max_jerk=5"],
+            ("CutToLength.axis.max_jerk or RotaryKnife.axis.max_jerk",),
+        ),
     ],
 )
 def test_a_mistake_is_one_line(motionsync: Command, arguments: list[str], parts: tuple[str, ...]) -> None:
@@ -153,6 +181,8 @@ def test_a_mistake_is_one_line(motionsync: Command, arguments: list[str], parts:
         ('"axis.max_jerk" = 200000.0', '"master.position" = 1.0', ("saw.toml:7: master.position", "the plan")),
         ('"axis.max_jerk" = 200000.0', '"in_sync" = true', ("saw.toml:7: in_sync", "a parameter or input")),
         ("[start]", "[begin]", ("saw.toml:5: begin: unknown key",)),
+        ('title = "Saw 3"', 'machine = "drill"', ("saw.toml:1: machine: 'drill' is not one of saw, knife",)),
+        ('title = "Saw 3"', 'slave_unit = "deg"', ("saw.toml:1: slave_unit: the slave of a saw is in the unit of",)),
         ("[start]", "[start", ("saw.toml:5: not TOML",)),
     ],
 )

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motionsync_fmu.plan.line_plan import LinePlan, make_plan
+from motionsync_fmu.plan.line_plan import MachinePlan, plan_machine
 from motionsync_fmu.plan.prediction import Prediction
-from motionsync_fmu.plan.reader import read_machine
+from motionsync_fmu.plan.reader import read_machines
 from motionsync_fmu.scenario.files.reader import load_scenario
 from tests.oracle import load as oracle
+from tests.plan.machines import machine
 from tests.support.command_line import Command, assert_one_line
 from tests.support.recordings import run_compiled
 from tests.support.scenario_texts import write_scenario
@@ -18,8 +19,8 @@ from tests.support.scenario_texts import write_scenario
 MOTOR = {"load.mass": "120", "load.friction": "150", "load.continuous_force": "900", "load.peak_force": "3000"}
 
 
-def plan(settings: dict[str, str], lengths: list[float], velocities: list[float]) -> LinePlan:
-    return make_plan(read_machine(None, settings, "")[0], lengths, velocities)
+def plan(settings: dict[str, str], lengths: list[float], velocities: list[float]) -> MachinePlan:
+    return plan_machine(machine(settings), lengths, velocities)
 
 
 def only(predictions: list[Prediction]) -> Prediction:
@@ -65,8 +66,12 @@ def test_friction_alone_acts_while_the_carriage_moves() -> None:
     for prediction in result.predictions:
         assert prediction.motor
         assert prediction.cycle
+        assert prediction.cycle_time
         assert prediction.length
-        moving, pitch = prediction.cycle.time - prediction.cycle.rest, prediction.length / prediction.velocity
+        moving, pitch = (
+            prediction.cycle_time - prediction.cycle["rest at home"],
+            prediction.length / prediction.velocity,
+        )
         assert prediction.motor.rms == pytest.approx(100.0 * math.sqrt(moving / pitch), rel=5e-3)
         assert prediction.motor.peak == pytest.approx(100.0, rel=1e-6)
         assert (prediction.motor.rms_share, prediction.motor.peak_share) == (None, None)
@@ -85,10 +90,10 @@ def test_a_velocity_that_is_not_admissible_has_no_forces() -> None:
 def test_the_load_comes_from_the_file_and_the_options(tmp_path: Path) -> None:
     file = tmp_path / "saw.toml"
     file.write_text("[start]\n[load]\nmass = 10.0\nfriction = 3.0\n")
-    load = read_machine(file, {"load.mass": "20"}, "")[0].load
+    load = read_machines([file], "", {"load.mass": "20"}, "")[0][0].load
     assert load
     assert (load.mass, load.friction, load.unit) == (20.0, 3.0, "mm")
-    turning = read_machine(None, {"load.inertia": "2"}, "deg")[0].load
+    turning = read_machines([], "", {"load.inertia": "2"}, "deg")[0][0].load
     assert turning
     assert turning.turns
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motionsync_fmu.scenario.engineering import engineering
+from motionsync_fmu.scenario.engineering import engineering, line_speed
 from motionsync_fmu.scenario.evaluate.key_figures import KeyFigures, Peak, compute_key_figures
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
@@ -92,6 +92,14 @@ def test_what_is_rounding_is_called_so() -> None:
     assert engineering(2e-6, "mm", scale=1000.0) == "0.000002 mm"
     assert engineering(0.0, "mm", scale=1000.0) == "0 mm"
     assert engineering(7.0) == "7"
+
+
+def test_the_velocity_of_a_line_is_in_metres_per_minute_too() -> None:
+    """60 s of 2/3 m; a unit of positions that is no length has none."""
+    assert line_speed(2000.0 / 3.0, "mm") == "666.7 mm/s (40 m/min)"
+    assert line_speed(0.5, "m") == "0.5 m/s (30 m/min)"
+    assert line_speed(90.0, "deg") == "90 deg/s"
+    assert line_speed(2.0, "1") == "2 1/s"
 
 
 # --- peaks ---

@@ -16,18 +16,26 @@ from .options import UNITS, parse_assignments
 
 
 def command(
-    machine: Annotated[
-        Path | None,
+    machines: Annotated[
+        list[str] | None,
         typer.Argument(
-            help="A TOML file with a machine's data, or a CutToLength scenario; else the block's own values."
+            metavar="[MACHINE]...",
+            help="A TOML file with a machine's data, or a scenario of CutToLength or RotaryKnife; two are compared.",
         ),
     ] = None,
+    machine: Annotated[
+        str,
+        typer.Option(
+            metavar="saw|knife|both",
+            help="The machine, with the block's own values unless it is in a file; both compares. Without a file: saw.",
+        ),
+    ] = "",
     setting: Annotated[
         list[str] | None,
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
-            help="A parameter of CutToLength or load.NAME, in place of the file's value; may be repeated.",
+            help="A parameter of the block or load.NAME, in place of the file's value; may be repeated.",
         ),
     ] = None,
     length: Annotated[
@@ -45,31 +53,37 @@ def command(
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Print what every run of the block did.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the plan as JSON.")] = False,
 ) -> None:
-    """Show how fast a line may run, and how short its pieces may be, for a machine that cuts to length.
+    """Show how fast a line may run, and how short its pieces may be, for a machine that cuts to length; and
+    which of two machines is the better one.
 
-    For each length: the greatest line velocity, and the velocity above which cuts are lost (in between, the
-    approach's reserve is used up). For each line velocity: the shortest length. For both: the parts of the cycle (way
-    to the synchronous motion, settling, cut, gap, clearing, way home, rest at home), the stroke, what limits, and what
-    one per cent more of a limit, or less of a time, would bring.
+    For each length: the greatest line velocity; for a saw also the velocity above which cuts are lost (in between, the
+    approach's reserve is used up). For each line velocity: the shortest length; for a knife also longer ones for which
+    that line is too fast. For both: the parts of the cycle, what limits, and what one per cent more of a limit, or less
+    of a time, would bring.
 
-    All of it is computed from the machine's data before any cut is made, and then confirmed: the block CutToLength is
-    run a millionth below each figure, where it has to make every cut, and a millionth above it, where it has to
-    warn, and then to miss some. If it does not, the exit status is 1.
+    All of it is computed from the machine's data before any cut is made, and then confirmed: the block is run a
+    millionth below each figure, where it has to make every cut, and a millionth above it, where it has to warn, and
+    then to miss some. If it does not, the exit status is 1.
 
-    The file has the block's parameters by name (motionsync describe CutToLength
-    lists them); a scenario of CutToLength has its machine in the same table:
+    A saw is the block CutToLength, a knife RotaryKnife. With --machine both, or with two files, one chart shows over
+    length and line velocity where each machine reaches, and a sentence says which one is better: for --length and
+    --velocity if they are given, else for what the scenario cuts.
+
+    A file has the block's parameters by name (motionsync describe CutToLength lists them); a scenario has its machine
+    in the same table:
 
     \b
         title = "Saw 3"
+        machine = "saw"
         lengths = [500, 1000, 1500]
         velocities = "100..1200"
         [start]
         "axis.max_velocity" = 1500.0
         "tool.cut_time" = 0.25
 
-    With a table [load], as in a scenario, or --set load.mass=120, the plan has the
-    rms and the peak of the force that the motor has to give in each cycle, and with
-    load.continuous_force and load.peak_force the share of the motor that is used.
+    With a table [load], as in a scenario, or --set load.mass=120 (load.inertia of a knife), the plan has the rms and
+    the peak of the force that the motor has to give in each cycle, and with load.continuous_force and load.peak_force
+    the share of the motor that is used.
 
     Examples:
 
@@ -77,24 +91,21 @@ def command(
 
         motionsync plan-line saw.toml --set axis.max_jerk=400000
 
-        motionsync plan-line --set axis.max_position=650 --length 300..1500
+        motionsync plan-line --machine knife --set knife.blades=2 --length 150..1500
+
+        motionsync plan-line RotaryKnife/formats --machine both --set CutToLength.axis.max_position=1500 --open
     """
     from ..plan.console import print_plan
-    from ..plan.line_plan import make_plan
-    from ..plan.reader import check_length, read_machine, read_option
+    from ..plan.planning import plan_line
     from ..plan.report import write_plan
 
     if show and no_report:
         raise UserError("--open shows the page, which --no-report leaves out")
     settings = parse_assignments("--set", setting or [], "axis.max_velocity=1500")
-    data, lengths, velocities = read_machine(machine, settings, unit)
-    lengths, velocities = read_option("length", length) or lengths, read_option("velocity", velocity) or velocities
-    for each in lengths:
-        check_length(data, each)
-    folder = (output or paths.output_folder(err.print) / "reports" / "plan") / data.name
-    with report_progress(f"planning {data.name}", at_once=False):
-        plan = make_plan(data, lengths, velocities)
-        page = None if no_report else write_plan(plan, folder)
+    target = output or paths.output_folder(err.print) / "reports" / "plan"
+    with report_progress("planning the line", at_once=False):
+        plan = plan_line(*(machines or ()), machine=machine, set=settings, length=length, velocity=velocity, unit=unit)
+        page = None if no_report else write_plan(plan, target / plan.name / "report.html")
     if as_json:
         print(json.dumps(plan.as_json(), indent=2))
     else:

@@ -48,6 +48,12 @@ def base_unit(kind: Unit, unit: str, slave_unit: str = "") -> tuple[dict[str, in
     return {symbol: power for symbol, power in powers.items() if symbol and power}, factor
 
 
+def metres_per_minute(velocity: float, unit: str) -> float | None:
+    """A line's velocity as the trade gives it, in m/min; None for a unit of positions that is no length."""
+    base, size = BASES[unit]
+    return velocity * size * 60.0 if base == "m" else None
+
+
 def _power(symbol: str, exponent: int) -> str:
     """A unit raised to a power > 0; the empty string for the other powers."""
     return "" if not symbol or exponent <= 0 else symbol + (str(exponent) if exponent > 1 else "")

@@ -1,112 +1,141 @@
-"""The charts of a plan: over length, over line velocity, and one cycle of the carriage over time."""
+"""The charts of a plan: over length, over line velocity, one cycle over time, and all machines together."""
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
 
 import numpy as np
 
-from motionsync.cut_to_length.interface import State
 from motionsync.var import Unit
 
-from ..interface.units import unit_name
-from ..pages.numbers import evenly_spaced
+from ..interface.units import metres_per_minute
+from ..pages.numbers import TIME_DIGITS, evenly_spaced, rounded
 from ..pages.report.chart import BAD, INK, OK, RECEIVED, REFERENCE, SLAVE, Chart, Style
 from ..pages.style import with_unit
 from ..scenario.evaluate.axis_figures import force_unit
+from ..scenario.evaluate.time_series import true_stretches
 from ..scenario.recording import Reals
-from .line_plan import LinePlan
-from .machine_data import MachineData
+from .comparison import Comparison
+from .line_plan import MachinePlan
+from .machine import Machine
 from .motor import predict_motor_use
-from .prediction import (
-    CYCLE,
-    NEEDS,
-    SHARE,
-    STROKE,
-    VELOCITY,
-    Prediction,
-    predict_greatest_velocity,
-    predict_shortest_length,
-)
-from .simulation import simulate_cycle
+from .prediction import SHARE, Prediction
 
 CURVE_POINTS = 120  # points of a curve
 CYCLE_STEPS = 1500  # of the run of one cycle
 MARGIN = 0.05  # of the range of the plan, below and above it
+SLOW = 0.1  # of a machine's greatest line velocity: that of the shortest pieces in a comparison
+NEAR = 1.5  # a limit is drawn where it is no more than so many times the greatest value
 ROWS = (300, 190, 190)
+OWN = "the scenario"
 MOTOR_POINTS, MOTOR_ROW = 30, 150  # of a motor's curve; px
-BOUND_COLOURS = {CYCLE: "--band-0", STROKE: "--band-3", VELOCITY: "--band-1"}  # of what limits
-# colours of the parts of a cycle, and of the gains by limits and by needs, in their sequence
-PART_COLOURS = ("--tone-0", "--band-1", "--cut", "--band-3", "--band-5", "--tone-1", "--band-0")
+# colours of the gains by limits and by needs, in their sequence
 LIMIT_COLOURS = ("--reference", "--slave", "--third", "--limit")
 NEED_COLOURS = ("--muted", "--received", "--ink", "--slave", "--third", "--reference")
-STATE_COLOURS = {  # the block's states in a cycle, with a name and a colour each
-    State.APPROACHING: ("approach", PART_COLOURS[0]),
-    State.SYNCHRONOUS: ("settling", PART_COLOURS[1]),
-    State.CUTTING: ("cut", PART_COLOURS[2]),
-    State.PULLING: ("gap", PART_COLOURS[3]),
-    State.CLEARING: ("clearing", PART_COLOURS[4]),
-    State.RETURNING: ("way home", PART_COLOURS[5]),
-}
+MACHINE_COLOURS = ((SLAVE, "--band-1"), (REFERENCE, "--tone-1"), ("--third", "--cut"))  # of a curve, of what is below
 
 
-def chart_over_length(plan: LinePlan) -> Chart:
+def chart_over_length(plan: MachinePlan) -> Chart:
     """Draw the greatest line velocity, the parts of the cycle at it, and the gains, over the length."""
-    data = plan.data
+    machine = plan.machine
     low, high = _span([point.length or 0.0 for point in plan.over_length])
-    points = [
-        point for x in np.linspace(low, high, CURVE_POINTS) if (point := predict_greatest_velocity(data, x)).cycle
-    ]
+    points = [p for x in _lengths(machine, low, high) if (p := machine.predict_greatest_velocity(x)).cycle]
     what = "greatest line velocity"
     chart = _chart(plan, f"The {what} over the length", "length of the pieces", Unit.POSITION, (low, high))
-    unit = unit_name(Unit.VELOCITY, data.unit)
-    _draw_result(chart, what, unit, points, plan.over_length, _length, _velocity)
-    _draw_parts(chart, points, _length)
-    _draw_gains(chart, points, _length)
-    _draw_motor(chart, data, points, _length)
+    _draw_result(chart, machine, what, Unit.VELOCITY, points, plan.over_length, _length, _velocity)
+    if machine.orders and machine.line_velocity:
+        own = np.array(machine.orders)
+        _draw_own_points(chart, machine, own, np.full(len(own), machine.line_velocity), Unit.VELOCITY, OWN)
+    _draw_parts(chart, machine, points, _length)
+    _draw_gains(chart, machine, points, _length)
+    _draw_motor(chart, machine, points, _length)
     return chart
 
 
-def chart_over_velocity(plan: LinePlan) -> Chart:
+def chart_over_velocity(plan: MachinePlan) -> Chart:
     """Draw the shortest length, the parts of the cycle, and the gains, over the line velocity."""
-    data = plan.data
+    machine = plan.machine
     velocities = [point.velocity for point in plan.over_velocity]
-    top = data.greatest_velocity
+    top = machine.greatest_velocity
     low, high = _span([*velocities, top] if max(velocities) > top else velocities)
-    points = [predict_shortest_length(data, x) for x in np.linspace(low, min(high, top), CURVE_POINTS)]
+    spread = np.linspace(low, min(high, top), CURVE_POINTS).tolist()
+    points = [p for x in spread if (p := machine.predict_shortest_length(x)).cycle]
     what = "shortest length"
     chart = _chart(plan, f"The {what} over the line velocity", "line velocity", Unit.VELOCITY, (low, high))
-    _draw_result(chart, what, unit_name(Unit.POSITION, data.unit), points, plan.over_velocity, _velocity, _length)
-    _draw_parts(chart, points, _velocity)
-    _draw_gains(chart, points, _velocity)
-    _draw_motor(chart, data, points, _velocity)
+    _draw_result(chart, machine, what, Unit.POSITION, points, plan.over_velocity, _velocity, _length)
+    _draw_gap(chart, machine, points)
+    if machine.orders and machine.line_velocity:
+        own = np.array(machine.orders)
+        _draw_own_points(chart, machine, np.full(len(own), machine.line_velocity), own, Unit.POSITION, OWN)
+    _draw_parts(chart, machine, points, _velocity)
+    _draw_gains(chart, machine, points, _velocity)
+    _draw_motor(chart, machine, points, _velocity)
     chart.draw_vertical_line(top, "greatest line velocity")
     return chart
 
 
-def chart_cycle(data: MachineData, velocity: float) -> Chart:
-    """Draw position, velocity and acceleration of the carriage in one cycle, from a run of the block."""
-    run = simulate_cycle(data, velocity, CYCLE_STEPS)
+def chart_cycle(machine: Machine, length: float, velocity: float) -> Chart:
+    """Draw position, velocity and acceleration of the slave in one cycle, from a run of the block."""
+    run = machine.simulate_cycle(length, velocity, CYCLE_STEPS)
     time, state = run[:, 0], run[:, 4]
-    chart = Chart("One cycle of the carriage over time", [220, 150, 150], "time in s", (0.0, float(time[-1])))
+    tool = machine.tool
+    chart = Chart(f"One cycle of the {tool} over time", [220, 150, 150], "time in s", (0.0, float(time[-1])))
     behind = chart.add_background_axis(1)
-    for value, (name, colour) in STATE_COLOURS.items():
-        inside = time[state == value]
-        if len(inside):
-            chart.shade_stretches(behind, name, [(float(inside[0]), float(inside[-1]))], colour)
-    m = data.machine
-    slowing = -max(m.homing_acceleration, m.homing_deceleration)
-    accelerations = [m.approach_acceleration, slowing, m.homing_deceleration]
-    ends = ([m.home_position, m.max_position], [m.max_velocity, -m.homing_velocity], accelerations)
+    for value, name in machine.state_names.items():
+        inside = true_stretches(state == value)
+        stretches = [(float(time[first]), float(time[min(end, len(time) - 1)])) for first, end in inside]
+        if stretches:
+            chart.shade_stretches(behind, name, stretches, machine.part_colours[name])
     kinds = (Unit.POSITION, Unit.VELOCITY, Unit.ACCELERATION)
-    for row, (kind, limits) in enumerate(zip(kinds, ends, strict=True), 1):
-        name, unit, values = kind.name.lower(), unit_name(kind, data.unit), run[:, row]
-        chart.write_title(row, with_unit(f"carriage's {name}", unit))
-        chart.draw_curve(row, "carriage", time, values, Style(SLAVE, 2.2), f"carriage's {name}", unit)
-        reach = 1.5 * float(np.abs(values).max())
+    for row, (kind, limits) in enumerate(zip(kinds, machine.cycle_limits, strict=True), 1):
+        name, unit, values = kind.name.lower(), machine.slave_unit_of(kind), run[:, row]
+        title = with_unit(f"{tool}'s {name}", unit)
+        chart.write_title(row, f"{title}, limit {_magnitudes(limits)}" if kind is not Unit.POSITION else title)
+        chart.draw_curve(row, tool, time, values, Style(SLAVE, 2.2), f"{tool}'s {name}", unit)
+        reach = NEAR * float(np.abs(values).max())
         for limit in limits:
             if abs(limit) <= reach:
                 chart.draw_horizontal_line(row, "limit", limit)
     return chart
+
+
+def _magnitudes(limits: Sequence[float]) -> str:
+    """Limits in words, without their sign: `5000 and 10000`."""
+    return " and ".join(f"{limit:g}" for limit in sorted({abs(limit) for limit in limits}))
+
+
+def chart_comparison(comparison: Comparison) -> Chart:
+    """Draw where each machine reaches, over length and line velocity, with the orders."""
+    machines = [compared.machine for compared in comparison.machines]
+    machine = machines[0]
+    ranges = [m.length(pitch) for m in machines for pitch in m.pitch_range(SLOW * m.greatest_velocity)]
+    low, high = _span([x for x in [*comparison.orders, *ranges] if x > 0.0])
+    title = with_unit("length of the pieces", machine.unit_of(Unit.POSITION))
+    chart = Chart("Where each machine reaches", [380], title, (low, high), timed=False)
+    unit = machine.unit_of(Unit.VELOCITY)
+    chart.write_title(1, with_unit("line velocity", unit))
+    for compared, (colour, area) in zip(comparison.machines, MACHINE_COLOURS, strict=False):
+        lengths = _lengths(compared.machine, low, high)
+        velocities = np.array([compared.machine.predict_greatest_velocity(x).velocity for x in lengths])
+        name = f"{compared.label} cuts below this"
+        chart.draw_curve(1, name, np.array(lengths), velocities, Style(colour, 2.5), compared.label, unit)
+        chart.traces[-1] |= {"fill": "tozeroy", "fillcolor": area} | _per_minute(machine, velocities, compared.label)
+        chart.traces[-1]["opacity"] = 0.6
+    if comparison.line_velocity:
+        orders = np.array(comparison.orders)
+        _draw_own_points(
+            chart, machine, orders, np.full(len(orders), comparison.line_velocity), Unit.VELOCITY, "orders"
+        )
+    else:
+        for order in comparison.orders:
+            chart.draw_vertical_line(order)
+    chart.include(1, 0.0)
+    return chart
+
+
+def _lengths(machine: Machine, low: float, high: float) -> list[float]:
+    """The lengths at which a curve is computed."""
+    special = [length for length in machine.special_lengths if low < length < high]
+    return sorted([*np.linspace(low, high, CURVE_POINTS).tolist(), *special])
 
 
 def _length(point: Prediction) -> float:
@@ -124,9 +153,9 @@ def _span(values: Sequence[float]) -> tuple[float, float]:
     return max(low - margin, 0.1 * low), high + margin
 
 
-def _chart(plan: LinePlan, name: str, title: str, kind: Unit, span: tuple[float, float]) -> Chart:
-    heights = [*ROWS, *([MOTOR_ROW] if plan.data.load else [])]
-    return Chart(name, heights, with_unit(title, unit_name(kind, plan.data.unit)), span, timed=False)
+def _chart(plan: MachinePlan, name: str, title: str, kind: Unit, span: tuple[float, float]) -> Chart:
+    heights = [*ROWS, *([MOTOR_ROW] if plan.machine.load else [])]
+    return Chart(name, heights, with_unit(title, plan.machine.unit_of(kind)), span, timed=False)
 
 
 Value = Callable[[Prediction], float]
@@ -136,24 +165,42 @@ def _values(points: Sequence[Prediction], value: Value) -> Reals:
     return np.array([value(point) for point in points])
 
 
+def _per_minute(machine: Machine, velocities: Reals, name: str) -> dict[str, object]:
+    """What the pointer shows of line velocities: each in m/min, too; nothing else for a unit that is no length."""
+    if metres_per_minute(1.0, machine.unit) is None:
+        return {}
+    unit = machine.unit_of(Unit.VELOCITY)
+    values = rounded((metres_per_minute(float(v), machine.unit) or 0.0 for v in velocities), 4)
+    return {"customdata": values, "hovertemplate": f"%{{y:.6~g}} {unit} (%{{customdata}} m/min)<extra>{name}</extra>"}
+
+
 def _draw_result(
-    chart: Chart, what: str, unit: str, points: list[Prediction], planned: list[Prediction], x: Value, result: Value
+    chart: Chart,
+    machine: Machine,
+    what: str,
+    kind: Unit,
+    points: list[Prediction],
+    planned: list[Prediction],
+    x: Value,
+    result: Value,
 ) -> None:
     """Draw the result, where cuts are lost, what limits it, and the planned points, at which the block was run."""
+    unit = machine.unit_of(kind)
     chart.write_title(1, with_unit(what, unit))
     behind = chart.add_background_axis(1)
     along, values = _values(points, x), _values(points, result)
     first = 0
     for bound, group in groupby(point.bound for point in points):
         end = first + len(list(group))
-        chart.shade_stretches(
-            behind, bound, [(float(along[first]), float(along[min(end, len(along) - 1)]))], BOUND_COLOURS[bound]
-        )
+        stretch = (float(along[first]), float(along[min(end, len(along) - 1)]))
+        chart.shade_stretches(behind, bound, [stretch], machine.bound_colours[bound])
         first = end
     lost = _values(points, lambda point: point.lost or 0.0)
     if np.any(np.abs(lost - values) > 1e-6 * values):
         chart.draw_curve(1, "cuts are lost from here on", along, lost, Style(REFERENCE, 1.5, "dash"), unit=unit)
     chart.draw_curve(1, what, along, values, Style(SLAVE, 2.5), unit=unit)
+    if kind is Unit.VELOCITY:
+        chart.traces[-1] |= _per_minute(machine, values, what)
     for passed, name, colour in ((True, "confirmed by runs", OK), (False, "not as predicted", BAD)):
         selected = [p for p in planned if p.checks and p.cycle and p.is_confirmed == passed]
         if selected:
@@ -161,48 +208,70 @@ def _draw_result(
             chart.draw_markers(1, name, _values(selected, x), _values(selected, result), colour, name, unit, symbol)
 
 
-def _draw_parts(chart: Chart, points: list[Prediction], x: Value) -> None:
+def _draw_own_points(chart: Chart, machine: Machine, along: Reals, values: Reals, kind: Unit, name: str) -> None:
+    """Mark lengths and line velocities of the user's own."""
+    unit = machine.unit_of(kind)
+    chart.draw_markers(1, name, along, values, INK, name, unit, "diamond")
+    chart.traces[-1]["marker"]["size"] = 10
+    if kind is Unit.VELOCITY:
+        chart.traces[-1] |= _per_minute(machine, values, name)
+
+
+def _draw_gap(chart: Chart, machine: Machine, points: list[Prediction]) -> None:
+    """Draw the lengths above the shortest one for which the line is too fast."""
+    gaps = [(p.velocity, p.gap) for p in points if p.gap]
+    if not gaps:
+        return
+    highest = max([gap.end or 0.0 for _, gap in gaps] + [_length(p) for p in points])
+    x = [v for v, _ in gaps]
+    ends = [gap.end or 1.1 * highest for _, gap in gaps]
+    outline = rounded([*x, *reversed(x)], TIME_DIGITS), rounded([*(g.begin for _, g in gaps), *reversed(ends)])
+    line = {"color": REFERENCE, "width": 1, "dash": "dash"}
+    chart.draw_area(1, "too fast for these lengths", *outline, "--band-4", line, legend=True, opacity=0.6)
+
+
+def _draw_parts(chart: Chart, machine: Machine, points: list[Prediction], x: Value) -> None:
     """Draw the parts of the cycle, stacked."""
     chart.write_title(2, "parts of the cycle in s")
     along = _values(points, x)
-    for i, name in enumerate(points[0].cycle.parts if points and points[0].cycle else ()):
-        values = _values(points, lambda point, name=name: point.cycle.parts[name])  # type: ignore[misc]
+    for name, colour in machine.part_colours.items():
+        values = np.array([(point.cycle or {})[name] for point in points])
         if values.any():
-            chart.draw_curve(2, name, along, values, Style(PART_COLOURS[i], 0.5), unit="s")
-            chart.traces[-1] |= {"stackgroup": "parts", "fillcolor": PART_COLOURS[i]}
+            chart.draw_curve(2, name, along, values, Style(colour, 0.5), unit="s")
+            chart.traces[-1] |= {"stackgroup": "parts", "fillcolor": colour}
 
 
-def _draw_gains(chart: Chart, points: list[Prediction], x: Value) -> None:
+def _draw_gains(chart: Chart, machine: Machine, points: list[Prediction], x: Value) -> None:
     """Draw the gain by each limit and each need."""
     chart.write_title(3, f"what {100.0 * SHARE:g} % brings, in %")
     along = _values(points, x)
-    names = list(points[0].gains if points else ())
-    styles = [
-        *(Style(colour, 1.8) for colour in LIMIT_COLOURS),
-        *(Style(colour, 1.8, "dash") for colour in NEED_COLOURS),
-    ]
-    for name, style in zip(names, styles[: len(names)], strict=True):
-        values = 100.0 * _values(points, lambda point, name=name: point.gains[name])  # type: ignore[misc]
+    limits = list(dict.fromkeys(name for p in points for name in p.gains if name not in machine.needs))
+    styles = {name: Style(colour, 1.8) for name, colour in zip(limits, LIMIT_COLOURS, strict=False)}
+    styles |= {n: Style(colour, 1.8, "dash") for n, colour in zip(machine.needs, NEED_COLOURS, strict=False)}
+    for name, style in styles.items():
+        values = 100.0 * np.array([point.gains.get(name, 0.0) for point in points])
         if values.any():
-            chart.draw_curve(3, f"{'less' if name in NEEDS else 'more'} {name}", along, values, style, unit="%")
+            text = f"{'less' if name in machine.needs else 'more'} {name}"
+            chart.draw_curve(3, text, along, values, style, unit="%")
 
 
-def _draw_motor(chart: Chart, data: MachineData, points: list[Prediction], x: Value) -> None:
+def _draw_motor(chart: Chart, machine: Machine, points: list[Prediction], x: Value) -> None:
     """Draw how much of the motor is used, or its forces where it is not known what it can give."""
-    if data.load is None:
+    load = machine.load
+    if load is None:
         return
     row = len(ROWS) + 1
     cycles = [p for p in points if p.cycle and p.length]
     selected = [cycles[i] for i in evenly_spaced(len(cycles), MOTOR_POINTS).tolist()]
-    used = [predict_motor_use(data, data.load, p.length or 0.0, p.velocity) for p in selected]
+    used = [predict_motor_use(machine, load, p.length or 0.0, p.velocity) for p in selected]
     along = _values(selected, x)
     curves = (
-        ("rms of the motor", "rms", data.load.continuous_force, Style(RECEIVED, 2.0)),
-        ("peak of the motor", "peak", data.load.peak_force, Style(INK, 2.0)),
+        ("rms of the motor", "rms", load.continuous_force, Style(RECEIVED, 2.0)),
+        ("peak of the motor", "peak", load.peak_force, Style(INK, 2.0)),
     )
-    shares = data.load.continuous_force is not None or data.load.peak_force is not None
-    unit = "%" if shares else force_unit(data.load)
-    quantity = "torque" if data.load.turns else "force"
+    shares = load.continuous_force is not None or load.peak_force is not None
+    unit = "%" if shares else force_unit(load)
+    quantity = "torque" if load.turns else "force"
     chart.write_title(row, f"use of the motor's {quantity} in %" if shares else with_unit(f"motor's {quantity}", unit))
     for name, key, can_give, style in curves:
         if can_give is not None or not shares:

@@ -4,6 +4,10 @@ import math
 from decimal import Decimal
 from functools import lru_cache
 
+from motionsync.var import Unit
+
+from ..interface.units import metres_per_minute, unit_name
+
 ROUNDING = 1e-9  # relative; what is smaller is rounding
 
 
@@ -26,3 +30,10 @@ def engineering(value: float, unit: str = "", *, scale: float = 0.0, digits: int
         mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
         text = f"{float(mantissa):g}e{int(exponent)}"
     return f"{text} {unit}".strip()
+
+
+def line_speed(velocity: float, unit: str, *, digits: int = 4) -> str:
+    """A line's velocity, in u/s, with that in m/min: `666.7 mm/s (40 m/min)`. `unit`: that of positions."""
+    text = engineering(velocity, unit_name(Unit.VELOCITY, unit), digits=digits)
+    per_minute = metres_per_minute(velocity, unit)
+    return text if per_minute is None else f"{text} ({engineering(per_minute)} m/min)"

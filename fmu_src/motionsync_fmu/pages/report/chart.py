@@ -66,7 +66,7 @@ class Chart:
             "font": {"color": INK, "family": "system-ui, sans-serif", "size": 12},
             "hovermode": self.hover,
             "hoversubplots": "axis",
-            "hoverlabel": {"bgcolor": PAPER, "bordercolor": AXIS, "font": {"color": INK}},
+            "hoverlabel": {"bgcolor": PAPER, "bordercolor": AXIS, "font": {"color": INK}, "namelength": -1},
             "modebar": {"color": MUTED, "activecolor": INK, "bgcolor": CLEAR},
             "legend": {"orientation": "h", "x": 0, "y": 1 + 20 / inner, "yanchor": "bottom", "bgcolor": CLEAR},
             "annotations": [],
