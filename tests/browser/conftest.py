@@ -90,6 +90,7 @@ def open_block(open_page: Open, fmus: Fmus) -> OpenBlock:
     def opened(name: str, scenario: str = "", width: int = 1100, **options: Any) -> Visit:
         visit = open_page(explored(fmus, name).file, width, **options)
         visit.page.wait_for_selector("html[data-ready]")
+        visit.show(0.0)  # the page begins to play
         if scenario:
             choose(visit, scenario)
         return visit

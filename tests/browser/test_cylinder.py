@@ -11,9 +11,8 @@ import pytest
 from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.pages.style import TEMPLATES
 from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run.simulation import run_in_process
 from tests.browser.conftest import Open
-from tests.browser.runs import run
+from tests.browser.runs import record, run
 from tests.browser.visit import Visit
 
 FORMATS = "RotaryKnife/formats"
@@ -65,7 +64,7 @@ def open_knife(open_page: Open, tmp_path: Path) -> OpenKnife:
         scenario, recording = run(FORMATS)
         if start:
             scenario = replace(scenario, start={**scenario.start, **start})
-            recording = run_in_process(scenario, scenario.step_size)
+            recording = record(scenario)
         file = tmp_path / "machine.html"
         colours = (TEMPLATES / "colours.css").read_text("utf-8")
         body = f"<body style='margin: 1rem'>{machine(scenario, recording)}</body>"
@@ -178,7 +177,7 @@ def test_what_the_readouts_say(open_knife: OpenKnife) -> None:
     picture.visit.show(2.2)
     for name, text in {
         "state": "TURNING \N{EN DASH} between the windows of two cuts",
-        "material": "1000 mm/s",
+        "material": "1000 mm/s (60.0 m/min)",
         "edge": "2103 mm/s",
         "next cut in": "200.0 mm",
         "pieces": "3 of 16",

@@ -1,8 +1,10 @@
 """The pages of `motionsync explore` in a real browser, as files and without a network."""
 
+import csv
 import hashlib
 import json
 import random
+import re
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -17,15 +19,15 @@ from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.pages.machine.fragment import scene_data
 from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
-from motionsync_fmu.scenario.recording import Recording
-from motionsync_fmu.scenario.run.simulation import run_in_process
+from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
 from tests.browser.conftest import Open, OpenBlock
+from tests.browser.runs import record
 from tests.browser.scenes import assert_same_scene
 from tests.browser.visit import Visit, choose, contrast, settle
 from tests.support.explored import explored
 from tests.support.fmus import Fmus
-from tests.support.recordings import run_compiled
+from tests.support.recordings import output_names
 
 TABLES_JS = Path(explore_page.__file__).with_name("tables.js")
 CUTS = "[...document.querySelectorAll('.motionsync-machine .stock')].map(e => +e.dataset.cuts)[0]"
@@ -46,10 +48,11 @@ def pieces_at_the_end(visit: Visit, stop_time: float) -> int:
     return int(visit.page.evaluate(CUTS))
 
 
-def sum_of(recording: Recording, block: str) -> str:
-    """SHA-256 of all outputs and locals at all points."""
-    names = [v.name for v in Recipe(block).variables.values() if not v.settable]
-    return hashlib.sha256(np.column_stack([recording.values[name] for name in names]).tobytes()).hexdigest()
+def sum_of(scenario: Scenario) -> str:
+    """SHA-256 of all outputs and locals at all points of a run in compiled code, which has the bits of Python."""
+    values = record(scenario).values
+    columns = [values[name] for name in output_names(scenario)]
+    return hashlib.sha256(np.column_stack(columns).tobytes()).hexdigest()
 
 
 # --- bits ---
@@ -127,13 +130,13 @@ def test_a_measured_line_has_the_native_bits_in_the_browser(open_page: Open, fmu
     visit = open_page(page)
     visit.page.wait_for_selector("html[data-ready]")
     for name, scenario in zip(LINES, scenarios, strict=True):
-        expected = sum_of(run_in_process(shown(scenario), scenario.step_size), "Gearing")
+        expected = sum_of(shown(scenario))
         run = f"motionsyncExplore.fingerprint(motionsyncExplore.run('{name}'))"
         assert visit.page.evaluate(f"async () => await {run}") == expected, name
     file, fingerprint = save_run(visit, tmp_path)
     loaded = load_scenario(file)
     assert loaded.encoder == scenarios[0].encoder
-    assert sum_of(run_in_process(loaded, loaded.step_size), "Gearing") == fingerprint
+    assert sum_of(loaded) == fingerprint
 
 
 def test_the_badge_compares_what_is_shown(open_block: OpenBlock, fmus: Fmus) -> None:
@@ -477,7 +480,7 @@ def test_a_saw_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
     assert log(visit) == "The block has logged nothing."
     visit.page.locator("summary", has_text="The run").click()
     fill(visit, "stop_time", "20")
-    fill(visit, "velocity", "1450")
+    fill(visit, "master.velocity", "1450")
     visit.show(0.0)
     assert "statistics.skipped 0" in lamps(visit)
     assert "line_too_fast" not in lamps(visit)
@@ -488,8 +491,19 @@ def test_a_saw_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
     assert "warning.line_too_fast: the line is faster than limits.max_line_velocity" in log(visit)
     assert "statistics.skipped: cuts left out because they could not be reached: 19 in all" in log(visit)
     assert "nothing" not in log(visit)
-    fill(visit, "velocity", "1000")
+    fill(visit, "master.velocity", "1000")
     assert log(visit) == "The block has logged nothing."
+
+
+def test_a_knife_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
+    """Its limit is 4327 mm/s for pieces of 600, and less for those of 400; the log and the lamp have the same count."""
+    visit = open_block("RotaryKnife", "formats")
+    fill(visit, "master.velocity", "4600")
+    visit.show(8.0)
+    assert "warning.any: line_too_fast" in lamps(visit)
+    (skipped,) = re.findall(r"statistics\.skipped (\d+)", lamps(visit))
+    assert int(skipped) > 10
+    assert f"statistics.skipped: cuts left out because they could not be reached: {skipped} in all" in log(visit)
 
 
 def test_a_warning_leads_to_its_time(open_block: OpenBlock) -> None:
@@ -503,65 +517,57 @@ def test_a_warning_leads_to_its_time(open_block: OpenBlock) -> None:
     assert "statistics.skipped 0" in lamps(visit)
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "message"),
-    [
-        (
-            "axis.max_velocity",
-            "-1",
-            "Refused at 0.000 s: axis.max_velocity = -1 is not allowed: it must be 1e-12 to 1e+12",
-        ),
-        ("kerf", "", "kerf = nothing is not allowed: it must be a number"),
-        ("stop_time", "-1", "stop_time = -1 is not allowed: it must be > 0"),
-        ("step_size", "1e-6", "step_size = 0.000001 is not allowed: it must be >= 0.000025, for at most 200000 steps"),
-        ("time of the setting, in s", "7", "time of the setting = 7 is not allowed: it must be > 0 and < 5"),
-        ("encoder.resolution", "1e-10", "encoder.resolution = 1e-10 is not allowed: it must be 0, or >= 1e-9 and <= 1"),
-        ("encoder.noise", "-0.01", "encoder.noise = -0.01 is not allowed: it must be >= 0 and <= 1000000000000"),
-        ("encoder.delay", "1.5", "encoder.delay = 1.5 is not allowed: it must be >= 0 and <= 1"),
-        (
-            "master.smoothing_time",
-            "11",
-            "Refused at 0.000 s: master.smoothing_time = 11 is not allowed: it must be 0 to 10",
-        ),
-    ],
-)
-def test_what_is_refused_is_shown_and_the_run_before_marked(
-    open_block: OpenBlock, name: str, value: str, message: str
-) -> None:
+REFUSED = [
+    ("axis.max_velocity", "-1", "Refused at 0.000 s: axis.max_velocity = -1 is not allowed: it must be 1e-12 to 1e+12"),
+    ("kerf", "", "kerf = nothing is not allowed: it must be a number"),
+    ("stop_time", "-1", "stop_time = -1 is not allowed: it must be > 0"),
+    ("step_size", "1e-6", "step_size = 0.000001 is not allowed: it must be >= 0.000025, for at most 200000 steps"),
+    ("time of the setting, in s", "7", "time of the setting = 7 is not allowed: it must be > 0 and < 5"),
+]
+REFUSED_WITH_AN_ENCODER = [
+    ("encoder.resolution", "1e-10", "encoder.resolution = 1e-10 is not allowed: it must be 0, or >= 1e-9 and <= 1"),
+    ("encoder.noise", "-0.01", "encoder.noise = -0.01 is not allowed: it must be >= 0 and <= 1000000000000"),
+    ("encoder.delay", "1.5", "encoder.delay = 1.5 is not allowed: it must be >= 0 and <= 1"),
+    (
+        "master.smoothing_time",
+        "11",
+        "Refused at 0.000 s: master.smoothing_time = 11 is not allowed: it must be 0 to 10",
+    ),
+]
+
+
+@pytest.mark.parametrize("is_measured", [False, True])
+def test_what_is_refused_is_shown_and_the_run_before_marked(open_block: OpenBlock, is_measured: bool) -> None:
     visit = open_block("CutToLength", "basic_cut")
     visit.page.locator("summary", has_text="The run").click()
     badge(visit, "same bits")
-    is_measured = name.startswith(("encoder.", "master."))
     switch(visit, is_measured)
-    accepted = "changed" if is_measured else "same bits"
     visit.page.get_by_role("button", name="As scenario.toml").click()
     visit.page.wait_for_function("document.getElementById('toml').value !== ''")
-    field, stale, saved = (
-        visit.page.get_by_label(name, exact=True),
-        visit.page.locator("#stale"),
-        visit.page.locator("#download"),
-    )
-    before = field.input_value()
-    field.fill(value)
-    field.blur()
-    settle(visit)
-    assert visit.page.locator("#problem").inner_text().startswith(message)
-    assert (visit.page.locator("#badge").inner_text(), visit.page.locator("#cost").inner_text()) == ("refused", "")
-    assert visit.colours("#badge")[0] == visit.colours("#problem")[0]
-    assert stale.is_visible()
-    assert float(visit.page.locator("#plots").evaluate("e => getComputedStyle(e).opacity")) < 0.5
-    assert saved.is_hidden()
-    assert saved.get_attribute("href") is None
-    assert field.evaluate("e => getComputedStyle(e).borderColor") == visit.colours("#badge")[0]
-    visit.show(5.0)  # the run before is still whole
-    assert visit.readout("last piece") == "1500.00 mm PRODUCT"
-    field.fill(before)
-    field.blur()
-    settle(visit)
-    badge(visit, accepted)
-    assert stale.is_hidden()
-    assert saved.is_visible()
-    assert visit.page.locator("#problem").inner_text() == ""
+    stale, saved = visit.page.locator("#stale"), visit.page.locator("#download")
+    for name, value, message in REFUSED_WITH_AN_ENCODER if is_measured else REFUSED:
+        field = visit.page.get_by_label(name, exact=True)
+        before = field.input_value()
+        field.fill(value)
+        field.blur()
+        settle(visit)
+        assert visit.page.locator("#problem").inner_text().startswith(message)
+        assert (visit.page.locator("#badge").inner_text(), visit.page.locator("#cost").inner_text()) == ("refused", "")
+        assert visit.colours("#badge")[0] == visit.colours("#problem")[0]
+        assert stale.is_visible()
+        assert float(visit.page.locator("#plots").evaluate("e => getComputedStyle(e).opacity")) < 0.5
+        assert saved.is_hidden()
+        assert saved.get_attribute("href") is None
+        assert field.evaluate("e => getComputedStyle(e).borderColor") == visit.colours("#badge")[0]
+        visit.show(5.0)  # the run before is still whole
+        assert visit.readout("last piece") == "1500.00 mm PRODUCT"
+        field.fill(before)
+        field.blur()
+        settle(visit)
+        badge(visit, "changed" if is_measured else "same bits")
+        assert stale.is_hidden()
+        assert saved.is_visible()
+        assert visit.page.locator("#problem").inner_text() == ""
 
 
 def test_another_scenario_is_no_longer_refused(open_block: OpenBlock) -> None:
@@ -578,24 +584,68 @@ def test_the_file_follows_what_is_changed(open_block: OpenBlock) -> None:
     visit.page.get_by_role("button", name="As scenario.toml").click()
     file, link = visit.page.locator("#toml"), visit.page.locator("#download")
     visit.page.wait_for_function("document.getElementById('toml').value.includes('velocity = 1000.0')")
-    slide(visit, "velocity", 650.0)
+    slide(visit, "master.velocity", 650.0)
     visit.page.wait_for_function("document.getElementById('toml').value.includes('velocity = 650.0')")
     assert link.get_attribute("href") == "data:text/plain;charset=utf-8," + str(
         file.evaluate("e => encodeURIComponent(e.value)")
     )
 
 
-def test_a_page_opens_with_the_example_of_its_block_on_a_telephone_too(open_block: OpenBlock, block: str) -> None:
-    visit = open_block(block, width=400)
-    assert visit.page.get_by_label("Run", exact=True).input_value() == "example"
+OPENS_WITH = {"CutToLength": "cyclic_orders", "FlyingSaw": "cyclic_cut", "RotaryKnife": "formats"}
+LEGEND = """() => {
+  const root = document.querySelector('.motionsync-machine'), drawn = root.querySelector('svg').innerHTML;
+  const rows = [...root.querySelectorAll('.legend span')];
+  return rows.map(e => [e.textContent, drawn.includes(e.querySelector('i').style.getPropertyValue('--colour'))]);
+}"""
+
+
+def test_a_page_opens_on_a_telephone_with_a_run_that_plays_and_a_legend(
+    open_page: Open, fmus: Fmus, block: str
+) -> None:
+    """Its most telling scenario, or else the example. Each colour of the legend is one that is drawn."""
+    visit = open_page(explored(fmus, block).file, width=390)
+    visit.page.wait_for_selector(".motionsync-machine[data-playing=true]")
+    visit.page.wait_for_function("+document.querySelector('.motionsync-machine').dataset.time > 0.1")
+    assert visit.page.get_by_label("Run", exact=True).input_value() == OPENS_WITH.get(block, "example")
     badge(visit, "same bits")
+    visit.show(4.0)
+    legend = visit.page.evaluate(LEGEND)
+    assert len(legend) >= 3
+    assert [text for text, is_drawn in legend if not is_drawn] == []
     wide_open(visit)
+
+
+def test_the_main_values_are_at_the_top(open_block: OpenBlock) -> None:
+    """Of the flagship those that are set during its run, too: 4 battens of 1500 are the first of 17."""
+    visit = open_block("CutToLength", "cyclic_orders")
+    names = visit.page.locator("#groups .knob").evaluate_all("all => all.map(e => e.dataset.name)")
+    assert names[:7] == ["line.wanted_velocity", *["order.length"] * 4, *["order.quantity"] * 2]
+    assert (names.count("order.length"), names.count("order.quantity")) == (4, 4)  # they are nowhere else
+    slide(visit, "order.quantity at 0.1 s", 1.0)
+    assert pieces_at_the_end(visit, 27.0) == 14
+
+
+def test_the_plots_are_saved_as_csv(open_block: OpenBlock, tmp_path: Path) -> None:
+    """All points of the run, with all digits: 1000 mm/s for 5 s."""
+    visit = open_block("CutToLength", "basic_cut")
+    with visit.page.expect_download() as download:
+        visit.page.get_by_role("button", name="Plots as CSV").click()
+    download.value.save_as(tmp_path / "plots.csv")
+    scenario = shown(load_scenario(ROOT / "scenarios" / "CutToLength" / "basic_cut" / "scenario.toml"))
+    recording = record(scenario)
+    with (tmp_path / "plots.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["time s"]) for row in rows] == recording.time.tolist()
+    for name, unit in (("position", "mm"), ("velocity", "mm/s"), ("acceleration", "mm/s²")):
+        column = [float(row[f"{name} slave {unit}"]) for row in rows]
+        assert column == recording.values[f"slave.{name}"].tolist()
+    assert {row["velocity master mm/s"] for row in rows} == {"1000"}
 
 
 def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(open_block: OpenBlock) -> None:
     """The last point before each of its three cuts: the saw of the example is almost at the line of the next one."""
     example = shown(load_example("CutToLength"))
-    recording = run_in_process(example, example.step_size)
+    recording = record(example)
     before = np.flatnonzero(np.diff(recording.values["tool.cutting"]) > 0.0)
     visit = open_block("CutToLength")
     line = """() => {
@@ -695,7 +745,7 @@ def own_program(visit: Visit) -> None:
     ],
     ids=lambda value: getattr(value, "__name__", value),
 )
-def test_a_run_written_down_has_the_same_bits_in_python(
+def test_a_run_written_down_has_the_same_bits(
     open_block: OpenBlock, tmp_path: Path, name: str, change: Callable[[Visit], None]
 ) -> None:
     block, scenario = name.split("/")
@@ -705,7 +755,90 @@ def test_a_run_written_down_has_the_same_bits_in_python(
     file, fingerprint = save_run(visit, tmp_path)
     loaded = load_scenario(file)
     assert loaded.recipe.name == block
-    assert sum_of(run_in_process(loaded, loaded.step_size), block) == fingerprint
+    assert sum_of(loaded) == fingerprint
+
+
+# --- the run in the address ---
+
+SHOWN = "async () => await motionsyncExplore.fingerprint(motionsyncExplore.shown())"
+
+
+def address(visit: Visit) -> str:
+    """The address of the page, once it has followed what was set."""
+    visit.page.wait_for_function("motionsyncExplore.address() === location.hash")
+    return str(visit.page.url)
+
+
+def without_the_second_order(visit: Visit) -> None:
+    visit.page.get_by_role("button", name="Remove").nth(2).click()
+    settle(visit)
+    slide(visit, "order.length at 0.1 s", 1200.0)
+
+
+def piece_of_3000(visit: Visit) -> None:
+    slide(visit, "piece", 3000.0)
+
+
+@pytest.mark.parametrize(
+    ("block", "changes"),
+    [
+        (
+            "CutToLength",
+            {
+                "cyclic_orders": [stop_in_between, without_the_second_order],
+                "basic_cut": [coarse_encoder],
+                "measured_line": [other_delay, exact_line],
+            },
+        ),
+        ("FlyingSaw", {"cyclic_cut": [shorter_cuts], "program": [piece_of_3000]}),
+        ("RemoteSync", {"fast_sender_jitter": [other_telegrams]}),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_the_address_brings_the_same_run_to_another_page(
+    open_block: OpenBlock, block: str, changes: dict[str, list[Callable[[Visit], None]]]
+) -> None:
+    """Opened with it, or while the page is open. Each change gives a run of its own."""
+    visit, other, seen = open_block(block), open_block(block), set()
+    for scenario, all_of_it in changes.items():
+        choose(visit, scenario)
+        for change in all_of_it:
+            change(visit)
+            other.page.goto(address(visit))
+            if not seen:
+                other.page.reload()
+                other.page.wait_for_selector("html[data-ready]")
+            settle(other)
+            fingerprints = {one.page.evaluate(SHOWN) for one in (visit, other)}
+            assert len(fingerprints) == 1, (scenario, change)
+            assert not fingerprints & seen
+            seen |= fingerprints
+            assert other.page.get_by_label("Run", exact=True).input_value() == scenario
+            assert address(other) == address(visit)
+    other.page.get_by_role("button", name="As it was").click()
+    assert address(other).endswith(f"#run={scenario}")
+
+
+def test_an_address_that_cannot_be_followed_says_why(open_block: OpenBlock) -> None:
+    """A program in it runs once somebody has looked at it: it might be anybody's."""
+    visit = open_block("Synchronizer", "polynomial")
+    base, unread, problem = address(visit), visit.page.locator("#unread"), visit.page.locator("#problem")
+    visit.page.goto(base.replace("polynomial", "missing"))
+    assert unread.inner_text() == "The address asks for missing, which this page does not have."
+    visit.page.goto(f"{base}&start/__proto__=1")
+    assert unread.inner_text() == (
+        "Not the run of the address: the address has the place start/__proto__, which there is not."
+    )
+    visit.page.goto(f"{base}&start/speed=1")
+    assert unread.inner_text() == "Not the run of the address: there is no variable speed."
+    visit.page.goto(f"{base}&program=document.title%20%3D%20'run'%3B%20return%20()%20%3D%3E%20%7B%7D%3B")
+    settle(visit)
+    assert "which has not run" in problem.inner_text()
+    assert visit.page.get_by_label("Program", exact=True).input_value() == "document.title = 'run'; return () => {};"
+    assert visit.page.title() != "run"
+    visit.page.get_by_role("button", name="Run the program").click()
+    settle(visit)
+    assert (problem.inner_text(), visit.page.title()) == ("", "run")
 
 
 def test_a_line_that_follows_is_the_same_with_another_scan(open_block: OpenBlock, tmp_path: Path) -> None:
@@ -717,7 +850,7 @@ def test_a_line_that_follows_is_the_same_with_another_scan(open_block: OpenBlock
     file, _ = save_run(visit, tmp_path)
     loaded = load_scenario(file)
     assert loaded.scan == 0.008
-    recording = run_in_process(loaded, loaded.step_size)
+    recording = record(loaded)
     assert pieces_at_the_end(visit, loaded.stop_time) == recording.values["statistics.cuts"][-1]
     shown_position = visit.number(".carriage", "slave-position")
     assert shown_position == pytest.approx(recording.values["slave.position"][-1], abs=1e-6)
@@ -734,9 +867,7 @@ def test_the_machine_is_the_one_of_the_report(open_block: OpenBlock, fmus: Fmus,
     plain = "(_, x) => ArrayBuffer.isView(x) ? [...x] : x"
     names = [s["name"] for s in page.data["scenarios"]]
     for name, scenario in zip(names, map(shown, scenarios_of(block)), strict=True):
-        (run,) = run_compiled(scenario)
-        assert run.recording
-        expected = scene_data(scenario, run.recording)
+        expected = scene_data(scenario, record(scenario))
         actual = json.loads(visit.page.evaluate(f"name => JSON.stringify({scene}, {plain})", name))
         assert (expected is None) == (actual is None)  # a block without machine.toml has no picture
         if expected:
@@ -752,7 +883,7 @@ def test_the_machine_is_the_one_of_the_report(open_block: OpenBlock, fmus: Fmus,
 def test_the_blade_is_drawn_down_while_it_cuts(open_block: OpenBlock, name: str, output: str) -> None:
     """It takes 0.06 s to go down, and is then 47 px lower than above the material."""
     loaded = shown(load_scenario(ROOT / "scenarios" / name / "scenario.toml"))
-    recording = run_in_process(loaded, loaded.step_size)
+    recording = record(loaded)
     down = recording.values[output] != 0.0
     changes = recording.time[np.flatnonzero(np.diff(down, prepend=~down[0]))].tolist()
     visit = open_block(*name.split("/"))

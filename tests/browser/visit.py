@@ -25,7 +25,7 @@ class Visit:
         self.page.goto(file.as_uri())
 
     def show(self, t: float) -> None:
-        """Show the machine at a time, in s."""
+        """Stop the machine, and show it at a time, in s."""
         self.page.evaluate("t => window.motionsyncMachine.show(t)", t)
 
     def freeze(self) -> None:

@@ -18,6 +18,7 @@ from motionsync_fmu.interface.roles import MOTION
 from motionsync_fmu.scenario import clocks
 from motionsync_fmu.scenario.scenario import Scenario
 from motionsync_fmu.scenario.script import Script
+from tests import ROOT
 from tests.support.explored import Explored, explored
 from tests.support.fmus import Fmus
 from tests.support.recordings import run_compiled
@@ -111,7 +112,8 @@ def scenarios(page: Explored) -> Iterator[tuple[Scenario, dict[str, Any]]]:
 def test_every_scenario_has_the_native_bits_in_webassembly(fmus: Fmus, block: str) -> None:
     """The tables are those of batches; reactions and drives run in the module itself."""
     page = explored(fmus, block)
-    assert [s["name"] for s in page.data["scenarios"]] == ["example", *(s.name for s in scenarios_of(block)[1:])]
+    names = [s["name"] for s in page.data["scenarios"]]
+    assert sorted(names) == sorted(["example", *(folder.name for folder in (ROOT / "scenarios" / block).iterdir())])
     module = Module(page)
     for scenario, stored in scenarios(page):
         rows = module.run(scenario)

@@ -36,14 +36,15 @@ function sliderRange({min = -Infinity, max = Infinity, reach = Infinity, kind}, 
 /**
  * A control of a value in `values[name]`.
  *
- * `about`: what is known of it: `label`, `description`, `kind`, `choices`, `unit`, `range`, `min`, `max`, `reach`; `first`: the
- * value that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value, and when what is in a
+ * `about`: what is known of it: `label`, `moment` (of a value that is set during the run), `description`, `kind`, `choices`,
+ * `unit`, `range`, `min`, `max`, `reach`; `first`: the value that it had; `usual`: see sliderRange, 0 for no slider; `changed`: called with each new value, and when what is in a
  * field is refused. A value of the block is refused by the block; any other number has to be above `above`, and from `min` to
  * `max` if `strict`; 0, or at least `smallest`, if that is given.
  */
 function control(about, values, name, {first, usual, changed}) {
-  const label = about.label ?? name, text = newElement("span", {className: "name"}, ...breakable(label));
-  const row = newElement("div", {className: "knob", "data-name": label, title: [about.description, about.range].filter(Boolean).join("\n")});
+  const called = about.label ?? name, label = [called, about.moment].filter(Boolean).join(" ");
+  const text = newElement("span", {className: "name"}, ...breakable(called), newElement("span", {className: "soft"}, about.moment ? ` ${about.moment}` : ""));
+  const row = newElement("div", {className: "knob", "data-name": called, title: [about.description, about.range].filter(Boolean).join("\n")});
   const show = () => row.classList.toggle("moved", values[name] !== first);
   const put = (x) => {
     values[name] = x;

@@ -33,6 +33,7 @@ from ..scenario.run.reactions import COMPARISON_MARGIN, SAMPLE_LEAD
 from ..scenario.run.simulation import CLOSE, simulate
 from ..scenario.scenario import Scenario
 from ..scenario.settings import Reaction
+from .opening import opening_of
 
 SCALARS = ("title", "source", "unit", "slave_unit", "stop_time", "step_size", "step_bound")
 EXPECTED = ("count", "skipped", "lengths", "kinds")  # keys of [cuts] that say what is expected of a run
@@ -68,6 +69,7 @@ def page_data(name: str, scenarios: Iterable[Scenario], fmu: Path) -> dict[str, 
         "piece_variables": asdict(names_of_pieces) if names_of_pieces else None,
         "pictures": pictures_of(recipe),
         "shaded": load_example(name).picture.shaded,
+        "main": opening_of(name).main,
         "units": {_units_of(s): _unit_names(s, declared) for s in scenarios},
         "normals": _normals(scenarios),
         "ideal_encoder": asdict(Encoder()),

@@ -3,18 +3,24 @@
 
 const PROGRAM = "program"; // the choice of the block's own program
 const REFRESH = 120; // ms: the table of all values is slow to draw
+const SETTLED = 200; // ms without a change, after which the address follows: browsers allow few changes of it
+const LINE_VELOCITY = "master.velocity"; // among the main values: that with which the line starts
 
 /** The block: what the page knows of it, its variables by name, the running unit. */
 let block, variables, unit;
 /** The scenario as it was, and as it is now; the program in the editor; the sliders that it makes, by name. */
 let untouched, scenario, program = NO_PROGRAM, sliders = {};
+/** Values that the address has for such sliders; whether the address has a program that nobody has looked at yet. */
+let givenSliders = {}, isForeign = false;
 /** The encoder and the smoothing time that the switch "measured line" puts in: as they were, and as they are. */
 let usualLine, measuredLine;
 /** The last run that was not refused from the beginning, that of the untouched scenario, the plots, the time that is shown. */
 let course = null, before = null, plots, now = 0;
 /** Why what is chosen now is refused; "": it is not. Whether that run could not even start, and another one is shown. */
 let refusal = "", stale = false;
-let asked = false, latestBadge = 0, latestExport = 0, listed = 0;
+let asked = false, latestBadge = 0, latestExport = 0, listed = 0, addressing = 0;
+
+const MARKS = "cuts.length", OF_MARKS = "of the marks on the material";
 
 const copy = (thing) => JSON.parse(JSON.stringify(thing));
 const own = () =>
@@ -24,26 +30,81 @@ const own = () =>
 
 // --- the choice of a scenario ---
 
-function choose(name) {
+/** Show a scenario; `changes`: places and values as the address has them. */
+function choose(name, changes = []) {
   const driven = name === PROGRAM, source = block.scenarios.find((s) => s.name === (driven ? own().scenario : name));
   untouched = copy(source);
   const title = `Driven by the program below: ${source.title}`;
   if (driven) Object.assign(untouched, {settings: [], reactions: [], sha256: "", title});
+  const isFree = new Set(startable(untouched).map((v) => v.name)), isSetLater = (one) => untouched.settings.some(({values}) => one in values);
+  for (const one of block.main.filter((one) => isFree.has(one) && !isSetLater(one))) untouched.start[one] = variables.get(one).start; // it changes nothing
   scenario = copy(untouched);
   program = driven ? own().text : NO_PROGRAM;
   sliders = {};
   $("sliders").replaceChildren();
-  $("program").value = program;
-  $("editor").open = driven;
-  $("title").textContent = scenario.title;
   if (!scenario.remote) prepareSwitch();
+  takeOver(changes);
+  $("program").value = program;
+  $("editor").open = program !== NO_PROGRAM;
+  $("title").textContent = scenario.title;
   $("exported").hidden = true;
   $("export").setAttribute("aria-expanded", "false");
   plots.zoom = null;
   plots.renew();
-  before = course = null;
+  course = null;
+  before = changes.length && !driven ? run(unit, resolved(untouched), {normals: block.normals}) : null;
   controls();
   compute();
+}
+
+/** Take over what an address has. */
+function takeOver(changes) {
+  const values = new Map(changes), text = values.get(PROGRAM);
+  isForeign = text !== undefined && text !== program;
+  if (isForeign) program = text;
+  givenSliders = {};
+  for (const [place, x] of changes.filter(([place]) => place !== PROGRAM)) {
+    if (place.startsWith("knob/")) givenSliders[place.slice("knob/".length)] = Number(x);
+    else put(scenario, place, fromAddress(x));
+  }
+  for (const name of [scenario.start, ...scenario.settings.map(({values}) => values)].flatMap(Object.keys)) {
+    if (!variables.has(name)) throw new Error(`there is no variable ${name}`);
+  }
+  for (const name of Object.keys(scenario.start)) untouched.start[name] ??= variables.get(name).start;
+  if (scenario.encoder) measuredLine.encoder = scenario.encoder;
+}
+
+/** Show what the address has; without a scenario, the first one. */
+function openAddress() {
+  const [[place, name] = [], ...changes] = new URLSearchParams(location.hash.slice(1));
+  const isThere = place === "run" && [...$("scenario").options].some((option) => option.value === name);
+  const first = block.scenarios[0].name;
+  $("scenario").value = isThere ? name : first;
+  try {
+    choose($("scenario").value, isThere ? changes : []);
+    $("unread").textContent = isThere || !place ? "" : `The address asks for ${name}, which this page does not have.`;
+  } catch (error) {
+    choose($("scenario").value);
+    $("unread").textContent = `Not the run of the address: ${error.message}.`;
+  }
+}
+
+/** What is set, as the address has it. */
+function address() {
+  const knobs = Object.entries(sliders).filter(([, {value, first}]) => value !== first);
+  const source = $("scenario").value === PROGRAM ? own().text : NO_PROGRAM;
+  return `#${joined([
+    ["run", $("scenario").value],
+    ...differences(untouched, scenario),
+    ...knobs.map(([name, {value}]) => [`knob/${encodeURIComponent(name)}`, value]),
+    ...(program === source ? [] : [[PROGRAM, program]]),
+  ])}`;
+}
+
+/** Put what is set into the address, a while after the last change. */
+function follow() {
+  clearTimeout(addressing);
+  addressing = setTimeout(() => history.replaceState(null, "", address()), SETTLED);
 }
 
 // --- what can be changed ---
@@ -74,27 +135,49 @@ function controls() {
   const cuts = [scenario.cuts, untouched.cuts];
   const marks = Object.keys(driven ? {} : scenario.cuts)
     .filter((name) => ["length", "offset"].includes(name))
-    .map((name) => plainNumber(`cuts.${name}`, "of the marks on the material", cuts, name, {of: "POSITION"}));
-  const names = Object.keys(scenario.start).filter((name) => name !== SMOOTHING); // which is shown with the measured line
+    .filter((name) => !isMain(`cuts.${name}`))
+    .map((name) => plainNumber(`cuts.${name}`, OF_MARKS, cuts, name, {of: "POSITION"}));
+  const names = Object.keys(scenario.start).filter((name) => name !== SMOOTHING && !isMain(name)); // the others are above
   const starts = names.map((name) => variable(name, scenario.start, untouched.start[name]));
   const runs = [
     ["stop_time", "the end of the run"],
     ["step_size", "the step size, and the cycle of the reactions"],
   ].map(([name, text]) => plainNumber(name, text, [scenario, untouched], name, {of: "s", slider: false, above: 0}));
   $("groups").replaceChildren(
+    ...group("Main values", block.main.flatMap(mainRows)),
     ...group("Marks", marks),
     ...group(scenario.remote ? "The remote axis" : "The master", [...switchRows(), ...axisRows()]),
-    ...group("Start values", [...starts, another("Another one", startable(), addStart)]),
+    ...group("Start values", [...starts, another("Another one", startable(scenario), addStart)]),
     ...commandGroup(),
     ...group("Reactions", scenario.reactions.map(reactionRow), false),
     ...group("The run", runs, false),
   );
 }
 
-function startable() {
-  const isFree = (v) => v.start !== undefined && !(v.name in scenario.start) && !scripted(v.name) && v.name !== SMOOTHING;
+/** What else could be a start value of a scenario. */
+function startable(of) {
+  const isFree = (v) => v.start !== undefined && !(v.name in of.start) && !scripted(v.name, of) && v.name !== SMOOTHING;
   return block.variables.filter(isFree);
 }
+
+const isMain = (name) => block.main.includes(name);
+
+/** The controls of one of the main values: of the script, or a start value, and whatever sets it during the run. */
+function mainRows(name) {
+  const {cuts, axis} = scenario, driven = $("scenario").value === PROGRAM;
+  if (name === MARKS) return cuts.length && !driven ? [plainNumber(MARKS, OF_MARKS, [cuts, untouched.cuts], "length", {of: "POSITION"})] : [];
+  if (name === LINE_VELOCITY) return hasScript() ? [plainNumber(name, "of the line, at the beginning", [axis, untouched.axis], "velocity", {of: "VELOCITY"})] : [];
+  const settings = scenario.settings.filter((s) => name in s.values).sort((a, b) => a.at - b.at);
+  const rows = settings.map((s) => variable(name, s.values, firstOf(s)[name], {moment: `at ${s.at} s`}));
+  const isReplaced = settings.length > 0 && !untouched.start[name]; // not given, or 0: a mere beginning
+  return isReplaced ? rows : [variable(name, scenario.start, untouched.start[name]), ...rows];
+}
+
+/** Whether the line runs along a script, from a velocity that can be chosen. */
+const hasScript = () => !scenario.remote && !scenario.drive && !scenario.axis.times;
+
+/** What a setting was before it was changed. */
+const firstOf = (s) => untouched.settings.find(({at: t}) => t === s.at)?.values ?? {};
 
 function addStart(name) {
   const present = withMeasuredInputs(scenario).start[name] ?? variables.get(name).start;
@@ -177,6 +260,7 @@ function axisRows() {
   for (const name of ["position", "velocity"]) {
     axis[name] ??= 0;
     first[name] ??= 0;
+    if (name === "velocity" && isMain(LINE_VELOCITY) && hasScript()) continue; // it is above
     rows.push(plainNumber(name, "at the beginning", [axis, first], name, {of: of[name]}));
   }
   const segments = (axis.segments ?? []).flatMap((segment, i) => {
@@ -243,8 +327,7 @@ function commandGroup() {
 }
 
 /** Whether an input comes from the script of the axis. */
-function scripted(name) {
-  const {remote} = scenario;
+function scripted(name, {remote} = scenario) {
   if (remote) return name.startsWith(`${remote.part}.`) || name === remote.cycle_index;
   return ["master.position", "master.velocity", "master.acceleration"].includes(name);
 }
@@ -266,7 +349,7 @@ function give(name, value) {
 }
 
 function settingRow(s) {
-  const first = untouched.settings.find((other) => other.at === s.at)?.values ?? {};
+  const first = firstOf(s);
   const moment = newElement("input", {type: "number", step: "any", value: s.at, "aria-label": "time of the setting, in s"});
   moment.onchange = () => {
     const t = Number(moment.value), allowed = t > 0 && t < scenario.stop_time;
@@ -283,7 +366,9 @@ function settingRow(s) {
     controls();
     update();
   };
-  const rows = Object.keys(s.values).map((name) => variable(name, s.values, first[name], {slider: false}));
+  const rows = Object.keys(s.values).map((name) =>
+    isMain(name) ? newElement("p", {className: "soft"}, `${name}: see the main values`) : variable(name, s.values, first[name], {slider: false}),
+  );
   const head = newElement("div", {className: "when"}, newElement("label", {}, "at ", moment, " s"), remove);
   return newElement("div", {className: "event"}, head, ...rows);
 }
@@ -311,11 +396,12 @@ function resolved(named) {
 
 /** The sliders that a program makes. */
 function knob(name, value, low, high, unitName = "") {
-  sliders[name] ??= {value, first: value, low, high, unit: unitName};
+  sliders[name] ??= {value: givenSliders[name] ?? value, first: value, low, high, unit: unitName};
   return sliders[name].value;
 }
 
 function compiled(requested) {
+  if (isForeign) throw new Error("The address has a program, which has not run: read it, then choose Run the program");
   if (program === NO_PROGRAM) return null;
   const act = new Function("knob", "scenario", program)(knob, requested);
   if (typeof act !== "function") throw new Error("the program has to return the function that runs before each step");
@@ -354,12 +440,14 @@ function compute() {
   show(next?.lines ?? []);
   showBadge(next);
   showExport();
+  follow();
 }
 
 /** Show which value is refused and why, and that the run on the page is not of the present values. */
 function showRefusal() {
   $("problem").textContent = refusal;
   $("stale").hidden = !(stale && course);
+  $("trust").hidden = !isForeign;
   document.body.classList.toggle("stale", stale);
   for (const row of document.querySelectorAll(".knob")) {
     const at = refusal.indexOf(`${row.dataset.name} = `), whole = at >= 0 && !/[\w.]/.test(refusal[at - 1] ?? " ");
@@ -423,7 +511,7 @@ function show(lines) {
 
 /** What the lines of the plots are. */
 function showKey({remote, cuts, encoder, axis, start}) {
-  const next = block.roles.PIECES ? "; of positions, the next cut" : cuts.while ? "; of positions, the next mark" : "";
+  const compared = againstPosition(block, cuts), next = compared === "master" ? "" : `; of positions, the ${compared}`;
   const master = !encoder ? "master" : axis.times ? "recorded master" : "true master";
   $("other").textContent = remote ? "telegram" : `${master}${next}`;
   $("smoothed").hidden = !encoder;
@@ -467,6 +555,13 @@ function zoom(factor) {
 }
 
 // --- the run as a file ---
+
+/** Save a text in a file of this name. */
+function download(name, text) {
+  const link = newElement("a", {download: name, href: URL.createObjectURL(new Blob([text], {type: "text/csv"}))});
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
 
 /** The scenario's file, with what a program has set at its times. */
 async function exported() {
@@ -513,11 +608,20 @@ async function unpacked(id) {
 }
 
 function wire() {
-  $("scenario").oninput = () => choose($("scenario").value);
-  $("undo").onclick = () => choose($("scenario").value);
+  const renew = () => {
+    $("unread").textContent = "";
+    choose($("scenario").value);
+  };
+  $("scenario").oninput = $("undo").onclick = renew;
+  $("table").onclick = () => download("plots.csv", plots.table());
+  $("trust").onclick = () => {
+    isForeign = false;
+    update();
+  };
   $("export").onclick = write;
   $("program").oninput = () => {
     program = $("program").value.trim() ? $("program").value : NO_PROGRAM;
+    isForeign = false;
     sliders = {};
     update();
   };
@@ -543,11 +647,13 @@ async function begin() {
   $("shaded").hidden = !block.shaded;
   $("shaded").append(block.shaded);
   wire();
-  const requested = new URLSearchParams(location.hash.slice(1)).get("run");
-  if ([...$("scenario").options].some((option) => option.value === requested)) $("scenario").value = requested;
-  choose($("scenario").value);
+  openAddress();
+  addEventListener("hashchange", openAddress);
+  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) window.motionsyncMachine.play(true);
   window.motionsyncExplore = {
     run: untouchedRun,
+    shown: () => course,
+    address,
     fingerprint: (one) => fingerprint(one, outputs()),
     scene: (one) => sceneOf(one, block),
     plots: () => plots.drawn.map(({plot}) => plot),

@@ -22,6 +22,7 @@ from ..scenario.files.reader import load_scenario
 from ..scenario.files.shipped import find_files
 from ..scenario.scenario import Scenario
 from .data import page_data
+from .opening import opening_of
 
 FOLDER = Path(__file__).parent
 VENDOR = FOLDER.parent / "pages" / "vendor"
@@ -42,13 +43,16 @@ SCRIPTS = (
     "controls.js",
     "plots.js",
     "messages.js",
+    "address.js",
     "explore.js",
 )
 
 
 def scenarios_of(name: str) -> list[Scenario]:
-    """The scenarios of a block that come with motionsync, its example first."""
-    return [load_example(name), *(load_scenario(file) for file in find_files(Path(name)))]
+    """The scenarios of a block that come with motionsync: that with which its page opens, its example, all others."""
+    opening = opening_of(name).scenario
+    scenarios = [load_example(name), *(load_scenario(file) for file in find_files(Path(name)))]
+    return sorted(scenarios, key=lambda s: s.name != opening)
 
 
 def write_page(

@@ -8,24 +8,26 @@ const NONE = "none";
 
 const colour = (name) => () => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-/** A list of plots, each with a label, a unit and the columns of a run: any of `slave`, `other` and `smoothed`. */
-function plotsOf(block, another, {encoder, axis}) {
+/** A list of plots, each with a label, a unit and the columns of a run: any of `slave`, `other` and `smoothed`; `names`: what
+ * these are. */
+function plotsOf(block, another, {encoder, axis, cuts}) {
   const declared = new Map(block.variables.map((v) => [v.name, v]));
   const of = (name, other, smoothed) => ({
     label: name.replace("slave.", ""),
     unit: declared.get(name)?.unit,
     stepped: false,
+    names: {slave: "slave", other: block.roles.CYCLE_INDEX ? "telegram" : "master", smoothed: "smoothed master"},
     columns: (course) => ({
       slave: course.column(name),
       other: other?.(course),
       smoothed: encoder && smoothed ? course.column(smoothed) : undefined,
     }),
   });
-  const off = {label: "master off by", unit: "POSITION", columns: (course) => ({smoothed: masterErrors(course)})};
+  const off = {label: "master off by", unit: "POSITION", names: {}, columns: (course) => ({smoothed: masterErrors(course)})};
   const plots = block.roles.CYCLE_INDEX
     ? remotePlots(of)
     : [
-        of("slave.position", (course) => positions(course, block)),
+        withNames(of("slave.position", (course) => positions(course, block)), {other: againstPosition(block, cuts)}),
         of("slave.velocity", (course) => course.axis(1), "master.smoothed_velocity"),
         of("slave.acceleration", (course) => course.axis(2)),
         ...(declared.has("slave.jerk") ? [of("slave.jerk")] : []),
@@ -36,6 +38,13 @@ function plotsOf(block, another, {encoder, axis}) {
   return plots;
 }
 
+const withNames = (plot, names) => ({...plot, names: {...plot.names, ...names}});
+
+/** What the slave's position is compared with. */
+function againstPosition(block, cuts) {
+  return block.roles.PIECES ? "next cut" : cuts.while ? "next mark" : "master";
+}
+
 /** Of a remote axis: how far it is off, since its position and the slave's look alike. */
 function remotePlots(of) {
   const errors = (course) => (course.errors ??= errorsOf(course));
@@ -44,11 +53,13 @@ function remotePlots(of) {
     {
       label: "off by",
       unit: "POSITION",
+      names: {slave: "slave", other: "telegram"},
       columns: (course) => ({slave: late(errors(course).corrected_position), other: late(errors(course).position)}),
     },
     {
       label: "index off by",
       unit: "NONE",
+      names: {slave: "slave", other: "telegram"},
       columns: (course) => ({slave: late(errors(course).corrected_index), other: late(errors(course).index)}),
     },
     of("slave.velocity", (course) => course.axis(1)),
@@ -105,6 +116,15 @@ class Plots {
     this.drawn.forEach(({plot}) => plot.destroy());
     this.box.replaceChildren();
     Object.assign(this, {drawn: [], another});
+  }
+
+  /** All curves that are drawn, at all points of the run, as a file of comma-separated values. */
+  table() {
+    const units = this.block.units[this.course.scenario.units];
+    const columns = this.drawn.flatMap(({of}) => Object.entries(of.columns(this.course)).filter(([, values]) => values).map(([key, values]) =>
+      [[of.label, of.names[key], units[of.unit]].filter(Boolean).join(" "), values]));
+    const rows = Array.from(this.course.time, (t, k) => [t, ...columns.map(([, values]) => values[k] ?? "")].join(","));
+    return [["time s", ...columns.map(([heading]) => heading)].join(","), ...rows, ""].join("\n");
   }
 
   /** Show a stretch of time; null: the whole run. */

@@ -142,5 +142,14 @@ function show(t) {
   showReadout("coupling", ["none", "changing", "in step"][coupling]);
 }
 
-return {resize, show};
+const stretches = data.axes.flatMap(({marks}) => marks).filter((mark) => !mark.at).map((mark) => mark.label);
+const legend = [
+  ["master", "--master"],
+  ["slave", "--slave"],
+  ["in step", "--ok", "line"],
+  ["coming in step, or leaving it", "--muted", "dashes"],
+  ...[...new Set(stretches)].map((label) => [`range: ${label}`, "--ok", "band"]),
+];
+
+return {resize, show, legend};
 };

@@ -76,10 +76,16 @@ function resize(pixels) {
   ruler(scale, RULER, data.window, at, data.slave_unit);
 }
 
-/** Write texts above places, from left to right; one that would touch the one before it is moved on. */
+/** Write texts above places, from left to right: those of one place together; one that would touch the one before it is
+ * moved on. */
 function writeLabels(labels) {
-  let right = -Infinity;
+  const places = [];
   for (const [x, text] of labels.sort(([a], [b]) => a - b)) {
+    if (places.length && x - places.at(-1)[0] < 1) places.at(-1)[1] += `, ${text}`;
+    else places.push([x, text]);
+  }
+  let right = -Infinity;
+  for (const [x, text] of places) {
     const label = draw(fixed, "text", {y: 13, "text-anchor": "middle", text}), half = label.getComputedTextLength() / 2;
     const middle = Math.max(x, right + 6 + half);
     set(label, {x: middle});
@@ -113,9 +119,9 @@ function show(t) {
   const slow = 1e-4 * data.fastest || 1e-3;
   showReadout(SAW ? "saw" : "slave", number(slave, data.slave_unit));
   showReadout("velocity", number(velocity, `${data.slave_unit}/s`, slow));
-  showReadout(SAW ? "material" : "master velocity", number(lineVelocity, `${data.unit}/s`, slow));
+  showReadout(SAW ? "material" : "master velocity", lineSpeed(lineVelocity, slow));
   if (data.marks) showReadout(data.pieces ? "saw to next cut" : SAW ? "saw to mark" : "slave to product", nearest);
-  if (data.request) showReadout("asked of the line", number(held(data.request, t), `${data.unit}/s`, slow));
+  if (data.request) showReadout("asked of the line", lineSpeed(held(data.request, t), slow));
   if (data.pieces) showPieces(done);
   else if (data.cuts.length) showReadout("cuts", `${done.length} of ${data.cuts.length}`);
 }
@@ -259,5 +265,15 @@ function showDistance(saw, mark, text) {
   set(distance, {x: (saw + mark) / 2, text: Math.abs(saw - mark) > 90 ? text : ""});
 }
 
-return {resize, show};
+/** What is drawn of this run. */
+const legend = [
+  [SAW ? "saw" : "slave", "--slave"],
+  ...(data.pieces ? materialLegend() : [[SAW ? "material" : "conveyor, products", "--wood"]]),
+  ...(data.marks && SAW ? [[data.marks.next ? "next cut" : "mark for a cut", "--ink", "dashes"]] : []),
+  ...(data.zone ? [["range in sync", "--ok", "band"]] : []),
+  ...(data.ends.some((end) => end !== null) ? [["end of the stroke", "--limit", "dashes"]] : []),
+  ["velocity of the line", "--master", "line"],
+];
+
+return {resize, show, legend};
 };

@@ -86,10 +86,10 @@ function show(t) {
   const slow = 1e-4 * data.fastest || 1e-3;
   showReadout("knife", number(shown, data.slave_unit, fineness));
   showReadout("knife velocity", number(velocity, `${data.slave_unit}/s`, slow));
-  showReadout("material", number(lineVelocity, `${data.unit}/s`, slow));
+  showReadout("material", lineSpeed(lineVelocity, slow));
   showReadout("edge", number(edge, `${data.unit}/s`, slow));
   showReadout("next cut in", showMark(t, master, done));
-  showReadout("asked of the line", number(held(data.request, t), `${data.unit}/s`, slow));
+  showReadout("asked of the line", lineSpeed(held(data.request, t), slow));
   showPieces(done);
 }
 
@@ -148,5 +148,13 @@ function showMark(t, master, done) {
   return seen ? number(away, data.unit, 1e-4 * circumference) : "none";
 }
 
-return {resize, show};
+const legend = [
+  ["knife", "--slave", "line"],
+  ["its blades", "--ink"],
+  ...materialLegend(),
+  ["next cut", "--ink", "dashes"],
+  ["window of a cut, in which the edge is in sync", "--ok", "band"],
+];
+
+return {resize, show, legend};
 };

@@ -1,7 +1,7 @@
 "use strict";
 // The animated picture of a run's machine. Its data are next to this script, from fragment.py, or given to `load`; they have
 // signals as signals.py writes them. A scene below draws them at a time.
-// `window.motionsyncMachine.show(t)` shows the machine at t, in s.
+// `window.motionsyncMachine.show(t)` stops the machine and shows it at t, in s; `play(true)` lets it go.
 (() => {
 const root = document.currentScript.closest(".motionsync-machine");
 const given = root.querySelector("script[type='application/json']");
@@ -78,6 +78,12 @@ function number(value, unit, fineness = data.within) {
   return (/^-0\.?0*$/.test(text) ? text.slice(1) : text).replace("-", "\u2212") + (unit ? ` ${unit}` : "");
 }
 
+/** The velocity of a line; where its unit is a length, in m/min, too. */
+function lineSpeed(velocity, fineness) {
+  const factor = {mm: 0.06, m: 60}[data.unit], text = number(velocity, `${data.unit}/s`, fineness);
+  return factor ? `${text} (${number(factor * velocity, "m/min", factor * fineness)})` : text;
+}
+
 /** Round distances for ticks: about one each `pixels` px. */
 function tick(span, width, pixels) {
   const least = span * pixels / width, power = 10 ** Math.floor(Math.log10(least));
@@ -104,6 +110,18 @@ function arrow(x, y, length) {
   const size = Math.sign(length) * Math.min(7, Math.abs(length));
   const end = x + length, neck = end - size;
   return Math.abs(length) < 1 ? "" : `M${x} ${y}H${neck}M${neck} ${y - 4}L${end} ${y}L${neck} ${y + 4}Z`;
+}
+
+/** Write below the picture what its colours and lines mean: of each the text, its colour, and "line" or "dashes". */
+function showLegend(rows) {
+  const parts = rows.map(([text, colour, form = "body"]) => {
+    const part = document.createElement("span"), sample = document.createElement("i");
+    sample.className = form;
+    sample.style.setProperty("--colour", `var(${colour})`);
+    part.append(sample, text);
+    return part;
+  });
+  root.querySelector(".legend").replaceChildren(...parts);
 }
 
 const readouts = new Map(); // by name: the element, and the length of its longest text
@@ -164,6 +182,13 @@ function partedMaterial(done) {
   return [{upstream: null, downstream: front, text: "", fill: "var(--wood)"}, ...off.reverse()];
 }
 
+/** The rows of the legend for material of which pieces are cut off. */
+function materialLegend() {
+  const kinds = new Map(data.pieces.map(({kind, name}) => [kind, name]));
+  const text = (name) => name.toLowerCase().replaceAll("_", " ");
+  return [["material", "--wood"], ...[...kinds].map(([kind, name]) => [text(name), `--kind-${kind}`])];
+}
+
 /** Show how many pieces have been cut off, and what the last one is. */
 function showPieces(done) {
   showReadout("pieces", `${done.length} of ${data.pieces.length}`);
@@ -200,6 +225,7 @@ function load(run) {
   root.querySelector(".readouts").replaceChildren();
   slider.max = data.stop;
   scene = scenes[data.scene]();
+  showLegend(scene.legend);
   fit();
   show(now, "beginning");
 }
@@ -274,6 +300,14 @@ new ResizeObserver(() => {
   showState(now);
   scene.show(now);
 }).observe(svg);
-window.motionsyncMachine = {load, show, play};
+window.motionsyncMachine = {
+  load,
+  show(t) {
+    if (!data) return;
+    play(false);
+    show(t);
+  },
+  play: (on) => data && play(on),
+};
 if (given) load(JSON.parse(given.textContent));
 })();

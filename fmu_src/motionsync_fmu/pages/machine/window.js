@@ -70,5 +70,11 @@ function show(t) {
   showReadout("index off, slave", number(held(data.corrected_index, t), "cycles", 1e-3));
 }
 
-return {resize, show};
+const legend = [
+  ["axis of the telegram", "--master"],
+  ["slave", "--slave"],
+  ["true axis", "--ink", "dashes"],
+];
+
+return {resize, show, legend};
 };
