@@ -7,6 +7,7 @@ from .api.error import error as error
 from .api.explore import explore as explore
 from .api.export_crosscheck import export_crosscheck as export_crosscheck
 from .api.new import new as new
+from .api.plan_line import plan_line as plan_line
 from .api.run import RunResult as RunResult
 from .api.run import run as run
 from .api.scenarios import scenarios as scenarios

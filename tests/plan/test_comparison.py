@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import pytest
 
+from motionsync_fmu.api.plan_line import plan_line
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.plan.comparison import Comparison, compare
-from motionsync_fmu.plan.planning import plan_line
 from tests.model.cut_to_length.machine_results import GREATEST_VELOCITIES
 from tests.plan.machines import KNIFE, REFERENCE, knife, machine
 

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,12 +22,11 @@ from ..scenario.evaluate.reference_files import csv_text, options_text
 from ..scenario.recording import Reals, Recording
 from ..scenario.run.simulation import simulate
 from ..scenario.scenario import Scenario
+from .frame import frame
 from .scenario_source import Source, Value, load
 
 if TYPE_CHECKING:
     import pyarrow as pa
-
-FRAME = '<iframe srcdoc="{}" style="width: 100%; height: 40rem; border: 0" title="{}"></iframe>'
 
 
 def run(
@@ -185,4 +183,4 @@ class RunResult:
     def _repr_html_(self) -> str:
         """The verdict, the machine's picture, which moves, and the figures, in a frame of their own."""
         page = view_run(self.scenario, self.recording, self.outcome)
-        return FRAME.format(escape(page), escape(self.scenario.title))
+        return frame(page, self.scenario.title)

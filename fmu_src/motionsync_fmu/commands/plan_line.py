@@ -95,9 +95,8 @@ def command(
 
         motionsync plan-line RotaryKnife/formats --machine both --set CutToLength.axis.max_position=1500 --open
     """
+    from ..api.plan_line import plan_line
     from ..plan.console import print_plan
-    from ..plan.planning import plan_line
-    from ..plan.report import write_plan
 
     if show and no_report:
         raise UserError("--open shows the page, which --no-report leaves out")
@@ -105,7 +104,7 @@ def command(
     target = output or paths.output_folder(err.print) / "reports" / "plan"
     with report_progress("planning the line", at_once=False):
         plan = plan_line(*(machines or ()), machine=machine, set=settings, length=length, velocity=velocity, unit=unit)
-        page = None if no_report else write_plan(plan, target / plan.name / "report.html")
+        page = None if no_report else plan.report(target / plan.name / "report.html")
     if as_json:
         print(json.dumps(plan.as_json(), indent=2))
     else:
