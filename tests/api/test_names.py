@@ -66,6 +66,15 @@ def test_all_names_are_there_and_described() -> None:
         assert function.__doc__, name
 
 
+@pytest.mark.parametrize("name", [*FUNCTIONS, "simulate_many"])
+def test_a_signature_shows_the_types_as_they_are_written(name: str) -> None:
+    """Without `from __future__ import annotations` an ArrayLike fills a line with NumPy's own types."""
+    text = str(inspect.signature(getattr(motionsync_fmu, name)))
+    assert "numpy." not in text
+    assert "collections.abc." not in text
+    assert "Union[" not in text
+
+
 def test_the_names_stay_functions_when_all_modules_are_imported() -> None:
     """A package of the same name would take the function's place as soon as it is imported."""
     folder = Path(motionsync_fmu.__file__).parent

@@ -1,5 +1,7 @@
 """What `motionsync build` does."""
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -48,8 +50,8 @@ def build(
     force: bool = False,
     report: Report = silent,
     notify: Callable[[str], None] = lambda line: None,
-    finished: "Callable[[BuiltFmu], None]" = lambda fmu: None,
-) -> "list[BuiltFmu]":
+    finished: Callable[[BuiltFmu], None] = lambda fmu: None,
+) -> list[BuiltFmu]:
     """Build FMUs that are missing or stale.
 
     Args:

@@ -1,5 +1,7 @@
 """What `motionsync describe` shows."""
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,7 +18,7 @@ from ..interface.units import BASES
 from ..interface.variables import summary, variables
 
 
-def describe(fmu: str | Path, *, unit: str = "mm", slave_unit: str = "") -> "Description":
+def describe(fmu: str | Path, *, unit: str = "mm", slave_unit: str = "") -> Description:
     """The variables, enumerations and fault codes of a block or of a built FMU.
 
     Args:

@@ -1,5 +1,7 @@
 """What `motionsync export-crosscheck` does."""
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from collections.abc import Callable, Sequence
 from pathlib import Path
 

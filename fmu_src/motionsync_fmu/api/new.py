@@ -1,5 +1,7 @@
 """What `motionsync new` does."""
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from pathlib import Path
 
 from motionsync.blocks import BLOCKS

@@ -1,5 +1,7 @@
 """What `motionsync plan-line` does."""
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,7 +20,7 @@ def plan_line(
     length: str | Sequence[float] = (),
     velocity: str | Sequence[float] = (),
     unit: str = "",
-) -> "LinePlanResult":
+) -> LinePlanResult:
     """Predict how fast a line may run, and how short its pieces may be; runs of the blocks confirm each figure.
 
     Args:

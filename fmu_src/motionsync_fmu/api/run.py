@@ -1,5 +1,7 @@
 """What `motionsync run` does with a scenario."""
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -36,7 +38,7 @@ def run(
     step_size: float | None = None,
     flavour: str | None = None,
     fmi: str = "2",
-) -> "RunResult":
+) -> RunResult:
     """Run a scenario through its FMU, and compare it with its expectations and its reference.
 
     An FMU that is missing or stale is built first, in the user's cache.
@@ -122,7 +124,7 @@ class RunResult:
         """
         return choose(self.columns, name, "column")
 
-    def to_frame(self) -> "pa.Table":
+    def to_frame(self) -> pa.Table:
         """All columns as a table of pyarrow, which pandas and polars take; Booleans are Booleans.
 
         Raises:

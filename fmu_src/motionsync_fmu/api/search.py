@@ -11,6 +11,8 @@ That is the shortest length that works; with another name it may be the greatest
 end of the range works.
 """
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -44,8 +46,8 @@ def search(
     scheduler: str = "",
     progress: Callable[[int, int], None] = lambda done, points: None,
     notify: Callable[[str], None] = lambda line: None,
-    **options: "Unpack[SamplingOptions]",
-) -> "pa.Table":
+    **options: Unpack[SamplingOptions],
+) -> pa.Table:
     """The boundaries at all points of the grid that the factors make.
 
     Args:
@@ -91,7 +93,7 @@ def search(
         raise Interrupted("interrupted: nothing is kept without a folder for the rows (--output)") from None
 
 
-def _read_rows(folder: Path) -> "pa.Table":
+def _read_rows(folder: Path) -> pa.Table:
     """The rows in the parts of a folder, in the order of the points."""
     import pyarrow.dataset as ds  # noqa: PLC0415
 
@@ -99,7 +101,7 @@ def _read_rows(folder: Path) -> "pa.Table":
     return ds.dataset(files).to_table().sort_by("point").replace_schema_metadata()
 
 
-def _searched_in_this_process(request: "Search", progress: Callable[[int, int], None]) -> "Iterator[pa.Table]":
+def _searched_in_this_process(request: Search, progress: Callable[[int, int], None]) -> Iterator[pa.Table]:
     """The rows of all points, some at a time."""
     from ..sweeps.boundaries import boundaries  # noqa: PLC0415
 

@@ -19,6 +19,8 @@ if __name__ == "__main__":  # the processes that work read this file, too
     rows.to_frame(["length", "passed"]).to_pandas()
 """
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
@@ -46,8 +48,8 @@ def sweep(
     chunk: int = 0,
     progress: Callable[[int, int], None] = lambda done, runs: None,
     notify: Callable[[str], None] = lambda line: None,
-    **options: "Unpack[SamplingOptions]",
-) -> "Rows":
+    **options: Unpack[SamplingOptions],
+) -> Rows:
     """Run a scenario with many values, on all cores or many computers.
 
     Args:

@@ -1,5 +1,7 @@
 """What `motionsync sweep-plot` does."""
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -16,6 +16,8 @@ Measures are figures over a whole run. They are updated while it runs, so that m
 An instance behaves as the block's FMU does, to the last bit, and fails where the FMU would; the other instances go on.
 """
 
+from __future__ import annotations  # help() shows the types as they are written here
+
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
