@@ -13,7 +13,7 @@ from mkdocs.structure.pages import Page
 from motionsync.blocks import BLOCKS
 from tools.site.markdown import draw_diagrams, indent_lists
 from tools.site.pages import BLOCK_PAGE, ROOT, insert_sections, made_pages, source_of, with_site_links
-from tools.site.reference import REFERENCES, block_reference
+from tools.site.reference import block_reference, insert_references
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -37,7 +37,4 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     text = draw_diagrams(indent_lists(text))
     if block := {BLOCK_PAGE.format(name): name for name in BLOCKS}.get(name):
         text += block_reference(block)
-    for marker, make in REFERENCES.items():
-        if marker in text:
-            text = text.replace(marker, make())
-    return text
+    return insert_references(text)

@@ -1,6 +1,7 @@
 """The references of the site, made from what they describe: blocks, commands, keys of files, functions."""
 
 import inspect
+import re
 import textwrap
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -68,7 +69,7 @@ def python_reference() -> str:
 
 
 def _public_names() -> Iterator[str]:
-    for name in dir(motionsync_fmu):
+    for name in sorted(dir(motionsync_fmu), key=lambda name: inspect.isclass(getattr(motionsync_fmu, name))):
         if inspect.isroutine(member := getattr(motionsync_fmu, name)) or inspect.isclass(member):
             options = f"    options:\n      heading: {name}\n      toc_label: {name}\n"
             yield f"::: {member.__module__}.{member.__qualname__}\n{options}"
@@ -79,8 +80,14 @@ def key_reference() -> str:
     return load_template(TEMPLATES, "keys.html.j2").render(tables=ALL_TABLES, required=REQUIRED)
 
 
-REFERENCES: dict[str, Callable[[], str]] = {  # what a page writes where a reference belongs, and what makes it
-    "<!-- reference: commands -->": command_reference,
-    "<!-- reference: keys -->": key_reference,
-    "<!-- reference: python -->": python_reference,
+def insert_references(text: str) -> str:
+    """The text of a page with its references; the line below a mark is shown by a code host, which has none."""
+    return MARK.sub(lambda mark: REFERENCES[mark[1]](), text)
+
+
+MARK = re.compile(r"^<!-- reference: (\w+) -->\n.*$", re.M)
+REFERENCES: dict[str, Callable[[], str]] = {
+    "commands": command_reference,
+    "keys": key_reference,
+    "python": python_reference,
 }

@@ -15,7 +15,7 @@ TOP = TableKeys(
     "Keys before the first table.",
     (
         text("title", "what the scenario shows"),
-        text("source", "where it comes from: document, section", default=""),
+        text("source", "where it comes from: document, section", default="", absent="none"),
         text("fmu", "the block", value="name of a block"),
         text("unit", "of positions, for the report", default="mm", value=", ".join(BASES)),
         text("slave_unit", "of the slave's positions", default="", absent="as unit", value=", ".join(BASES)),
