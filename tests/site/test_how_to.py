@@ -1,6 +1,7 @@
 """The how-to pages are true, as far as no other test runs them."""
 
 import re
+import shlex
 import textwrap
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from motionsync.laws import (
 from motionsync_fmu.batch.reductions import NUMBERED, PLAIN
 from motionsync_fmu.fmus.zip import write_zip
 from tests import ROOT
+from tests.support.command_line import Command
 from tests.support.fmus import Fmus
 
 DOCS = ROOT / "docs"
@@ -30,10 +32,10 @@ def code(page: str, language: str) -> list[str]:
 
 
 def test_the_system_of_ones_own_cuts_the_pieces_that_it_is_given(fmus: Fmus, tmp_path: Path) -> None:
-    """At 500 mm/s from `start` at 0.5 s on the n-th cut is due where the line has come 250 - 2 + 804 n mm, and is made
-    some 166 mm later: the fifth one at 4434, the sixth one beyond the 5000 mm of ten seconds."""
+    """At 500 mm/s, with `start` at 0.54 s, the n-th cut is due where the line has come 270 - 2 + 804 n mm, and is made
+    some 166 mm later: the fifth one at 4454, the sixth one beyond the 5000 mm of ten seconds."""
     (text,) = code("how_to/omsimulator.md", "xml")
-    package, h = tmp_path / "saw.ssp", 0.005
+    package, h = tmp_path / "saw.ssp", 0.02
     saw = fmus.native("CutToLength").read_bytes()
     write_zip(package, {"SystemStructure.ssd": text.encode(), "resources/CutToLength.fmu": saw})
     system = read_ssd(str(package), validate=True).system
@@ -65,6 +67,20 @@ def test_the_table_of_ramps() -> None:
     computed = (POLYNOMIAL_3_4_5_TRAVEL, POLYNOMIAL_3_4_5_PEAK_ACCELERATION, POLYNOMIAL_3_4_5_PEAK_JERK)
     assert polynomial == [round(number, 3) for number in computed]
     assert half == [2.0, 0.75, 1.5]
+
+
+def test_the_plans_have_the_figures_of_the_page(motionsync: Command) -> None:
+    page = (DOCS / "how_to" / "plan_line.md").read_text("utf-8")
+    knife, both = (
+        " ".join(motionsync(*shlex.split(line), "--no-report").out.split())
+        for line in re.findall(r"^    motionsync (.*)$", page, re.M)
+    )
+    assert "600 6000 360" in knife
+    assert "400 1864.34" in knife
+    assert "up to 6000 mm/s (360 m/min), pieces of 400 mm at up to 1864 mm/s" in " ".join(page.split())
+    assert "The knife is the better machine for pieces of 600 mm" in both
+    assert "all of them up to 627.3 mm/s" in both
+    assert "the saw at up to 627.3 mm/s" in page
 
 
 def test_every_kind_of_measure_is_listed() -> None:

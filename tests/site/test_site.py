@@ -16,7 +16,8 @@ from motionsync_fmu.interface.variables import members
 from tests import ROOT
 from tests.support.command_line import Command
 from tests.support.fmus import Fmus
-from tests.support.site import Site, made_site
+from tests.support.site import Site, SitePage, made_site
+from tools.site.reference import block_reference
 
 ELSEWHERE = re.compile(r"[a-z]+:")
 REPOSITORY = re.compile(rf"{re.escape(HOME)}/(?:blob|tree)/v{re.escape(__version__)}/([^#]*)")
@@ -66,16 +67,25 @@ def test_the_first_page_has_the_machine_and_the_two_commands(site: Site) -> None
     assert ("img", "CutToLength.svg") in first.addresses
 
 
-def test_the_reference_of_a_block_has_its_variables_members_and_codes(site: Site, block: str) -> None:
-    code = site.pages[f"reference/blocks/{block}.html"].code
+def test_every_block_has_a_page(site: Site) -> None:
+    """With its README first, and then its variables."""
+    folders = {file.parent.name.replace("_", "") for file in (ROOT / "model" / "motionsync").glob("*/block.py")}
+    pages = {path: page for path, page in site.pages.items() if path.startswith("reference/blocks/")}
+    assert {path.split("/")[-1].removesuffix(".html").lower() for path in pages} == folders
+    for page in pages.values():
+        assert {"how-to-use-it", "states", "variables"} <= page.anchors
+
+
+def test_the_reference_of_a_block_has_its_variables_members_and_codes(block: str) -> None:
+    page = SitePage(block_reference(block))
     recipe = Recipe(block)
     names = set(recipe.variables)
     for v in recipe.variables.values():
         names |= {member.name for member in v.choices}
         if v.declaration.codes:
             names |= {member.name for member in members(v.declaration.codes)}
-    assert names <= set(code)
-    text = " ".join(site.pages[f"reference/blocks/{block}.html"].prose)
+    assert names <= set(page.code)
+    text = " ".join(page.prose)
     for v in recipe.variables.values():
         assert v.declaration.description in text, v.name
 

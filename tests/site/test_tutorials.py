@@ -25,8 +25,8 @@ STEPS = {  # of each page: the exit status of each command; what it prints, and 
         (
             0,
             [
-                ("6000 1241.08", "1241 mm/s, which is 74 m/min"),
-                ("667 2474.15", "2474 mm"),
+                ("6000 1241.08 74.47", "1241 mm/s, which is 74 m/min"),
+                ("667 40 2474.15", "2474 mm"),
                 ("2.35 3000 yes", "3000 mm"),
             ],
         ),

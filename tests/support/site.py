@@ -15,7 +15,7 @@ VERBATIM = ("code", "pre", "script", "style", "svg")  # their texts are no prose
 class SitePage(HTMLParser):
     """A page: its anchors, its addresses (tag, address), the texts of its code, and its prose."""
 
-    file: Path
+    text: str
     anchors: set[str] = field(default_factory=set)
     addresses: list[tuple[str, str]] = field(default_factory=list)
     code: list[str] = field(default_factory=list)
@@ -24,7 +24,7 @@ class SitePage(HTMLParser):
 
     def __post_init__(self) -> None:
         super().__init__()
-        self.feed(self.file.read_text("utf-8"))
+        self.feed(self.text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         values = dict(attrs)
@@ -56,7 +56,7 @@ class Site:
         """The pages by their paths, without those of `motionsync explore`."""
         files = sorted(self.folder.rglob("*.html"))
         return {
-            path: SitePage(file)
+            path: SitePage(file.read_text("utf-8"))
             for file in files
             if not (path := file.relative_to(self.folder).as_posix()).startswith("explore/")
         }

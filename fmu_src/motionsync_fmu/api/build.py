@@ -61,8 +61,10 @@ def build(
         unit: of all positions, `"mm"`, `"m"`, `"deg"`, `"rad"` or `"1"`; velocities follow.
         slave_unit: of the slave's positions, for a block whose slave may have another unit than its master.
         start: start values to bake in, by name: `{"kerf": 4.0}`; for one block only, as the next four.
-        as_input, as_output, as_parameter, as_local: the variables that get this causality, as names or patterns:
-            `"gearing.*"`.
+        as_input: the variables that become inputs, as names or patterns: `"gearing.*"`.
+        as_output: those that become outputs.
+        as_parameter: those that become parameters.
+        as_local: those that become local variables.
         output: the folder for the FMUs, `<flavour>/<block>.fmu`, of FMI 3.0 `fmi3/<block>.fmu`; by default `build`.
         sources: add the C code, for any other processor; of the native flavour.
         wasm: add a WebAssembly component, of FMI 3.0.

@@ -37,7 +37,8 @@ def new(
         line_speed: how fast the line, or the master, runs.
         stroke: how far the carriage of a saw can travel from its home.
         circumference: of a RotaryKnife, that of the circle on which the edges run.
-        max_velocity, max_acceleration: of the slave's axis.
+        max_velocity: of the slave's axis.
+        max_acceleration: of the slave's axis, and its deceleration.
 
     Raises:
         UserError: there is no such block, it has no such figure, a value is not allowed, or the file exists.

@@ -24,7 +24,8 @@ def sweep_plot(
 
     Args:
         folder: of the sweep.
-        x, y: the columns along the axes; without y the page has a histogram of x.
+        x: the column along the horizontal axis.
+        y: the column along the vertical axis; without it the page has a histogram of x.
         colour: the result that the map's colours show, or a factor with a line for each value; by default whether runs
             passed.
         amount: the statistic of the runs in a cell, `"mean"`, `"min"`, `"max"` or `"count"`.
