@@ -29,7 +29,7 @@ def resolve_name(available: Iterable[str], name: str, what: str) -> str:
         return matches[0]
     by_lower = {n.lower(): n for n in names}
     similar = [by_lower[n] for n in get_close_matches(name.lower(), by_lower)]
-    listed = names if len(names) <= MOST_LISTED else similar or [*names[:MOST_LISTED], "..."]
+    listed = names if len(names) <= MOST_LISTED else similar or _nearest(name, names)
     hint = f"; did you mean {similar[0]}" if similar and len(names) <= MOST_LISTED else ""
     raise UserError(f"no {what} is named {name!r}{hint}; there is {', '.join(listed)}")
 
@@ -43,5 +43,10 @@ def choose(available: Mapping[str, T], name: str, what: str) -> T:
     if name in available:
         return available[name]
     names = list(available)
-    listed = names if len(names) <= MOST_LISTED else get_close_matches(name, names) or [*names[:MOST_LISTED], "..."]
+    listed = names if len(names) <= MOST_LISTED else get_close_matches(name, names) or _nearest(name, names)
     raise UserError(f"no {what} is named {name!r}; there is {', '.join(listed)}")
+
+
+def _nearest(name: str, names: list[str]) -> list[str]:
+    """The names that a message lists if no name is similar: the nearest ones of many."""
+    return [*get_close_matches(name, names, MOST_LISTED, 0.0), "..."]

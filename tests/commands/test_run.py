@@ -283,7 +283,7 @@ def test_a_reference_that_cannot_be_used_is_one_line(
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (("nowhere",), ("nowhere", "no such file or folder")),
+        (("nowhere",), ("nowhere", "no such file or folder; there is Synchronizer, FlyingSaw", "motionsync list")),
         (("Synchronizer/polynomal",), ("no such file or folder", "did you mean Synchronizer/polynomial")),
         (("synchronizer",), ("no such file or folder", "did you mean Synchronizer or ")),
         (("stop", "nowhere/scenario.toml"), (str(Path("nowhere/scenario.toml")), "no such file or folder")),
@@ -305,6 +305,19 @@ def test_a_mistake_in_run_is_one_line(workshop: Command, arguments: tuple[str, .
     scenario("broken", STOP.replace("step_size = 0.01", "step_size = "))
     assert_one_line(workshop("run", *arguments), *parts)
     assert not Path("build/reports").exists()
+
+
+def test_a_mistake_in_one_file_of_a_folder_leaves_out_that_file(workshop: Command) -> None:
+    """`motionsync run .` beside a checkout finds files that are made wrong for its tests."""
+    scenario("all/good")
+    scenario("all/better")
+    scenario("all/wrong", STOP.replace("rest_value", "rest_values"))
+    outcome = workshop("run", "all", "--no-report")
+    assert outcome.status == 2
+    assert "2 scenarios: all as expected" in outcome.out
+    assert f"1 not run: not valid, for the reason below: {Path('all/wrong')}" in outcome.out
+    assert outcome.err.startswith(f"motionsync: {Path('all/wrong/scenario.toml')}:10: rest_values: ")
+    assert outcome.err.count("\n") == 1
 
 
 def test_a_step_size_with_absurdly_many_steps_is_one_line(workshop: Command, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,8 @@ def command(
     code: Annotated[
         list[str],
         typer.Argument(
-            metavar="[BLOCK] CODE|WORDS", help="An error_id, decimal or as 0x42DE; or words of the message."
+            metavar="[BLOCK] CODE|WORDS",
+            help="An error_id, or the code of another variable, decimal or as 0x42DE; or words of the message.",
         ),
     ],
 ) -> None:

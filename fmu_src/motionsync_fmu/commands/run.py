@@ -102,7 +102,7 @@ class _ScenarioBatch:
 
     Attributes:
         left_out: the names of scenarios without an outcome, by the reason.
-        errors: why scenarios have no outcome although they were run.
+        errors: why scenarios have no outcome although they are at the paths.
     """
 
     scenarios: "list[Scenario]"
@@ -138,24 +138,38 @@ class _ScenarioBatch:
 
 
 def _load_batch(paths: list[Path], overrides: Mapping[str, str], step_size: float | None) -> _ScenarioBatch:
-    """The scenarios at these paths, with the overrides. Every mistake in them is reported before anything runs."""
+    """The scenarios at these paths, with the overrides. A mistake is reported before anything runs, but one among the
+    several files of a folder leaves out its own scenario only."""
     from ..api.scenario_source import load, with_step_size
 
-    scenarios = [load(file, set=overrides) for path in paths for file in _find_scenario_files(path)]
+    scenarios: list[Scenario] = []
+    left_out: dict[str, list[str]] = {}
+    errors: list[UserError] = []
+    for path in paths:
+        files = _find_scenario_files(path)
+        for file in files:
+            try:
+                scenarios.append(load(file, set=overrides))
+            except UserError as e:
+                if len(files) == 1 or overrides:
+                    raise
+                errors.append(e)
+                left_out.setdefault("not valid, for the reason below", []).append(str(file.parent))
+    if errors and not scenarios:
+        raise errors[0]
     folders: dict[str, Path] = {}
     for s in scenarios:
         if (other := folders.setdefault(s.label, s.file)) != s.file:
             raise UserError(f"{other} and {s.file} would write to the same folder {s.label}")
     if step_size is None:
-        return _ScenarioBatch(scenarios, {})
-    left_out: dict[str, list[str]] = {}
+        return _ScenarioBatch(scenarios, left_out, errors=errors)
     for s in scenarios:
         if reason := s.step_refusal(step_size):
             left_out.setdefault(reason, []).append(s.label)
     remaining = [with_step_size(s, step_size) for s in scenarios if not s.step_refusal(step_size)]
     if not remaining:
         raise UserError(f"--step-size {step_size:g}: {'; '.join(left_out)}")
-    return _ScenarioBatch(remaining, left_out)
+    return _ScenarioBatch(remaining, left_out, errors=errors)
 
 
 def _find_scenario_files(path: Path) -> list[Path]:

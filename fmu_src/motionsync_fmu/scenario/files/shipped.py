@@ -5,6 +5,8 @@ A wheel holds them next to the modules; in a checkout they are the folder `scena
 from difflib import get_close_matches
 from pathlib import Path
 
+from motionsync.blocks import BLOCKS
+
 from ...errors import UserError
 
 PACKAGE = Path(__file__).parents[2]
@@ -56,10 +58,14 @@ def scenario_name(file: Path) -> str:
 
 
 def suggest_names(name: str, pattern: str = SCENARIO_FILE) -> str:
-    """The names that were probably meant, as the end of a sentence; empty if none is similar."""
+    """The names that were probably meant, or of scenarios the blocks if none is similar, as the end of a sentence."""
     names = [scenario_name(file) for file in sorted(shipped_folder().rglob(pattern))]
     names += dict.fromkeys(n.partition("/")[0] for n in names)
     by_lower = {n.lower(): n for n in names}
     requested = name.replace("\\", "/").removeprefix("scenarios/").strip("/").lower()
     similar = [by_lower[n] for n in get_close_matches(requested, by_lower)]
-    return f"; did you mean {' or '.join(similar)}?" if similar else ""
+    if similar:
+        return f"; did you mean {' or '.join(similar)}?"
+    if pattern != SCENARIO_FILE:
+        return ""
+    return f"; there is {', '.join(BLOCKS)}, and motionsync list names the scenarios of each"
