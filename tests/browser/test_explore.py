@@ -593,9 +593,14 @@ def test_the_file_follows_what_is_changed(open_block: OpenBlock) -> None:
 
 OPENS_WITH = {"CutToLength": "cyclic_orders", "FlyingSaw": "cyclic_cut", "RotaryKnife": "formats"}
 LEGEND = """() => {
-  const root = document.querySelector('.motionsync-machine'), drawn = root.querySelector('svg').innerHTML;
-  const rows = [...root.querySelectorAll('.legend span')];
-  return rows.map(e => [e.textContent, drawn.includes(e.querySelector('i').style.getPropertyValue('--colour'))]);
+  const root = document.querySelector('.motionsync-machine'), svg = root.querySelector('svg');
+  const colours = [...root.querySelectorAll('.legend i')].map(e => e.style.getPropertyValue('--colour'));
+  const stop = +root.querySelector('input').max, drawn = new Set();
+  for (let k = 0; k <= 40; k++) {
+    motionsyncMachine.show(k / 40 * stop);
+    colours.filter(colour => svg.innerHTML.includes(colour)).forEach(colour => drawn.add(colour));
+  }
+  return [colours, [...drawn]];
 }"""
 
 
@@ -604,15 +609,17 @@ def test_a_page_opens_on_a_telephone_with_a_run_that_plays_and_a_legend(
 ) -> None:
     """Its most telling scenario, or else the example. Each colour of the legend is one that is drawn."""
     visit = open_page(explored(fmus, block).file, width=390)
-    visit.page.wait_for_selector(".motionsync-machine[data-playing=true]")
-    visit.page.wait_for_function("+document.querySelector('.motionsync-machine').dataset.time > 0.1")
+    visit.page.wait_for_selector("html[data-ready]")
     assert visit.page.get_by_label("Run", exact=True).input_value() == OPENS_WITH.get(block, "example")
     badge(visit, "same bits")
-    visit.show(4.0)
-    legend = visit.page.evaluate(LEGEND)
-    assert len(legend) >= 3
-    assert [text for text, is_drawn in legend if not is_drawn] == []
     wide_open(visit)
+    if visit.page.locator(".motionsync-machine").is_hidden():
+        return  # a block may have no picture
+    assert visit.page.locator(".motionsync-machine").get_attribute("data-playing") == "true"
+    visit.page.wait_for_function("+document.querySelector('.motionsync-machine').dataset.time > 0.1")
+    colours, drawn = visit.page.evaluate(LEGEND)
+    assert len(colours) >= 3
+    assert set(colours) == set(drawn)
 
 
 def test_the_main_values_are_at_the_top(open_block: OpenBlock) -> None:
