@@ -70,6 +70,7 @@ benchmark: $(TESTABLE) ## what a step costs, what plans, cuts and accuracy are l
 	$(BIN)/python benchmarks/native_cost.py
 	$(BIN)/python benchmarks/batch_throughput.py
 	$(BIN)/python benchmarks/sweeps.py
+	$(BIN)/python benchmarks/report.py
 	$(BIN)/python benchmarks/plans.py
 	$(BIN)/python benchmarks/random_cuts.py
 	$(BIN)/python benchmarks/accuracy.py
