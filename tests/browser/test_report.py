@@ -1,5 +1,6 @@
 """The report of a run in a browser: plots and machine show what the recording has, and share their time."""
 
+import csv
 from collections.abc import Callable
 from pathlib import Path
 
@@ -49,8 +50,7 @@ def test_all_charts_are_drawn_with_their_legends_and_fit_their_window(open_repor
         assert "saw" in ChartView(visit, CUTS).legend
     for width in (1100, 320):
         visit.page.set_viewport_size({"width": width, "height": 900})
-        visit.page.wait_for_timeout(200)
-        assert visit.overflow() <= 0.0
+        visit.page.wait_for_function("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
 
 
 def test_reports_of_cuts_are_below_two_and_a_half_megabytes(report_file: Callable[[str], Path]) -> None:
@@ -89,6 +89,52 @@ def test_the_pointer_over_the_cuts_shows_where_the_saw_is(open_report: OpenRepor
     assert values["saw"] == pytest.approx(recorded(CYCLIC_CUT, "slave.position", time), rel=1e-4, abs=1e-3)
 
 
+def test_the_curves_of_a_chart_are_saved_as_csv(open_report: OpenReport, tmp_path: Path) -> None:
+    """Seven digits, at the points that are drawn; the line has one column for each of its curves."""
+    visit = open_report(PIECES)
+    for name, heading, variable in (
+        (MOTION, "slave velocity in mm/s", "slave.velocity"),
+        ("Pieces passing", "line.velocity_request in mm/s", "line.velocity_request"),
+    ):
+        frame = ChartView(visit, name).frame
+        frame.hover()
+        with visit.page.expect_download() as download:
+            frame.locator("[data-title='Download the curves as CSV']").click()
+        download.value.save_as(tmp_path / "curves.csv")
+        with (tmp_path / "curves.csv").open() as file:
+            rows = [(float(row["time in s"]), row[heading]) for row in csv.DictReader(file)]
+        assert rows == sorted(rows, key=lambda row: row[0])
+        times, values = zip(*((time, float(value)) for time, value in rows if value), strict=True)
+        assert len(times) > 1000
+        _, recording = run(PIECES)
+        at = np.searchsorted(recording.time, np.array(times) - 1e-6)
+        assert recording.time[at] == pytest.approx(times, abs=1e-7)
+        assert recording.values[variable][at] == pytest.approx(values, rel=1e-6, abs=1e-9)
+
+
+PAPER = {"width": 703, "height": 1031}  # px: what the margins leave of A4, 186 mm by 273 mm
+
+
+@pytest.mark.parametrize("name", [PIECES, "CutToLength/measured_line"])
+def test_printed_charts_are_whole_and_as_wide_as_the_paper(open_report: OpenReport, name: str) -> None:
+    """Each chart is lower than a page, and no page ends in it."""
+    visit = open_report(name, width=PAPER["width"])
+    assert len(visit.page.pdf(prefer_css_page_size=True)) > 50_000
+    visit.page.emulate_media(media="print")
+    visit.page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    look = """all => all.map(e => {
+      const svg = e.querySelector('.main-svg') ?? e.querySelector('svg');
+      const box = e.getBoundingClientRect(), drawn = svg.getBoundingClientRect();
+      return [box.height, drawn.width / box.width, getComputedStyle(e).breakInside];
+    })"""
+    looks = visit.page.locator(".plot, .motionsync-machine").evaluate_all(look)
+    assert len(looks) >= 5
+    for height, share, rule in looks:
+        assert height < PAPER["height"]
+        assert 0.96 < share <= 1.0
+        assert rule == "avoid"
+
+
 def test_the_machine_follows_the_pointer(open_report: OpenReport) -> None:
     """A px is 36 ms of the cyclic cut; the other charts show a cursor there, the one under the pointer has its own."""
     visit = open_report(CYCLIC_CUT)
@@ -108,7 +154,7 @@ def test_the_plots_follow_the_machine(open_report: OpenReport) -> None:
     charts = [ChartView(visit, name) for name in (MOTION, CUTS, LANES)]
     for t in (3.7, 21.0):
         visit.show(t)
-        visit.page.wait_for_timeout(100)
+        visit.page.evaluate(DRAWN)
         assert [chart.cursor for chart in charts] == pytest.approx([t] * 3, abs=0.05)
 
 
@@ -122,7 +168,7 @@ def test_the_slider_moves_the_saw_and_the_cursor(open_report: OpenReport) -> Non
     visit.page.mouse.down()
     visit.page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + box["height"] / 2, steps=8)
     visit.page.mouse.up()
-    visit.page.wait_for_timeout(100)
+    visit.page.evaluate(DRAWN)
     assert visit.time == pytest.approx(0.6 * run(CYCLIC_CUT)[0].stop_time, abs=0.6)
     shown = visit.number(".carriage", "slave-position")
     assert shown == pytest.approx(recorded(CYCLIC_CUT, "slave.position", visit.time), abs=0.1)
@@ -137,7 +183,7 @@ def test_playing_moves_saw_and_cursor(open_report: OpenReport) -> None:
     visit.page.get_by_role("button", name="Play").click()
     visit.page.wait_for_function("+document.querySelector('.motionsync-machine').dataset.time > 1")
     visit.page.get_by_role("button", name="Pause").click()
-    visit.page.wait_for_timeout(100)
+    visit.page.evaluate(DRAWN)
     assert motion.cursor == pytest.approx(visit.time, abs=0.05)
     assert len(visit.notified_times()) >= 10
 
@@ -147,7 +193,7 @@ def test_dark_mode_changes_page_plots_and_machine_and_back(open_report: OpenRepo
     seen = {}
     for scheme in ("light", "dark", "light"):
         visit.page.emulate_media(color_scheme=scheme)
-        visit.page.wait_for_timeout(300)
+        visit.page.evaluate(DRAWN)
         plot = visit.page.locator(".plot .main-svg").first.evaluate("e => getComputedStyle(e).backgroundColor")
         saw = visit.page.locator(".carriage rect[rx='5']").evaluate("e => getComputedStyle(e).fill")
         line = visit.page.locator(".plot .scatterlayer .trace path.js-line").last.evaluate("e => e.style.stroke")

@@ -132,7 +132,7 @@ def test_json_has_all_results_and_nothing_else_is_printed(workshop: Command) -> 
             {"expected": "slave.position = 27.5 ± 1e-9 at 0.3 s", "passed": True},
             {"expected": "slave.velocity = 50 ± 1e-9 at 0.3 s", "passed": True},
             {"expected": "first synchronized == false at 0.4 s ± 0.01", "passed": True},
-            {"expected": "slave.velocity from 0 to 100 ± 1e-9 between 0 s and 0.5 s", "passed": True},
+            {"expected": "slave.velocity between 0 and 100 mm/s ± 1e-9 mm/s, from 0 s to 0.5 s", "passed": True},
         ],
         "reference": [{"variable": "slave.position", "allowed": pytest.approx(3e-8), "passed": True}],
         "cuts": [],
@@ -144,7 +144,7 @@ def test_json_has_all_results_and_nothing_else_is_printed(workshop: Command) -> 
         "report": None,
         "fmpy": result["fmpy"],
     }
-    assert actual == ["27.5", "50", "0.4 s", "0 to 100"]
+    assert actual == ["27.5", "50", "0.4 s", "0 to 100 mm/s"]
 
 
 def test_cuts_are_printed_and_shown(workshop: Command) -> None:

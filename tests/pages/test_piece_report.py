@@ -182,16 +182,24 @@ def test_errors_that_are_rounding_are_not_drawn_large(run: Run) -> None:
     chart = run_charts(s, replace(recording, values=values))["pieces"]
     assert chart.axis(3)["range"] == pytest.approx([-0.168, 0.168])
     assert any(str(n["text"]).startswith("0 to rounding: at most 1e-11 mm") for n in chart.layout["annotations"])
+    exact = run_charts(replace(s, pieces=replace(s.pieces, tolerance=1e-9)), replace(recording, values=values))[
+        "pieces"
+    ]
+    assert exact.axis(3)["tickvals"] == [0]
+    small = recording.values | {"last.error": np.where(recording.values["last.error"] > 0.0, 1e-4, 0.0)}
+    tight = run_charts(replace(s, pieces=replace(s.pieces, tolerance=1e-4)), replace(recording, values=small))["pieces"]
+    assert tight.axis(3)["exponentformat"] == "power"  # whose 0 is 0
+    assert "tickformat" not in tight.axis(3)
 
 
 def test_each_reserve_is_a_bar(run: Run) -> None:
     chart = run_charts(*run)["pieces"]
-    trace = named(chart, "reserve")
+    trace = named(chart, "to spare")
     assert trace["y"] == pytest.approx([100.0, 50.0, 40.0, 5.0, 60.0, 0.0])
     assert trace["x"] == pytest.approx([(end + APPROACH) / 1000.0 for end in ENDS], abs=1e-6)
     assert trace["marker"]["color"] == ["--ok"] * 5 + ["--bad"]
     # 1 - 1000/1250 and 1 - 1000/950, not below 0 in this run by hand
-    curve = named(chart, "reserve at this velocity")
+    curve = named(chart, "to spare at this velocity")
     assert (at(curve, 3.0), at(curve, 8.0)) == (pytest.approx(20.0), 0.0)
 
 
@@ -236,16 +244,16 @@ def test_the_picture_of_an_example_has_the_ends_of_its_pieces(run: Run) -> None:
 
 def test_the_page_lists_the_pieces(run: Run, tmp_path: Path) -> None:
     text = words(page(run, tmp_path))
-    figures = text[: text.index("Pieces The block reports")]
+    figures = text[: text.index("Each piece passes the saw as a band")]
     for part in (
-        "pieces 6 1 TRIM, 3 PRODUCT, 1 SAMPLE, 1 MERGED; 2 good",
-        "worst length error 0.7 mm (piece 6) of 3 products, 1 merged piece not included, tolerance 0.1 mm",
+        "pieces 6 3 products, 2 good; also 1 trim, 1 sample, 1 merged",
+        "greatest length error 0.7 mm (piece 6) of 3 products, 1 merged piece not included, tolerance 0.1 mm",
         "cuts skipped or late 1 skipped",
-        "least reserve of a cycle 0 % (piece 6)",
-        "greatest velocity of the line 1000 mm/s above its limit for 7.01 s, most at 5 s: 1000 of 950 mm/s",
+        "least time to spare 0 % (piece 6) of a cycle",
+        "greatest velocity of the line 1000 mm/s (60 m/min) above its limit for 7.01 s, most at 5 s: 1000 of 950 mm/s",
     ):
         assert part in figures, figures
-    head = "piece kind ordered length error good measured reserve in sync at"
+    head = "piece kind ordered length error good measured time to spare in sync at"
     table = text[text.index(head) + len(head) :]
     assert table.strip().startswith(
         "1 TRIM 500 mm 500 mm 0 mm - 100 % 0.788603 s 2 PRODUCT 1500 mm 1500 mm 0 mm yes as reported 50 % 2.2926 s "

@@ -44,7 +44,8 @@ SHOWN_ELSEWHERE = (
     "tolerance",
     "cutting",
     "stems",
-    "reserve of a piece",
+    "to spare at each piece",
+    "at rest before each piece",
 )  # another trace shows the same
 Run = tuple[Scenario, Recording]
 
@@ -158,7 +159,7 @@ def test_the_figures_come_first(cyclic_cut: Run, tmp_path: Path) -> None:
         "cuts 20 a mark every 1500 mm",
         "worst error of a cut 0 (to rounding) tolerance 1e-9 mm",
         "limit -250 to 800 mm",
-        "greatest acceleration 10000 mm/s² limit 10000 mm/s², 100 % used",
+        "greatest acceleration of the saw 10000 mm/s² limit 10000 mm/s², 100 % used",
         "limit 1500 mm/s,",
     ):
         assert part in begin, begin
@@ -169,7 +170,7 @@ def test_cuts_machine_motion_and_states_follow_one_another(cyclic_cut: Run, tmp_
     text = page(cyclic_cut, tmp_path / "report.html")
     headings = re.findall(r"<h2[^>]*>(.*?)</h2>", text)
     assert headings[:4] == ["Cuts", "The machine", "Motion", "States and commands"]
-    assert headings[-1] == "Where this comes from"
+    assert headings[-1] == "Test record"
     assert text.count("<h1>") == 1
     assert len(re.findall(r'class="plot" role="img" aria-label="[^"]+"', text)) == 3
 
@@ -193,13 +194,14 @@ def test_the_page_states_which_fmu_and_script_it_comes_from(runs: dict[str, Run]
     write_report(tmp_path / "report.html", s, recording, evaluate_run(s, recording), fmu)
     text = words((tmp_path / "report.html").read_text("utf-8"))
     assert f"Synchronizer.fmu, FMI 2.0, python flavour, GUID {compute_guid(Recipe('Synchronizer'))}" in text
-    assert "step size 0.02 s, 801 communication points up to 8 s" in text
+    assert "step size 0.02 s; outputs were recorded at 801 times up to 8 s" in text
     assert re.search(r"date \d{4}-\d\d-\d\d \d\d:\d\d:\d\d[+-]\d\d:\d\d motionsync \d", text)
     assert re.search(r"platform \w+ \S+, \w+, Python 3\.", text)
     assert s.file.read_text("utf-8").splitlines()[0].replace('"', "&#34;") in (tmp_path / "report.html").read_text(
         "utf-8"
     )
-    assert "from position velocity acceleration jerk 0 s 0 90 0 0" in text
+    head = "from position in deg velocity in deg/s acceleration in deg/s² jerk in deg/s³"
+    assert f"{head} 0 s 0 90 0 0" in text
     assert "python flavour" in describe_fmu(fmu)
 
 

@@ -190,13 +190,14 @@ def test_what_was_made_is_reported_in_words(tmp_path: Path) -> None:
     s = scenario(tmp_path)
     production = production_of(s, run(s))
     assert production.pieces_text == "4 pieces: 2 PRODUCT, 1 SAMPLE, 1 MERGED; 2 good"
+    assert production.made_text == "2 products, all good; also 1 sample, 1 merged"
     assert production.worst_text == "0 mm"
     assert (production.skipped, production.late, production.missed_text) == (1, 0, "1 skipped")
     assert production.reserve_text == "20 % (piece 4)"
     assert production.short_text == "4 pieces, worst error 0 mm (2 products, 1 merged piece not included), 1 skipped"
     assert production.tolerance == 0.5  # the block's own
     assert production.line
-    assert production.line.greatest_text == "1000 mm/s"
+    assert production.line_speed_text == "1000 mm/s (60 m/min)"
     assert production.line.limit_text == "nearest to its limit at 0.21 s: 1000 of 1250 mm/s"
     assert production.notes == ["cuts that did not come on time: 1 skipped"]
 
@@ -216,8 +217,14 @@ def test_a_line_that_is_too_fast_is_reported_and_a_remark_where_cuts_were_missed
     """Between 2 s and 3.5 s the machine follows 950 u/s only; before `start` nothing is asked of it."""
     s = scenario(tmp_path)
     limit = [(0.0, 1250.0), (2.0, 950.0), (3.5, 1250.0)]
-    for skipped, remarks in (([], 0), ([3], 1)):
+    in_time = (
+        "for 1.5 s faster than the next pieces allow (most at 2 s: 1000 of 950 mm/s), but slow enough in time: "
+        "no cut was late"
+    )
+    too_late = "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
+    for skipped, remarks, comment in (([], 0, in_time), ([3], 1, too_late)):
         production = production_of(s, run(s, limit=limit, skipped_with=skipped))
+        assert production.line_text == comment
         assert production.line
         assert production.line.beyond == pytest.approx(1.5)
         assert production.line.limit_text == "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
@@ -261,7 +268,7 @@ def test_the_console_shows_the_pieces(tmp_path: Path, capsys: pytest.CaptureFixt
         "length error 0 mm (2 products, 1 merged piece not included) 0.5 mm allowed",
         "not on time 1 skipped",
         "reserve at least 20 % (piece 4) of a cycle",
-        "line 1000 mm/s nearest to its limit at 0.21 s: 1000 of 1250 mm/s",
+        "line 1000 mm/s (60 m/min) nearest to its limit at 0.21 s: 1000 of 1250 mm/s",
     ]
     print_row(outcome, 3)
     assert (

@@ -84,6 +84,11 @@ class PieceVariables:
     edge_radius: str = ""
 
     @property
+    def tool(self) -> str:
+        """What cuts."""
+        return "knife" if self.cut_spacing else "saw"
+
+    @property
     def outputs(self) -> tuple[str, ...]:
         """The outputs that describe the pieces of a run."""
         last = (self.length, self.error, self.kind, self.in_tolerance, self.time, self.reserve)

@@ -11,8 +11,8 @@ from motionsync.var import Unit
 from ..interface.units import unit_name
 from ..pages.report.chart import MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style
 from ..pages.report.lanes import find_lanes
-from ..pages.report.motion import fit
-from ..pages.report.origin import describe_fmu, origin_rows
+from ..pages.report.motion import fit, motion_units
+from ..pages.report.origin import describe_fmu, origin_rows, shown_path
 from ..pages.report.page import colour_keys, list_settings, plotly_script, run_charts
 from ..pages.style import load_template
 from ..scenario.engineering import engineering
@@ -57,10 +57,14 @@ def write_line_report(
         "keys": colour_keys(find_lanes(s, wired.recording)),
         "starts": [(c, n, blocks[c][n].text(value)) for c, given in starts.items() for n, value in given.items()],
         "settings": list_settings(s),
+        "axis_units": motion_units(line.unit),
         "axis": list(zip(line.remote.axis.breaks, line.remote.axis.motions, strict=True)),
         "origin": origin_rows(
             {f"FMU of {name}": describe_fmu(fmu) for name, fmu in package.fmus.items()},
-            {"line": str(s.file), "outputs": Markup('<a href="{0}">{0}</a>, with all digits').format(outputs.name)},
+            {
+                "line": shown_path(s.file),
+                "outputs": Markup('<a href="{0}">{0}</a>, with all digits').format(outputs.name),
+            },
         ),
         "engineering": engineering,
         "bundle": plotly_script(),

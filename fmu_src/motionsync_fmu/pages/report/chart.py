@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 
 from ...scenario.recording import Reals
 from ..numbers import NONE, TIME_DIGITS, Indices, points, rounded
-from ..style import typeset
+from ..style import typeset, with_unit
 
 INK, PAPER, GRID, AXIS, MUTED = "--ink", "--paper", "--grid", "--axis", "--muted"
 MASTER, SLAVE, REFERENCE, RECEIVED = "--master", "--slave", "--reference", "--received"
@@ -154,7 +154,8 @@ class Chart:
         self.layout["meta"]["rescaled"].append(axis_key(row))
 
     def add_trace(self, row: int, name: str, trace: dict[str, Any], *, legend: bool = True) -> None:
-        """Add a trace; the legend has each name once, and switches all traces of that name."""
+        """Add a trace; the legend has each name once, and switches all traces of that name. Traces with a text
+        `meta` are in the chart's file of comma-separated values, under this heading."""
         first = legend and name not in self.legend_names
         self.legend_names |= {name} if legend else set()
         axes = {"xaxis": "x", "yaxis": axis_id(row), "name": name, "showlegend": first}
@@ -180,7 +181,10 @@ class Chart:
         x, y = points(time, values, required, gaps)
         line = {"color": style.colour, "width": style.width, "dash": style.dash}
         trace = {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": line}
-        trace |= {"hovertemplate": hover_template(unit, hover_name or name)}
+        trace |= {
+            "hovertemplate": hover_template(unit, hover_name or name),
+            "meta": with_unit(hover_name or name, unit),
+        }
         self.add_trace(row, name, trace | ({"legendrank": legend_rank} if legend_rank else {}))
 
     def draw_markers(
@@ -190,7 +194,8 @@ class Chart:
         trace: dict[str, Any] = {"type": "scatter", "mode": "markers"}
         trace |= {"x": rounded(time, TIME_DIGITS), "y": rounded(values)}
         trace |= {"marker": {"color": colour, "size": 5, "symbol": symbol}}
-        self.add_trace(row, name, trace | {"hovertemplate": hover_template(unit, hover_name)})
+        texts = {"hovertemplate": hover_template(unit, hover_name), "meta": with_unit(hover_name, unit)}
+        self.add_trace(row, name, trace | texts)
 
     def shade_stretches(self, row: int, name: str, stretches: Sequence[tuple[float, float]], colour: str) -> None:
         """Shade stretches over the whole height of the axis with this number, which goes from 0 to 1."""

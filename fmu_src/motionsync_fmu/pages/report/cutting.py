@@ -65,6 +65,7 @@ def _draw_errors(chart: Chart, figures: KeyFigures, unit: str) -> None:
         "customdata": numbers,
         "marker": {"size": 8, "color": [BAD if abs(c.error) > tolerance else OK for c in figures.cuts]},
         "hovertemplate": "%{customdata[2]}<extra>cut %{customdata[0]}, mark %{customdata[1]}</extra>",
+        "meta": with_unit("error of the cut", unit),
     }
     chart.add_trace(2, "error of a cut", trace, legend=False)
     worst = max(abs(c.error) for c in figures.cuts)

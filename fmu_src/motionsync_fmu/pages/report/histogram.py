@@ -72,7 +72,7 @@ class Histogram:
         colours = [self._colour(middle) for middle in middles.tolist()]
         bars |= {"marker": {"color": colours}, "hovertext": texts}
         template = f"%{{y}} {self.counted}: %{{hovertext}}<extra></extra>"
-        chart.add_trace(1, "", bars | {"hovertemplate": template}, legend=False)
+        chart.add_trace(1, "", bars | {"hovertemplate": template, "meta": self.counted}, legend=False)
 
     def _colour(self, middle: float) -> str:
         if self.tolerance is None:

@@ -36,6 +36,11 @@ MOST_MARKERS = 250  # of a reference; of more points only every n-th is drawn
 MOST_LINES = 40  # lines at the times of settings; more could not be distinguished
 
 
+def motion_units(unit: str) -> list[str]:
+    """The units of position, velocity, acceleration and jerk, as they are printed; `unit`: that of positions."""
+    return [typeset(unit_name(kind, unit)) for _, kind, _ in ROWS]
+
+
 @dataclass(frozen=True)
 class Bound:
     """A limit of the slave's axis: the name of its variable, its value, the row that it belongs to, and whether it is

@@ -20,6 +20,11 @@ def origin_rows(sources: Mapping[str, str], more: Mapping[str, str]) -> dict[str
     return {**program, **sources, "platform": describe_platform(), **more}
 
 
+def shown_path(file: Path) -> str:
+    """A file as readers elsewhere may see it: from the current folder on, else with its own folder alone."""
+    return str(file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else Path(file.parent.name) / file.name)
+
+
 def describe_fmu(fmu: Path) -> Markup:
     """An FMU by its file name, version of FMI, flavour and GUID: a hash of its variables and its source, in FMI 3.0 the
     instantiation token."""

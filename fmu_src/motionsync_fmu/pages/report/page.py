@@ -23,8 +23,8 @@ from .chart import Chart, align_charts, kind_colour
 from .cutting import chart_cuts
 from .lanes import Lane, chart_lanes, find_changes, find_lanes
 from .limit_rows import limit_rows
-from .motion import chart_motion, chart_remote_errors
-from .origin import describe_fmu, origin_rows
+from .motion import chart_motion, chart_remote_errors, motion_units
+from .origin import describe_fmu, origin_rows, shown_path
 from .piece_charts import chart_piece_list, chart_pieces, error_text, kind_key
 from .real_machine import chart_axis, chart_force_over_velocity, chart_histogram, chart_true_errors
 
@@ -73,6 +73,8 @@ def write_report(
         starts=_with_units(scenario, scenario.start),
         limits=limit_rows(scenario.recipe.variables, scenario.start, scenario.unit, scenario.slave_unit),
         origin=_origin(scenario, recording, fmu, results),
+        tool=_tool(scenario),
+        axis_units=motion_units(scenario.unit),
         axis=[] if filed.is_recorded else list(zip(filed.master.breaks, filed.master.motions, strict=True)),
         engineering=engineering,
         kind_colour=kind_colour,
@@ -85,13 +87,19 @@ def write_report(
 
 def _origin(scenario: Scenario, recording: Recording, fmu: Path | None, results: Path | None) -> dict[str, str]:
     """The table "Where this comes from", by the names of its rows."""
-    points = f"{len(recording.time)} communication points up to {scenario.stop_time:.10g} s"
-    rows = {"step size": f"{scenario.step_size:.10g} s, {points}", "scenario": _short(scenario.file)}
+    times = f"outputs were recorded at {len(recording.time)} times up to {scenario.stop_time:.10g} s"
+    rows = {"step size": f"{scenario.step_size:.10g} s; {times}", "scenario": shown_path(scenario.file)}
     if results:
         digits = "all outputs with all digits; a curve of the charts has about as many points as a screen"
         rows["outputs"] = Markup('<a href="{0}">{0}</a>, {1}').format(results.name, digits)
     in_process = f"none: the block {scenario.recipe.name} ran in this process"
     return origin_rows({"FMU": describe_fmu(fmu) if fmu else in_process}, rows)
+
+
+def _tool(scenario: Scenario) -> str:
+    """What the slave is to a reader: the tool that cuts, or nothing but the slave."""
+    names = scenario.recipe.piece_variables
+    return names.tool if names else "saw" if scenario.cuts else "slave"
 
 
 def _measured(piece: Piece, production: Production) -> str:
@@ -110,7 +118,7 @@ def with_recorded_settings(scenario: Scenario, recording: Recording) -> Scenario
 def _describe_reaction(reaction: Reaction, scenario: Scenario) -> tuple[str, str, str, str]:
     """A reaction in words: its condition, how long after it, what it sets and adds, and how often."""
     changes = [f"{name} = {text}" for name, text in _with_units(scenario, reaction.set)]
-    changes += [f"{name} + {value:.10g}" for name, value in reaction.add.items()]
+    changes += [f"{name} + {text}" for name, text in _with_units(scenario, reaction.add)]
     often = "each time" if reaction.times is None else "once" if reaction.times == 1 else f"{reaction.times} times"
     after = engineering(reaction.after, "s") if reaction.after else "at once"
     return reaction.condition.text, after, ", ".join(changes), often
@@ -126,11 +134,6 @@ def _with_units(scenario: Scenario, values: Mapping[str, float]) -> list[tuple[s
     declared = [(scenario.recipe.variables[name], value) for name, value in values.items()]
     units = [typeset(unit_name(v.declaration.unit, scenario.unit, scenario.slave_unit)) for v, _ in declared]
     return [(v.name, f"{v.text(value)} {unit}".rstrip()) for (v, value), unit in zip(declared, units, strict=True)]
-
-
-def _short(file: Path) -> str:
-    """A file as readers elsewhere may see it: from the current folder on, else with its own folder alone."""
-    return str(file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else Path(file.parent.name) / file.name)
 
 
 def colour_keys(lanes: list[Lane]) -> list[tuple[str, list[tuple[str, str, str]]]]:

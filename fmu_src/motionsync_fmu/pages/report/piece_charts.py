@@ -83,7 +83,7 @@ def chart_pieces(
     names = scenario.recipe.piece_variables
     assert names
     chart = Chart(
-        "Pieces passing the saw, velocity of the line, length errors and reserve",
+        f"Pieces passing the {names.tool}, velocity of the line, length errors and time to spare",
         [310, 190, 130, 120],
         "time in s",
         (0.0, scenario.stop_time),
@@ -121,8 +121,8 @@ def _draw_material(
     required: Indices,
 ) -> None:
     """Draw the pieces as bands that pass the saw, in the colours of their kinds, and the saw between them."""
-    unit = unit_name(Unit.POSITION, scenario.unit)
-    chart.write_title(1, with_unit("saw and material", unit))
+    unit = unit_name(scenario.recipe.variables["slave.position"].declaration.unit, scenario.unit, scenario.slave_unit)
+    chart.write_title(1, with_unit(f"{names.tool} and material", unit))
     saw = recording.values["slave.position"]
     low, high = float(saw.min()), float(saw.max())
     height = max(high - low, 1e-9 * max(abs(low), abs(high), 1.0))
@@ -143,7 +143,7 @@ def _draw_material(
         chart.annotate(
             f"{len(production.pieces)} pieces: too many to draw", yref="y domain", x=0.5, y=0.97, yanchor="top"
         )
-    chart.draw_curve(1, "saw", recording.time, saw, Style(SLAVE, 2.2), unit=unit, required=required)
+    chart.draw_curve(1, names.tool, recording.time, saw, Style(SLAVE, 2.2), unit=unit, required=required)
     if (cutting := recording.values[names.cutting] != 0.0).any():
         _draw_cutting(chart, recording.time, saw, cutting)
     chart.axis(1)["range"] = [low, high]
@@ -261,8 +261,11 @@ def _draw_errors(chart: Chart, production: Production) -> None:
         text = f"0 to rounding: at most {engineering(worst, production.unit)}" if worst else "0 for each product"
         chart.annotate(text, yref="y3 domain", x=0.5, y=0.3)  # between the errors, all at 0, and the lower tolerance
     chart.axis(3)["range"] = [-1.12 * most, 1.12 * most]
-    if most < SMALL:
-        chart.axis(3)["tickformat"] = ".2~e"
+    if rounding and most < SMALL:
+        chart.axis(3)["tickvals"] = [0]  # the tolerance has its text
+    elif most < SMALL:
+        del chart.axis(3)["tickformat"]
+        chart.axis(3)["exponentformat"] = "power"
 
 
 def _draw_stems(chart: Chart, production: Production, most: float) -> None:
@@ -285,6 +288,7 @@ def _draw_stems(chart: Chart, production: Production, most: float) -> None:
             "color": [OK if p.good else BAD if p.bad else MUTED for p in production.pieces],
         },
         "hovertemplate": "%{customdata}<extra></extra>",
+        "meta": with_unit("length error", production.unit),
     }
     chart.add_trace(3, "length error", trace, legend=False)
 
@@ -301,18 +305,21 @@ def _draw_reserve(
     chart: Chart, recording: Recording, production: Production, names: PieceVariables, required: Indices
 ) -> None:
     """Draw the reserve of each piece as a bar, and the one that a cycle would have at the present velocity."""
-    chart.write_title(4, "reserve in % of the cycle")
+    chart.write_title(4, "time to spare in % of the cycle")
     spare = 100.0 * recording.values[names.spare]
     style = Style(MASTER, 1.2)
-    chart.draw_curve(4, "reserve at this velocity", recording.time, spare, style, names.spare, "%", required=required)
+    chart.draw_curve(4, "to spare at this velocity", recording.time, spare, style, names.spare, "%", required=required)
     x = rounded((p.sync for p in production.pieces), TIME_DIGITS)
     y = rounded(100.0 * p.reserve for p in production.pieces)
     line = {"type": "scatter", "mode": "lines", "line": {"color": OK, "width": 3}, "hoverinfo": "skip"}
     stems = {"x": [e for t in x for e in (t, t, None)], "y": [e for v in y for e in (0, v, None)]}
-    chart.add_trace(4, "reserve of a piece", line | stems)
+    turns = names.tool == "knife"  # it is at rest before long pieces alone
+    chart.add_trace(4, "at rest before each piece" if turns else "to spare at each piece", line | stems)
     labels = [f"{engineering(100.0 * p.reserve, digits=3)} %, piece {p.number}" for p in production.pieces]
-    colours = [BAD if p.product and p.reserve <= 0.0 else OK for p in production.pieces]
+    colours = [BAD if p.product and p.reserve <= 0.0 and not turns else OK for p in production.pieces]
     dots = {"x": x, "y": y, "customdata": labels, "marker": {"color": colours, "size": 7}}
-    dots |= {"type": "scatter", "mode": "markers", "hovertemplate": "%{customdata}<extra>reserve</extra>"}
-    chart.add_trace(4, "reserve", dots, legend=False)
+    dots |= {"type": "scatter", "mode": "markers", "hovertemplate": "%{customdata}<extra></extra>"}
+    chart.add_trace(
+        4, "to spare", dots | {"meta": f"time {'at rest' if turns else 'to spare'} at each piece in %"}, legend=False
+    )
     chart.axis(4)["range"] = [min(0.0, 1.1 * float(spare.min(initial=0.0, where=spare > -50.0))), 106.0]

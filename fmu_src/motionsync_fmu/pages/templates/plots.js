@@ -3,12 +3,42 @@
 (() => {
   const frames = [...document.querySelectorAll("div.plot")];
   const texts = frames.map((frame) => frame.nextElementSibling.textContent);
-  const PAPER = 680;  // px: the width of a chart on paper
+  const PAPER = 703;  // px: the width of A4 less its margins
   const NUMBER = 22;  // px: from the middle of a number to that of the next one, at least
   const config = {
     displaylogo: false, responsive: true, doubleClick: "reset", plotlyServerURL: "",
     modeBarButtons: [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]],  // none that sends data
   };
+  // The curves of a chart as comma-separated values: a row for each value of the horizontal axis that any of them has.
+  function table({ data, layout }) {
+    const curves = data.filter(({ meta }) => meta), rows = new Map();
+    curves.forEach(({ x, y }, k) => x.forEach((at, i) => {
+      if (at === null || y[i] === null) return;
+      if (!rows.has(at)) rows.set(at, new Array(curves.length).fill(""));
+      rows.get(at)[k] = y[i];
+    }));
+    const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
+    const lines = [...rows].sort(([a], [b]) => a - b).map(([at, values]) => [at, ...values].join(","));
+    return [[layout.xaxis.title.text, ...curves.map(({ meta }) => meta)].map(quoted).join(","), ...lines, ""].join("\n");
+  }
+
+  const csv = {
+    name: "csv", title: "Download the curves as CSV",
+    icon: { width: 24, height: 24, path: "M5 21h14v-2H5zM19 9h-4V3H9v6H5l7 7z" },
+    click(frame) {
+      const name = `${frame.getAttribute("aria-label").replace(/[^\w]+/g, "_")}.csv`;
+      const href = URL.createObjectURL(new Blob([table(frame)], { type: "text/csv" }));
+      Object.assign(document.createElement("a"), { download: name, href }).click();
+      URL.revokeObjectURL(href);
+    },
+  };
+
+  // The settings of a chart; one without curves has nothing to download.
+  function settings(data) {
+    const [usual] = config.modeBarButtons, buttons = data.some(({ meta }) => meta) ? [csv, ...usual] : usual;
+    return { ...config, modeBarButtons: [buttons] };
+  }
+
   const isTimed = (frame) => frame.layout.meta.timed;
   let busy = false;
 
@@ -40,7 +70,7 @@
       layout[axis].autorange = frame.layout[axis].autorange;
       layout[axis].range = frame.layout[axis].range;
     }
-    return Plotly.react(frame, data, layout, config);
+    return Plotly.react(frame, data, layout, settings(data));
   }
 
   // The range that a vertical axis needs for the points between two times; limits count where they are near.

@@ -65,7 +65,7 @@ def check_expectations(scenario: Scenario, recording: Recording, results: Cuttin
                     _check_first_time(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0)
                 )
             case Within():
-                checks += _check_limits(e, recording)
+                checks += _check_limits(e, recording, scenario)
     checks += check_reactions(recording.unmet)
     unit = unit_name(Unit.POSITION, scenario.unit)
     if scenario.cuts:
@@ -111,15 +111,34 @@ def _check_first_time(e: When, recording: Recording, cycle: float) -> Check:
     return Check(expected, f"{time:.10g} s", abs(time - e.time) <= tolerance * (1.0 + 1e-9))
 
 
-def _check_limits(e: Within, recording: Recording) -> Iterator[Check]:
+def _check_limits(e: Within, recording: Recording, scenario: Scenario) -> Iterator[Check]:
     inside = (recording.time >= e.begin - 1e-9) & (recording.time <= e.end + 1e-9)
     for name, (low, high) in e.limits.items():
+        v = scenario.columns[name]
+        unit = unit_name(v.declaration.unit, scenario.unit, scenario.slave_unit)
         values = recording.columns[name][inside]
         least, greatest = float(values.min()), float(values.max())
         passed = low - e.tolerance <= least and greatest <= high + e.tolerance
-        limits = f"from {low:.10g} to {high:.10g} ± {engineering(e.tolerance)}"
-        expected = f"{name} {limits} between {e.begin:.10g} s and {e.end:.10g} s"
-        yield Check(expected, f"{least:.10g} to {greatest:.10g}", passed)
+        actual = v.text(least) if least == greatest else f"{v.text(least)} to {v.text(greatest)}"
+        expected = f"{name} {_limits_text(v, e.limits[name], e.tolerance, unit)}"
+        yield Check(f"{expected}, from {e.begin:.10g} s to {e.end:.10g} s", f"{actual} {unit}".rstrip(), passed)
+
+
+def _limits_text(v: Variable, limits: tuple[float, float], tolerance: float, unit: str) -> str:
+    """What is allowed between two limits: `= false`, `= OFF or HOMING`, `at most 650 mm ± 1e-9 mm`."""
+    low, high = limits
+    if v.kind == "Boolean" or v.choices:
+        allowed = [v.text(value) for value in (v.choices or (0, 1)) if low <= value <= high]
+        return f"= {' or '.join(allowed) or 'nothing'}"
+    least, greatest = (engineering(limit, digits=10) for limit in limits)
+    if low == high:
+        text = f"= {least}"
+    elif low == -math.inf:
+        text = f"at most {greatest}"
+    else:
+        text = f"at least {least}" if high == math.inf else f"between {least} and {greatest}"
+    margin = f" ± {engineering(tolerance, unit)}" if tolerance and v.kind == "Real" else ""
+    return f"{text} {unit}".rstrip() + margin
 
 
 def _check_cuts(spec: CutSpec, cuts: Sequence[Cut], recording: Recording, unit: str) -> Iterator[Check]:

@@ -8,7 +8,7 @@ import numpy as np
 from motionsync.var import Unit
 
 from ...interface.units import unit_name
-from ..engineering import ROUNDING, engineering
+from ..engineering import ROUNDING, engineering, line_speed
 from ..recording import Recording, greatest_position
 from ..scenario import Scenario
 from .find_pieces import Piece, find_pieces, rises
@@ -36,17 +36,16 @@ class LineVelocity:
     unit: str
 
     @property
-    def greatest_text(self) -> str:
-        """The greatest velocity: `1200 mm/s`."""
-        return engineering(self.greatest, self.unit)
+    def where(self) -> str:
+        """Where it was nearest to its limit, or farthest beyond it: `at 3.2 s: 1200 of 1293 mm/s`."""
+        return f"at {engineering(self.at, 's')}: {engineering(self.velocity)} of {engineering(self.limit, self.unit)}"
 
     @property
     def limit_text(self) -> str:
-        """Where it was nearest to its limit: `nearest to its limit at 3.2 s: 1200 of 1293 mm/s`."""
-        where = f"at {engineering(self.at, 's')}: {engineering(self.velocity)} of {engineering(self.limit, self.unit)}"
+        """The same in words: `nearest to its limit at 3.2 s: 1200 of 1293 mm/s`."""
         if self.beyond:
-            return f"above its limit for {engineering(self.beyond, 's', digits=3)}, most {where}"
-        return f"nearest to its limit {where}"
+            return f"above its limit for {engineering(self.beyond, 's', digits=3)}, most {self.where}"
+        return f"nearest to its limit {self.where}"
 
 
 @dataclass(frozen=True)
@@ -103,6 +102,14 @@ class Production:
         return ", ".join(f"{n} {name}" for name, n in Counter(piece.name for piece in self.pieces).items())
 
     @property
+    def made_text(self) -> str:
+        """What was made, in words: `17 products, all good`, `3 products, 2 good; also 1 trim, 1 merged`."""
+        accepted = "all good" if self.accepted_count == len(self.products) else f"{self.accepted_count} good"
+        others = Counter(piece.name for piece in self.pieces if not piece.product)
+        also = ", ".join(f"{n} {name.lower().replace('_', ' ')}" for name, n in others.items())
+        return f"{_number_of(len(self.products), 'product')}, {accepted}{f'; also {also}' if also else ''}"
+
+    @property
     def pieces_text(self) -> str:
         """The pieces in words: `12 pieces: 11 PRODUCT, 1 MERGED; 11 good`."""
         if not self.cuts:
@@ -134,6 +141,27 @@ class Production:
         """The cuts that did not come on time: `2 skipped, 1 late`; empty if all did."""
         counts = ((self.skipped, "skipped"), (self.late, "late"))
         return ", ".join(f"{number} {what}" for number, what in counts if number)
+
+    @property
+    def line_speed_text(self) -> str:
+        """The greatest velocity of the line: `1200 mm/s (72 m/min)`; empty if the block never ran."""
+        return line_speed(self.line.greatest, self.unit) if self.line else ""
+
+    @property
+    def line_text(self) -> str:
+        """How near the line came to its limit, and what followed from it; empty if the block never ran."""
+        if not self.line or not self.line.beyond or self.missed_text:
+            return self.line.limit_text if self.line else ""
+        duration = engineering(self.line.beyond, "s", digits=3)
+        return (
+            f"for {duration} faster than the next pieces allow (most {self.line.where}), but slow enough in time: "
+            "no cut was late"
+        )
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether each product is as long as ordered, to rounding."""
+        return all(abs(piece.error) <= ROUNDING * self.scale for piece in self.products)
 
     @property
     def reserve_text(self) -> str:
