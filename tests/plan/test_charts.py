@@ -155,6 +155,9 @@ def test_both_machines_are_drawn_in_one_chart(tmp_path: Path) -> None:
     for name, velocity in (("the saw cuts below this", 1001.572745), ("the knife cuts below this", 3863.728)):
         line = curve(chart, name)
         assert np.interp(1000.0, line["x"], line["y"]) == pytest.approx(velocity, rel=2e-3)
+    are_areas = ["fill" in trace for trace in chart.traces]
+    assert are_areas == sorted(are_areas, reverse=True), "an area hides what was drawn before it"
+    assert [trace["name"] for trace in chart.traces[:2]] == ["the knife cuts below this", "the saw cuts below this"]
     assert (curve(chart, "orders")["x"], curve(chart, "orders")["y"]) == ([1000], [900])
     page = write_plan(plan, tmp_path / "report.html").read_text("utf-8")
     assert "<h1>The saw, or the knife?</h1>" in page

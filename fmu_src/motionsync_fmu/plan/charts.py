@@ -113,13 +113,20 @@ def chart_comparison(comparison: Comparison) -> Chart:
     chart = Chart("Where each machine reaches", [380], title, (low, high), timed=False)
     unit = machine.unit_of(Unit.VELOCITY)
     chart.write_title(1, with_unit("line velocity", unit))
-    for compared, (colour, area) in zip(comparison.machines, MACHINE_COLOURS, strict=False):
-        lengths = _lengths(compared.machine, low, high)
+    reaches = []
+    for compared, colours in zip(comparison.machines, MACHINE_COLOURS, strict=False):
+        lengths = np.array(_lengths(compared.machine, low, high))
         velocities = np.array([compared.machine.predict_greatest_velocity(x).velocity for x in lengths])
-        name = f"{compared.label} cuts below this"
-        chart.draw_curve(1, name, np.array(lengths), velocities, Style(colour, 2.5), compared.label, unit)
-        chart.traces[-1] |= {"fill": "tozeroy", "fillcolor": area} | _per_minute(machine, velocities, compared.label)
-        chart.traces[-1]["opacity"] = 0.6
+        reaches.append((compared.label, colours, lengths, velocities))
+    names = {label: f"{label} cuts below this" for label, *_ in reaches}
+    # An area hides what was drawn before it: first the greater one, and the lines at last.
+    for label, (_, area), lengths, velocities in sorted(reaches, key=lambda reach: -float(reach[3].mean())):
+        x, y = [float(lengths[0]), *lengths.tolist(), float(lengths[-1])], [0.0, *velocities.tolist(), 0.0]
+        chart.draw_area(1, names[label], x, y, area, {"width": 0}, legend=True)
+        chart.traces[-1]["showlegend"] = False
+    for i, (label, (colour, _), lengths, velocities) in enumerate(reaches):
+        chart.draw_curve(1, names[label], lengths, velocities, Style(colour, 2.5), label, unit)
+        chart.traces[-1] |= _per_minute(machine, velocities, label) | {"showlegend": True, "legendrank": i + 1}
     if comparison.line_velocity:
         orders = np.array(comparison.orders)
         _draw_own_points(
