@@ -764,6 +764,7 @@ class RotaryKnife(RotaryKnifeInterface):
         if number > 0.0:
             self.parking.passed += number
             self.statistics.unsynchronised = increased(self.statistics.unsynchronised, number)
+            self.local.skip_reason = SkipReason.PARKING
 
     def park_position(self) -> float:
         """Where the knife rests, counted from where the blade of the next cut cuts."""

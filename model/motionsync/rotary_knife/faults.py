@@ -28,6 +28,7 @@ class SkipReason(Enumeration):
 
     NONE = 0, "no cut was skipped"
     LATE = 1, "cut skipped: the knife cannot be in sync with it within the limits of its axis", *SKIPPED_CUT
+    PARKING = 2, "cut skipped: on its way to park the blade passes its place out of sync", "statistics.unsynchronised"
 
 
 class Refusal(Enumeration):

@@ -12,7 +12,7 @@ import pytest
 from motionsync.cutting.faults import PieceFault
 from motionsync.cutting.interface import ChangeMode, LateMode, PieceKind
 from motionsync.rotary_knife.block import RotaryKnife
-from motionsync.rotary_knife.faults import KnifeParameter, Refusal
+from motionsync.rotary_knife.faults import KnifeParameter, Refusal, SkipReason
 from motionsync.rotary_knife.interface import State, SyncMode
 from tests.model.rotary_knife.harness import RotaryKnifeHarness, started_knife
 
@@ -195,6 +195,17 @@ def test_a_blade_that_passes_its_cut_on_the_way_to_park_is_counted() -> None:
     """Aborted 20 before a cut at 1000 u/s: the way to stop from 600 degrees/s is longer than these 12 degrees."""
     knife = started_knife({"length": 600.0}).at(1.18).give("abort").at(3.0)
     assert (knife["statistics.unsynchronised"], knife["statistics.cuts"]) == (1, 1)
+
+
+def test_a_cut_that_is_lost_on_the_way_to_park_is_reported_once() -> None:
+    """The knife is 10.2 degrees before the place, at 600 degrees/s, and takes more than that to stop. It goes on to the
+    next park angle and is no slower at first: it passes the place in less than 10.2/600 = 0.017 s, the second step."""
+    knife = started_knife({"length": 600.0}).at(1.183).give("abort")
+    reasons = [knife.at(1.183 + 0.01 * n)["local.skip_reason"] for n in range(1, 100)]
+    assert [reason for reason in reasons if reason] == [SkipReason.PARKING]
+    assert reasons.index(SkipReason.PARKING) == 1
+    clear = started_knife({"length": 600.0}).at(0.8).give("abort")
+    assert not any(clear.at(0.8 + 0.01 * n)["local.skip_reason"] for n in range(1, 100))
 
 
 def test_cut_now_at_rest_cuts_after_the_ramp() -> None:
