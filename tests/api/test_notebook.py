@@ -58,6 +58,20 @@ def test_the_chosen_saw_is_the_cheapest_that_is_able_to(executed: list[Any]) -> 
     assert f"saw {able[0]} is the cheapest" in text
 
 
+def test_the_prediction_is_what_the_runs_found(executed: list[Any]) -> None:
+    """The search is as exact as a thousandth, and both print a tenth of a m/min."""
+    cell = cell_with(executed, "plan = plan_line(")
+    predicted = {
+        n: float(v) for n, v in re.findall(r"^(\d+) mm: cuts are lost above ([\d.]+) m/min", shown(cell), re.M)
+    }
+    (saw,) = re.findall(r"saw (\w) is the cheapest", shown(cell_with(executed, "chosen = min(")))
+    (line,) = [line for line in shown(cell_with(executed, "limits = {")).splitlines() if line.startswith(saw)]
+    searched = {n: float(v) for n, v in re.findall(r"'(\d+) mm': '([\d.]+) m/min'", line)}
+    assert set(LENGTHS) == set(predicted)
+    assert predicted == pytest.approx(searched, rel=1e-3, abs=0.1)
+    assert "<iframe srcdoc=" in shown(cell, "text/html")
+
+
 def test_the_result_of_the_run_is_the_moving_machine(executed: list[Any]) -> None:
     page = shown(cell_with(executed, "result = run("), "text/html")
     assert page.startswith("<iframe srcdoc=")
