@@ -14,11 +14,11 @@ def test_an_fmu_is_built_once(tmp_path: Path, capfd: pytest.CaptureFixture[str])
     (fmu,) = build("synchronizer", **options, finished=reported.append)
     assert reported == [fmu]
     assert fmu.path == tmp_path / "python" / "Synchronizer.fmu"
-    assert fmu.is_new
+    assert (fmu.is_new, fmu.has_replaced) == (True, False)
     rest = describe(fmu.path).variables["rest_value"]
     assert (rest.start, rest.unit) == ("12.25", "deg")
     (again,) = build(["Synchronizer"], **options)
-    assert (again.path, again.is_new) == (fmu.path, False)
+    assert (again.path, again.is_new, again.has_replaced) == (fmu.path, False, False)
     assert capfd.readouterr() == ("", "")
 
 

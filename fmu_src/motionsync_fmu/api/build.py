@@ -118,11 +118,13 @@ class BuiltFmu:
         path: its file.
         recipe: what it is built from: block, units, start values, causalities, version of FMI.
         is_new: whether it was built now; else it was up to date.
+        has_replaced: whether it took the place of a file: of an FMU that was stale, or had other start values or units.
     """
 
     path: Path
     recipe: Recipe
     is_new: bool
+    has_replaced: bool
 
 
 @dataclass(frozen=True)
@@ -152,6 +154,7 @@ def _build_all(
     finish_next: Finish | None = None
     for this, following in zip(builds, [*builds[1:], None], strict=True):
         finish, finish_next = finish_next, None
+        existed = this.target.exists()
         if is_new := not this.is_up_to_date():
             this.target.parent.mkdir(parents=True, exist_ok=True)
             with report(f"building {this.target}") as notify:
@@ -159,7 +162,7 @@ def _build_all(
                 with suppress(UserError):  # its own iteration starts it again, and reports this error
                     finish_next = following.start() if following and not following.is_up_to_date() else None
                 finish(this.target, notify)
-        built.append(BuiltFmu(this.target, this.recipe, is_new))
+        built.append(BuiltFmu(this.target, this.recipe, is_new, is_new and existed))
         finished(built[-1])
     return built
 

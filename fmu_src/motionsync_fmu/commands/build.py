@@ -43,7 +43,7 @@ def command(
     as_local: Annotated[list[str] | None, typer.Option(metavar="PATTERN", help=PATTERNS)] = None,
     output: Annotated[
         Path | None,
-        typer.Option(help="Target of the FMUs: OUTPUT/<flavour>/<FMU>.fmu, OUTPUT/fmi3/<FMU>.fmu; else in build."),
+        typer.Option(help="Target of the FMUs: OUTPUT/FLAVOUR/FMU.fmu, OUTPUT/fmi3/FMU.fmu; else in build."),
     ] = None,
     sources: Annotated[
         bool, typer.Option("--sources", help="Add the C code to the FMU, for any other processor; native flavour.")
@@ -104,4 +104,9 @@ def _print_built(fmu: "BuiltFmu") -> None:
         return
     unit, slave_unit = fmu.recipe.unit, fmu.recipe.slave_unit
     of_slave = f", the slave's in {slave_unit}" if slave_unit not in ("", unit) else ""
-    out.print(f"{escape(str(fmu.path))}  {fmu.path.stat().st_size / 1000:.0f} kB, positions in {unit}{of_slave}")
+    starts = (
+        f", start values: {', '.join(f'{n} = {v}' for n, v in fmu.recipe.starts.items())}" if fmu.recipe.starts else ""
+    )
+    replaced = "; it replaces the FMU that was there" if fmu.has_replaced else ""
+    size = f"{fmu.path.stat().st_size / 1000:.0f} kB"
+    out.print(f"{escape(str(fmu.path))}  {size}, positions in {unit}{of_slave}{escape(starts)}{replaced}")

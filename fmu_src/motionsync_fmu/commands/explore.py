@@ -17,7 +17,7 @@ def command(
         str, typer.Argument(metavar="BLOCK|SCENARIO", help="A block, or a scenario to start with: a file, or a name.")
     ],
     output: Annotated[
-        Path | None, typer.Option(help="Where to write the page: OUTPUT/<block>.html; else into build/explore.")
+        Path | None, typer.Option(help="Where to write the page: OUTPUT/BLOCK.html; else into build/explore.")
     ] = None,
     show: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,
 ) -> None:

@@ -18,8 +18,8 @@ def command(
 ) -> None:
     """Write FMUs with inputs and references for the FMI cross-check.
 
-    Each goes to FOLDER/fmus/2.0/cs/<platform>/motionsync/<version>/<model>/: the native FMU with its start values baked
-    in, <model>_in.csv, <model>_ref.csv, <model>_ref.opt and README.md. The references come from solutions that are
+    Each goes to FOLDER/fmus/2.0/cs/PLATFORM/motionsync/VERSION/MODEL/: the native FMU with its start values baked
+    in, MODEL_in.csv, MODEL_ref.csv, MODEL_ref.opt and README.md. The references come from solutions that are
     independent of the FMUs.
 
     Examples:

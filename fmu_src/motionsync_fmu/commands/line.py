@@ -22,9 +22,7 @@ def command(
     flavour: Annotated[Flavour | None, typer.Option(help="Which FMUs to wire; native if they can be compiled.")] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            help="Where to write: OUTPUT/<line>.ssp, OUTPUT/<line>/, OUTPUT/reports/line/<line>/; else into build."
-        ),
+        typer.Option(help="Where to write: OUTPUT/LINE.ssp, OUTPUT/LINE/, OUTPUT/reports/line/LINE/; else into build."),
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,

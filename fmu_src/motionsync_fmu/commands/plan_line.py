@@ -46,7 +46,7 @@ def command(
     ] = "",
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; else the file's, else mm.")] = "",
     output: Annotated[
-        Path | None, typer.Option(help="Target of the page: OUTPUT/<machine>/report.html; else build/reports/plan.")
+        Path | None, typer.Option(help="Target of the page: OUTPUT/MACHINE/report.html; else build/reports/plan.")
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML page.")] = False,
     show: Annotated[bool, typer.Option("--open", help="Open the page in the browser.")] = False,

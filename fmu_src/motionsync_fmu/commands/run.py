@@ -48,7 +48,7 @@ def command(
         ),
     ] = None,
     output: Annotated[
-        Path | None, typer.Option(help="Target of results and reports: OUTPUT/<FMU>/<scenario>/; else build/reports.")
+        Path | None, typer.Option(help="Target of results and reports: OUTPUT/FMU/SCENARIO/; else build/reports.")
     ] = None,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no HTML report.")] = False,
     show: Annotated[bool, typer.Option("--open", help="Open the report in the browser.")] = False,
@@ -63,7 +63,7 @@ def command(
     With --set the scenario is run with other values, as in a run of a sweep: its expectations are checked, its
     reference is not, and the results go to a folder of their own.
 
-    Without an up-to-date FMU in build/<flavour>/ or build/fmi3/, one for this machine is built in the user's cache. The
+    Without an up-to-date FMU in build/FLAVOUR/ or build/fmi3/, one for this machine is built in the user's cache. The
     exit status is 1 if anything was not as expected.
 
     Examples:
