@@ -46,6 +46,7 @@ def test_the_system_of_ones_own_cuts_the_pieces_that_it_is_given(fmus: Fmus, tmp
     inputs = {
         "line.position": lambda t: 500.0 * (t + h),
         "line.velocity": lambda t: 500.0,
+        "line.acceleration": lambda t: 0.0,
         "length": lambda t: 800.0,
         "start": lambda t: t > 0.5,
     }
@@ -86,6 +87,15 @@ def test_the_plans_have_the_figures_of_the_page(motionsync: Command) -> None:
 def test_every_kind_of_measure_is_listed() -> None:
     table = re.findall(r"^\| (`.*?) \|", (DOCS / "reference" / "measures.md").read_text("utf-8"), re.M)
     assert re.findall(r"`(.*?)`", " ".join(table)) == sorted([*PLAIN, *NUMBERED.values()], key=" ".join(table).index)
+
+
+def test_each_line_that_a_run_prints_is_explained() -> None:
+    source = (ROOT / "fmu_src" / "motionsync_fmu" / "pages" / "summary.py").read_text("utf-8")
+    names = set(re.findall(r'yield "([a-z ]+)"', source))
+    assert len(names) > 10
+    page = (DOCS / "reference" / "run_output.md").read_text("utf-8")
+    rows = re.findall(r"^\| (`.*?) \|", page, re.M)
+    assert names <= set(re.findall(r"`(.*?)`", " ".join(rows)))
 
 
 def test_a_test_of_ones_own_project_runs() -> None:

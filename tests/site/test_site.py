@@ -9,6 +9,7 @@ from urllib.parse import unquote
 
 import pytest
 
+from motionsync_fmu import scenarios
 from motionsync_fmu.about import HOME, __version__
 from motionsync_fmu.commands.app import COMMANDS
 from motionsync_fmu.interface.recipe import Recipe
@@ -84,6 +85,7 @@ def test_the_reference_of_a_block_has_its_variables_members_and_codes(block: str
         names |= {member.name for member in v.choices}
         if v.declaration.codes:
             names |= {member.name for member in members(v.declaration.codes)}
+    names |= set(scenarios(block))
     assert names <= set(page.code)
     text = " ".join(page.prose)
     for v in recipe.variables.values():

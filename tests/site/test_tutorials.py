@@ -58,5 +58,6 @@ def test_the_commands_that_take_long_name_what_there_is() -> None:
     text = (TUTORIAL / "my_machine.md").read_text("utf-8")
     (build,) = [line for line in COMMAND.findall(text) if line.startswith("build")]
     starts = dict(re.findall(r"--start (\S+)=(\S+)", build))
-    scenario = dict(re.findall(r'^"([\w.]+)" = (\S+)', FILE.findall(text)[0][1], re.M))
-    assert {name: float(value) for name, value in starts.items()} == {n: float(v) for n, v in scenario.items()}
+    scenario = re.findall(r'^"([\w.]+)" = "?([\d.]+)( m)?', FILE.findall(text)[0][1], re.M)
+    in_mm = {name: float(value) * (1000.0 if metres else 1.0) for name, value, metres in scenario}
+    assert {name: float(value) for name, value in starts.items()} == in_mm

@@ -15,11 +15,16 @@ from tools.site.markdown import draw_diagrams, indent_lists
 from tools.site.pages import BLOCK_PAGE, ROOT, insert_sections, made_pages, source_of, with_site_links
 from tools.site.reference import block_reference, insert_references
 
+FOR_DEVELOPERS = ("explanation/architecture.md", "explanation/contributing.md", "reference/changes.md")
+
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Put the pages of the blocks into the navigation."""
+    """Put the pages of the blocks into the navigation, in the order of the README."""
     (reference,) = (part["Reference"] for part in config.nav or () if "Reference" in part)
-    reference[0]["Blocks"] += [{name: BLOCK_PAGE.format(name)} for name in BLOCKS]
+    readme = (ROOT / "README.md").read_text("utf-8")
+    reference[0]["Blocks"] += [
+        BLOCK_PAGE.format(name) for name in sorted(BLOCKS, key=lambda name: readme.index(f"[`{name}`]"))
+    ]
     return config
 
 
@@ -33,6 +38,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     """A page as the site has it."""
     name = page.file.src_uri
+    if name in FOR_DEVELOPERS:
+        page.meta["search"] = {"boost": 0.2}
     text = insert_sections(with_site_links(markdown, source_of(name), name), name)
     text = draw_diagrams(indent_lists(text))
     if block := {BLOCK_PAGE.format(name): name for name in BLOCKS}.get(name):

@@ -16,7 +16,7 @@ BLOCK_PAGE = "reference/blocks/{}.md"
 ELSEWHERE = re.compile(r"[a-z]+:|#|<")  # how a link starts that leads to no file
 LINK = re.compile(r"(?<=\]\()([^)\s]+)(?=\))")
 CODE = re.compile(r"(^ *```.*?^ *```$|`[^`\n]+`)", re.M | re.S)
-SECTION = re.compile(r"^<!-- section: (\S+?)#(.+?) -->$", re.M)
+SECTION = re.compile(r"^<!-- section: (\S+?)#(.+?) -->\n.*$", re.M)
 
 
 @cache
@@ -64,7 +64,8 @@ def _site_link(link: str, source: str, page: str) -> str:
 
 
 def insert_sections(text: str, page: str) -> str:
-    """The text of a page with the sections of files that it names by `<!-- section: FILE#HEADING -->`.
+    """The text of a page with the sections of files that it names by `<!-- section: FILE#HEADING -->`; the line below
+    such a mark is shown by a code host, which has no section there.
 
     Raises:
         ValueError: a file has no such section.

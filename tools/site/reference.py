@@ -3,6 +3,7 @@
 import inspect
 import re
 import textwrap
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from motionsync_fmu.interface.table import groups
 from motionsync_fmu.interface.variables import members, summary, variables
 from motionsync_fmu.pages.style import load_template
 from motionsync_fmu.scenario.files.keys import REQUIRED
+from motionsync_fmu.scenario.files.shipped import SCENARIO_FILE, scenario_name, shipped_folder
 from motionsync_fmu.scenario.files.tables import ALL_TABLES
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -32,8 +34,19 @@ def block_reference(name: str) -> str:
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,
+        "scenarios": {scenario_name(file): read_title(file) for file in sorted(scenario_files(name))},
     }
     return load_template(TEMPLATES, "block.html.j2").render(values)
+
+
+def scenario_files(name: str) -> Iterator[Path]:
+    """The files of the scenarios that come with a block."""
+    yield from (shipped_folder() / name).rglob(SCENARIO_FILE)
+
+
+def read_title(file: Path) -> str:
+    """The title of a scenario."""
+    return str(tomllib.loads(file.read_text("utf-8"))["title"])
 
 
 def command_reference() -> str:
@@ -60,6 +73,8 @@ def _help_as_markdown(text: str) -> str:
         if paragraph.startswith(PARAGRAPH_AS_IT_IS):
             lines = textwrap.dedent(paragraph.removeprefix(PARAGRAPH_AS_IT_IS).strip("\n"))
             paragraphs[i] = textwrap.indent(lines, "    ")
+        elif not paragraph.startswith("    "):
+            paragraphs[i] = paragraph.replace("<", "&lt;")
     return "\n\n".join(paragraphs)
 
 

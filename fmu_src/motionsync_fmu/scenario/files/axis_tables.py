@@ -28,15 +28,8 @@ LOAD = TableKeys(
         number("mass", "of a slave in mm, m or 1", "kg", above=0.0, most=MOST),
         number("inertia", "of a slave in deg or rad, instead of the mass", "kg m2", above=0.0, most=MOST),
         number("friction", "Coulomb friction", "N", default=0.0, least=0.0, most=MOST),
-        number("peak_force", "what the motor can give for moments", "N", absent="any", above=0.0, most=MOST),
-        number(
-            "continuous_force",
-            "what the motor can give continuously, as the root of the mean square",
-            "N",
-            absent="any",
-            above=0.0,
-            most=MOST,
-        ),
+        number("peak_force", "peak force of the motor", "N", absent="no limit", above=0.0, most=MOST),
+        number("continuous_force", "continuous (rms) force of the motor", "N", absent="no limit", above=0.0, most=MOST),
     ),
 )
 

@@ -20,10 +20,8 @@ ON = TableKeys(
             "when", "the condition", "NAME, NAME == VALUE, NAME < VALUE or NAME > VALUE, of an output or local variable"
         ),
         number("after", "how much later the values act", "s", default=0.0, least=0.0, note="below stop_time"),
-        Key("set", "what is set", "table of inputs and tunable parameters", "nothing, if there is add"),
-        Key(
-            "add", "what is added to present values", f'table of numbers, or of "{LENGTH}"', "nothing, if there is set"
-        ),
+        Key("set", "what is set", "table of inputs and tunable parameters", "nothing"),
+        Key("add", "what is added to present values", f'table of numbers, or of "{LENGTH}"', "nothing"),
         whole("times", "how often at most", least=1, absent="once"),
         flag("repeat", "each time, instead of times"),
         flag("required", "whether the run is not as expected if it never happens, or less often than times"),

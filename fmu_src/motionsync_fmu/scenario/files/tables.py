@@ -28,7 +28,7 @@ TOP = TableKeys(
             note="up to stop_time",
         ),
         text(
-            "step_bound", "why the scenario means something at this step size only", default="", absent="it does at any"
+            "step_bound", "reason why the scenario is valid at this step size only", default="", absent="valid at any"
         ),
         number(
             "tolerance",
@@ -79,7 +79,7 @@ SEGMENT = TableKeys(
     (
         number("duration", "how long it is", "s", above=0.0),
         *(
-            number(key, "constant in the segment", unit, absent="free")
+            number(key, "constant in the segment", unit, absent="not constant")
             for key, unit in zip(CONSTANT, ("u/s", "u/s2", "u/s3"), strict=True)
         ),
     ),
@@ -88,7 +88,7 @@ CUTS = TableKeys(
     "[cuts], marks",
     "The slave is a saw, and the master its material, which has marks.",
     (
-        text("while", "each time it is true is a cut", value="name of a Boolean output"),
+        text("while", "the saw cuts while it is true", value="name of a Boolean output"),
         number("length", "distance of the marks on the material", "u", above=0.0),
         number("offset", "where one of the marks is", "u", default=0.0),
         number("ratio", "the saw's travel over the material's, not 0; of a diagonal saw 1/cos(angle)", default=1.0),
