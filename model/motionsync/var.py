@@ -375,14 +375,7 @@ def copy(into: T, source: T) -> None:
     """Copy every field of one part into another part of the same class, with the parts and lists inside.
 
     This function and `same` are also part of compiled code; nothing else in this module is."""
-    for f in fields(source):  # type: ignore[arg-type]
-        value = getattr(source, f.name)
-        if is_dataclass(value):
-            copy(getattr(into, f.name), value)
-        elif isinstance(value, list):
-            getattr(into, f.name)[:] = value
-        else:
-            setattr(into, f.name, value)
+    _copier(type(source))(into, source)  # type: ignore[arg-type]
 
 
 def same(a: T, b: T) -> bool:
@@ -395,17 +388,29 @@ def same(a: T, b: T) -> bool:
 @cache
 def _comparison(part_class: type) -> Callable[[Any, Any], bool]:
     """The comparison of two parts of a class, written as one expression: a step may have many of them."""
-    function: Callable[[Any, Any], bool] = eval(f"lambda a, b: {' and '.join(_tests(part_class))}", {"eq": eq})
+    tests = (f"all(map(eq, a.{n}, b.{n}))" if is_list else f"a.{n} == b.{n}" for n, is_list in _elements(part_class))
+    function: Callable[[Any, Any], bool] = eval(f"lambda a, b: {' and '.join(tests)}", {"eq": eq})
     return function
 
 
-def _tests(part_class: type, path: str = "") -> Iterator[str]:
+@cache
+def _copier(part_class: type) -> Callable[[Any, Any], None]:
+    """The copying of one part of a class into another, written as one function: a step may have many of them."""
+    lines = (f"    a.{n}[:] = b.{n}" if is_list else f"    a.{n} = b.{n}" for n, is_list in _elements(part_class))
+    scope: dict[str, Any] = {}
+    exec("\n".join(["def copy_fields(a, b):", *lines]), scope)
+    function: Callable[[Any, Any], None] = scope["copy_fields"]
+    return function
+
+
+def _elements(part_class: type, path: str = "") -> Iterator[tuple[str, bool]]:
+    """The fields of a part and of the parts inside, by their names with dots, and whether each is a list."""
     for f in fields(part_class):
-        name, factory = f"{path}.{f.name}", f.default_factory
+        name, factory = f"{path}{f.name}", f.default_factory
         if isinstance(factory, type) and is_dataclass(factory):
-            yield from _tests(factory, name)
+            yield from _elements(factory, f"{name}.")
         else:
-            yield f"a{name} == b{name}" if factory is MISSING else f"all(map(eq, a{name}, b{name}))"
+            yield name, factory is not MISSING
 
 
 def _declared_field(start: T, declaration: Declaration) -> T:
