@@ -46,7 +46,8 @@ class Phase:
 
 def knife_values(rng: Random, **values: Any) -> dict[str, Any]:
     """A knife for pieces of about LENGTH on a line of about LINE."""
-    start = random_knife(rng, LENGTH, DURATION) | {"length": LENGTH * rng.choice((1.0, 0.7, 1.5, 2.8))}
+    start = random_knife(rng, LENGTH, DURATION) | random_window(rng, LENGTH, DURATION)
+    start |= {"length": LENGTH * rng.choice((1.0, 0.7, 1.5, 2.8))}
     start |= {"kerf": rng.choice((0.0, 5.0)), "allow_parking": True, "order.length": LENGTH * rng.uniform(0.7, 1.3)}
     return start | {name.replace("__", "."): value for name, value in values.items()}
 
@@ -139,7 +140,7 @@ def test_a_limit_that_is_exceeded_is_reported(rng: Random, mode: MasterInput) ->
     knife = RotaryKnifeHarness(values, speed=speed_for(values, 0.9), mode=mode).give("start")
     bounds = [values[f"axis.max_{name}"] for name in ("velocity", "acceleration", "jerk")]
     for phase in random_line(rng, knife.speed, 5):
-        knife.set(random_window(rng, LENGTH) if rng.random() < 0.2 else {})
+        knife.set(random_window(rng, LENGTH, DURATION) if rng.random() < 0.2 else {})
         knife.give(*(c for c in COMMANDS if rng.random() < 0.1))
         for row in knife.rows(
             phase.duration, acceleration=phase.acceleration, cuts=multiples_of(phase.duration, 0.01)
