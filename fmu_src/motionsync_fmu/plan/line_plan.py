@@ -168,7 +168,7 @@ def check_length(machine: Machine, length: float) -> None:
 
 
 def default_velocities(machine: Machine) -> list[float]:
-    """Round line velocities up to the greatest one, which comes last, and the machine's own one."""
+    """Round line velocities up to the greatest one, that one itself, and the machine's own one."""
     top = machine.greatest_velocity
     own = {machine.line_velocity} if machine.line_velocity else set[float]()
     return sorted({*(v for v in round_values(LEAST_VELOCITY * top, top) if v < top), top, *own})

@@ -86,11 +86,13 @@ def _distribute(settings: Mapping[str, str], machines: Sequence[Machine]) -> lis
     for name, text in settings.items():
         block, _, own_name = name.partition(".")
         if block in blocks:
-            each[blocks.index(block)][own_name] = text
+            for i, other in enumerate(blocks):
+                each[i] |= {own_name: text} if other == block else {}
             continue
         owners = [i for i, machine in enumerate(machines) if name in machine.recipe.variables or name.startswith(LOAD)]
         if len(owners) > 1 and name.startswith(AXIS):
-            raise UserError(f"--set {name}: of which machine? Write {blocks[0]}.{name} or {blocks[1]}.{name}")
+            names = " or ".join(f"{each_block}.{name}" for each_block in dict.fromkeys(blocks))
+            raise UserError(f"--set {name}: of which machine? Write {names}")
         for i in owners or [0]:
             each[i][name] = text
     return each
