@@ -2,14 +2,12 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from itertools import pairwise
 from random import Random
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
-from hypothesis import Phase as Generation
 from hypothesis import strategies as st
 
 from motionsync.cut_to_length.block import CutToLength
@@ -21,31 +19,25 @@ from motionsync_fmu.interface.variables import variables
 from tests.model.cut_to_length.harness import CutToLengthHarness
 from tests.model.cut_to_length.strategies import random_machine, random_tool, runs
 from tests.support.finite import run_finite
-from tests.support.harness import MOTION, Row
+from tests.support.harness import MOTION
+from tests.support.line_phases import (
+    COMMANDS,
+    DURATION,
+    GENERATIONS,
+    LENGTH,
+    LINE,
+    Phase,
+    modes,
+    multiples_of,
+    rngs,
+    run_phase,
+)
 from tests.support.runs import BlockRun
 
-START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
 IN_CONTACT = (State.SYNCHRONOUS, State.CUTTING, State.PULLING, State.CLEARING)
-COMMANDS = ("cut_now", "take_sample", "abort", "stop", "start", "order.add", "order.skip")
-LENGTH, DURATION = 1000.0, 1.0  # of a piece, u; about that of a cycle, s
-LINE = LENGTH / DURATION
 
-# A failing run is reported as it was drawn: what is drawn is a seed.
-PHASES = [Generation.explicit, Generation.reuse, Generation.generate]
-settings.register_profile("cut to length", derandomize=True, deadline=None, max_examples=25, phases=PHASES)
+settings.register_profile("cut to length", derandomize=True, deadline=None, max_examples=25, phases=GENERATIONS)
 repeatable = settings.get_profile("cut to length")
-rngs = st.integers(0, 2**32 - 1).map(Random)
-modes = st.sampled_from([START, END])
-
-
-@dataclass(frozen=True)
-class Phase:
-    """A time of constant acceleration of the line, and what is set and given at its beginning."""
-
-    duration: float
-    acceleration: float = 0.0
-    values: dict[str, Any] = field(default_factory=dict)
-    commands: tuple[str, ...] = ()
 
 
 LONG_CUT = {"tool.cut_time": 0.15, "tool.cut_distance": 150.0}  # long enough to be seen
@@ -76,15 +68,6 @@ def random_line(rng: Random, speed: float, phases: int, *, stops: bool = True) -
         yield Phase(duration, (target - present) / duration)
         present = target
         yield Phase(DURATION * rng.uniform(0.1, 1.5) if target > 0.0 else 0.2 * DURATION)
-
-
-def run_phase(saw: CutToLengthHarness, phase: Phase, cuts: list[float]) -> dict[float, Row]:
-    saw.set(phase.values).give(*phase.commands)
-    return saw.rows(phase.duration, acceleration=phase.acceleration, cuts=cuts)
-
-
-def multiples_of(duration: float, step: float) -> list[float]:
-    return [i * step for i in range(1, int(duration / step) + 1)]
 
 
 class Observed(CutToLengthHarness):

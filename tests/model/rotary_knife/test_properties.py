@@ -1,14 +1,12 @@
 """The RotaryKnife on random knives and lines: continuity, limits, direction, step sizes, state, and finite numbers."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from itertools import pairwise
 from random import Random
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
-from hypothesis import Phase as Generation
 from hypothesis import strategies as st
 
 from motionsync.master import MasterInput
@@ -18,30 +16,24 @@ from motionsync_fmu.interface.variables import variables
 from tests.model.rotary_knife.harness import RotaryKnifeHarness
 from tests.model.rotary_knife.strategies import random_knife, random_window, runs
 from tests.support.finite import run_finite
-from tests.support.harness import MOTION, Row
+from tests.support.harness import MOTION
+from tests.support.line_phases import (
+    COMMANDS,
+    DURATION,
+    GENERATIONS,
+    LENGTH,
+    LINE,
+    START,
+    Phase,
+    modes,
+    multiples_of,
+    rngs,
+    run_phase,
+)
 from tests.support.runs import BlockRun
 
-START, END = MasterInput.START_OF_STEP, MasterInput.END_OF_STEP
-COMMANDS = ("cut_now", "take_sample", "abort", "stop", "start", "order.add", "order.skip")
-LENGTH, DURATION = 1000.0, 1.0  # between two blades, u; about the time in which it passes, s
-LINE = LENGTH / DURATION
-
-# A failing run is reported as it was drawn: what is drawn is a seed.
-PHASES = [Generation.explicit, Generation.reuse, Generation.generate]
-settings.register_profile("rotary knife", derandomize=True, deadline=None, max_examples=20, phases=PHASES)
+settings.register_profile("rotary knife", derandomize=True, deadline=None, max_examples=20, phases=GENERATIONS)
 repeatable = settings.get_profile("rotary knife")
-rngs = st.integers(0, 2**32 - 1).map(Random)
-modes = st.sampled_from([START, END])
-
-
-@dataclass(frozen=True)
-class Phase:
-    """A time of constant acceleration of the line, and what is set and given at its beginning."""
-
-    duration: float
-    acceleration: float = 0.0
-    values: dict[str, Any] = field(default_factory=dict)
-    commands: tuple[str, ...] = ()
 
 
 def knife_values(rng: Random, **values: Any) -> dict[str, Any]:
@@ -67,15 +59,6 @@ def random_line(rng: Random, speed: float, phases: int, *, back: bool = True) ->
         yield Phase(duration, (target - present) / duration)
         present = target
         yield Phase(DURATION * rng.uniform(0.1, 1.5))
-
-
-def run_phase(knife: RotaryKnifeHarness, phase: Phase, cuts: list[float]) -> dict[float, Row]:
-    knife.set(phase.values).give(*phase.commands)
-    return knife.rows(phase.duration, acceleration=phase.acceleration, cuts=cuts)
-
-
-def multiples_of(duration: float, step: float) -> list[float]:
-    return [i * step for i in range(1, int(duration / step) + 1)]
 
 
 def travel_between(knife: RotaryKnifeHarness, before: float, after: float) -> float:
