@@ -16,3 +16,5 @@ from .api.sweep import sweep as sweep
 from .api.sweep_plot import sweep_plot as sweep_plot
 from .batch.simulation import simulate_many as simulate_many
 from .errors import UserError as UserError
+from .interface.stepper import RefusedError as RefusedError
+from .interface.stepper import Stepper as Stepper

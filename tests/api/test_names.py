@@ -32,7 +32,7 @@ CALLS = {  # each command that has a function of its name, with arguments that a
 }
 OTHER_NAMES = {"list": "scenarios"}  # `list` is a name of Python's own
 FUNCTIONS = sorted(OTHER_NAMES.get(name, name.replace("-", "_")) for name in CALLS)
-TYPES = ["BuiltFmu", "Description", "RunResult", "UserError", "__version__"]
+TYPES = ["BuiltFmu", "Description", "RefusedError", "RunResult", "Stepper", "UserError", "__version__"]
 HEAVY = ["numpy", "fmpy", "matplotlib", "jinja2", "typer", "rich", "scipy", "pyarrow", "distributed", "motionsync"]
 SNIPPET = """
 from pathlib import Path
