@@ -18,7 +18,7 @@ from tests.support.fmus import Fmus
 from tests.support.workshop import PYTHON
 
 TUBE = ("--length", "6000", "--line-speed", "40 m/min", "--stroke", "5000", "--max-velocity", "2000")
-TUBE += ("--max-acceleration", "4000")
+TUBE += ("--max-acceleration", "4000", "--cut-time", "2 s")
 WITHIN = {  # values of each figure, one by one, that the other ones of the template allow
     "CutToLength": {
         "length": "500,6000,25000",
@@ -111,7 +111,7 @@ def test_the_figures_of_a_machine_are_options(motionsync: Command) -> None:
         "axis.max_velocity": 2000.0,
         "axis.max_acceleration": 4000.0,
         "axis.max_jerk": 100000.0,
-        "tool.cut_time": 0.25,
+        "tool.cut_time": "2 s",
         "kerf": 0.0,
     }
     untouched = new("CutToLength", "untouched").read_text("utf-8")
@@ -138,6 +138,7 @@ def test_figures_are_asked_for_at_a_terminal(motionsync: Command, monkeypatch: p
         "stroke",
         "max velocity",
         "max acceleration",
+        "cut time",
     ]
     start = tomllib.loads(Path("asked/scenario.toml").read_text("utf-8"))["start"]
     assert (start["length"], start["axis.max_position"]) == ("2 m", "5 m")

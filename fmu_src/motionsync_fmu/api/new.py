@@ -12,7 +12,7 @@ from ..scenario.files.new_scenario import new_scenario
 from ..scenario.files.shipped import SCENARIO_FILE
 
 Quantity = float | str
-"""A number in the scenario's unit (mm, mm/s, mm/s2), or a text with its own: `"40 m/min"`."""
+"""A number in the scenario's unit (mm, mm/s, mm/s2, s), or a text with its own: `"40 m/min"`."""
 
 
 def new(
@@ -25,6 +25,7 @@ def new(
     circumference: Quantity | None = None,
     max_velocity: Quantity | None = None,
     max_acceleration: Quantity | None = None,
+    cut_time: Quantity | None = None,
 ) -> Path:
     """Write a scenario that runs, as the start of one of your own; return its file.
 
@@ -39,6 +40,7 @@ def new(
         circumference: of a RotaryKnife, that of the circle on which the edges run.
         max_velocity: of the slave's axis.
         max_acceleration: of the slave's axis, and its deceleration.
+        cut_time: how long a cut of a CutToLength takes.
 
     Raises:
         UserError: there is no such block, it has no such figure, a value is not allowed, or the file exists.
@@ -53,6 +55,7 @@ def new(
         "circumference": circumference,
         "max_velocity": max_velocity,
         "max_acceleration": max_acceleration,
+        "cut_time": cut_time,
     }
     text = new_scenario(name, {key: value for key, value in figures.items() if value is not None}, file)
     with replace_file(file) as part:

@@ -26,6 +26,7 @@ def command(
     max_acceleration: Annotated[
         str | None, typer.Option(metavar="MM/S2", help="How fast the axis can accelerate and brake.")
     ] = None,
+    cut_time: Annotated[str | None, typer.Option(metavar="S", help="How long a cut of a CutToLength takes.")] = None,
 ) -> None:
     """Write a short scenario that runs, as the start of one of your own, with the figures of your machine.
 
@@ -37,7 +38,7 @@ def command(
         motionsync new CutToLength my_saw
 
         motionsync new CutToLength tube --length 6000 --line-speed "40 m/min" --stroke 5000 --max-velocity 2000 \
---max-acceleration 4000
+--max-acceleration 4000 --cut-time 2
 
         motionsync new RotaryKnife my_knife --length 600 --line-speed "100 m/min" --circumference 500
     """
@@ -50,6 +51,7 @@ def command(
         "circumference": circumference,
         "max_velocity": max_velocity,
         "max_acceleration": max_acceleration,
+        "cut_time": cut_time,
     }
     name = resolve_name(BLOCKS, block, "block")
     if sys.stdin.isatty():
