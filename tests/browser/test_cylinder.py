@@ -177,7 +177,7 @@ def test_what_the_readouts_say(open_knife: OpenKnife) -> None:
     picture.visit.show(2.2)
     for name, text in {
         "state": "TURNING \N{EN DASH} between the windows of two cuts",
-        "material": "1000 mm/s (60.0 m/min)",
+        "material": "1000 mm/s (60.0\N{NO-BREAK SPACE}m/min)",
         "edge": "2103 mm/s",
         "next cut in": "200.0 mm",
         "pieces": "3 of 16",

@@ -630,6 +630,9 @@ def test_the_main_values_are_at_the_top(open_block: OpenBlock) -> None:
     assert (names.count("order.length"), names.count("order.quantity")) == (4, 4)  # they are nowhere else
     slide(visit, "order.quantity at 0.1 s", 1.0)
     assert pieces_at_the_end(visit, 27.0) == 14
+    fill(visit, "axis.min_position", "0")
+    labels = visit.page.locator(".motionsync-machine .ground text[y='13']").all_text_contents()
+    assert labels == ["home, end", "in sync", "end"]  # which are one place
 
 
 def test_the_plots_are_saved_as_csv(open_block: OpenBlock, tmp_path: Path) -> None:
@@ -654,7 +657,7 @@ def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(open_blo
     example = shown(load_example("CutToLength"))
     recording = record(example)
     before = np.flatnonzero(np.diff(recording.values["tool.cutting"]) > 0.0)
-    visit = open_block("CutToLength")
+    visit = open_block("CutToLength", "example")
     line = """() => {
       const [times, slave, , other] = motionsyncExplore.plots()[0].data;
       return Array.from(times, (t, k) => [t, slave[k], other[k]]);

@@ -22,6 +22,7 @@ let asked = false, latestBadge = 0, latestExport = 0, listed = 0, addressing = 0
 
 const MARKS = "cuts.length", OF_MARKS = "of the marks on the material";
 
+const isMain = (name) => block.main.includes(name);
 const copy = (thing) => JSON.parse(JSON.stringify(thing));
 const own = () =>
   PROGRAMS[block.name] && block.scenarios.some((s) => s.name === PROGRAMS[block.name].scenario)
@@ -36,8 +37,7 @@ function choose(name, changes = []) {
   untouched = copy(source);
   const title = `Driven by the program below: ${source.title}`;
   if (driven) Object.assign(untouched, {settings: [], reactions: [], sha256: "", title});
-  const isFree = new Set(startable(untouched).map((v) => v.name)), isSetLater = (one) => untouched.settings.some(({values}) => one in values);
-  for (const one of block.main.filter((one) => isFree.has(one) && !isSetLater(one))) untouched.start[one] = variables.get(one).start; // it changes nothing
+  complete(untouched);
   scenario = copy(untouched);
   program = driven ? own().text : NO_PROGRAM;
   sliders = {};
@@ -53,8 +53,16 @@ function choose(name, changes = []) {
   plots.renew();
   course = null;
   before = changes.length && !driven ? run(unit, resolved(untouched), {normals: block.normals}) : null;
+  if (!(before?.count > 1)) before = null;
   controls();
   compute();
+}
+
+/** Give a scenario what the page has a control for, by its start value; that changes nothing. */
+function complete(of) {
+  for (const name of of.axis.times ? [] : ["position", "velocity"]) of.axis[name] ??= 0;
+  const isSetLater = (name) => of.settings.some(({values}) => name in values);
+  for (const {name, start} of startable(of)) if (isMain(name) && !isSetLater(name)) of.start[name] = start;
 }
 
 /** Take over what an address has. */
@@ -160,8 +168,6 @@ function startable(of) {
   return block.variables.filter(isFree);
 }
 
-const isMain = (name) => block.main.includes(name);
-
 /** The controls of one of the main values: of the script, or a start value, and whatever sets it during the run. */
 function mainRows(name) {
   const {cuts, axis} = scenario, driven = $("scenario").value === PROGRAM;
@@ -258,8 +264,6 @@ function axisRows() {
   if (axis.times) return [newElement("p", {className: "soft"}, "The line is recorded: measured positions, and straight lines between them.")];
   const of = {position: "POSITION", velocity: "VELOCITY", acceleration: "ACCELERATION", jerk: "JERK", duration: "s"};
   for (const name of ["position", "velocity"]) {
-    axis[name] ??= 0;
-    first[name] ??= 0;
     if (name === "velocity" && isMain(LINE_VELOCITY) && hasScript()) continue; // it is above
     rows.push(plainNumber(name, "at the beginning", [axis, first], name, {of: of[name]}));
   }

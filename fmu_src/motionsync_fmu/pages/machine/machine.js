@@ -81,7 +81,7 @@ function number(value, unit, fineness = data.within) {
 /** The velocity of a line; where its unit is a length, in m/min, too. */
 function lineSpeed(velocity, fineness) {
   const factor = {mm: 0.06, m: 60}[data.unit], text = number(velocity, `${data.unit}/s`, fineness);
-  return factor ? `${text} (${number(factor * velocity, "m/min", factor * fineness)})` : text;
+  return factor ? `${text} (${number(factor * velocity, "", factor * fineness)}\u00a0m/min)` : text;
 }
 
 /** Round distances for ticks: about one each `pixels` px. */

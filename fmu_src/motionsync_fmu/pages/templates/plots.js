@@ -9,16 +9,19 @@
     displaylogo: false, responsive: true, doubleClick: "reset", plotlyServerURL: "",
     modeBarButtons: [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]],  // none that sends data
   };
-  // The curves of a chart as comma-separated values: a row for each value of the horizontal axis that any of them has.
+  // The curves of a chart as comma-separated values: a row for each value of the horizontal axis that any of them has, and
+  // another one where a curve has it again.
   function table({ data, layout }) {
     const curves = data.filter(({ meta }) => meta), rows = new Map();
     curves.forEach(({ x, y }, k) => x.forEach((at, i) => {
       if (at === null || y[i] === null) return;
-      if (!rows.has(at)) rows.set(at, new Array(curves.length).fill(""));
-      rows.get(at)[k] = y[i];
+      if (!rows.has(at)) rows.set(at, []);
+      let row = rows.get(at).find((values) => values[k] === "");
+      if (!row) rows.get(at).push(row = new Array(curves.length).fill(""));
+      row[k] = y[i];
     }));
     const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
-    const lines = [...rows].sort(([a], [b]) => a - b).map(([at, values]) => [at, ...values].join(","));
+    const lines = [...rows].sort(([a], [b]) => a - b).flatMap(([at, all]) => all.map((values) => [at, ...values].join(",")));
     return [[layout.xaxis.title.text, ...curves.map(({ meta }) => meta)].map(quoted).join(","), ...lines, ""].join("\n");
   }
 
