@@ -172,7 +172,7 @@ def test_a_scenario_that_reacts_has_the_scans_of_its_file_at_another_step_size(m
     assert outcome.status == 0
     assert "20 cuts, worst error 0 (to rounding)" in outcome.out
     page = Path("build/reports/FlyingSaw/cyclic_cut/report.html").read_text("utf-8")
-    reactions = page[page.index("<h3>Reactions</h3>") : page.index("<h3>The master</h3>")]
+    reactions = page[page.index("<summary>Reactions<") : page.index("<summary>The master<")]
     assert re.findall(r'<td class="name">(.*?)</td>.*?<td>(each time)</td>', reactions) == [
         ("in_sync", "each time"),
         ("slave.position &lt; 180", "each time"),
@@ -239,7 +239,10 @@ def test_a_condition_that_never_holds_and_a_limit_that_is_passed_are_not_met(wor
     assert outcome.status == 1
     (result,) = json.loads(outcome.out)
     assert not result["passed"]
-    assert [(e["actual"], e["passed"]) for e in result["expectations"][2:]] == [("never", False), ("0 to 100", False)]
+    assert [(e["actual"], e["passed"]) for e in result["expectations"][2:]] == [
+        ("never", False),
+        ("0 to 100 mm/s", False),
+    ]
 
 
 def test_a_deviation_from_the_reference_is_exit_status_1(workshop: Command) -> None:

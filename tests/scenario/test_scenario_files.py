@@ -208,7 +208,7 @@ def test_limits_hold_at_points_of_their_own_interval(fmu: Path, tmp_path: Path) 
     scenario = load_scenario(file)
     recording = simulate(scenario, fmu, scenario.step_size)
     *_, limits = check_expectations(scenario, recording)
-    assert limits.actual == "90.301 to 90.302"
+    assert limits.actual == "90.301 to 90.302 deg/s"
     assert not limits.passed
 
 
