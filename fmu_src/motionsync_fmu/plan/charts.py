@@ -62,7 +62,7 @@ def chart_over_velocity(plan: MachinePlan) -> Chart:
     what = "shortest length"
     chart = _chart(plan, f"The {what} over the line velocity", "line velocity", Unit.VELOCITY, (low, high))
     _draw_result(chart, machine, what, Unit.POSITION, points, plan.over_velocity, _velocity, _length)
-    _draw_gap(chart, machine, points)
+    _draw_gap(chart, points)
     if machine.orders and machine.line_velocity:
         own = np.array(machine.orders)
         _draw_own_points(chart, machine, np.full(len(own), machine.line_velocity), own, Unit.POSITION, OWN)
@@ -224,7 +224,7 @@ def _draw_own_points(chart: Chart, machine: Machine, along: Reals, values: Reals
         chart.traces[-1] |= _per_minute(machine, values, name)
 
 
-def _draw_gap(chart: Chart, machine: Machine, points: list[Prediction]) -> None:
+def _draw_gap(chart: Chart, points: list[Prediction]) -> None:
     """Draw the lengths above the shortest one for which the line is too fast."""
     gaps = [(p.velocity, p.gap) for p in points if p.gap]
     if not gaps:

@@ -49,7 +49,7 @@ def read_machines(
     tops += [read_text("", Path("--set")) for _ in machines[len(tops) :]]
     if unit:
         unit = resolve_name(BASES, unit, "unit")
-        machines = [machine.with_units(unit) for machine in machines]
+        machines = [m.with_units(unit, m.slave_unit if m.default_slave_unit else "") for m in machines]
     each = _distribute(settings, machines)
     machines = [_with_settings(m, top, values) for m, top, values in zip(machines, tops, each, strict=True)]
     lengths, velocities = (
