@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+ABORTED = "net::ERR_ABORTED"
+
 
 class Visit:
     """A page that has been opened.
@@ -20,9 +22,13 @@ class Visit:
         self.page = context.new_page()
         self.page.on("console", lambda message: self.messages.append(f"{message.type}: {message.text}"))
         self.page.on("pageerror", lambda error: self.messages.append(f"error: {error}"))
-        self.page.on("requestfailed", lambda request: self.messages.append(f"failed: {request.url}"))
+        self.page.on("requestfailed", self._note_failure)
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(file.as_uri())
+
+    def _note_failure(self, request: Any) -> None:
+        if request.failure != ABORTED:  # as a request is that the next page has overtaken
+            self.messages.append(f"failed: {request.url}")
 
     def show(self, t: float) -> None:
         """Stop the machine, and show it at a time, in s."""

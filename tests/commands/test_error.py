@@ -27,7 +27,7 @@ def test_error_lists_all_blocks_that_have_a_code(motionsync: Command) -> None:
         "Gearing",
         "Follower",
         *4 * ["CutToLength"],
-        *2 * ["RotaryKnife"],
+        *3 * ["RotaryKnife"],
     ]
     assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
 

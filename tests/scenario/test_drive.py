@@ -223,9 +223,9 @@ def test_the_inputs_for_fmpy_have_the_motion_of_the_run(tmp_path: Path) -> None:
 def test_the_report_says_what_the_master_follows(tmp_path: Path) -> None:
     outcome(FREE.replace("[master]\n", "[master]\nposition = 7.5\n") + "max_acceleration = 500.0\n", tmp_path)
     text = " ".join((tmp_path / "report.html").read_text("utf-8").split())
-    sentence = "starts at the position 7.5 with the velocity 0, and follows <code>slave.velocity</code> with a lag"
+    sentence = "starts at 7.5 mm with 0 mm/s, and follows <code>slave.velocity</code> with a lag"
     assert sentence in text
-    assert "time constant 0.3 s, at most 500 of acceleration. It reads this velocity every 0.01 s." in text
+    assert "time constant 0.3 s, at most 500 mm/s². It reads this velocity every 0.01 s." in text
 
 
 # --- the flagship ---

@@ -38,7 +38,7 @@ class Computers:
     caches: tuple[Path, Path]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def computers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Computers]:
     from distributed import Client, LocalCluster  # noqa: PLC0415 (a second that other tests need not wait)
 
