@@ -97,7 +97,7 @@ def _production_figures(production: Production) -> Iterator[tuple[str, str]]:
         yield "not on time", production.missed_text or "no cut"
         yield "reserve", f"at least {production.reserve_text} of a cycle"
     if production.line:
-        yield "line", f"{production.line_speed_text:<22}  {production.line.limit_text}"
+        yield "line", f"{production.line_speed_text:<22}  {production.line_text}"
 
 
 def _true_figures(figures: KeyFigures) -> Iterator[tuple[str, str]]:
