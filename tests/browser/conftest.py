@@ -15,6 +15,8 @@ from tests.browser.visit import Visit, choose
 from tests.support.explored import explored
 from tests.support.fmus import Fmus
 
+# The shell is the same browser without windows of its own; it opens a page with half the work.
+PROGRAMS = ["chromium-headless-shell", "chromium", "chromium-browser"]
 SWITCHES = ["--no-sandbox", "--disable-gpu", "--force-color-profile=srgb", "--font-render-hinting=none"]
 
 Open = Callable[..., Visit]
@@ -30,9 +32,9 @@ OpenBlock = Callable[..., Visit]
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    program = next(filter(None, map(shutil.which, PROGRAMS)), None)
     if program is None:
-        pytest.skip("there is no Chromium: apt-get install chromium")
+        pytest.skip("there is no Chromium: apt-get install chromium-headless-shell")
     with playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=program, args=SWITCHES)
         yield browser
