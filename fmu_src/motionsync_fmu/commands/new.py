@@ -66,10 +66,10 @@ def _ask(block: str, given: set[str]) -> dict[str, str]:
     """The figures that the user types, by name; what is left as it was in the template is left out."""
     from ..scenario.files.new_scenario import figures
 
-    answers = {
-        figure.name: typer.prompt(f"{figure.name.replace('_', ' ')}, {figure.meaning}", default=figure.value)
+    return {
+        figure.name: answer
         for figure in figures(block)
         if figure.name not in given
+        and (answer := typer.prompt(f"{figure.name.replace('_', ' ')}, {figure.meaning}", default=figure.value))
+        != figure.value
     }
-    defaults = {figure.name: figure.value for figure in figures(block)}
-    return {name: answer for name, answer in answers.items() if answer != defaults[name]}

@@ -243,12 +243,12 @@ class Knife(Machine):
             if pitch <= self.lengths.longest
         }
         cycle = solve_cycle(self.setup, pitch)
-        bound = self.find_bound(cycle)
+        bound, length = self.find_bound(cycle), max(self.length(pitch), 0.0)
         return Prediction(
             LINE,
-            max(self.length(pitch), 0.0),
+            length,
             velocity,
-            max(self.length(pitch), 0.0),
+            length,
             bound,
             bound,
             gains,
