@@ -63,6 +63,33 @@ def test_an_interruption_is_one_message_at_every_instant(built: Path, tmp_path: 
     run_is_interrupted(built, tmp_path, instant)
 
 
+IN_A_CALLBACK = """\
+import time
+from motionsync_fmu import cli
+from motionsync_fmu.commands import app
+
+class Dropping:
+    def __del__(self):
+        raise KeyboardInterrupt
+
+def run_command():
+    Dropping()
+    while True:
+        time.sleep(0.01)
+
+app.run_command = run_command
+cli.main()
+"""
+
+
+def test_an_interruption_that_python_drops_comes_again() -> None:
+    """As when it comes in the callback that ends an import's lock: without a traceback, and the command ends."""
+    done = subprocess.run(
+        [sys.executable, "-c", IN_A_CALLBACK], capture_output=True, text=True, timeout=20, check=False
+    )
+    assert (done.returncode, done.stderr) == (130, "motionsync: interrupted\n")
+
+
 @pytest.mark.parametrize("instant", [0.0, 0.4])
 def test_an_interruption_of_the_fmu_s_run_is_one_message(built: Path, tmp_path: Path, instant: float) -> None:
     """However long the start takes: the FMU's files are there, and so the run is about to start or goes on."""
