@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.fmus.fmu import Flavour
-from motionsync_fmu.line.package import write_package
-from motionsync_fmu.line.reader import load_line
-from motionsync_fmu.line.report import write_line_report
+from motionsync_fmu.production_line.package import write_package
+from motionsync_fmu.production_line.reader import load_line
+from motionsync_fmu.production_line.report import write_line_report
 from tests.browser.charts import ChartView
 from tests.browser.conftest import Open
 from tests.support.fmus import Fmus, Shared

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu import cli
-from motionsync_fmu.line.reader import load_line
-from motionsync_fmu.line.variants import RAW
+from motionsync_fmu.production_line.reader import load_line
+from motionsync_fmu.production_line.variants import RAW
 from tests.support.command_line import Command
 from tests.support.fmus import Fmus, Shared
 from tests.support.lines import LINES, MACHINE, SAW, SYNCHRONIZER, copied, replaced

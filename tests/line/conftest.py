@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.fmus.fmu import Flavour
-from motionsync_fmu.line.evaluation import LineResult, evaluate_line
-from motionsync_fmu.line.line import ProductionLine
-from motionsync_fmu.line.package import LinePackage, write_package
-from motionsync_fmu.line.reader import load_line
-from motionsync_fmu.line.variants import Variant
+from motionsync_fmu.production_line.evaluation import LineResult, evaluate_line
+from motionsync_fmu.production_line.line import ProductionLine
+from motionsync_fmu.production_line.package import LinePackage, write_package
+from motionsync_fmu.production_line.reader import load_line
+from motionsync_fmu.production_line.variants import Variant
 from tests.support.fmus import Fmus, Shared
 from tests.support.lines import MACHINE, SAW, SYNCHRONIZER, copied, evaluated, replaced
 

@@ -12,11 +12,18 @@ from motionsync.cutting.interface import PieceKind
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.roles import MOTION
-from motionsync_fmu.line.line import ProductionLine
-from motionsync_fmu.line.package import LinePackage, write_package
-from motionsync_fmu.line.reader import load_line
-from motionsync_fmu.line.runs import Inputs, Values, run_alone
-from motionsync_fmu.line.variants import RAW, Variant, raw_axis, run_through_remote_sync, true_axis, variant_of
+from motionsync_fmu.production_line.line import ProductionLine
+from motionsync_fmu.production_line.package import LinePackage, write_package
+from motionsync_fmu.production_line.reader import load_line
+from motionsync_fmu.production_line.runs import Inputs, Values, run_alone
+from motionsync_fmu.production_line.variants import (
+    RAW,
+    Variant,
+    raw_axis,
+    run_through_remote_sync,
+    true_axis,
+    variant_of,
+)
 from motionsync_fmu.scenario.recording import Reals, Recording
 from tests.line.conftest import Examined
 from tests.support.lines import MACHINE, integrated, replaced

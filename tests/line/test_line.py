@@ -14,10 +14,10 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 from motionsync.remote_sync.interface import Estimator
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.fmus.fmu import Flavour
-from motionsync_fmu.line.evaluation import LineResult
-from motionsync_fmu.line.package import PARAMETERS, write_package
-from motionsync_fmu.line.reader import load_line
-from motionsync_fmu.line.variants import RAW, run_through_remote_sync
+from motionsync_fmu.production_line.evaluation import LineResult
+from motionsync_fmu.production_line.package import PARAMETERS, write_package
+from motionsync_fmu.production_line.reader import load_line
+from motionsync_fmu.production_line.variants import RAW, run_through_remote_sync
 from motionsync_fmu.scenario.clocks import Rate
 from tests.line.conftest import Examined, examined
 from tests.support.fmus import Fmus, Shared

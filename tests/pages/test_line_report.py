@@ -7,8 +7,8 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from motionsync_fmu.line.report import decimals, error_chart, event_chart
-from motionsync_fmu.line.variants import PieceLength
+from motionsync_fmu.production_line.report import decimals, error_chart, event_chart
+from motionsync_fmu.production_line.variants import PieceLength
 from motionsync_fmu.scenario.evaluate.cuts import Cut
 from tests.pages.test_report import coloured, named, notes, sheets
 

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsync_fmu.errors import UserError
-from motionsync_fmu.line.reader import load_line
+from motionsync_fmu.production_line.reader import load_line
 from motionsync_fmu.scenario.evaluate.expectations import check_expectations
 from motionsync_fmu.scenario.evaluate.reference_files import inputs_csv
 from motionsync_fmu.scenario.files.reader import load_scenario

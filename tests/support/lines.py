@@ -6,10 +6,10 @@ import shutil
 from pathlib import Path
 
 from motionsync_fmu.fmus.fmu import Flavour
-from motionsync_fmu.line.evaluation import LineResult, evaluate_line
-from motionsync_fmu.line.line import REMOTE, ProductionLine
-from motionsync_fmu.line.package import LinePackage, write_package
-from motionsync_fmu.line.reader import load_line
+from motionsync_fmu.production_line.evaluation import LineResult, evaluate_line
+from motionsync_fmu.production_line.line import REMOTE, ProductionLine
+from motionsync_fmu.production_line.package import LinePackage, write_package
+from motionsync_fmu.production_line.reader import load_line
 from tests import ROOT
 from tests.support.fmus import Fmus, Shared
 

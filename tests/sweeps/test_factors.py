@@ -10,6 +10,7 @@ from motionsync_fmu.sweeps.expressions import Expression
 from motionsync_fmu.sweeps.factors import Linear, Listed, Range, ValueKind, read_values, split_setting
 
 REAL, INTEGER, BOOLEAN = ValueKind("Real"), ValueKind("Integer"), ValueKind("Boolean")
+VELOCITY = ValueKind("Real", unit="mm/s")
 MODE = ValueKind("Enumeration", ((0, "TRIM"), (1, "CONTINUE")))
 
 
@@ -90,6 +91,24 @@ def test_a_range_of_an_integer_has_each_whole_number_as_often() -> None:
     assert np.unique(result, return_counts=True)[1].tolist() == [100, 100, 100, 100]
 
 
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("30 m/min", Listed(np.array([500.0]))),
+        ("12m/min, 250", Listed(np.array([200.0, 250.0]))),
+        ("0.3 m/s..60 m/min", Range(300.0, 1000.0)),
+        ("12 m/min:1 m/s:5", Linear(200.0, 1000.0, 5)),
+    ],
+)
+def test_a_number_may_have_a_unit_of_its_own(text: str, expected: Listed | Range | Linear) -> None:
+    result = read_values(text, VELOCITY)
+    assert type(result) is type(expected)
+    if isinstance(result, Listed) and isinstance(expected, Listed):
+        assert result.values.tolist() == expected.values.tolist()
+    else:
+        assert result == expected
+
+
 @pytest.mark.parametrize("text", ["axis.max_acceleration", "2*length", "max(a, b)", "max(min(a, (b)), c)", "-a", "a/2"])
 def test_what_is_no_value_is_an_expression(text: str) -> None:
     result = read_values(text, REAL)
@@ -134,6 +153,10 @@ def test_what_is_no_value_is_an_expression(text: str) -> None:
         ("TRIM,CUT", MODE, "'CUT' is not allowed: it must be 0 TRIM, 1 CONTINUE"),
         ("CUT", MODE, "'CUT' is not allowed: it must be 0 TRIM, 1 CONTINUE"),
         ("0:1:2", MODE, "it must be 0 TRIM, 1 CONTINUE, one by one with commas"),
+        ("30 m/min..500", VELOCITY, "one end has a unit and the other none"),
+        ("30:40 m/min:3", VELOCITY, "one end has a unit and the other none"),
+        ("30 m", VELOCITY, "'30 m' is in m: it must be in mm/s"),
+        ("30 furlongs..40 furlongs", VELOCITY, "'furlongs' is no unit"),
         ("1,true", ValueKind(), "numbers and true or false cannot be mixed"),
     ],
 )

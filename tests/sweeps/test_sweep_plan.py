@@ -47,6 +47,12 @@ def same(values: dict[str, Any], expected: dict[str, Any]) -> bool:
     return [*values] == [*expected] and all(np.array_equal(values[name], expected[name]) for name in expected)
 
 
+def test_values_with_a_unit_are_in_the_units_of_the_scenario() -> None:
+    plan = saw("master.velocity=12 m/min:1 m/s:5", "axis.max_acceleration=2 m/s2")
+    assert plan.values(0, 5)["master.velocity"].tolist() == [200.0, 400.0, 600.0, 800.0, 1000.0]
+    assert plan.values(0, 5)["axis.max_acceleration"].tolist() == 5 * [2000.0]
+
+
 def test_the_runs_are_all_combinations_of_the_grids_with_every_sample() -> None:
     assert MIXED.runs == 5 * 3 * 7
     values = MIXED.values(0, MIXED.runs)

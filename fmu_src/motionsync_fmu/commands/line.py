@@ -14,7 +14,7 @@ from ..pages.console import err
 from ..pages.progress import report_progress
 
 if TYPE_CHECKING:
-    from ..line.line import ProductionLine
+    from ..production_line.line import ProductionLine
 
 
 def command(
@@ -43,23 +43,16 @@ def command(
 
         motionsync line line/line.toml --output elsewhere
     """
-    from ..line.console import print_line
-    from ..line.evaluation import evaluate_line
-    from ..line.outcome import write_outcome
-    from ..line.package import write_package
+    from ..api.line import line
+    from ..production_line.console import print_line
 
     outcomes = []
     lines = _load_lines(path or [Path("line")])
     flavour, output = flavour or available_flavours(err.print)[0], output or paths.output_folder(err.print)
     for each in lines:
-        with report_progress(f"{each.name}: its FMUs", at_once=False) as notify:
-            package = write_package(each, flavour, output, notify)
-        with report_progress(f"{each.name}: its runs") as notify:
-            result = evaluate_line(each, package, notify)
-        folder = output / "reports" / "line" / each.name
-        outcomes.append(write_outcome(each, package, result, folder, report=not no_report))
+        outcomes.append(line(each, flavour=flavour, output=output, page=not no_report, report=report_progress))
         if not as_json:
-            print_line(each, outcomes[-1], result.settled)
+            print_line(each, outcomes[-1])
     if as_json:
         print(json.dumps([outcome.as_json() for outcome in outcomes], indent=2))
     if not all(outcome.passed for outcome in outcomes):
@@ -68,7 +61,7 @@ def command(
 
 def _load_lines(paths: list[Path]) -> "list[ProductionLine]":
     """The lines at these paths; every mistake in them is reported before anything runs."""
-    from ..line.reader import load_line
+    from ..production_line.reader import load_line
     from ..scenario.files.shipped import LINE_FILES, find_files
 
     lines = [load_line(file) for path in paths for file in find_files(path, LINE_FILES)]

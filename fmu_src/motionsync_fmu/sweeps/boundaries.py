@@ -14,13 +14,14 @@ import numpy as np
 import pyarrow as pa
 
 from ..errors import UserError
-from ..scenario.files.toml_tables import read_toml
+from ..scenario.files.toml_tables import read_file, read_toml
 from .bisection import Boundaries, Flags, Indices, Reals, bisect
 from .conditions import RowCondition
-from .factors import BETWEEN
+from .factors import Range, read_values
 from .measures import check_measures
 from .result_columns import measure_columns, schema
 from .rows import rows_with
+from .scenario_variation import ScenarioVariation
 from .sweep_plan import FILE, SEARCH, SamplingOptions, SweepPlan
 
 POINT, OTHER_SIDE, HOLDS, REFUSAL, RUNS = "point", "beside", "holds", "refusal", "runs"
@@ -64,10 +65,8 @@ class Search:
         """
         if not FINEST <= relative < 1.0:
             raise UserError(f"--relative {relative:g} is not allowed: it must be from {FINEST:g} to below 1")
-        name, low, high = _range(vary)
-        plan = SweepPlan.of(file, [f"{name}={low},{high}", *settings], **options)
-        if (kind := plan.values(0, 1)[name].dtype) != np.float64:
-            raise UserError(f"--vary {vary}: {name} is no real number, but {kind}: there is nothing to halve")
+        name, ends = _range(vary, file)
+        plan = SweepPlan.of(file, [f"{name}={ends.low!r},{ends.high!r}", *settings], **options)
         condition = RowCondition.read(until)
         missing = [name for name in condition.columns if name not in schema(plan).names]
         plan = replace(plan, measures=_with_measures(plan, missing))
@@ -195,22 +194,23 @@ def _sides(result: Boundaries) -> list[str]:
     return [sides[at] for at in zip(result.at_low.tolist(), result.at_high.tolist(), strict=True)]
 
 
-def _range(vary: str) -> tuple[str, str, str]:
-    """The name and the two numbers in `NAME=low..high`, as texts."""
+def _range(vary: str, file: Path) -> tuple[str, Range]:
+    """The name in `NAME=low..high`, and the two numbers in its unit in the scenario of a file."""
     name, equals, text = (part.strip() for part in vary.partition("="))
     if not (name and equals and text):
         raise UserError(f"--vary {vary}: write {ENDS}")
-    ends = [end.strip() for end in text.split(BETWEEN)]
+    kind = ScenarioVariation(read_file(file), file).target(name).kind
+    if kind.name not in ("Real", ""):
+        raise UserError(
+            f"--vary {vary}: {name} is no real number, but of the type {kind.name}: there is nothing to halve"
+        )
     try:
-        low, high = map(float, ends)
-    except ValueError:
-        raise UserError(f"--vary {vary}: {text} is no range of numbers: write {ENDS}") from None
-    if not (np.isfinite(low) and np.isfinite(high)):
-        raise UserError(f"--vary {vary}: both ends must be finite")
-    if low >= high:
-        what = "empty" if low == high else "reversed"
-        raise UserError(f"--vary {vary}: the range is {what}: write the lesser number first")
-    return name, ends[0], ends[1]
+        values = read_values(text, kind)
+    except UserError as e:
+        raise UserError(f"--vary {vary}: {e}") from None
+    if not isinstance(values, Range):
+        raise UserError(f"--vary {vary}: {text} is no range: write {ENDS}")
+    return name, values
 
 
 def _with_measures(plan: SweepPlan, columns: Iterable[str]) -> dict[str, tuple[str, ...]]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UserError
+from ..interface.quantities import convert, is_quantity
 from .expressions import Array, Expression, parse
 
 HELP = (
@@ -89,10 +90,12 @@ class ValueKind:
         name: FMI's type of a variable: Real, Integer, Boolean or Enumeration; empty: a key of the script, which takes
             numbers or Booleans.
         members: the names of an enumeration's members by their values.
+        unit: the unit of the numbers; None: they have none.
     """
 
     name: str = ""
     members: Collection[tuple[int, str]] = ()
+    unit: str | None = None
 
 
 def is_seed(name: str) -> bool:
@@ -161,6 +164,8 @@ def _bounds(parts: list[str], count: int, kind: ValueKind) -> tuple[float, float
         raise UserError(HELP)
     if kind.name in ("Boolean", "Enumeration"):
         raise UserError(f"{_allowed(kind)}, one by one with commas")
+    if is_quantity(parts[0]) != is_quantity(parts[1]):
+        raise UserError("one end has a unit and the other none: give both theirs, as in 30 m/min..40 m/min")
     low, high = (_number(part, kind) for part in parts[:2])
     if low >= high:
         raise UserError(f"the range is {'empty' if low == high else 'reversed'}: write the lesser number first")
@@ -192,8 +197,10 @@ def _value(part: str, kind: ValueKind) -> float | bool | str:
 
 
 def _number(part: str, kind: ValueKind) -> float:
-    """A finite number; a whole one, as an int, if the variable is an Integer."""
+    """A finite number, in the kind's unit; a whole one, as an int, if the variable is an Integer."""
     text = part.strip()
+    if kind.unit is not None and is_quantity(text):
+        return convert(text, kind.unit)
     try:
         value = float(text)
     except ValueError:
@@ -216,6 +223,8 @@ def _allowed(kind: ValueKind) -> str:
 def _is_value(text: str, kind: ValueKind) -> bool:
     """Whether a text without a comma is a value, and not an expression; a wrong value counts as one."""
     if text.lower() in FLAGS or (kind.name == "Enumeration" and text.isidentifier()):
+        return True
+    if kind.unit is not None and is_quantity(text):
         return True
     try:
         float(text)

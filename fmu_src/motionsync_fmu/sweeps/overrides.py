@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import UserError
-from ..interface.quantities import convert, is_quantity
 from ..scenario.scenario import Scenario
 from .expressions import Expression
 from .factors import Listed, read_values
@@ -29,12 +28,10 @@ def with_overrides(text: str, file: Path, overrides: Mapping[str, str]) -> Scena
 
 def _value(target: Target, text: str) -> float | bool | str:
     """The only value in a text; a number with a unit is one in the unit of the scenario."""
-    if target.unit is not None and is_quantity(text):
-        try:
-            return convert(text, target.unit)
-        except UserError as e:
-            raise UserError(f"{target.name}={text}: {e}") from None
-    values = read_values(text, target.kind)
+    try:
+        values = read_values(text, target.kind)
+    except UserError as e:
+        raise UserError(f"{target.name}={text}: {e}") from None
     if isinstance(values, Expression):
         unit = f" in {target.unit}, or with a unit of its own" if target.unit else ""
         required = "true or false" if target.kind.name == "Boolean" else f"a number{unit}"

@@ -54,7 +54,9 @@ class Target:
     def kind(self) -> ValueKind:
         """What its values are."""
         v = self.variable
-        return ValueKind(v.kind, tuple((m.value, m.name) for m in v.choices)) if v else ValueKind()
+        if not v:
+            return ValueKind(unit=self.unit)
+        return ValueKind(v.kind, tuple((m.value, m.name) for m in v.choices), self.unit)
 
     def convert(self, value: Any) -> Any:
         """The value as the scenario's file would have it: a whole number without a point where one belongs."""

@@ -12,6 +12,7 @@ from ...errors import UserError
 PACKAGE = Path(__file__).parents[2]
 SCENARIO_FILE = "scenario.toml"
 LINE_FILES = "line*.toml"
+KINDS = {SCENARIO_FILE: "scenarios", LINE_FILES: "lines"}
 
 
 def shipped_folder() -> Path:
@@ -38,16 +39,16 @@ def find_files(path: Path, pattern: str = SCENARIO_FILE) -> list[Path]:
     return files
 
 
-def find_scenario(path: Path) -> Path:
-    """The scenario's file at a path.
+def find_scenario(path: Path, pattern: str = SCENARIO_FILE) -> Path:
+    """The one file at a path, of those that `find_files` finds.
 
     Raises:
         UserError: there is none, or there are several; the message has names.
     """
-    files = find_files(path)
+    files = find_files(path, pattern)
     if len(files) > 1:
-        names = ", ".join(scenario_name(file) for file in files[:3])
-        raise UserError(f"{path}: there are {len(files)} scenarios: name one of them, as {names}")
+        names, what = ", ".join(scenario_name(file) for file in files[:3]), KINDS[pattern]
+        raise UserError(f"{path}: there are {len(files)} {what}: name one of them, as {names}")
     return files[0]
 
 

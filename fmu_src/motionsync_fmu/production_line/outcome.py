@@ -21,7 +21,8 @@ class LineOutcome:
     Attributes:
         line: the line file.
         synced: the time at which RemoteSync was in sync for the first time, in s; None: never.
-        before, in_sync: the errors of each variant before RemoteSync used its drift in full, and from then on.
+        settled: the time from which it uses its drift in full, in s; None: never.
+        before, in_sync: the errors of each variant before `settled`, and from then on.
         agreement: the differences of FMPy and libcosim in each output.
         libcosim_missing: why libcosim did not run; empty if it ran.
         ssp: the SSP package.
@@ -34,6 +35,7 @@ class LineOutcome:
     title: str
     passed: bool
     synced: float | None
+    settled: float | None
     before: list[VariantErrors]
     in_sync: list[VariantErrors]
     expectations: list[Check]
@@ -67,6 +69,7 @@ def write_outcome(
         line.follower.title,
         result.passed,
         None if math.isinf(result.synced) else result.synced,
+        None if math.isinf(result.settled) else result.settled,
         result.before,
         result.after,
         result.checks,

@@ -13,15 +13,16 @@ from .line import ProductionLine
 from .outcome import LineOutcome
 
 
-def print_line(line: ProductionLine, outcome: LineOutcome, settled: float) -> None:
-    """Print the checks, errors and files of a line, which is in sync from the time `settled` on, in s."""
+def print_line(line: ProductionLine, outcome: LineOutcome) -> None:
+    """Print the checks, errors and files of a line."""
     unit = unit_name(Unit.POSITION, line.unit)
     print_headline(outcome.title, outcome.line, outcome.passed)
     print_checks(outcome.expectations)
     if outcome.libcosim_missing:
         out.print(f"  [red]not run in libcosim[/]: {escape(outcome.libcosim_missing)}")
     _print_errors("before", outcome.before, unit)
-    _print_errors(f"in sync, from {settled:.5g} s on", outcome.in_sync, unit)
+    if outcome.settled is not None:
+        _print_errors(f"in sync, from {outcome.settled:.5g} s on", outcome.in_sync, unit)
     files = {"ssp": outcome.ssp, "osp": outcome.osp, "result": outcome.result, "report": outcome.report}
     for name, file in files.items():
         if file:
