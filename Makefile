@@ -11,7 +11,7 @@ FLAGSHIP := CutToLength/cyclic_orders
 unexport PYTHONDONTWRITEBYTECODE
 BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*/block.py))
 
-.PHONY: run line quick check test soak build lint types words style format references pictures docs benchmark release clean help
+.PHONY: run line quick check test soak build lint types words style imports format references pictures docs benchmark release clean help
 
 run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
@@ -37,8 +37,8 @@ soak: $(TESTABLE) ## the random tests alone, with ten times as many examples: ho
 build: $(READY) ## build/native/<FMU>.fmu and build/python/<FMU>.fmu
 	$(BIN)/motionsync build
 
-lint: $(TESTABLE) ## style, types and words, side by side
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync types words style
+lint: $(TESTABLE) ## style, types, words, and whether all tests can be imported, side by side
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync types words style imports
 
 types:
 	$(BIN)/mypy
@@ -49,6 +49,9 @@ words:
 style:
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+imports: # pytest keeps the tests that it has compiled, for all processes of a run
+	@found=$$($(BIN)/python -m pytest --collect-only --quiet 2>&1) || { echo "$$found"; exit 1; }
 
 format: $(TESTABLE) ## repair the style
 	$(BIN)/ruff check --fix .

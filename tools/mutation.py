@@ -112,7 +112,7 @@ class Reach:
 
     def limits(self, tests: Sequence[str]) -> dict[str, float]:
         """After how many seconds each of these tests counts as one without an end."""
-        return {test: 20.0 + 4.0 * self.seconds[test] for test in tests}
+        return {test: 90.0 + 10.0 * self.seconds[test] for test in tests}
 
 
 @app.command()

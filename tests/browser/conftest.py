@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,9 @@ Open = Callable[..., Visit]
 OpenReport = Callable[..., Visit]
 """Opens the report of a scenario: `open_report(name, ...)`, the rest as for `open_page`."""
 
+AtRest = Callable[[str], Visit]
+"""The report of a scenario in a page that tests share: `at_rest(name)`."""
+
 OpenBlock = Callable[..., Visit]
 """Opens the page of a block: `open_block(name, scenario, ...)`, the rest as for `open_page`."""
 
@@ -41,8 +45,8 @@ def chromium() -> Iterator[Any]:
         browser.close()
 
 
-@pytest.fixture
-def open_page(chromium: Any) -> Iterator[Open]:
+@contextmanager
+def opened_pages(chromium: Any) -> Iterator[Open]:
     """Opens pages; at the end none of them has said anything, or asked for anything outside its own folder."""
     visits: list[Visit] = []
 
@@ -58,6 +62,12 @@ def open_page(chromium: Any) -> Iterator[Open]:
         visit.context.close()
     assert messages == [[] for _ in visits]
     assert strange == []
+
+
+@pytest.fixture
+def open_page(chromium: Any) -> Iterator[Open]:
+    with opened_pages(chromium) as opened:
+        yield opened
 
 
 @pytest.fixture(scope="session")
@@ -80,11 +90,34 @@ def report_file(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Pat
 @pytest.fixture
 def open_report(open_page: Open, report_file: Callable[[str], Path]) -> OpenReport:
     def opened(name: str, **options: Any) -> Visit:
-        visit = open_page(report_file(name), **options)
-        visit.page.locator(".plot .main-svg").last.wait_for()
-        return visit
+        return drawn(open_page(report_file(name), **options))
 
     return opened
+
+
+def drawn(report: Visit) -> Visit:
+    """A report whose charts are drawn."""
+    report.page.locator(".plot .main-svg").last.wait_for()
+    return report
+
+
+@pytest.fixture(scope="module")
+def at_rest(chromium: Any, report_file: Callable[[str], Path]) -> Iterator[AtRest]:
+    """`at_rest(name)`: a scenario's report, in a page that a module's tests share, since opening it costs more than
+    most of them do. A test leaves it as it was, but for the time that is shown and what the pointer is over."""
+    with opened_pages(chromium) as open_page:
+
+        @cache
+        def opened(name: str) -> Visit:
+            return drawn(open_page(report_file(name)))
+
+        def rest(name: str) -> Visit:
+            visit = opened(name)
+            visit.page.mouse.move(0, 0)
+            visit.show(0.0)
+            return visit
+
+        yield rest
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.browser.charts import ChartView
-from tests.browser.conftest import OpenReport
+from tests.browser.conftest import AtRest, OpenReport
 from tests.browser.runs import run
 from tests.browser.visit import contrast
 
@@ -58,9 +58,9 @@ def test_reports_of_cuts_are_below_two_and_a_half_megabytes(report_file: Callabl
         assert report_file(name).stat().st_size < 2.5e6
 
 
-def test_the_pointer_over_the_pieces_shows_the_requested_velocity(open_report: OpenReport) -> None:
+def test_the_pointer_over_the_pieces_shows_the_requested_velocity(at_rest: AtRest) -> None:
     """All rows are shown together: position of the saw, velocity of the line, requested velocity, and limit."""
-    visit = open_report(PIECES)
+    visit = at_rest(PIECES)
     chart = ChartView(visit, "Pieces passing")
     assert {"saw", "line", "requested velocity", "limit of the line", "tolerance"} <= set(chart.legend)
     time, values = chart.hover_values(8.0)
@@ -70,9 +70,9 @@ def test_the_pointer_over_the_pieces_shows_the_requested_velocity(open_report: O
 
 
 @pytest.mark.parametrize("name", [CYCLIC_CUT, "Gearing/ccw_direct", "Synchronizer/polynomial"])
-def test_the_pointer_shows_the_slave_s_values(open_report: OpenReport, name: str) -> None:
+def test_the_pointer_shows_the_slave_s_values(at_rest: AtRest, name: str) -> None:
     """Five significant digits, at a point that is drawn: points between are left out where nobody would see them."""
-    visit = open_report(name)
+    visit = at_rest(name)
     chart = ChartView(visit, MOTION)
     stop = run(name)[0].stop_time
     for share in (0.21, 0.5, 0.83):
@@ -83,15 +83,15 @@ def test_the_pointer_shows_the_slave_s_values(open_report: OpenReport, name: str
             assert values[f"slave {quantity}"] == pytest.approx(expected, rel=1e-4, abs=1e-3)
 
 
-def test_the_pointer_over_the_cuts_shows_where_the_saw_is(open_report: OpenReport) -> None:
-    visit = open_report(CYCLIC_CUT)
+def test_the_pointer_over_the_cuts_shows_where_the_saw_is(at_rest: AtRest) -> None:
+    visit = at_rest(CYCLIC_CUT)
     time, values = ChartView(visit, CUTS).hover_values(9.0)
     assert values["saw"] == pytest.approx(recorded(CYCLIC_CUT, "slave.position", time), rel=1e-4, abs=1e-3)
 
 
-def test_the_curves_of_a_chart_are_saved_as_csv(open_report: OpenReport, tmp_path: Path) -> None:
+def test_the_curves_of_a_chart_are_saved_as_csv(at_rest: AtRest, tmp_path: Path) -> None:
     """Seven digits, at the points that are drawn; the line has one column for each of its curves."""
-    visit = open_report(PIECES)
+    visit = at_rest(PIECES)
     for name, heading, variable in (
         (MOTION, "slave velocity in mm/s", "slave.velocity"),
         ("Pieces passing", "line.velocity_request in mm/s", "line.velocity_request"),
@@ -135,9 +135,9 @@ def test_printed_charts_are_whole_and_as_wide_as_the_paper(open_report: OpenRepo
         assert rule == "avoid"
 
 
-def test_the_machine_follows_the_pointer(open_report: OpenReport) -> None:
+def test_the_machine_follows_the_pointer(at_rest: AtRest) -> None:
     """A px is 36 ms of the cyclic cut; the other charts show a cursor there, the one under the pointer has its own."""
-    visit = open_report(CYCLIC_CUT)
+    visit = at_rest(CYCLIC_CUT)
     motion, cuts = ChartView(visit, MOTION), ChartView(visit, CUTS)
     motion.point(12.0)
     visit.page.wait_for_function("Math.abs(document.querySelector('.motionsync-machine').dataset.time - 12) < 0.05")
@@ -149,8 +149,8 @@ def test_the_machine_follows_the_pointer(open_report: OpenReport) -> None:
     assert motion.cursor is None
 
 
-def test_the_plots_follow_the_machine(open_report: OpenReport) -> None:
-    visit = open_report(CYCLIC_CUT)
+def test_the_plots_follow_the_machine(at_rest: AtRest) -> None:
+    visit = at_rest(CYCLIC_CUT)
     charts = [ChartView(visit, name) for name in (MOTION, CUTS, LANES)]
     for t in (3.7, 21.0):
         visit.show(t)
@@ -158,8 +158,8 @@ def test_the_plots_follow_the_machine(open_report: OpenReport) -> None:
         assert [chart.cursor for chart in charts] == pytest.approx([t] * 3, abs=0.05)
 
 
-def test_the_slider_moves_the_saw_and_the_cursor(open_report: OpenReport) -> None:
-    visit = open_report(CYCLIC_CUT)
+def test_the_slider_moves_the_saw_and_the_cursor(at_rest: AtRest) -> None:
+    visit = at_rest(CYCLIC_CUT)
     motion = ChartView(visit, MOTION)
     slider = visit.page.get_by_role("slider", name="Time")
     slider.scroll_into_view_if_needed()
@@ -175,9 +175,9 @@ def test_the_slider_moves_the_saw_and_the_cursor(open_report: OpenReport) -> Non
     assert motion.cursor == pytest.approx(visit.time, abs=0.05)
 
 
-def test_playing_moves_saw_and_cursor(open_report: OpenReport) -> None:
+def test_playing_moves_saw_and_cursor(at_rest: AtRest) -> None:
     """In real time: the plots keep up, a picture takes far less than the 0.1 s that playing makes up for."""
-    visit = open_report(CYCLIC_CUT)
+    visit = at_rest(CYCLIC_CUT)
     motion = ChartView(visit, MOTION)
     visit.listen()
     visit.page.get_by_role("button", name="Play").click()
