@@ -30,8 +30,8 @@ def plan_line(
             that are given, else a saw.
         set: parameters of the block, or `load.NAME`, in place of the file's values. With several machines those of an
             axis need the block's name: `{"RotaryKnife.axis.max_velocity": 3000}`.
-        length: of the pieces, in u: numbers, or a text: `"500,1000"`, or `"300..3000"` for round numbers in between;
-            by default those of the file, else a selection.
+        length: of the pieces, in u: numbers, or a text: `"500,1000"`, `"6 m"`, or `"300..3000"` for round numbers in
+            between; by default those of the file, else a selection.
         velocity: of the line, in u/s, likewise.
         unit: of positions; by default the file's, else mm.
 
@@ -40,7 +40,7 @@ def plan_line(
     """
     settings = {name: literal(value) for name, value in (set or {}).items()}
     data, own_lengths, own_velocities = read_machines([Path(m) for m in machines], machine, settings, unit)
-    lengths, velocities = read_option("length", length), read_option("velocity", velocity)
+    lengths, velocities = read_option("length", length, data[0]), read_option("velocity", velocity, data[0])
     plan = make_plan(data, lengths or own_lengths, velocities or own_velocities)
     return LinePlanResult(plan.machines, plan.comparison)
 

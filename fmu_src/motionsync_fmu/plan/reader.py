@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from motionsync.cutting.interface import Source
-from motionsync.var import LARGEST_INPUT
+from motionsync.var import LARGEST_INPUT, Unit
 
 from ..errors import UserError, choose, resolve_name
+from ..interface.quantities import convert, is_quantity
 from ..interface.recipe import parse
 from ..interface.units import BASES
 from ..scenario.files.axis_tables import read_load
@@ -29,6 +30,7 @@ AXIS = ("axis.", LOAD)  # names that mean something else for each machine
 MATERIAL = ("material_factor", "kerf", "length_correction", "length_tolerance")  # the same whatever cuts it
 MASTER_SOURCE = "the line velocities of the plan"  # where the master's inputs come from
 RANGE = ".."
+UNITS = {"length": Unit.POSITION, "lengths": Unit.POSITION, "velocity": Unit.VELOCITY, "velocities": Unit.VELOCITY}
 
 
 def read_machines(
@@ -53,7 +55,14 @@ def read_machines(
     each = _distribute(settings, machines)
     machines = [_with_settings(m, top, values) for m, top, values in zip(machines, tops, each, strict=True)]
     lengths, velocities = (
-        sorted({number for top in tops if "fmu" not in top for number in _numbers(top, key)})
+        sorted(
+            {
+                number
+                for top, machine in zip(tops, machines, strict=True)
+                if "fmu" not in top
+                for number in _numbers(top, key, machine.unit_of(UNITS[key]))
+            }
+        )
         for key in ("lengths", "velocities")
     )
     return machines, lengths, velocities
@@ -195,8 +204,8 @@ def _setting(machine: Machine, name: str, text: str) -> Any:
     return parse(choose(settable, name, f"parameter or input of {machine.block}"), text)
 
 
-def _numbers(top: TomlTable, key: str) -> list[float]:
-    """A list of numbers, or a text such as an option's, in a file; empty if it is missing."""
+def _numbers(top: TomlTable, key: str, unit: str) -> list[float]:
+    """A list of numbers in a unit, or a text such as an option's, in a file; empty if it is missing."""
     value = top.values.get(key, [])
     if isinstance(value, list) and all(isinstance(x, int | float) and not isinstance(x, bool) for x in value):
         numbers: str | list[float] = value
@@ -205,14 +214,14 @@ def _numbers(top: TomlTable, key: str) -> list[float]:
     else:
         top.fail(key, f'{value!r} is neither a list of numbers nor a text such as "500..1500"')
     try:
-        return read_numbers(numbers)
+        return read_numbers(numbers, unit)
     except UserError as error:
         top.fail(key, str(error))
 
 
-def read_numbers(numbers: str | Sequence[float]) -> list[float]:
-    """Read numbers, in rising sequence: a list of them, or a text: `500,1000,1500`, or `100..1200` for round numbers in
-    between.
+def read_numbers(numbers: str | Sequence[float], unit: str) -> list[float]:
+    """Read numbers in a unit, in rising sequence: a list of them, or a text: `500,1000,1500`, or `100..1200` for round
+    numbers in between. A number in a text may have a unit of its own.
 
     Raises:
         UserError: it is no such text, or a number in it is not allowed.
@@ -222,18 +231,22 @@ def read_numbers(numbers: str | Sequence[float]) -> list[float]:
     values: set[float] = set()
     for part in filter(None, (p.strip() for p in numbers.split(","))):
         first, separator, last = part.partition(RANGE)
-        ends = [_number(first), _number(last)] if separator else [_number(first)]
+        ends = [_number(end, unit) for end in ((first, last) if separator else (first,))]
+        if separator and is_quantity(first) != is_quantity(last):
+            raise UserError(f"{part}: one end has a unit and the other none: give both theirs, as in 1 m..6 m")
         if separator and ends[0] >= ends[1]:
             raise UserError(f"{part}: the second number must be greater than the first")
         values.update([*ends, *(round_values(*ends) if separator else ())])
     return sorted(values)
 
 
-def _number(text: str) -> float:
+def _number(text: str, unit: str) -> float:
+    if is_quantity(text):
+        return _allowed(convert(text, unit))
     try:
         return _allowed(float(text))
     except ValueError:
-        raise UserError(f"{text!r} is no number: write numbers with commas, 500,1000, or a range, 100..1200") from None
+        raise UserError(f"{text!r} is not a number: write numbers with commas, 500,1000, or a range, 100..1200") from None
 
 
 def _allowed(value: float) -> float:
@@ -242,9 +255,9 @@ def _allowed(value: float) -> float:
     return value
 
 
-def read_option(name: str, numbers: str | Sequence[float]) -> list[float]:
-    """Read the numbers of an option; empty if it is not given."""
+def read_option(name: str, numbers: str | Sequence[float], machine: Machine) -> list[float]:
+    """Read the numbers of an option, in the unit of the machine's material; empty if it is not given."""
     try:
-        return read_numbers(numbers)
+        return read_numbers(numbers, machine.unit_of(UNITS[name]))
     except UserError as error:
         raise UserError(f"--{name} {numbers}: {error}") from None
