@@ -23,7 +23,7 @@ from tools.site.reference import block_reference
 ELSEWHERE = re.compile(r"[a-z]+:")
 REPOSITORY = re.compile(rf"{re.escape(HOME)}/(?:blob|tree)/v{re.escape(__version__)}/([^#]*)")
 OWN_ANCHORS = {"", "__skip", "__search"}  # of the theme
-LEFT = re.compile(r"\]\(|\*\*|\| ?---|\n\d+\. \S|<!--|```")
+LEFT = re.compile(r"\]\(|\*\*|\| ?---|(?:^|\S)\n {0,3}(?:\d+\.|[-*]) |<!--|```")  # the fourth: a list in a paragraph
 
 
 @pytest.fixture(scope="module")
