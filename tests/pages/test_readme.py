@@ -5,6 +5,7 @@ import re
 import shlex
 import subprocess
 import sys
+from dataclasses import fields
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ from motionsync.cut_to_length.machine_limits import (
     return_time,
     stroke,
 )
+from motionsync.rotary_knife.block import RotaryKnife
+from motionsync_fmu import Stepper
 from motionsync_fmu.fmus.fmu import Flavour
 from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.recipe import Recipe
@@ -28,7 +31,6 @@ from motionsync_fmu.interface.variables import cells, members
 from motionsync_fmu.pages.readme import read_readme
 from motionsync_fmu.pages.state_diagram import read_diagram
 from tests import ROOT
-from tests.model.cut_to_length.harness import machine_data
 from tests.support.fmus import Fmus
 
 README = (ROOT / "README.md").read_text("utf-8")
@@ -262,8 +264,8 @@ def test_how_far_its_start_values_carry() -> None:
 
 
 def test_the_parts_of_its_cycle() -> None:
-    """Of the reference machine, at 500 and at 1000 mm/s; a cut takes 0.25 s: the way from home is D + 0.25 V."""
-    text, machine = read_readme(CutToLength), machine_data()
+    """Of the start values, at 500 and at 1000 mm/s; a cut takes 0.25 s: the way from home is D + 0.25 V."""
+    text, machine = read_readme(CutToLength), Machine()
     for i, v in enumerate((500.0, 1000.0)):
         distance, cycle = approach_distance(machine, v), cycle_time(machine, v)
         away = distance + 0.25 * v
@@ -272,7 +274,7 @@ def test_the_parts_of_its_cycle() -> None:
             ("approach", 2.0 * distance / v, 3),
             ("settling, cut, gap, blade out", 0.25, 3),
             ("way from home S", away, 1),
-            ("way home", return_time(v, away, 1e4, 1e4, 2e5, 1500.0), 3),
+            ("way home", return_time(v, away, 1e4, 1e4, 1e5, 2000.0), 3),
             ("cycle T", cycle, 3),
             ("shortest pitch", v * cycle, 1),
             ("stroke", stroke(machine, v), 1),
@@ -281,13 +283,57 @@ def test_the_parts_of_its_cycle() -> None:
 
 
 def test_what_its_limits_cost() -> None:
-    """The sentence on the reference machine: the highest line velocity for pitches, the last of them by the stroke."""
+    """The highest line velocity for pitches, the last of them by the stroke; what halves of limits and times change,
+    from the least to the greatest share, for pitches of 500 to 1500."""
     text = re.sub(r"\s+", " ", read_readme(CutToLength))
     velocities = re.findall(
         r"it is (\S+) mm/s for a pitch of 500, (\S+) for 1000, (\S+) for 1500, and (\S+), for the stroke", text
     )
-    pitches = (500.0, 1000.0, 1500.0, 2000.0)
-    assert velocities == [tuple(f"{max_line_velocity(machine_data(), pitch):.1f}" for pitch in pitches)]
+    bounded = Machine(max_position=650.0)
+    assert velocities == [
+        tuple(f"{max_line_velocity(bounded, pitch):.1f}" for pitch in (500.0, 1000.0, 1500.0, 2000.0))
+    ]
+    names = [f.name for f in fields(Machine)]
+    half = {name: 5000.0 for name in names if name.endswith(("acceleration", "deceleration"))}
+    pitches = np.linspace(500.0, 1500.0, 11)
+    changes = []
+    for changed in (Machine(**half), Machine(approach_jerk=5e4, homing_jerk=5e4), Machine(cut_time=0.125)):
+        shares = [
+            abs(max_line_velocity(changed, pitch) / max_line_velocity(Machine(), pitch) - 1.0) for pitch in pitches
+        ]
+        changes.append(f"{100.0 * min(shares):.0f} to {100.0 * max(shares):.0f} %")
+    acceleration, jerk, cut = changes
+    assert f"the acceleration costs {acceleration} of the line's velocity, half the jerk {jerk}," in text
+    assert f"half the time of the cut gains {cut}." in text
+    slow, fast = row(read_readme(CutToLength), "shortest pitch")
+    assert f"at 1000 mm/s the shortest pitch is {fast / slow:.1f} times that at 500 mm/s" in text
+
+
+# --- of the RotaryKnife ---
+
+
+def test_the_table_of_its_pieces() -> None:
+    """What a knife with the start values does between the third cut and the fifth one, on a line of 100 mm/s. On pieces
+    that are longer than `limits.max_length` it rests; the limits of its line do not depend on the line's velocity."""
+    text = read_readme(RotaryKnife)
+    lengths, peaks, limits = (
+        row(text, head)
+        for head in ("pieces of, mm", "greatest velocity over that in sync", "`limits.max_line_velocity`, mm/s")
+    )
+    middles = [*row(text, "in the middle"), 0.0]  # the last one: rest
+    for length, peak, middle, limit in zip(lengths, peaks, middles, limits, strict=True):
+        knife = Stepper(RotaryKnife()).initialize({"length": length, "auto_start": True, "master.velocity": 100.0})
+        velocities = []
+        for step in range(100_000):
+            knife.step(0.01, {"master.position": float(step), "master.velocity": 100.0})
+            if knife["statistics.cuts"] >= 3:
+                velocities.append(knife["slave.velocity"] / 60.0)  # in sync 360 degrees in 600 mm
+            if knife["statistics.cuts"] == 5:
+                break
+        assert max(velocities) == pytest.approx(peak, abs=5.1e-4)
+        assert (min(velocities) if middle <= 1.0 else max(velocities)) == pytest.approx(middle, abs=5.1e-4)
+        assert round(knife["limits.max_line_velocity"]) == limit
+    assert knife["limits.max_length"] == lengths[-2]
 
 
 # --- of the blocks ---
