@@ -9,6 +9,7 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 
+from motionsync import CutToLength
 from motionsync.laws import (
     PARABOLA_PEAK_ACCELERATION,
     PARABOLA_TRAVEL,
@@ -16,6 +17,7 @@ from motionsync.laws import (
     POLYNOMIAL_3_4_5_PEAK_JERK,
     POLYNOMIAL_3_4_5_TRAVEL,
 )
+from motionsync_fmu import Stepper
 from motionsync_fmu.batch.reductions import NUMBERED, PLAIN
 from motionsync_fmu.fmus.zip import write_zip
 from tests import ROOT
@@ -54,6 +56,25 @@ def test_the_system_of_ones_own_cuts_the_pieces_that_it_is_given(fmus: Fmus, tmp
     assert table["saw.statistics.cuts"][-1] == 5
     assert table["saw.last.length"][-1] == pytest.approx(800.0, abs=1e-6)
     assert table["saw.slave.position"].max() == pytest.approx(table["carriage.position"].max())
+
+
+@pytest.mark.parametrize("h", [0.001, 0.01])
+def test_the_run_to_compare_with_has_the_figures_of_the_pages(h: float) -> None:
+    """The page states a step of 1 ms; one of 10 ms, too, gives what its digits show."""
+    saw = Stepper(CutToLength()).initialize({"length": 800.0, "kerf": 4.0, "axis.max_position": 650.0})
+    greatest = 0.0
+    for step in range(round(10.0 / h)):
+        t = step * h
+        saw.step(h, {"master.position": 500.0 * t, "master.velocity": 500.0, "start": t > 0.0099})
+        greatest = max(greatest, saw["slave.position"])
+    assert saw["statistics.skipped"] == 0
+    cuts, length = saw["statistics.cuts"], saw["last.length"]
+    for page in ("wiring", "simulink", "libcosim", "modelica", "real_time"):
+        text = " ".join((DOCS / "how_to" / f"{page}.md").read_text("utf-8").split())
+        assert f"`statistics.cuts` is {cuts}" in text
+        assert f"`last.length` is {length:.3f}" in text
+        assert f"greatest `slave.position` was {greatest:.1f}." in text
+    assert f"which is {saw['limits.max_line_velocity']:.1f}," in (DOCS / "how_to" / "wiring.md").read_text("utf-8")
 
 
 def test_the_table_of_ramps() -> None:
