@@ -8,11 +8,12 @@ import pytest
 
 from motionsync_fmu.fmus.fmu import Flavour
 from tests import ROOT
-from tests.support.command_line import Command
+from tests.support.command_line import Command, Outcome
 from tests.support.fmus import Fmus
 
 TUTORIAL = ROOT / "docs" / "tutorial"
 FILE = re.compile(r"Make a folder `(\w+)`, and in it a file `scenario.toml`[^`]*```toml\n(.*?)```", re.S)
+PRINTED = re.compile(r"^```text\n(.*?)^```", re.M | re.S)
 COMMAND = re.compile(r"^    motionsync (.*)$", re.M)
 SLOW = ("explore", "build")  # other tests write pages and build FMUs
 STEPS = {  # of each page: the exit status of each command; what it prints, and what the page says of that
@@ -44,13 +45,31 @@ def test_the_commands_print_what_the_page_says(page: str, fmus: Fmus, tmp_path: 
     ((folder, content),) = FILE.findall(text)
     (tmp_path / folder).mkdir()
     (tmp_path / folder / "scenario.toml").write_text(content)
+    outputs: list[str] = []
     commands = [line for line in COMMAND.findall(text) if not line.startswith(SLOW)]
     for command, (status, pairs) in zip(commands, STEPS[page], strict=True):
         outcome = motionsync(*shlex.split(command))
         assert outcome.status == status, outcome
+        outputs.append(as_shown(outcome))
         for printed, written in pairs:
             assert printed in " ".join(outcome.out.split())
             assert written in prose
+    assert set(PRINTED.findall(text)) <= set(outputs)
+
+
+def as_shown(outcome: Outcome) -> str:
+    """What a command has printed, as a page shows it: without the address of the report."""
+    return re.sub(r"^report: .*\n", "", outcome.out, flags=re.M)
+
+
+def test_the_reference_shows_what_a_run_prints(fmus: Fmus, tmp_path: Path, motionsync: Command) -> None:
+    fmus.copied(Flavour.NATIVE, "CutToLength", tmp_path / "build")
+    text = (ROOT / "docs" / "reference" / "run_output.md").read_text("utf-8")
+    commands = re.findall(r"`motionsync (run .*?)`\s+prints", text)
+    shown = PRINTED.findall(text)
+    assert len(commands) == len(shown) == 2
+    for command, output in zip(commands, shown, strict=True):
+        assert as_shown(motionsync(*shlex.split(command), "--no-report")) == output
 
 
 def test_the_commands_that_take_long_name_what_there_is() -> None:
