@@ -104,6 +104,7 @@ def test_the_reference_of_commands_has_what_the_help_prints(site: Site, motionsy
         for option in options:
             assert re.search(rf"{option}\b", written), f"{name} {option}"
     assert seen > 40
+    assert ("a", "../how_to/lines.html") in page.addresses  # a file that a help names
 
 
 def test_the_reference_of_python_has_what_the_package_offers(site: Site) -> None:

@@ -19,9 +19,11 @@ from motionsync_fmu.pages.style import load_template
 from motionsync_fmu.scenario.files.keys import REQUIRED
 from motionsync_fmu.scenario.files.shipped import SCENARIO_FILE, scenario_name, shipped_folder
 from motionsync_fmu.scenario.files.tables import ALL_TABLES
+from tools.site.pages import made_pages
 
 TEMPLATES = Path(__file__).parent / "templates"
 UNIT = "mm"  # in which the tables give positions
+FILES = re.compile("|".join(map(re.escape, made_pages().values())))
 PARAGRAPH_AS_IT_IS = "\b"  # click's mark of a paragraph whose lines are not joined
 
 
@@ -74,8 +76,14 @@ def _help_as_markdown(text: str) -> str:
             lines = textwrap.dedent(paragraph.removeprefix(PARAGRAPH_AS_IT_IS).strip("\n"))
             paragraphs[i] = textwrap.indent(lines, "    ")
         elif not paragraph.startswith("    "):
-            paragraphs[i] = paragraph.replace("<", "&lt;")
+            paragraphs[i] = FILES.sub(_page_link, paragraph.replace("<", "&lt;"))
     return "\n\n".join(paragraphs)
+
+
+def _page_link(file: re.Match[str]) -> str:
+    """A link to the page that is made from a file which the help of a command names."""
+    (page,) = (page for page, source in made_pages().items() if source == file[0])
+    return f"[{file[0]}](../{page})"
 
 
 def python_reference() -> str:

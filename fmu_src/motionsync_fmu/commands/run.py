@@ -57,14 +57,15 @@ def command(
 ) -> None:
     """Run scenarios through their FMUs with FMPy, compare with expectations and reference, write CSV and report.
 
-    A scenario has one line: ok or NOT, its name, its cuts or pieces, and the slave's greatest velocity v, acceleration
-    a (or deceleration d) and jerk j next to the limits of its axis. A ! marks a note that is not a failure.
+    One scenario has a line for each figure. Of several scenarios each has one line: ok or NOT, its name, its cuts or
+    pieces, and the slave's greatest velocity v, acceleration a (or deceleration d) and jerk j next to the limits of its
+    axis. A ! marks a remark that is not a failure.
 
     With --set the scenario is run with other values, as in a run of a sweep: its expectations are checked, its
     reference is not, and the results go to a folder of their own.
 
     Without an up-to-date FMU in build/FLAVOUR/ or build/fmi3/, one for this machine is built in the user's cache. The
-    exit status is 1 if anything was not as expected.
+    exit status is 1 if anything was not as expected, and 2 if a file or an argument has a mistake.
 
     Examples:
 
