@@ -100,6 +100,7 @@ def test_the_figures_of_a_thousand_seeds() -> None:
     c = d.capability
     assert f"C_pk is {c.c_pk:.2f}, or {c.interval}" in PROSE
     seeds = table("seeds")
+    assert f"The sigma of all products is {float(seeds.error.std(ddof=1)):.4f} mm" in PROSE
     errors = seeds.error.reshape(1000, 12)
     sigma = sqrt(float(errors.var(axis=0, ddof=1).mean()))
     assert f"a product is off by a sigma of {sigma:.3f} mm" in PROSE
