@@ -18,7 +18,7 @@ from tests import ROOT
 from tests.support.command_line import Command
 from tests.support.fmus import Fmus
 from tests.support.site import Site, SitePage, made_site
-from tools.site.reference import block_reference
+from tools.site.reference import block_reference, without_usual_end
 
 ELSEWHERE = re.compile(r"[a-z]+:")
 REPOSITORY = re.compile(rf"{re.escape(HOME)}/(?:blob|tree)/v{re.escape(__version__)}/([^#]*)")
@@ -90,6 +90,20 @@ def test_the_reference_of_a_block_has_its_variables_members_and_codes(block: str
     text = " ".join(page.prose)
     for v in recipe.variables.values():
         assert v.declaration.description in text, v.name
+
+
+@pytest.mark.parametrize(
+    ("allowed", "shown"),
+    [
+        ("0 to 1e+12", "≥ 0"),
+        ("0, or 1e-09 to 1e+12", "0, or ≥ 1e-09"),
+        ("> 0 and <= 1e+12", "> 0"),
+        ("-1e+12 to 1e+12", "-1e+12 to 1e+12"),
+        ("0 to 0.15", "0 to 0.15"),
+    ],
+)
+def test_the_usual_end_of_a_range_is_left_out(allowed: str, shown: str) -> None:
+    assert without_usual_end(allowed) == shown
 
 
 def test_the_reference_of_commands_has_what_the_help_prints(site: Site, motionsync: Command) -> None:

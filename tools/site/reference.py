@@ -24,6 +24,7 @@ from tools.site.pages import made_pages
 TEMPLATES = Path(__file__).parent / "templates"
 UNIT = "mm"  # in which the tables give positions
 FILES = re.compile("|".join(map(re.escape, made_pages().values())))
+TO_USUAL_END = re.compile(r"(\S+) to 1e\+12$")
 PARAGRAPH_AS_IT_IS = "\b"  # click's mark of a paragraph whose lines are not joined
 
 
@@ -36,9 +37,17 @@ def block_reference(name: str) -> str:
         "choices": {v.cell.type: v.choices for v in variables(block) if v.choices},
         "codes": {v.declaration.codes: members(v.declaration.codes) for v in variables(block) if v.declaration.codes},
         "describe": summary,
+        "without_usual_end": without_usual_end,
         "scenarios": {scenario_name(file): read_title(file) for file in sorted(scenario_files(name))},
     }
     return load_template(TEMPLATES, "block.html.j2").render(values)
+
+
+def without_usual_end(allowed_range: str) -> str:
+    """A range as the table of a block has it: `≥ 0` for `0 to 1e+12`, since most variables end there."""
+    if allowed_range.startswith("-1e+12"):
+        return allowed_range
+    return TO_USUAL_END.sub(r"≥ \1", allowed_range).removesuffix(" and <= 1e+12")
 
 
 def scenario_files(name: str) -> Iterator[Path]:
