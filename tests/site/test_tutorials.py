@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu.fmus.fmu import Flavour
 from tests import ROOT
 from tests.support.command_line import Command, Outcome
@@ -70,6 +71,12 @@ def test_the_reference_shows_what_a_run_prints(fmus: Fmus, tmp_path: Path, motio
     assert len(commands) == len(shown) == 2
     for command, output in zip(commands, shown, strict=True):
         assert as_shown(motionsync(*shlex.split(command), "--no-report")) == output
+
+
+def test_the_check_of_an_installation_counts_the_blocks(motionsync: Command) -> None:
+    assert "prints a table of seven blocks" in (TUTORIAL / "install.md").read_text("utf-8")
+    listed = motionsync("list").out
+    assert sum(bool(re.search(rf"^ {name} +\d", listed, re.M)) for name in BLOCKS) == len(BLOCKS) == 7
 
 
 def test_the_commands_that_take_long_name_what_there_is() -> None:
