@@ -70,8 +70,8 @@ class RunResult:
     """The outputs of a run, and how they compare with what is expected.
 
     `result[name]` has a column over time, of shape (points,): an output or local variable of the block, a column that
-    is computed after the run (`actual.slave.position`), or the scripted axis (`master.position`). Its unit is that of the
-    variable.
+    is computed after the run (`actual.slave.position`), or the scripted axis (`master.position`). Its unit is that of
+    the variable.
 
     Attributes:
         scenario: what was run.
