@@ -39,10 +39,13 @@ def command(
         ),
     ] = None,
     length: Annotated[
-        str, typer.Option(metavar="LENGTHS", help="Lengths to plan for: 500,1000, or 6 m, or a range, 300..3000.")
+        str, typer.Option(metavar="LENGTHS", help="Lengths to plan for: 500,1000 or 6 m or a range, 300..3000.")
     ] = "",
     velocity: Annotated[
-        str, typer.Option(metavar="VELOCITIES", help="Line velocities to plan for: 400,800, or 40 m/min, or a range, 100..1200.")
+        str,
+        typer.Option(
+            metavar="VELOCITIES", help="Line velocities to plan for: 400,800 or 40 m/min or a range, 100..1200."
+        ),
     ] = "",
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; else the file's, else mm.")] = "",
     output: Annotated[

@@ -246,7 +246,7 @@ def _number(text: str, unit: str) -> float:
     try:
         return _allowed(float(text))
     except ValueError:
-        raise UserError(f"{text!r} is not a number: write numbers with commas, 500,1000, or a range, 100..1200") from None
+        raise UserError(f"{text!r} is not a number: write numbers, as 500,1000, or a range, as 100..1200") from None
 
 
 def _allowed(value: float) -> float:
