@@ -42,8 +42,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Two processes for each processor: one often waits, for a browser, an emulator or another one's build."""
-    return 2 * (os.cpu_count() or 1)
+    """One process more than processors: a process often waits, for a browser, an emulator or another one's build."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_configure(config: pytest.Config) -> None:

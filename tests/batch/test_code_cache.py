@@ -95,7 +95,7 @@ def test_of_processes_that_begin_together_one_compiles(cache: Path, tmp_path: Pa
 def test_a_process_that_dies_while_it_compiles_stops_nobody(cache: Path, tmp_path: Path) -> None:
     log = tmp_path / "log"
     with process(log, 600.0) as dying:
-        while not log.exists():
+        while not (log.exists() and log.read_text()):
             assert dying.poll() is None
             time.sleep(0.01)
         dying.kill()
