@@ -7,7 +7,8 @@ from pathlib import Path
 from .. import paths
 from ..errors import choose
 from ..fmus.fmu import Flavour
-from ..fmus.prebuilt import Report, available_flavours, silent
+from ..fmus.prebuilt import Report, select_flavours, silent
+from ..interface.recipe import Fmi
 from ..production_line.evaluation import evaluate_line
 from ..production_line.line import ProductionLine
 from ..production_line.outcome import LineOutcome, write_outcome
@@ -40,8 +41,8 @@ def line(
         UserError: there is no such line, something in it or in an argument is not allowed, or an FMU refused a value.
     """
     each = line if isinstance(line, ProductionLine) else load_line(find_scenario(Path(line), LINE_FILES))
-    flavours = {str(f): f for f in Flavour}
-    chosen = choose(flavours, flavour, "flavour") if flavour else available_flavours(lambda text: None)[0]
+    requested = [choose({str(f): f for f in Flavour}, flavour, "flavour")] if flavour else []
+    (chosen, *_) = select_flavours(Fmi.TWO, requested, lambda text: None)
     folder = Path(output) if output else paths.output_folder(lambda text: None)
     with report(f"{each.name}: its FMUs") as notify:
         package = write_package(each, chosen, folder, notify)

@@ -36,6 +36,16 @@ def is_quantity(text: str) -> bool:
     return bool(QUANTITY.fullmatch(text.strip()))
 
 
+def check_ends(first: str, last: str) -> None:
+    """Refuse a range of which one end has a unit and the other none: it could mean either.
+
+    Raises:
+        UserError: it is such a range.
+    """
+    if is_quantity(first) != is_quantity(last):
+        raise UserError("one end has a unit and the other none: give both theirs, as in 30 m/min..40 m/min")
+
+
 def convert(text: str, unit: str) -> float:
     """The number of a quantity in another unit: `40 m/min` in `mm/s` is 666.67.
 

@@ -10,7 +10,7 @@ from motionsync.cutting.interface import Source
 from motionsync.var import LARGEST_INPUT, Unit
 
 from ..errors import UserError, choose, resolve_name
-from ..interface.quantities import convert, is_quantity
+from ..interface.quantities import check_ends, convert, is_quantity
 from ..interface.recipe import parse
 from ..interface.units import BASES
 from ..scenario.files.axis_tables import read_load
@@ -232,8 +232,8 @@ def read_numbers(numbers: str | Sequence[float], unit: str) -> list[float]:
     for part in filter(None, (p.strip() for p in numbers.split(","))):
         first, separator, last = part.partition(RANGE)
         ends = [_number(end, unit) for end in ((first, last) if separator else (first,))]
-        if separator and is_quantity(first) != is_quantity(last):
-            raise UserError(f"{part}: one end has a unit and the other none: give both theirs, as in 1 m..6 m")
+        if separator:
+            check_ends(first, last)
         if separator and ends[0] >= ends[1]:
             raise UserError(f"{part}: the second number must be greater than the first")
         values.update([*ends, *(round_values(*ends) if separator else ())])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UserError
-from ..interface.quantities import convert, is_quantity
+from ..interface.quantities import check_ends, convert, is_quantity
 from .expressions import Array, Expression, parse
 
 HELP = (
@@ -164,8 +164,7 @@ def _bounds(parts: list[str], count: int, kind: ValueKind) -> tuple[float, float
         raise UserError(HELP)
     if kind.name in ("Boolean", "Enumeration"):
         raise UserError(f"{_allowed(kind)}, one by one with commas")
-    if is_quantity(parts[0]) != is_quantity(parts[1]):
-        raise UserError("one end has a unit and the other none: give both theirs, as in 30 m/min..40 m/min")
+    check_ends(parts[0], parts[1])
     low, high = (_number(part, kind) for part in parts[:2])
     if low >= high:
         raise UserError(f"the range is {'empty' if low == high else 'reversed'}: write the lesser number first")
