@@ -13,6 +13,7 @@ from typing import Any
 
 import fmpy
 import pytest
+import ziglang
 
 from motionsync_fmu import paths
 from motionsync_fmu.interface.recipe import Fmi
@@ -27,11 +28,17 @@ from tests.support.runs import BlockRun
 LETTERS = {"Real": "R", "Float64": "R", "Integer": "I", "Int32": "I", "Int64": "E", "Boolean": "B"}
 REFUSED = {Fmi.TWO: "3", Fmi.THREE: "2"}  # the status of a native unit's refused step
 SOURCES = ROOT / "tests" / "fmu"
-# The host for libraries of each system: zig's name of the system it runs on itself and of its C library, its sources.
+WINDOWS_HEADERS = Path(ziglang.__file__).parent / "lib" / "libc" / "include" / "any-windows-any"
+WINDOWS = [
+    f"-isystem{WINDOWS_HEADERS}",
+    *("-Dmain=host", "-fno-builtin", "-nostdlib", "-lkernel32", "-lucrtbase", "-Wl,-e,start"),
+]
+# The host for libraries of each system: zig's name of the system it runs on itself and of its C library, its sources,
+# and zig's options.
 HOSTS = {
-    "linux": ("linux-gnu.2.17", ["replay.c"]),
-    "windows": ("windows-gnu", ["replay.c"]),
-    "macos": ("linux-gnu.2.17", ["replay.c", "macho.c"]),
+    "linux": ("linux-gnu.2.17", ["replay.c"], []),
+    "windows": ("windows-gnu", ["replay.c", "windows.c"], WINDOWS),
+    "macos": ("linux-gnu.2.17", ["replay.c", "macho.c"], []),
 }
 PATIENCE = 120.0  # s, until a library that does not answer is given up
 TARGETS = [target for platform in ROWS for target in platform.targets]  # in both versions of FMI
@@ -108,19 +115,20 @@ def orders(host: FmuInstance, run: BlockRun) -> Iterator[tuple[str, str]]:
 
 
 def host_program(target: str, fmi: Fmi) -> Path:
-    """The host for libraries of zig's target and of a version of FMI, compiled once for all test runs: zig has to
-    compile a C library for it first, which takes a minute and a half for Windows."""
+    """The host for libraries of zig's target and of a version of FMI, compiled once for all test runs: for Linux zig
+    makes a C library to link with first, which takes some seconds."""
     processor, system = parts(target)
-    runs_on, names = HOSTS[system]
+    runs_on, names, options = HOSTS[system]
     sources = [SOURCES / name for name in names]
     compiler = [sys.executable, "-m", "ziglang", "cc", "-target", f"{processor}-{runs_on}", "-O1", f"-DFMI={fmi}"]
+    compiler += options
     contents = [*compiler[1:], metadata.version("ziglang"), *map(Path.read_text, sources)]
     folder = paths.cache_folder() / "replay" / sha256("\0".join(contents).encode()).hexdigest()[:32]
     program = folder / f"replay{'.exe' if system == 'windows' else ''}"
     if not program.exists():
         with paths.replace_files(folder) as part:
-            options = [f"-I{HEADERS}", "-o", str(part / program.name)]
-            subprocess.run([*compiler, *options, *map(str, sources)], check=True)
+            output = [f"-I{HEADERS}", "-o", str(part / program.name)]
+            subprocess.run([*compiler, *output, *map(str, sources)], check=True)
     return program
 
 
