@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from motionsync import Gearing
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.batch.library import library
 from motionsync_fmu.compiler.memory_layout import image
@@ -142,6 +143,16 @@ def test_the_text_is_the_same_in_another_process_with_another_seed_for_hashes(bl
     done = subprocess.run([sys.executable, "-c", script], env=seed, capture_output=True, text=True, check=True)
     texts = [" ".join(hashlib.sha256(text).hexdigest() for text in c_source_of(name).values()) for name in blocks]
     assert done.stdout.splitlines() == texts
+
+
+def test_blocks_with_other_start_values_differ_in_these_alone() -> None:
+    """The functions of a class are translated once in a process."""
+    a, b = Gearing(), Gearing()
+    b.start = True
+    texts = [c_source(block)["block.c"].partition(b"static const Block START") for block in (a, b, a)]
+    assert texts[0] == texts[2]
+    assert texts[0][0] == texts[1][0]
+    assert texts[0][2] != texts[1][2]
 
 
 @cache

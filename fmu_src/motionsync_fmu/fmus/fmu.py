@@ -5,11 +5,13 @@ import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import ParseError, fromstring
 
+from ..compiler.subset.expression_rules import Violation
 from ..compiler.subset.module_rules import check
 from ..errors import UserError
 from ..interface.build_time import build_time
@@ -188,8 +190,14 @@ def check_kernel(module: str) -> None:
         UserError: the block violates the subset; the message has file, line and rule of each violation.
     """
     package = module.partition(".")[0]
-    if violations := check({name: text.decode() for name, text in collect_sources(module).items()}):
+    if violations := _violations(tuple(collect_sources(module).items())):
         raise UserError("\n".join(f"{package}/{violation}" for violation in violations))
+
+
+@lru_cache(maxsize=8)
+def _violations(sources: tuple[tuple[str, bytes], ...]) -> list[Violation]:
+    """What the checker finds in these modules: FMUs of one block have the same."""
+    return check({name: text.decode() for name, text in sources})
 
 
 def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_files: Sequence[str]) -> Files:

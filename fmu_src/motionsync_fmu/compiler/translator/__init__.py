@@ -4,9 +4,11 @@ The translator uses what the checker of the subset has determined (the kind of e
 function changes); the descriptions of fields and the start values come from the classes as Python runs them.
 """
 
+from functools import lru_cache
 from typing import Any
 
 from ...interface.fingerprint import Files
+from .context import module_texts
 from .program import Program
 
 
@@ -18,6 +20,13 @@ def c_source(block: Any) -> Files:
     Raises:
         UserError: the block is outside the kernel subset; the message has file, line and rule of each violation.
     """
-    program = Program(block)
-    source = program.source()
+    block_class = block.__class__
+    program = _program(block_class, tuple(module_texts(block_class.__module__).items()))
+    source = program.source(block)
     return {"block.h": program.header().encode(), "block.c": source.encode()}
+
+
+@lru_cache(maxsize=8)
+def _program(block_class: Any, texts: tuple[tuple[str, str], ...]) -> Program:
+    """The translation of a class, which the FMUs of both versions and of all start values have in common."""
+    return Program(block_class, dict(texts))

@@ -3,6 +3,7 @@ the text needs."""
 
 import ast
 import importlib
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -33,10 +34,8 @@ class Context:
         UserError: the block is outside the kernel subset.
     """
 
-    def __init__(self, block_type: type[Any]) -> None:
-        module = block_type.__module__
-        self.root = module.partition(".")[0]
-        texts = module_texts(module)
+    def __init__(self, block_type: type[Any], texts: Mapping[str, str]) -> None:
+        self.root = block_type.__module__.partition(".")[0]
         self.package = Package(texts)
         self.block_class = self.find_class(block_type)
         if violations := check_block(self.package, self.block_class):

@@ -1,7 +1,7 @@
 """A block with all that it needs, as two files of C."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..memory_layout import dtype
@@ -92,15 +92,16 @@ int64_t block_{method}(Block *self{parameter}, bool *failed) {{
 
 
 class Program:
-    """A block with all that it needs, and its text.
+    """The functions of a block's class and of all that it needs, translated.
+
+    `texts`: of its modules, as `module_texts` gives them.
 
     Raises:
         UserError: the block is outside the kernel subset.
     """
 
-    def __init__(self, block: Any) -> None:
-        self.block = block
-        self.context = context = Context(type(block))
+    def __init__(self, block_class: type[Any], texts: Mapping[str, str]) -> None:
+        self.context = context = Context(block_class, texts)
         self.package, self.names = context.package, context.names
         self.structs = StructWriter(context)
         methods = (self.package.find_method(context.block_class, name) for name in ("initialize", "step"))
@@ -120,7 +121,8 @@ class Program:
             parts += [f"/* ===== {file} ===== */\n", *types] if types else []
         return HEADER.format(name=self.names.name_of(self.context.block_class), types="\n".join(parts))
 
-    def source(self) -> str:
+    def source(self, block: Any) -> str:
+        """The text of block.c; `block` has the start values."""
         modules = [part for file in self.modules() for part in self.module(file)]
         tuples = [self.tuple_text(*shape) for shape in sorted(self.context.tuples.items())]
         helpers = list(helper_texts(self.context.helpers))
@@ -128,9 +130,9 @@ class Program:
         comparisons = [self.structs.comparison(node) for node in compared if node not in self.package.enumerations]
         sections = ((HELPERS, helpers), (TUPLES, tuples), (COMPARISONS, comparisons))
         parts = [text for heading, texts in sections if texts for text in (heading, *texts)] + modules
-        block = BLOCK.format(size=dtype(self.block).itemsize, start=self.structs.start(self.block))
+        memory = BLOCK.format(size=dtype(block).itemsize, start=self.structs.start(block))
         return HEAD.format(name=self.names.name_of(self.context.block_class)) + "\n".join(
-            [*parts, block, *map(self.entry, self.entries)]
+            [*parts, memory, *map(self.entry, self.entries)]
         )
 
     def modules(self) -> dict[str, None]:
