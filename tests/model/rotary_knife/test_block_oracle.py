@@ -73,6 +73,7 @@ def test_a_line_that_turns_back_over_several_pieces() -> None:
     assert differences(run, stride=9) == []
 
 
+@pytest.mark.slow
 @settings(repeatable, max_examples=6)
 @given(randoms, st.sampled_from([0.007, 0.0471]))
 def test_the_block_is_its_oracle(random: Random, step: float) -> None:
@@ -81,6 +82,7 @@ def test_the_block_is_its_oracle(random: Random, step: float) -> None:
     assert differences(run, step, stride=max(int(0.09 / step), 1)) == []
 
 
+@pytest.mark.slow
 @settings(repeatable, max_examples=1)
 @given(randoms)
 def test_a_horizontal_knife_is_its_oracle(random: Random) -> None:
