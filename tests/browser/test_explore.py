@@ -652,6 +652,29 @@ def test_the_plots_are_saved_as_csv(open_block: OpenBlock, tmp_path: Path) -> No
     assert {row["velocity master mm/s"] for row in rows} == {"1000"}
 
 
+def test_a_master_in_another_unit_than_the_slave_has_an_axis_of_its_own(open_block: OpenBlock) -> None:
+    """The line's 1000 mm/s are not drawn where the knife has 1000 deg/s. All plots are as wide as each other."""
+    visit = open_block("RotaryKnife", "formats")
+    labels = visit.page.evaluate("motionsyncExplore.plots().map(({axes}) => axes.slice(1).map(({label}) => label))")
+    assert labels[0] == ["position deg"]  # the next cut is where the knife has to be then
+    assert labels[1:3] == [["velocity deg/s", "master mm/s"], ["acceleration deg/s²", "master mm/s²"]]
+    look = """() => {
+      const plots = motionsyncExplore.plots(), [, velocity] = plots, [, slave, , master] = velocity.series;
+      const heights = [slave, master].map(({scale}) => velocity.valToPos(1000, scale));
+      return {heights, widths: plots.map(({over}) => over.clientWidth)};
+    }"""
+    drawn = visit.page.evaluate(look)
+    slave, master = drawn["heights"]
+    assert abs(slave - master) > 5.0  # px
+    assert len(set(drawn["widths"])) == 1
+    with visit.page.expect_download() as download:
+        visit.page.get_by_role("button", name="Plots as CSV").click()
+    heading = download.value.path().read_text().splitlines()[0].split(",")
+    assert heading[:5] == [
+        "time s", "position slave deg", "position next cut deg", "velocity slave deg/s", "velocity master mm/s"
+    ]  # fmt: skip
+
+
 def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(open_block: OpenBlock) -> None:
     """The last point before each of its three cuts: the saw of the example is almost at the line of the next one."""
     example = shown(load_example("CutToLength"))

@@ -26,9 +26,9 @@ int fprintf(FILE *file, const char *format, ...) {
 int sscanf(const char *text, const char *format, ...) {
     va_list places;
     va_start(places, format);
-    int found = __stdio_common_vsscanf(0, text, (size_t)-1, format, NULL, places);
+    int matches = __stdio_common_vsscanf(0, text, (size_t)-1, format, NULL, places);
     va_end(places);
-    return found;
+    return matches;
 }
 
 void start(void) {

@@ -4,17 +4,20 @@
 
 const HEIGHTS = [190, 130, 130, 110]; // px
 const AXIS = 26; // px, of the times below the last plot
+const VALUES = 62, LABEL = 18; // px, beside a plot: the values of an axis, and its label
 const NONE = "none";
 
 const colour = (name) => () => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-/** A list of plots, each with a label, a unit and the columns of a run: any of `slave`, `other` and `smoothed`; `names`: what
- * these are. */
+/** A list of plots, each with a label, units and the columns of a run: any of `slave`, `other` and `smoothed`; `names`: what
+ * these are; `unit`: that of the slave, `masters`: that of the others. */
 function plotsOf(block, another, {encoder, axis, cuts}) {
   const declared = new Map(block.variables.map((v) => [v.name, v]));
-  const of = (name, other, smoothed) => ({
+  const unitOf = (name) => declared.get(name)?.unit;
+  const of = (name, other, smoothed, masters = unitOf(name)) => ({
     label: name.replace("slave.", ""),
-    unit: declared.get(name)?.unit,
+    unit: unitOf(name),
+    masters,
     stepped: false,
     names: {slave: "slave", other: block.roles.CYCLE_INDEX ? "telegram" : "master", smoothed: "smoothed master"},
     columns: (course) => ({
@@ -24,12 +27,13 @@ function plotsOf(block, another, {encoder, axis, cuts}) {
     }),
   });
   const off = {label: "master off by", unit: "POSITION", names: {}, columns: (course) => ({smoothed: masterErrors(course)})};
+  const against = againstPosition(block, cuts), position = against === "master" ? "POSITION" : unitOf("slave.position");
   const plots = block.roles.CYCLE_INDEX
     ? remotePlots(of)
     : [
-        withNames(of("slave.position", (course) => positions(course, block)), {other: againstPosition(block, cuts)}),
-        of("slave.velocity", (course) => course.axis(1), "master.smoothed_velocity"),
-        of("slave.acceleration", (course) => course.axis(2)),
+        withNames(of("slave.position", (course) => positions(course, block), undefined, position), {other: against}),
+        of("slave.velocity", (course) => course.axis(1), "master.smoothed_velocity", "VELOCITY"),
+        of("slave.acceleration", (course) => course.axis(2), undefined, "ACCELERATION"),
         ...(declared.has("slave.jerk") ? [of("slave.jerk")] : []),
         ...(encoder && !axis.times ? [off] : []), // of a recorded line nobody knows the true position
       ];
@@ -122,7 +126,7 @@ class Plots {
   table() {
     const units = this.block.units[this.course.scenario.units];
     const columns = this.drawn.flatMap(({of}) => Object.entries(of.columns(this.course)).filter(([, values]) => values).map(([key, values]) =>
-      [[of.label, of.names[key], units[of.unit]].filter(Boolean).join(" "), values]));
+      [[of.label, of.names[key], units[key === "slave" ? of.unit : (of.masters ?? of.unit)]].filter(Boolean).join(" "), values]));
     const rows = Array.from(this.course.time, (t, k) => [t, ...columns.map(([, values]) => values[k] ?? "")].join(","));
     return [["time s", ...columns.map(([heading]) => heading)].join(","), ...rows, ""].join("\n");
   }
@@ -157,12 +161,14 @@ class Plots {
   }
 
   #make(scenario) {
-    const units = this.block.units[scenario.units];
-    plotsOf(this.block, this.another, scenario).forEach((of, i, all) => {
+    const units = this.block.units[scenario.units], name = (unit) => units[unit] ?? "";
+    const plots = plotsOf(this.block, this.another, scenario);
+    const differs = ({unit, masters = unit}) => name(unit) !== name(masters), right = plots.some(differs) ? VALUES + LABEL : 0;
+    plots.forEach((of, i, all) => {
       const frame = newElement("div", {className: "plot"}), line = newElement("div", {className: "now"});
       this.box.append(frame);
       const plot = new uPlot(
-        this.#options(of, units[of.unit] ?? "", HEIGHTS[Math.min(i, 3)], i === all.length - 1),
+        this.#options(of, name(of.unit), HEIGHTS[Math.min(i, 3)], i === all.length - 1, right, differs(of) ? name(of.masters) : null),
         [[0], [0], [0], [0], [0]],
         frame,
       );
@@ -173,7 +179,8 @@ class Plots {
     });
   }
 
-  #options(of, unit, height, final) {
+  /** `right`: px beside the plots; `masters`: the unit of an axis of its own there, for what is not the slave's. */
+  #options(of, unit, height, final, right, masters) {
     const axis = {
       stroke: colour("--muted"),
       grid: {stroke: colour("--grid"), width: 1},
@@ -181,24 +188,27 @@ class Plots {
       font: "11px system-ui",
     };
     const label = `${of.label}${unit ? ` ${unit}` : ""}`,
-      line = (name, more) => ({stroke: colour(name), points: {show: false}, ...more});
+      line = (name, more) => ({stroke: colour(name), points: {show: false}, ...more}),
+      side = {...axis, size: VALUES, labelSize: LABEL, labelFont: "12px system-ui", space: 20},
+      own = masters === null ? {} : {scale: "masters"};
     const paths = of.stepped ? {paths: uPlot.paths.stepped({align: -1})} : {};
     return {
       width: Math.max(this.box.clientWidth, 200),
       height: height + (final ? AXIS : 0),
       legend: {show: false},
-      padding: [8, 12, final ? 0 : 8, 0],
+      padding: [8, 12 + (masters === null ? right : 0), final ? 0 : 8, 0],
       cursor: {drag: {x: true, y: false}, points: {show: false}, sync: {key: "run"}},
-      scales: {x: {time: false}},
+      scales: {x: {time: false}, masters: {range: (_, low, high) => (low || high ? uPlot.rangeNum(low, high, 0.1, true) : [-1, 1])}},
       axes: [
         {...axis, size: final ? AXIS : 0, values: final ? undefined : (_, ticks) => ticks.map(() => "")},
-        {...axis, size: 62, label, labelSize: 18, labelFont: "12px system-ui", space: 20},
+        {...side, label},
+        ...(masters === null ? [] : [{...side, ...own, side: 1, label: `master ${masters}`, grid: {show: false}}]),
       ],
       series: [
         {},
         line("--slave", {width: 2, ...paths}),
-        line("--third", {width: 2.5}), // the true master is on top of what is taken for it
-        line("--master", {width: 1.3}),
+        line("--third", {width: 2.5, ...own}), // the true master is on top of what is taken for it
+        line("--master", {width: 1.3, ...own}),
         line("--reference", {width: 1.2, dash: [4, 3], ...paths}),
       ],
       hooks: {drawClear: [(plot) => this.#shade(plot)], setSelect: [(plot) => this.#selected(plot)]},
