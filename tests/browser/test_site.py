@@ -40,12 +40,20 @@ def test_the_search_finds_a_word_without_a_server(chromium: Any, fmus: Fmus) -> 
 
 
 def test_the_first_page_moves_the_machine(chromium: Any, fmus: Fmus) -> None:
+    """From there a link leads to the same run on a page of its own, whose address holds it."""
     site = made_site(fmus)
     visit = open_site(chromium, site.folder / "index.html")
     frame = visit.page.locator("iframe.explore")
     frame.scroll_into_view_if_needed()
     frame.content_frame.locator("html[data-ready]").wait_for()
     assert frame.content_frame.locator(".motionsync-machine").count() == 1
+    assert not frame.content_frame.get_by_text("in the address of this page").is_visible()
+    frame.content_frame.get_by_label("Run", exact=True).select_option("basic_cut")
+    frame.content_frame.get_by_role("link", name="on a page of its own").click()
+    visit.page.wait_for_url("**/explore/CutToLength.html#run=basic_cut")
+    visit.page.locator("html[data-ready]").wait_for()
+    assert visit.page.get_by_text("in the address of this page").is_visible()
+    assert visit.page.get_by_label("Run", exact=True).input_value() == "basic_cut"
     visit.context.close()
     assert visit.messages == []
 

@@ -651,6 +651,7 @@ async function begin() {
   $("shaded").hidden = !block.shaded;
   $("shaded").append(block.shaded);
   wire();
+  showWhereItIsSet();
   openAddress();
   addEventListener("hashchange", openAddress);
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) window.motionsyncMachine.play(true);
@@ -663,6 +664,15 @@ async function begin() {
     plots: () => plots.drawn.map(({plot}) => plot),
   };
   document.documentElement.dataset.ready = "true";
+}
+
+/** Where a page is a part of another one, its own address is not seen: a link leads to it. */
+function showWhereItIsSet() {
+  $("addressed").hidden = window !== window.top;
+  $("framed").hidden = window === window.top;
+  const link = $("framed").querySelector("a");
+  link.href = location.href;
+  link.onclick = () => (link.href = location.href);
 }
 
 /** The run of a scenario as it was, by its name: to compute with it in the browser's console. */
