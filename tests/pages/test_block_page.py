@@ -154,10 +154,27 @@ def test_a_saw_is_drawn_with_the_marks_that_pass_it() -> None:
     assert np.abs(marks[in_sync] - saw[in_sync]).max() < 1e-9
 
 
+@pytest.mark.parametrize("name", ["CutToLength", "RotaryKnife"])
+def test_no_line_joins_the_end_of_one_piece_to_that_of_the_next(name: str) -> None:
+    """The ends move with the material, which does not turn back."""
+    example = load_example(name)
+    (ends,) = [line.values for line in make_panels(example, example.unit)[0].curves if line.label == ENDS]
+    steps = np.diff(ends)
+    assert (steps[np.isfinite(steps)] > 0.0).all()
+    assert np.isfinite(ends).sum() > 20
+
+
+def test_a_picture_has_the_units_of_its_example() -> None:
+    example = load_example("RotaryKnife")
+    labels = [panel.label for panel in make_panels(example, example.unit, example.slave_unit)]
+    assert labels[:3] == ["position\ndeg", "velocity\nmm/s,\nslave deg/s", "acceleration\ndeg/s²"]
+
+
 def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> None:
     """But for rounding: two processors may differ in the last digit that is written."""
     number = r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?"
-    made = draw_example(block, load_example(block).unit).decode()
+    example = load_example(block)
+    made = draw_example(block, example.unit, example.slave_unit).decode()
     shipped = (ROOT / "docs" / f"{block}.svg").read_text("utf-8")
     assert re.sub(number, "#", made) == re.sub(number, "#", shipped)
     a, b = (np.array([float(x) for x in re.findall(number, text)]) for text in (made, shipped))

@@ -124,12 +124,17 @@ def _motion(example: Scenario, runs: list[PictureVariant], unit: str, slave_unit
     master = {Unit.POSITION: position % example.period if example.period else position, Unit.VELOCITY: velocity}
 
     def panel(kind: Unit, name: str) -> Panel:
-        followed = [PictureCurve("master", MASTER, 1.5, _broken(master[kind][selected]))] if kind in master else []
+        label, followed = unit_name(kind, slave_unit or unit), list[PictureCurve]()
         if kind == Unit.POSITION and example.cuts:
-            followed = [PictureCurve("marks on the master", MASTER, 1.5, _marks(example.cuts, first)[selected])]
-        if kind == Unit.POSITION and pieces:
-            followed = [PictureCurve("ends of the pieces", MASTER, 1.5, piece_ends(pieces, example, first)[selected])]
-        label = axis_label(kind, unit, slave_unit) if followed else unit_name(kind, slave_unit or unit)
+            followed = [
+                PictureCurve("marks on the master", MASTER, 1.5, _select(_marks(example.cuts, first), selected))
+            ]
+        elif kind == Unit.POSITION and pieces:
+            ends = piece_ends(pieces, example, first)
+            followed = [PictureCurve("ends of the pieces", MASTER, 1.5, _select(ends, selected))]
+        elif kind in master:
+            label = axis_label(kind, unit, slave_unit)
+            followed = [PictureCurve("master", MASTER, 1.5, _broken(master[kind][selected]))]
         curves = [
             PictureCurve(r.name, r.colour, 2.2, _broken(r.recording.values[f"slave.{name}"][selected])) for r in runs
         ]
@@ -213,6 +218,12 @@ def _thinned(time: Reals) -> slice:
     return slice(None, None, 1 + len(time) // MOST_POINTS)
 
 
+def _select(values: Reals, selected: slice) -> Reals:
+    """The values that are selected; a gap between two of them is a gap at the second."""
+    gaps = np.add.reduceat(np.isnan(values), np.arange(1, len(values), selected.step))[: len(values[selected]) - 1]
+    return np.concatenate((values[:1], np.where(gaps, np.nan, values[selected][1:])))
+
+
 def _broken(values: Reals) -> Reals:
     """The values, with a gap where a period wraps."""
     jumps = np.abs(np.diff(values, prepend=values[0])) > 0.5 * float(np.ptp(values))
@@ -281,7 +292,8 @@ def main() -> None:
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     for name in BLOCKS:
-        (folder / f"{name}.svg").write_bytes(draw_example(name, load_example(name).unit))
+        example = load_example(name)
+        (folder / f"{name}.svg").write_bytes(draw_example(name, example.unit, example.slave_unit))
 
 
 if __name__ == "__main__":

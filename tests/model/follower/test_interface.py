@@ -42,7 +42,7 @@ def test_the_states_have_the_numbers_of_the_source() -> None:
 
 
 def test_the_report_shows_the_units_of_both_axes() -> None:
-    assert axis_label(Unit.VELOCITY, "mm", "deg") == "mm/s, slave deg/s"
+    assert axis_label(Unit.VELOCITY, "mm", "deg") == "mm/s,\nslave deg/s"
     assert axis_label(Unit.VELOCITY, "mm") == axis_label(Unit.VELOCITY, "mm", "mm") == "mm/s"
     scenario = load_scenario(ROOT / "scenarios" / "Follower" / "cyclic_through" / "scenario.toml")
     assert (scenario.unit, scenario.slave_unit) == ("mm", "deg")
