@@ -14,11 +14,9 @@ import pytest
 
 from tests.support.workshop import STOP, scenario
 
-# A shell that runs the tests in its background has switched the signal off. The line shows that Python has started.
-START = (
-    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); print('started', flush=True);"
-    "from motionsync_fmu.cli import main; main()"
-)
+# A shell that runs the tests in its background has switched the signal off.
+LISTEN = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"
+START = f"{LISTEN} print('started', flush=True); from motionsync_fmu.cli import main; main()"
 AGAIN = 6.0  # s, after which a user would press Ctrl-C again
 LONG = STOP.replace("stop_time = 0.5", "stop_time = 5000.0")  # a run that takes more than a minute
 
@@ -85,7 +83,7 @@ cli.main()
 def test_an_interruption_that_python_drops_comes_again() -> None:
     """As when it comes in the callback that ends an import's lock: without a traceback, and the command ends."""
     done = subprocess.run(
-        [sys.executable, "-c", IN_A_CALLBACK], capture_output=True, text=True, timeout=20, check=False
+        [sys.executable, "-c", LISTEN + IN_A_CALLBACK], capture_output=True, text=True, timeout=20, check=False
     )
     assert (done.returncode, done.stderr) == (130, "motionsync: interrupted\n")
 
