@@ -25,7 +25,7 @@ from tests.browser.conftest import Open, OpenBlock
 from tests.browser.runs import record
 from tests.browser.scenes import assert_same_scene
 from tests.browser.visit import Visit, choose, contrast, settle
-from tests.support.explored import explored
+from tests.support.explored import explored, opens_with
 from tests.support.fmus import Fmus
 from tests.support.recordings import output_names
 
@@ -591,7 +591,6 @@ def test_the_file_follows_what_is_changed(open_block: OpenBlock) -> None:
     )
 
 
-OPENS_WITH = {"CutToLength": "cyclic_orders", "FlyingSaw": "cyclic_cut", "RotaryKnife": "formats"}
 LEGEND = """() => {
   const root = document.querySelector('.motionsync-machine'), svg = root.querySelector('svg');
   const colours = [...root.querySelectorAll('.legend i')].map(e => e.style.getPropertyValue('--colour'));
@@ -610,7 +609,7 @@ def test_a_page_opens_on_a_telephone_with_a_run_that_plays_and_a_legend(
     """Its most telling scenario, or else the example. Each colour of the legend is one that is drawn."""
     visit = open_page(explored(fmus, block).file, width=390)
     visit.page.wait_for_selector("html[data-ready]")
-    assert visit.page.get_by_label("Run", exact=True).input_value() == OPENS_WITH.get(block, "example")
+    assert visit.page.get_by_label("Run", exact=True).input_value() == opens_with(block)
     badge(visit, "same bits")
     wide_open(visit)
     if visit.page.locator(".motionsync-machine").is_hidden():

@@ -8,13 +8,12 @@ from motionsync_fmu.errors import UserError
 from motionsync_fmu.explorer import opening
 from motionsync_fmu.explorer.page import scenarios_of
 from motionsync_fmu.interface.recipe import Recipe
-
-OPENS_WITH = {"CutToLength": "cyclic_orders", "FlyingSaw": "cyclic_cut", "RotaryKnife": "formats"}
+from tests.support.explored import opens_with
 
 
 def test_a_page_has_the_scenario_with_which_it_opens_first_and_the_example(block: str) -> None:
     names = [s.name if s.file.name == "scenario.toml" else "example" for s in scenarios_of(block)]
-    assert names[0] == OPENS_WITH.get(block, "example")
+    assert names[0] == opens_with(block)
     assert names.count("example") == 1
 
 

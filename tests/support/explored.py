@@ -3,13 +3,16 @@
 import base64
 import json
 import re
+import tomllib
 import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu.explorer.page import scenarios_of, write_page
+from motionsync_fmu.interface.block_folder import block_file
 from tests.support.fmus import Fmus
 from tests.support.varied import few_with_all, kinds_of
 
@@ -53,6 +56,13 @@ class Explored:
     def _unpacked(self, part: str) -> bytes:
         (packed,) = re.findall(rf'<script type="application/octet-stream" id="{part}">([^<]*)<', self.text)
         return zlib.decompress(base64.b64decode(packed), -zlib.MAX_WBITS)
+
+
+def opens_with(name: str) -> str:
+    """The name of the scenario with which the page of this block opens, by the block's `explore.toml`."""
+    file = block_file(BLOCKS[name], "explore.toml")
+    keys = tomllib.loads(file.read_text("utf-8")) if file.is_file() else {}
+    return str(keys.get("scenario", "example"))
 
 
 def explored(fmus: Fmus, name: str) -> Explored:
