@@ -6,12 +6,25 @@ from motionsync.blocks import BLOCKS
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.roles import remote_axis
-from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.interface.variables import refusals, variables
 
 
 def test_the_variables_are_those_of_the_block_in_its_order(block: str) -> None:
     names = [v.name for v in variables(BLOCKS[block]())]
     assert list(Recipe(block).variables) == names
+
+
+def test_every_block_has_the_variables_that_tools_know_by_name(block: str) -> None:
+    slave = {f"slave.{name}" for name in ("position", "velocity", "acceleration", "jerk")}
+    assert {"state", "state_code", "error", "error_id", *slave} - set(Recipe(block).variables) == set()
+
+
+def test_codes_and_refusals_name_variables_of_the_block(block: str) -> None:
+    """A name that begins with a dot is left out of a message where the group has no such variable."""
+    table = Recipe(block).variables
+    codes = {code for v in table.values() for code in v.declaration.codes or ()}
+    named = {(m.name, name) for m in (*codes, *refusals(BLOCKS[block])) for name in m.names}
+    assert [(member, name) for member, name in named if name not in table and not name.startswith(".")] == []
 
 
 def test_baked_start_values_are_those_of_one_recipe_alone() -> None:
