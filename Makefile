@@ -58,6 +58,7 @@ format: $(TESTABLE) ## repair the style
 	$(BIN)/ruff format .
 
 references: $(TESTABLE) ## the cross-check files of all scenarios, or of B=flying_saw alone, from scripts and oracles
+	@$(if $(filter-out $(BLOCKS),$(B)),echo "make references B=<block>: the blocks are $(BLOCKS)" >&2; exit 2,:)
 	$(BIN)/python -m tests.regenerate $(B)
 
 pictures: $(READY) ## the pictures of the README and of docs/

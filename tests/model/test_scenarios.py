@@ -50,7 +50,9 @@ def test_the_block_does_what_its_scenario_expects(file: Path, all_parts: bool) -
     recording = recorded_compiled(scenario)
     assert_as_expected(scenario, recording)
     assert scenario.expectations or file in examples()
-    assert min(d.points for d in compare_with_reference(scenario, recording)) >= 100
+    deviations = compare_with_reference(scenario, recording)
+    assert deviations, f"{file.parent} has no reference: `make references` writes it"
+    assert min(d.points for d in deviations) >= 100
     assert not recording.values.get("master.input_warning", np.zeros(1)).any()
     if not all_parts:
         return

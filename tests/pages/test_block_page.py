@@ -175,8 +175,9 @@ def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> No
     number = r"-?\d+(?:\.\d+)?(?:e[+-]\d+)?"
     example = load_example(block)
     made = draw_example(block, example.unit, example.slave_unit).decode()
-    shipped = (ROOT / "docs" / f"{block}.svg").read_text("utf-8")
-    assert re.sub(number, "#", made) == re.sub(number, "#", shipped)
+    file = ROOT / "docs" / f"{block}.svg"
+    shipped = file.read_text("utf-8") if file.is_file() else ""
+    assert re.sub(number, "#", made) == re.sub(number, "#", shipped), f"{file.name} is not what `make pictures` draws"
     a, b = (np.array([float(x) for x in re.findall(number, text)]) for text in (made, shipped))
     assert np.abs(a - b).max() < 0.02
 
