@@ -64,9 +64,11 @@ class Pair:
         if not 0.0 < h <= LONGEST_STEP or not all(allowed):
             return None
         self.set(values)
+        before = self.compiled.memory.tobytes()
         refusal = self.block.step(h)
         assert self.compiled.step(h) == refusal
         assert equal(self.block, self.compiled), (h, values)
+        assert refusal == 0 or self.compiled.memory.tobytes() == before, "a refused step changes the block"
         assert self.block.state_code == self.block.state
         return int(refusal)
 

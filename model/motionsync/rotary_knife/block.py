@@ -123,7 +123,7 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        longest = MOST_PITCHES * self.predictions.shortest_pitch(self.material) if self.running else 0.0
+        longest = MOST_PITCHES * self.predictions.pitch_orders if self.running else 0.0
         refusal = self.master.try_advance_within(h, longest)
         if refusal != PathRefusal.NONE:
             return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS

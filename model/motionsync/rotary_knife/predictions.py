@@ -26,6 +26,7 @@ class Predictions:
         ramp_up: out of rest into this window.
         velocity: of the line, u/s, for which the shortest pitch was solved; 0: for none.
         pitch, expected_pitch: of the piece in progress and of the next one, u of the master; 0: none is in progress.
+        pitch_orders: the smallest of these and of all that wait.
         counts_ramp_up: the next cut is reached out of rest.
         queue_first, queue_waiting, allowance: the queue that was solved, and kerf and correction of its pieces, u.
         queue_velocity: the greatest line velocity for all that waits, u/s.
@@ -41,6 +42,7 @@ class Predictions:
     velocity: float = 0.0
     pitch: float = 0.0
     expected_pitch: float = 0.0
+    pitch_orders: float = 0.0
     counts_ramp_up: bool = False
     queue_first: int = 0
     queue_waiting: int = 0
@@ -82,6 +84,9 @@ class Predictions:
             self.counts_ramp_up = counts_ramp_up
             block.limits.max_line_velocity = self.cycle_velocity(knife, leaving, entering)
         self.update_queues(knife, material)
+        self.pitch_orders = min(expected, material.shortest_pitch())
+        if pitch > 0.0:
+            self.pitch_orders = min(self.pitch_orders, pitch)
         block.limits.max_line_velocity_orders = min(block.limits.max_line_velocity, self.queue_velocity)
         block.limits.reserve = 1.0
         if velocity > 0.0 and pitch > 0.0 and pitch < UNLIMITED:
@@ -147,8 +152,3 @@ class Predictions:
             if index > 0 or not by_marks:
                 self.cycle.solve_piece(knife, self.window, self.window, pitch)
                 self.queue_velocity = min(self.queue_velocity, self.cycle.max_line_velocity)
-
-    def shortest_pitch(self, material: Material) -> float:
-        """The shortest pitch that is known, u of the master."""
-        pitch = min(self.expected_pitch, material.shortest_pitch())
-        return min(pitch, self.pitch) if self.pitch > 0.0 else pitch
