@@ -12,7 +12,6 @@ from typer.core import TyperGroup
 from ..about import __version__
 from ..errors import Interrupted, UserError
 from ..native.compiler_process import end_compilers
-from ..pages.console import err
 
 COMMANDS = {  # each with its line in the help; its module in this package has the same name, with _ for -
     "list": "List the blocks, and what can be run by name.",
@@ -107,7 +106,7 @@ def run_command() -> int:
     except USAGE as e:
         message = e.format_message().replace("Value error, ", "")  # if no argument was given, this text is the help
         if len(sys.argv) == 1:
-            err.print(message)
+            _report(message)
             return status
         if message.startswith("No such command"):
             message += f" There is {', '.join(COMMANDS)}."
@@ -125,8 +124,15 @@ def run_command() -> int:
     finally:
         end_compilers()
     line = " ".join(_shorten(word, LONGEST_WORD) for word in message.split())
-    err.print(f"motionsync: {_shorten(line, LONGEST_MESSAGE)}")
+    _report(f"motionsync: {_shorten(line, LONGEST_MESSAGE)}")
     return status
+
+
+def _report(message: str) -> None:
+    """Print a message to the user; only here is the console needed, whose library takes as long as the rest."""
+    from ..pages.console import err
+
+    err.print(message)
 
 
 def _shorten(text: str, longest: int) -> str:

@@ -3,6 +3,7 @@
 A wheel holds them next to the modules; in a checkout they are the folder `scenarios` itself."""
 
 from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 
 from motionsync.blocks import BLOCKS
@@ -15,6 +16,7 @@ LINE_FILES = "line*.toml"
 KINDS = {SCENARIO_FILE: "scenarios", LINE_FILES: "lines"}
 
 
+@cache
 def shipped_folder() -> Path:
     """The folder with the scenarios that come with motionsync."""
     packaged = PACKAGE / "scenarios"
