@@ -295,8 +295,8 @@ def test_the_command_builds_anew_what_lacks_the_sources_or_should(
         assert outcome.status == 0, outcome.err
     assert built == [(Flavour.NATIVE, False), (Flavour.NATIVE, True), (Flavour.NATIVE, False)]
     outcome = motionsync("build", "Synchronizer", *NATIVE, "--start", "rest_value=5")
-    remark = "kB, positions in mm, start values: rest_value = 5; it replaces the FMU that was there\n"
-    assert outcome.out.endswith(remark)
+    note = "kB, positions in mm, start values: rest_value = 5; it replaces the FMU that was there\n"
+    assert outcome.out.endswith(note)
     outcome = motionsync("build", "Synchronizer", "--sources", "--flavour", "python", "--output", "made")
     assert (outcome.status, outcome.out) == (2, "")
     assert "--sources: the python flavour has no C" in outcome.err

@@ -95,11 +95,11 @@ def test_marks_that_pass_uncut_are_noted_although_the_run_is_as_expected(worksho
     scenario("saw", STOP + table)
     alone = workshop("run", "saw", "--no-report")
     assert alone.status == 0
-    assert "(saw): as expected, with 1 remark\n  ! 9 marks passed uncut: 2.05, 4.05, … mm\n" in alone.out
+    assert "(saw): as expected, with 1 note\n  ! 9 marks passed uncut: 2.05, 4.05, … mm\n" in alone.out
     both = workshop("run", "saw", "stop", "--no-report")
     assert both.status == 0
     assert f"ok! Synchronizer/saw   1 cut, worst error 0.05 mm (mark 0.05 mm); {PEAKS}\n" in both.out
-    assert "2 scenarios: all as expected\n! 1 result with a remark: Synchronizer/saw\n" in both.out
+    assert "2 scenarios: all as expected\n! 1 result with a note: Synchronizer/saw\n" in both.out
 
 
 def test_a_reaction_that_never_happens_is_reported(workshop: Command) -> None:
@@ -109,7 +109,7 @@ def test_a_reaction_that_never_happens_is_reported(workshop: Command) -> None:
     outcome = workshop("run", "late", "stop", "--no-report")
     assert outcome.status == 0
     assert "    ! reaction to slave.position > 31 once: found never\n" in outcome.out
-    assert "2 scenarios: all as expected\n! 1 result with a remark: Synchronizer/late\n" in outcome.out
+    assert "2 scenarios: all as expected\n! 1 result with a note: Synchronizer/late\n" in outcome.out
     scenario("late", STOP + table + "required = true\n")
     outcome = workshop("run", "late", "stop", "--no-report")
     assert outcome.status == 1
@@ -120,7 +120,7 @@ def test_a_scenario_without_checks_has_a_note(workshop: Command) -> None:
     scenario("free", STOP[: STOP.index("[[expect]]")])
     outcome = workshop("run", "free", "--no-report")
     assert outcome.status == 0
-    assert "as expected, with 1 remark\n  ! nothing is checked" in outcome.out
+    assert "as expected, with 1 note\n  ! nothing is checked" in outcome.out
 
 
 def test_what_the_fmu_logs_is_counted_and_shown(workshop: Command) -> None:

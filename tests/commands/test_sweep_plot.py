@@ -293,9 +293,9 @@ def seeds(tmp_path: Path, motionsync: Command) -> Callable[..., str]:
 
 
 def figure(page: str, name: str) -> tuple[str, str]:
-    """The value and the remark of a figure at the top of a page."""
-    ((value, remark),) = re.findall(rf"<dt>{re.escape(name)}</dt><dd>(.*?)<small>(.*?)</small>", page)
-    return value.replace("\N{NARROW NO-BREAK SPACE}", ""), remark.replace("\N{NARROW NO-BREAK SPACE}", "")
+    """The value and the note of a figure at the top of a page."""
+    ((value, note),) = re.findall(rf"<dt>{re.escape(name)}</dt><dd>(.*?)<small>(.*?)</small>", page)
+    return value.replace("\N{NARROW NO-BREAK SPACE}", ""), note.replace("\N{NARROW NO-BREAK SPACE}", "")
 
 
 def cells(page: str, heading: str) -> list[list[str]]:
@@ -336,12 +336,12 @@ def test_the_page_of_a_monte_carlo_has_quantiles_and_the_capability(seeds: Calla
     assert figure(page, "mean true length error") == (
         f"{errors.mean():.4f} mm", f"one sigma is {errors.std(ddof=1):.4f} mm"
     )  # fmt: skip
-    value, remark = figure(page, "process capability")
+    value, note = figure(page, "process capability")
     c_pk = (0.1 - errors.mean()) / (3.0 * errors.std(ddof=1))
     assert value == f"C_pk {c_pk:.2f}"
-    ends = [float(text) for text in re.findall(r"\d\.\d\d", remark)]
+    ends = [float(text) for text in re.findall(r"\d\.\d\d", note)]
     assert ends[0] < c_pk < ends[1]
-    assert f"C_pk is {remark}." in page
+    assert f"C_pk is {note}." in page
     quantiles = cells(page, "Quantiles")
     for share, error in quantiles:
         expected = np.quantile(errors, float(share.split()[0]) / 100.0, method="inverted_cdf")

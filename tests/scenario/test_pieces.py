@@ -213,7 +213,7 @@ def test_the_worst_product_is_reported_with_its_number(tmp_path: Path) -> None:
     )
 
 
-def test_a_line_that_is_too_fast_is_reported_and_a_remark_where_cuts_were_missed(tmp_path: Path) -> None:
+def test_a_line_that_is_too_fast_is_reported_and_a_note_where_cuts_were_missed(tmp_path: Path) -> None:
     """Between 2 s and 3.5 s the machine follows 950 u/s only; before `start` nothing is asked of it."""
     s = scenario(tmp_path)
     limit = [(0.0, 1250.0), (2.0, 950.0), (3.5, 1250.0)]
@@ -222,13 +222,13 @@ def test_a_line_that_is_too_fast_is_reported_and_a_remark_where_cuts_were_missed
         "no cut was late"
     )
     too_late = "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
-    for skipped, remarks, comment in (([], 0, in_time), ([3], 1, too_late)):
+    for skipped, notes, comment in (([], 0, in_time), ([3], 1, too_late)):
         production = production_of(s, run(s, limit=limit, skipped_with=skipped))
         assert production.line_text == comment
         assert production.line
         assert production.line.beyond == pytest.approx(1.5)
         assert production.line.limit_text == "above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
-        assert len(production.notes) == remarks
+        assert len(production.notes) == notes
     text = "the line was above its limit for 1.5 s, most at 2 s: 1000 of 950 mm/s"
     assert production.notes == [f"cuts that did not come on time: 1 skipped; {text}"]
 

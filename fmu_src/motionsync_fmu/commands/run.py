@@ -59,7 +59,7 @@ def command(
 
     One scenario has a line for each figure. Of several scenarios each has one line: ok or NOT, its name, its cuts or
     pieces, and the slave's greatest velocity v, acceleration a (or deceleration d) and jerk j next to the limits of its
-    axis. A ! marks a remark that is not a failure.
+    axis. A ! marks a note that is not a failure.
 
     With --set the scenario is run with other values, as in a run of a sweep: its expectations are checked, its
     reference is not, and the results go to a folder of their own.

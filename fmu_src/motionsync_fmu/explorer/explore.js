@@ -575,11 +575,11 @@ async function exported() {
   const numbers = {...copy(file), reactions: course.scenario.reactions};
   const again = run(unit, numbers, {normals: block.normals}),
     sum = globalThis.crypto?.subtle ? await fingerprint(again, outputs()) : "";
-  const remarks = [`Explored in the browser, with ${block.name} of motionsync ${block.version}.`];
-  if (sum) remarks.push(`SHA-256 of all outputs and locals at all ${again.count} communication points: ${sum}`);
+  const comments = [`Explored in the browser, with ${block.name} of motionsync ${block.version}.`];
+  if (sum) comments.push(`SHA-256 of all outputs and locals at all ${again.count} communication points: ${sum}`);
   if (program !== NO_PROGRAM && sum !== (await fingerprint(course, outputs())))
-    remarks.push("What the program did follows in tables [[set]]; the run with them differs in its last digits.");
-  return toml(file, block, variables, remarks);
+    comments.push("What the program did follows in tables [[set]]; the run with them differs in its last digits.");
+  return toml(file, block, variables, comments);
 }
 
 function write() {

@@ -53,9 +53,9 @@ function listOf(messages, none, chosen) {
     line.onclick = () => chosen(t);
     return line;
   });
-  const remark = (text) => [newElement("p", {className: "soft"}, text)];
-  if (!lines.length) return remark(none);
-  return [...lines, ...(messages.length > LINES ? remark(`and ${messages.length - LINES} more`) : [])];
+  const soft = (text) => [newElement("p", {className: "soft"}, text)];
+  if (!lines.length) return soft(none);
+  return [...lines, ...(messages.length > LINES ? soft(`and ${messages.length - LINES} more`) : [])];
 }
 
 const seconds = (t) => `${t.toFixed(3)} s`;

@@ -17,14 +17,14 @@ function valueOf(v, x) {
   return v.kind === "Real" ? written(x) : String(x);
 }
 
-/** The file of a scenario of a block; `variables`: those of the block, by name; `remarks`: comments at its beginning. */
-function toml(scenario, block, variables, remarks) {
+/** The file of a scenario of a block; `variables`: those of the block, by name; `comments`: comments at its beginning. */
+function toml(scenario, block, variables, comments) {
   const rows = (values) =>
     Object.entries(values).map(
       ([name, x]) => `${key(name)} = ${x === "cuts.length" ? quoted(x) : valueOf(variables.get(name), x)}`,
     );
   const braces = (values) => `{ ${rows(values).join(", ")} }`;
-  const lines = [...remarks.map((remark) => `# ${remark}`), `title = ${quoted(scenario.title)}`];
+  const lines = [...comments.map((comment) => `# ${comment}`), `title = ${quoted(scenario.title)}`];
   if (scenario.source) lines.push(`source = ${quoted(scenario.source)}`);
   lines.push(`fmu = ${quoted(block.name)}`, `unit = ${quoted(scenario.unit)}`);
   if (scenario.slave_unit) lines.push(`slave_unit = ${quoted(scenario.slave_unit)}`);

@@ -39,11 +39,11 @@ wide = PlainConsole(highlight=False, markup=False, emoji=False, width=1000)  # f
 err = PlainConsole(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
 
 
-def print_headline(title: str, source: str, passed: bool, remarks: int = 0) -> None:
-    """Print what was run, from which file or folder, whether all of it is as expected, and with how many remarks."""
+def print_headline(title: str, source: str, passed: bool, notes: int = 0) -> None:
+    """Print what was run, from which file or folder, whether all of it is as expected, and with how many notes."""
     mark = "[green]as expected[/]" if passed else "[red]NOT as expected[/]"
-    if remarks:
-        mark += f", [yellow]with {remarks} remark{'s' * (remarks > 1)}[/]"
+    if notes:
+        mark += f", [yellow]with {notes} note{'s' * (notes > 1)}[/]"
     out.print(f"[bold]{escape(title)}[/] ({escape(source)}): {mark}")
 
 

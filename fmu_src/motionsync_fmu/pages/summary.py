@@ -12,7 +12,6 @@ from .console import out, print_checks, print_headline
 
 LETTERS = {"velocity": "v", "acceleration": "a", "deceleration": "d", "jerk": "j"}
 MOST_MESSAGES = 3  # of the FMU that a result shows; --verbose shows all
-LONGEST = 100  # characters of such a message
 MOST_NAMES = 5  # of scenarios that the summary names
 
 
@@ -43,7 +42,7 @@ def print_result(outcome: ScenarioOutcome, *, verbose: bool) -> None:
     number = len(outcome.messages)
     shown = outcome.messages if verbose or number <= MOST_MESSAGES else outcome.messages[:MOST_MESSAGES]
     for message in shown:
-        out.print(f"  the FMU logged: {escape(message if verbose else _shortened(message))}")
+        out.print(f"  the FMU logged: {escape(' '.join(message.split()))}")
     if number > len(shown):
         out.print(f"  the FMU logged {number - len(shown)} more; --verbose shows all")
     out.print(f"  {'result':<12}  {escape(outcome.result)}")
@@ -63,7 +62,7 @@ def print_summary(outcomes: Sequence[ScenarioOutcome], left_out: Mapping[str, li
         passed = len(outcomes) - len(failed)
         out.print(f"{number}{passed} as expected, [red]{len(failed)} not[/]: {escape(_first_names(failed))}")
     if noted := [o.name for o in outcomes if o.notes]:
-        out.print(f"[yellow]![/] {_counted(len(noted), 'result')} with a remark: {escape(_first_names(noted))}")
+        out.print(f"[yellow]![/] {_counted(len(noted), 'result')} with a note: {escape(_first_names(noted))}")
     for reason, names in left_out.items():
         out.print(f"[yellow]![/] {len(names)} not run: {escape(reason)}: {escape(_first_names(names))}")
 
@@ -148,11 +147,6 @@ def _peak_text(peak: Peak) -> str:
 def _print_notes(outcome: ScenarioOutcome, indent: str) -> None:
     for text in outcome.notes:
         out.print(f"{indent}[yellow]![/] {escape(text)}")
-
-
-def _shortened(message: str) -> str:
-    text = " ".join(message.split())
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
 
 
 def _first_names(names: Sequence[str]) -> str:

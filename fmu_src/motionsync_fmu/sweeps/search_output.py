@@ -53,11 +53,11 @@ def print_boundaries(boundaries: "pa.Table") -> None:
     for row in records(boundaries.slice(0, SHOWN)):
         table.add_row(*(_text(row[name]) for name in names))
     print_table(table)
-    for line in _remarks(boundaries):
+    for line in _notes(boundaries):
         out.print(line)
 
 
-def _remarks(boundaries: "pa.Table") -> Iterator[str]:
+def _notes(boundaries: "pa.Table") -> Iterator[str]:
     runs = sum(boundaries["runs"].to_pylist())
     if boundaries.num_rows > SHOWN:
         yield f"... and {boundaries.num_rows - SHOWN:,} rows more"

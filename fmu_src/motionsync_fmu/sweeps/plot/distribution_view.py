@@ -163,7 +163,7 @@ def _run_quantiles(db: Database) -> dict[str, list[float]]:
 
 
 def distribution_figures(view: DistributionView) -> Iterator[tuple[str, str, str]]:
-    """Names, values and remarks: the distribution at a glance."""
+    """Names, values and notes: the distribution at a glance."""
     d, shown = view.values, view.shown
     low, high = (d.quantile(share) for share in MOST)
     if c := d.capability:

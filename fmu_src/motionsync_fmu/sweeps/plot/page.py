@@ -57,7 +57,7 @@ class Content:
     """What a page has of a question's answer.
 
     Attributes:
-        figures: names, values and remarks.
+        figures: names, values and notes.
         front: runs of the Pareto front; `front_columns`: what their numbers are.
         left_out: what the page does not show, a sentence each.
         script: what the page's script needs.

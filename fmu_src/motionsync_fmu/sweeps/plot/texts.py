@@ -37,14 +37,14 @@ def passing(condition: RowCondition | None) -> str:
 
 
 def run_figures(counts: Mapping[str, int]) -> list[tuple[str, str, str]]:
-    """How many runs there are, and how many of them passed: names, values and remarks."""
+    """How many runs there are, and how many of them passed: names, values and notes."""
     runs, passed = counts["runs"], counts["passed"]
     refused = f"{counted(counts['refused'])} refused" if counts["refused"] else "none refused"
     return [("runs", f"{runs:,}".replace(",", SPACE), refused), ("passed", _share(passed, runs), counted(passed))]
 
 
 def figures(view: View) -> list[tuple[str, str, str]]:
-    """Names, values and remarks: the sweep at a glance."""
+    """Names, values and notes: the sweep at a glance."""
     rows = run_figures(view.runs)
     if view.overall:
         x, y = view.x, view.y
