@@ -80,6 +80,14 @@ def test_names_of_blocks_flavours_units_and_members_may_have_any_case(motionsync
     assert "FlyingSaw/cyclic_cut" in motionsync("list", "flyingsaw").out
 
 
+def test_a_start_value_may_have_a_unit_of_its_own(motionsync: Command) -> None:
+    """A quarter of a turn is 90 deg, which the slave of this Follower is in; its master is in m."""
+    units = ("--unit", "m", "--slave-unit", "deg", "--start", "park_slave=0.25 rev", "--start", "master_cycle=150 cm")
+    assert motionsync("build", "Follower", *PYTHON, *units, "--output", "here").status == 0
+    fmu = the_fmu("here")
+    assert (start_value(fmu, "park_slave"), start_value(fmu, "master_cycle")) == ("90.0", "1.5")
+
+
 def test_unit_and_start_values_change_the_guid(motionsync: Command) -> None:
     options = [
         (),
@@ -113,16 +121,21 @@ def test_an_enumeration_by_number_is_the_same_build_as_by_name(motionsync: Comma
         (("Synchronizer", "--start", "rest_valu=3"), ("'rest_valu'", "rest_value")),
         (("Synchronizer", "--start", "=3"), ("''", "parameter or input")),
         (("Synchronizer", "--start", "slave.position=3"), ("slave.position", "parameter or input")),
-        (("Synchronizer", "--start", "rest_value=abc"), ("rest_value = abc", "Real")),
-        (("Synchronizer", "--start", "rest_value="), ("rest_value", "Real")),
+        (
+            ("Synchronizer", "--start", "rest_value=abc"),
+            ("rest_value=abc: 'abc' is not allowed: it must be a number in mm, or with a unit of its own",),
+        ),
+        (("Synchronizer", "--start", "rest_value="), ("rest_value=: '' is not allowed", "a number in mm")),
+        (("Synchronizer", "--start", "rest_value=5 rad"), ("rest_value=5 rad: '5 rad' is in rad: it must be in mm",)),
+        (("Synchronizer", "--start", "rest_value=5 kg"), ("rest_value=5 kg: 'kg' is no unit", "m/min")),
         (("Synchronizer", "--start", "rest_value=nan"), ("rest_value = nan", "-1e+12 to 1e+12")),
         (("Synchronizer", "--start", "rest_value=1e13"), ("rest_value = 1e+13", "-1e+12 to 1e+12")),
         (("Synchronizer", "--start", "output_phasing=0"), ("output_phasing = 0", "1e-09 to 1e+12")),
         (("Synchronizer", "--start", "master.period=-1"), ("master.period = -1", "0, or >= 1e-09")),
-        (("Synchronizer", "--start", "active=yes"), ("active = yes", "true or false")),
-        (("Synchronizer", "--start", "curve=CUBIC"), ("curve = CUBIC", "PARABOLA", "POLYNOMIAL_3_4_5")),
+        (("Synchronizer", "--start", "active=yes"), ("active=yes: 'yes' is not allowed", "true or false")),
+        (("Synchronizer", "--start", "curve=CUBIC"), ("curve=CUBIC", "PARABOLA", "POLYNOMIAL_3_4_5")),
         (("Synchronizer", "--start", "curve=3"), ("curve = 3", "PARABOLA", "POLYNOMIAL_3_4_5")),
-        (("Synchronizer", "--start", "curve=1.5"), ("curve = 1.5", "PARABOLA", "POLYNOMIAL_3_4_5")),
+        (("Synchronizer", "--start", "curve=1.5"), ("curve=1.5: '1.5'", "PARABOLA", "POLYNOMIAL_3_4_5")),
         (("Synchronizer", "--start", "active=1", "--start", "active=0"), ("--start active", "twice", "1", "0")),
         (
             ("Synchronizer", "--as-input", "output_fasing"),

@@ -81,6 +81,13 @@ def test_options_take_precedence_over_the_file(motionsync: Command) -> None:
     assert rows(outcome.out, "over the length of the pieces")[0][:4] == ["3000", "1500", "90", "velocity"]
 
 
+def test_an_option_may_have_a_unit_of_its_own(motionsync: Command) -> None:
+    """Without the end of the stroke the axis's velocity is the end: 60 m/min are 1 m/s, in the unit of --unit."""
+    stroke, velocity = ("--set", "axis.max_position=1 km"), ("--set", "axis.max_velocity=60 m/min")
+    outcome = motionsync("plan-line", saw(), "--unit", "m", *stroke, *velocity, "--length", "3", "--no-report")
+    assert rows(outcome.out, "over the length of the pieces")[0][:4] == ["3", "1", "60", "velocity"]
+
+
 def test_json_has_all_digits(motionsync: Command) -> None:
     outcome = motionsync("plan-line", saw(), "--json", "--no-report")
     assert outcome.status == 0
@@ -136,8 +143,12 @@ def test_what_the_block_does_not_confirm_is_reported(motionsync: Command, monkey
     ("arguments", "parts"),
     [
         (["--set", "axis.max_velocity=-5"], ("axis.max_velocity = -5 is not allowed", "1e-12 to 1e+12")),
-        (["--set", "tool.cut_time=soon"], ("tool.cut_time = soon is no Real",)),
-        (["--set", "tool.mode=SAW"], ("tool.mode = SAW", "1 TIME, 2 DISTANCE, 3 FEEDBACK")),
+        (
+            ["--set", "tool.cut_time=soon"],
+            ("tool.cut_time=soon: 'soon' is not allowed: it must be a number in s, or with a unit of its own",),
+        ),
+        (["--set", "axis.max_velocity=9 m"], ("axis.max_velocity=9 m: '9 m' is in m: it must be in mm/s",)),
+        (["--set", "tool.mode=SAW"], ("tool.mode=SAW", "1 TIME, 2 DISTANCE, 3 FEEDBACK")),
         (["--set", "axis.max_velocity"], ("--set axis.max_velocity", "NAME=VALUE")),
         (["--set", "kerf=1", "--set", "kerf=2"], ("--set kerf is given twice",)),
         (["--set", "axis.max_velocty=5"], ("'axis.max_velocty'", "axis.max_velocity")),

@@ -60,7 +60,8 @@ def build(
         fmi: the version of FMI, `"2"` or `"3"`.
         unit: of all positions, `"mm"`, `"m"`, `"deg"`, `"rad"` or `"1"`; velocities follow.
         slave_unit: of the slave's positions, for a block whose slave may have another unit than its master.
-        start: start values to bake in, by name: `{"kerf": 4.0}`; for one block only, as the next four.
+        start: start values to bake in, by name: `{"kerf": 4.0}` or `{"kerf": "4 mm"}`; for one block only, as the
+            next four.
         as_input: the variables that become inputs, as names or patterns: `"gearing.*"`.
         as_output: those that become outputs.
         as_parameter: those that become parameters.

@@ -66,6 +66,8 @@ def command(
 
         motionsync build Synchronizer --start curve=PARABOLA --start output_phasing=45
 
+        motionsync build CutToLength --unit m --start "kerf=4 mm"
+
         motionsync build FlyingSaw --fmi 3
 
         motionsync build Gearing --sources --flavour native

@@ -92,7 +92,7 @@ def command(
 
         motionsync plan-line CutToLength/basic_cut --open
 
-        motionsync plan-line saw.toml --set axis.max_jerk=400000
+        motionsync plan-line saw.toml --set axis.max_jerk=400000 --set "axis.max_velocity=120 m/min"
 
         motionsync plan-line --machine knife --set knife.blades=2 --length 150..1500
 

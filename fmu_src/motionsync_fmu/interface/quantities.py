@@ -46,6 +46,25 @@ def check_ends(first: str, last: str) -> None:
         raise UserError("one end has a unit and the other none: give both theirs, as in 30 m/min..40 m/min")
 
 
+def read_number(text: str, unit: str) -> float:
+    """The number in a text, in this unit; the text may have a unit of its own.
+
+    Raises:
+        UserError: the text is no number, or its unit measures something else.
+    """
+    if is_quantity(text):
+        return convert(text, unit)
+    try:
+        return float(text)
+    except ValueError:
+        raise UserError(f"{text!r} is not allowed: it must be {describe_number(unit)}") from None
+
+
+def describe_number(unit: str) -> str:
+    """What a number in this unit must be, in words; empty: it has none."""
+    return f"a number in {unit}, or with a unit of its own" if unit else "a number"
+
+
 def convert(text: str, unit: str) -> float:
     """The number of a quantity in another unit: `40 m/min` in `mm/s` is 666.67.
 

@@ -12,8 +12,9 @@ from motionsync.blocks import BLOCKS
 
 from ..errors import UserError, choose
 from .causality import Interface
+from .quantities import read_number
 from .roles import PieceVariables, piece_variables
-from .units import BASES
+from .units import BASES, unit_name
 from .variables import Variable, variables
 
 
@@ -31,7 +32,7 @@ class Recipe:
     Attributes:
         name: the block's name.
         unit: the unit of positions, a key of BASES.
-        starts: start values to bake in, as texts by the variables' names.
+        starts: start values to bake in, as texts by the variables' names; a number may have a unit.
         slave_unit: the unit of the slave's positions, for a block whose axes may have different units; empty: the same
             as `unit`.
         interface: the variables with another causality than the block declares.
@@ -60,7 +61,7 @@ class Recipe:
             settable = {v.name: v for v in variables(block) if v.settable}
             for name, text in self.starts.items():
                 v = choose(settable, name, f"parameter or input of {self.name}")
-                v.cell.set(parse(v, text))
+                v.cell.set(parse(v, text, self.unit, self.slave_unit))
         return block
 
     @cached_property
@@ -116,8 +117,9 @@ def check_slave_unit(block: Any, unit: str) -> None:
             raise UserError(f"slave unit {unit!r}: the slave of {type(block).__name__} is in its master's unit")
 
 
-def parse(v: Variable, text: str) -> Any:
-    """The start value for a text: a number, true or false, or the name or number of an enumeration's member.
+def parse(v: Variable, text: str, unit: str, slave_unit: str = "") -> Any:
+    """The start value for a text: a number, also one with a unit, true or false, or the name or number of an
+    enumeration's member. `unit`, `slave_unit`: of positions, as in a recipe.
 
     Raises:
         UserError: the text is none of these, or the value is outside the variable's limits.
@@ -127,12 +129,17 @@ def parse(v: Variable, text: str) -> Any:
         value = {"true": True, "false": False, "1": True, "0": False}.get(text.lower())
     elif v.choices and text.upper() in (names := {member.name.upper(): member.value for member in v.choices}):
         value = names[text.upper()]
+    elif v.kind == "Real":
+        try:
+            value = read_number(text, unit_name(v.declaration.unit, unit, slave_unit))
+        except UserError as e:
+            raise UserError(f"{v.name}={text}: {e}") from None
     else:
         with suppress(ValueError):
-            value = float(text) if v.kind == "Real" else int(text)
+            value = int(text)
     if value is None:
         allowed = "true or false" if v.kind == "Boolean" else v.allowed_range
-        raise UserError(f"{v.name} = {text} is no {v.kind}: it must be {allowed}")
+        raise UserError(f"{v.name}={text}: {text!r} is not allowed: it must be {allowed}")
     if refusal := v.refusal(value):
         raise UserError(refusal)
     return value

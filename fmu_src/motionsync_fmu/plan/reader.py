@@ -201,7 +201,8 @@ def _setting(machine: Machine, name: str, text: str) -> Any:
         raise UserError(f"--set {name}: lengths are what is planned for: --length {text}")
     variables = machine.recipe.variables.values()
     settable = {v.name: v for v in variables if v.settable and not v.name.startswith("master.")}
-    return parse(choose(settable, name, f"parameter or input of {machine.block}"), text)
+    variable = choose(settable, name, f"parameter or input of {machine.block}")
+    return parse(variable, text, machine.unit, machine.slave_unit)
 
 
 def _numbers(top: TomlTable, key: str, unit: str) -> list[float]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import UserError
+from ..interface.quantities import describe_number
 from ..scenario.scenario import Scenario
 from .expressions import Expression
 from .factors import Listed, read_values
@@ -33,8 +34,7 @@ def _value(target: Target, text: str) -> float | bool | str:
     except UserError as e:
         raise UserError(f"{target.name}={text}: {e}") from None
     if isinstance(values, Expression):
-        unit = f" in {target.unit}, or with a unit of its own" if target.unit else ""
-        required = "true or false" if target.kind.name == "Boolean" else f"a number{unit}"
+        required = "true or false" if target.kind.name == "Boolean" else describe_number(target.unit or "")
         raise UserError(f"{target.name}={text}: {text!r} is not allowed: it must be {required}")
     if not isinstance(values, Listed) or values.count != 1:
         raise UserError(f"{target.name}={text}: a run takes one value; motionsync sweep takes several")
