@@ -2,7 +2,9 @@
 
 import csv
 import json
+import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -45,6 +47,20 @@ def test_the_command_writes_json_and_csv(motionsync: Command, ramp: Path) -> Non
     assert [float(row["axis.max_acceleration"]) for row in file_rows] == [3000.0, 1e6]
     assert float(file_rows[0]["master.velocity"]) == rows[0]["master.velocity"]
     assert file_rows[1]["master.velocity"] == ""
+
+
+def test_the_scenario_is_parsed_once(motionsync: Command, ramp: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text, loads = ramp.read_text("utf-8"), tomllib.loads
+    parsed: list[bool] = []
+
+    def count(given: str) -> dict[str, Any]:
+        parsed.append(given == text)
+        return loads(given)
+
+    monkeypatch.setattr(tomllib, "loads", count)
+    condition = ("--until", "slave.acceleration.max < 5000", "--measure", "slave.velocity=max")
+    assert motionsync("search", ramp, "--vary", VELOCITY, *condition, "--workers", "1").status == 0
+    assert sum(parsed) == 1
 
 
 def test_the_same_command_goes_on_and_another_is_refused(motionsync: Command, ramp: Path) -> None:

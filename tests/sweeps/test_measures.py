@@ -12,7 +12,7 @@ SAW = Recipe("FlyingSaw")
 
 def test_an_output_may_be_named_in_several_texts() -> None:
     texts = ["slave.velocity=max, max_time", "IN_SYNC=rises", "slave.velocity=above:500,rms"]
-    result = parse_texts(texts, SAW)
+    result = check_measures(parse_texts(texts), SAW)
     assert result == {"slave.velocity": ("max", "max_time", "above:500", "rms"), "in_sync": ("rises",)}
     assert measure_columns(result) == [
         "slave.velocity.max", "slave.velocity.max_time", "slave.velocity.above:500", "slave.velocity.rms",
@@ -37,7 +37,7 @@ def test_an_output_may_be_named_in_several_texts() -> None:
 )
 def test_a_text_that_is_no_measure_is_reported(text: str, message: str) -> None:
     with pytest.raises(UserError) as error:
-        parse_texts([text], SAW)
+        check_measures(parse_texts([text]), SAW)
     assert message in str(error.value)
     assert "\n" not in str(error.value)
 

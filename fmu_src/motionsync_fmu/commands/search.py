@@ -65,14 +65,13 @@ def command(
     """
     require("sweep", "distributed", "pyarrow", "scipy")
     from ..api.search import search
-    from ..scenario.files.reader import load_scenario
     from ..sweeps.measures import parse_texts
     from ..sweeps.search_output import print_boundaries, records, write_csv
     from ..sweeps.sweep_plan import SamplingOptions
 
     file = find_scenario(path)
     options: SamplingOptions = {"samples": samples, "method": method, "seed": seed, "yes": yes}
-    options["measures"] = parse_texts(measure, load_scenario(file).recipe) if measure else {}
+    options["measures"] = parse_texts(measure or ())
     grid = parse_factors(setting or [])
     with report_count(f"searching {scenario_name(file)}", "points") as count:
         rows = search(

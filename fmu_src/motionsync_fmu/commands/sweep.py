@@ -78,7 +78,6 @@ def command(
     """
     require("sweep", "distributed", "pyarrow", "scipy")
     from ..api.sweep import sweep
-    from ..scenario.files.reader import load_scenario
     from ..sweeps.measures import parse_texts
     from ..sweeps.summary import summarize
     from ..sweeps.sweep_plan import SamplingOptions
@@ -87,7 +86,7 @@ def command(
         raise UserError(f"--chunk {chunk} is not allowed: it must be >= 1")
     file = find_scenario(path)
     options: SamplingOptions = {"samples": samples, "method": method, "seed": seed, "yes": yes}
-    options["measures"] = parse_texts(measure, load_scenario(file).recipe) if measure else {}
+    options["measures"] = parse_texts(measure or ())
     factors = parse_factors(setting or [])
     with report_count(f"sweeping {scenario_name(file)}", "runs") as count:
         rate = _RunRate(count)

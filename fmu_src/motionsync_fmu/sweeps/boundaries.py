@@ -14,7 +14,7 @@ import numpy as np
 import pyarrow as pa
 
 from ..errors import UserError
-from ..scenario.files.toml_tables import read_file, read_toml
+from ..scenario.files.toml_tables import read_toml
 from .bisection import Boundaries, Flags, Indices, Reals, bisect
 from .conditions import RowCondition
 from .factors import Range, read_values
@@ -65,11 +65,12 @@ class Search:
         """
         if not FINEST <= relative < 1.0:
             raise UserError(f"--relative {relative:g} is not allowed: it must be from {FINEST:g} to below 1")
-        name, ends = _range(vary, file)
-        plan = SweepPlan.of(file, [f"{name}={ends.low!r},{ends.high!r}", *settings], **options)
+        variation = ScenarioVariation.of_file(file)
+        name, ends = _range(vary, variation)
+        plan = SweepPlan.of_variation(variation, [f"{name}={ends.low!r},{ends.high!r}", *settings], **options)
         condition = RowCondition.read(until)
         missing = [name for name in condition.columns if name not in schema(plan).names]
-        plan = replace(plan, measures=_with_measures(plan, missing))
+        plan = plan.with_fields(measures=_with_measures(plan, missing))
         condition.check(schema(plan))
         return cls(plan, until, relative)
 
@@ -194,12 +195,12 @@ def _sides(result: Boundaries) -> list[str]:
     return [sides[at] for at in zip(result.at_low.tolist(), result.at_high.tolist(), strict=True)]
 
 
-def _range(vary: str, file: Path) -> tuple[str, Range]:
-    """The name in `NAME=low..high`, and the two numbers in its unit in the scenario of a file."""
+def _range(vary: str, variation: ScenarioVariation) -> tuple[str, Range]:
+    """The name in `NAME=low..high`, and the two numbers in its unit in the scenario."""
     name, equals, text = (part.strip() for part in vary.partition("="))
     if not (name and equals and text):
         raise UserError(f"--vary {vary}: write {ENDS}")
-    kind = ScenarioVariation(read_file(file), file).target(name).kind
+    kind = variation.target(name).kind
     if kind.name not in ("Real", ""):
         raise UserError(
             f"--vary {vary}: {name} is no real number, but of the type {kind.name}: there is nothing to halve"

@@ -23,7 +23,7 @@ from ..interface.units import unit_name
 from ..interface.variables import Variable
 from ..scenario.files.quantities import KeyPath, measured_kind
 from ..scenario.files.reader import BlockReader, read_scenario, read_tables
-from ..scenario.files.toml_tables import TomlTable
+from ..scenario.files.toml_tables import TomlTable, read_file
 from ..scenario.files.variable_tables import Subject
 from ..scenario.scenario import Scenario
 from .factors import ValueKind
@@ -68,6 +68,8 @@ class ScenarioVariation:
     """A scenario file that is parsed once, and scenarios with other values.
 
     Attributes:
+        text: what the file has in it.
+        file: the file.
         scenario: the scenario as its file has it.
     """
 
@@ -77,9 +79,19 @@ class ScenarioVariation:
         Raises:
             UserError: the first mistake in it, with file, line and key.
         """
+        self.text, self.file = text, file
         self._top = read_tables(text, file)
         self._reader: _CachingReader | None = None
         self.scenario = self.with_values(())
+
+    @classmethod
+    def of_file(cls, file: Path) -> Self:
+        """The scenario of a file.
+
+        Raises:
+            UserError: the file cannot be read, or the first mistake in it, with file, line and key.
+        """
+        return cls(read_file(file), file)
 
     def target(self, name: str) -> Target:
         """What a name means.

@@ -117,15 +117,37 @@ class SweepPlan:
         Raises:
             UserError: the file, a setting, or what they make together is refused.
         """
-        text = read_file(file)
+        return cls.of_variation(ScenarioVariation.of_file(file), settings, chunk=chunk, **options)
+
+    @classmethod
+    def of_variation(
+        cls,
+        variation: ScenarioVariation,
+        settings: Iterable[str],
+        *,
+        chunk: int = 0,
+        **options: Unpack[SamplingOptions],
+    ) -> Self:
+        """The plan for a scenario that is read already, and settings `NAME=VALUES`.
+
+        Raises:
+            UserError: a setting, or what they make together is refused.
+        """
         factors = tuple(Factor(*split_setting(setting)) for setting in settings)
         samples = options.get("samples")
         method = choose({str(m): m for m in Method}, options.get("method", Method.LHS), "method")
-        plan = cls(file, text, factors, samples or 0, method, options.get("seed", 0), chunk=chunk)
-        recipe = plan.variation.scenario.recipe
-        plan = replace(plan, measures=check_measures(options.get("measures") or {}, recipe))
+        plan = cls(variation.file, variation.text, factors, samples or 0, method, options.get("seed", 0), chunk=chunk)
+        vars(plan)["variation"] = variation
+        recipe = variation.scenario.recipe
+        plan = plan.with_fields(measures=check_measures(options.get("measures") or {}, recipe))
         plan._check(samples, options.get("yes", False))
-        return replace(plan, guid=compute_guid(recipe), sampler=sampler() if plan._ranges else "")
+        return plan.with_fields(guid=compute_guid(recipe), sampler=sampler() if plan._ranges else "")
+
+    def with_fields(self, **changes: Any) -> Self:
+        """This plan with other values of some fields, of the same scenario, which is not read again."""
+        plan = replace(self, **changes)
+        vars(plan)["variation"] = self.variation
+        return plan
 
     @property
     def sha256(self) -> str:
