@@ -10,7 +10,7 @@ import pytest
 from tests.browser.charts import ChartView
 from tests.browser.conftest import AtRest, OpenReport
 from tests.browser.runs import run
-from tests.browser.visit import contrast
+from tests.browser.visit import Visit, contrast
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 PIECES = "CutToLength/cyclic_orders"
@@ -89,6 +89,17 @@ def test_the_pointer_over_the_cuts_shows_where_the_saw_is(at_rest: AtRest) -> No
     assert values["saw"] == pytest.approx(recorded(CYCLIC_CUT, "slave.position", time), rel=1e-4, abs=1e-3)
 
 
+def download_table(visit: Visit, name: str, folder: Path) -> list[dict[str, str]]:
+    """The rows of the file that the button of a chart saves."""
+    frame = ChartView(visit, name).frame
+    frame.hover()
+    with visit.page.expect_download() as download:
+        frame.locator("[data-title='Download as CSV']").click()
+    download.value.save_as(folder / "chart.csv")
+    with (folder / "chart.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
 def test_the_curves_of_a_chart_are_saved_as_csv(at_rest: AtRest, tmp_path: Path) -> None:
     """Seven digits, at the points that are drawn; the line has one column for each of its curves."""
     visit = at_rest(PIECES)
@@ -96,13 +107,7 @@ def test_the_curves_of_a_chart_are_saved_as_csv(at_rest: AtRest, tmp_path: Path)
         (MOTION, "slave velocity in mm/s", "slave.velocity"),
         ("Pieces passing", "line.velocity_request in mm/s", "line.velocity_request"),
     ):
-        frame = ChartView(visit, name).frame
-        frame.hover()
-        with visit.page.expect_download() as download:
-            frame.locator("[data-title='Download the curves as CSV']").click()
-        download.value.save_as(tmp_path / "curves.csv")
-        with (tmp_path / "curves.csv").open() as file:
-            rows = [(float(row["time in s"]), row[heading]) for row in csv.DictReader(file)]
+        rows = [(float(row["time in s"]), row[heading]) for row in download_table(visit, name, tmp_path)]
         assert rows == sorted(rows, key=lambda row: row[0])
         times, values = zip(*((time, float(value)) for time, value in rows if value), strict=True)
         assert len(times) > 1000
@@ -110,6 +115,29 @@ def test_the_curves_of_a_chart_are_saved_as_csv(at_rest: AtRest, tmp_path: Path)
         at = np.searchsorted(recording.time, np.array(times) - 1e-6)
         assert recording.time[at] == pytest.approx(times, abs=1e-7)
         assert recording.values[variable][at] == pytest.approx(values, rel=1e-6, abs=1e-9)
+
+
+def test_the_bars_of_a_chart_are_saved_as_csv(at_rest: AtRest, tmp_path: Path) -> None:
+    """A row for each time at which one of them changes, or something is set, has the values of all from then on, the
+    last row those of the end; what was set has a text at its time only."""
+    rows = download_table(at_rest(PIECES), LANES, tmp_path)
+    scenario, recording = run(PIECES)
+    times = [float(row["time in s"]) for row in rows]
+    assert times == sorted(set(times))
+    assert times[-1] == scenario.stop_time
+    at = np.searchsorted(recording.time, np.array(times) - 1e-6)[:-1]
+    states = {member.value: member.name for member in scenario.recipe.variables["state"].choices}
+    assert [row["state"] for row in rows[:-1]] == [states[i] for i in recording.values["state"][at]]
+    assert rows[-1]["state"] == states[recording.values["state"][-1]]
+    (in_sync,) = [name for name in rows[0] if "in_sync" in name.split(" = ")]
+    assert [row[in_sync] == "true" for row in rows[:-1]] == recording.values["in_sync"][at].astype(bool).tolist()
+    assert {row[in_sync] for row in rows} == {"true", "false"}
+    changed = [at for at, before in zip(rows[1:-1], rows[:-2], strict=True) if at["state"] != before["state"]]
+    assert len(changed) == np.count_nonzero(np.diff(recording.values["state"]))
+    *settings, reaction = [(float(row["time in s"]), row["what was set"]) for row in rows if row["what was set"]]
+    assert [at for at, _ in settings] == [setting.at for setting in scenario.settings]
+    assert settings[0][1] == "order.add = true, order.length = 1500 mm, order.quantity = 4"
+    assert reaction[1] == "stop = true, line.wanted_velocity = 0 mm/s"
 
 
 PAPER = {"width": 703, "height": 1031}  # px: what the margins leave of A4, 186 mm by 273 mm
@@ -127,6 +155,8 @@ def test_printed_charts_are_whole_and_as_wide_as_the_paper(open_report: OpenRepo
       const box = e.getBoundingClientRect(), drawn = svg.getBoundingClientRect();
       return [box.height, drawn.width / box.width, getComputedStyle(e).breakInside];
     })"""
+    right = visit.page.locator(".plot").evaluate_all("all => all.map(e => [e.ariaLabel, e._fullLayout._size.r])")
+    assert all(margin <= 20.0 or label.startswith(MOTION) for label, margin in right)  # the motion has numbers there
     looks = visit.page.locator(".plot, .motionsync-machine").evaluate_all(look)
     assert len(looks) >= 5
     for height, share, rule in looks:

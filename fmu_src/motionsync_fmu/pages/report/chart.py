@@ -71,7 +71,7 @@ class Chart:
             "legend": {"orientation": "h", "x": 0, "y": 1 + 20 / inner, "yanchor": "bottom", "bgcolor": CLEAR},
             "annotations": [],
             "shapes": [],
-            "meta": {"timed": self.timed, "rescaled": [], "span": list(self.span)},
+            "meta": {"timed": self.timed, "rescaled": [], "span": list(self.span), "right": RIGHT},
             "xaxis": self._axis() | {"title": {"text": self.title}, "range": list(self.span)},
         }
         top = 1.0
@@ -114,6 +114,7 @@ class Chart:
         base = self.axis(row).get("overlaying", axis_id(row))
         ticks = {"side": "right", "tickmode": "auto", "tickfont": {"color": colour}, "overlaying": base}
         number = self._add_axis(row, ticks | {"showgrid": False, "zeroline": False})
+        self.layout["meta"]["right"] = LEFT
         position = {"x": 1, "y": 1, "xanchor": "right", "yanchor": "bottom", "font": {"size": 13, "color": colour}}
         self.annotate(text, yref=f"{axis_id(row)} domain", **position)
         return number
@@ -154,8 +155,8 @@ class Chart:
         self.layout["meta"]["rescaled"].append(axis_key(row))
 
     def add_trace(self, row: int, name: str, trace: dict[str, Any], *, legend: bool = True) -> None:
-        """Add a trace; the legend has each name once, and switches all traces of that name. Traces with a text
-        `meta` are in the chart's file of comma-separated values, under this heading."""
+        """Add a trace; the legend has each name once, and switches all traces of that name. Traces with
+        `meta` are in the chart's file of comma-separated values: it is the heading, or has `heading` and `texts`."""
         first = legend and name not in self.legend_names
         self.legend_names |= {name} if legend else set()
         axes = {"xaxis": "x", "yaxis": axis_id(row), "name": name, "showlegend": first}
@@ -229,11 +230,12 @@ def kind_colour(kind: int) -> str:
 
 
 def align_charts(charts: Iterable[Chart]) -> None:
-    """Give charts the same margin on the right, so that the same times are above one another."""
+    """Give charts the same margin on the right, so that the same times are above one another. On paper, where they are
+    seldom on one page, each has its own."""
     aligned = list(charts)
-    if any("side" in axis for chart in aligned for axis in chart.layout.values() if isinstance(axis, dict)):
-        for chart in aligned:
-            chart.layout["margin"]["r"] = LEFT
+    widest = max(chart.layout["meta"]["right"] for chart in aligned)
+    for chart in aligned:
+        chart.layout["margin"]["r"] = widest
 
 
 def axis_key(row: int) -> str:

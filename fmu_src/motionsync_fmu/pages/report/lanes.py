@@ -17,6 +17,8 @@ from .chart import INK, Chart, kind_colour
 
 LANE = 36  # the height of a lane, in px
 BAR = 0.5  # the height of a bar, of its lane
+SETTINGS = "what was set"
+WIDTH_DIGITS = TIME_DIGITS + 3  # of a bar, so that its end has those of a time
 PERIOD = "from %{base:.6~f} s to %{x:.6~f} s"
 HUES, TONES = 8, 4  # colours of states, and of other enumerations
 MOST_STRETCHES = 1000  # of a lane; of more, those that are close together are joined
@@ -168,12 +170,13 @@ def chart_lanes(lanes: list[Lane], stop_time: float, times: list[float], texts: 
 
 
 def _draw_settings(chart: Chart, times: list[float], texts: list[str]) -> None:
-    _write_title(chart, 0, "what was set")
+    _write_title(chart, 0, SETTINGS)
     marks = {"color": INK, "size": 9, "symbol": "triangle-up"}
     trace = {"type": "scatter", "mode": "markers", "x": rounded(times, TIME_DIGITS), "y": [0] * len(times)}
     template = "%{x:.6~f} s: %{customdata}<extra></extra>"
     labels = [f"{escape(text)} ({i})" for i, text in enumerate(texts, 1)]
-    chart.add_trace(1, "set", trace | {"marker": marks, "customdata": labels, "hovertemplate": template}, legend=False)
+    more = {"customdata": labels, "hovertemplate": template, "meta": {"heading": SETTINGS, "texts": texts}}
+    chart.add_trace(1, "set", trace | {"marker": marks} | more, legend=False)
 
 
 def _write_title(chart: Chart, lane: int, text: str) -> None:
@@ -187,14 +190,16 @@ def _draw_bars(chart: Chart, i: int, lane: Lane, value: int) -> None:
     if not selected:
         return
     text = next((str(m.name) for m in lane.variable.choices if m == value), "true")
+    begins, ends = (rounded(times, TIME_DIGITS) for times in zip(*((s.begin, s.end) for s in selected), strict=True))
     trace: dict[str, Any] = {
         "type": "bar",
         "orientation": "h",
-        "base": rounded((s.begin for s in selected), TIME_DIGITS),
-        "x": rounded((s.end - s.begin for s in selected), TIME_DIGITS),
+        "base": begins,
+        "x": rounded((end - begin for begin, end in zip(begins, ends, strict=True)), WIDTH_DIGITS),
         "y": [i] * len(selected),
         "width": BAR,
         "marker": {"color": lane.colour(value), "line": {"width": 0}},
+        "meta": lane.title,
         "hovertemplate": f"{escape(lane.title)}: <b>{text}</b><br>{PERIOD}<extra></extra>",
     }
     if lane.variable.choices:

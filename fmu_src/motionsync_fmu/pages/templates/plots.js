@@ -9,24 +9,46 @@
     displaylogo: false, responsive: true, doubleClick: "reset", plotlyServerURL: "",
     modeBarButtons: [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]],  // none that sends data
   };
-  // The curves of a chart as comma-separated values: a row for each value of the horizontal axis that any of them has, and
-  // another one where a curve has it again.
+  // The columns of a chart with bars over time: the value of each lane, at each time at which one of them changes, and at
+  // those of other columns. A lane has a value where it has no bar, too, if it is true or false.
+  function lanes(data, others) {
+    const bars = data.filter(({ base, meta }) => base && meta), end = ({ base, x }, i) => +(base[i] + x[i]).toPrecision(9);
+    const changes = bars.flatMap((bar) => bar.base.flatMap((at, i) => [at, end(bar, i)]));
+    const x = [...new Set([...changes, ...others.flatMap((column) => column.x)])].sort((a, b) => a - b);
+    return [...new Set(bars.map(({ meta }) => meta))].reverse().map((heading) => {
+      const own = bars.filter(({ meta }) => meta === heading), begins = new Map(), ends = new Set();
+      for (const bar of own) bar.base.forEach((at, i) => { begins.set(at, bar.name); ends.add(end(bar, i)); });
+      const none = own.some(({ name }) => name === "true") ? "false" : "";
+      let value = none;
+      const values = x.map((at, i) => {
+        if (ends.has(at) && i < x.length - 1) value = none;
+        return value = begins.get(at) ?? value;
+      });
+      return { heading, x, values };
+    });
+  }
+
+  const column = ({ meta, x, y }) => ({ heading: meta.heading ?? meta, x, values: meta.texts ?? y });
+
+  // What a chart shows as comma-separated values: a row for each value of the horizontal axis that a column has, and another
+  // one where a column has it again.
   function table({ data, layout }) {
-    const curves = data.filter(({ meta }) => meta), rows = new Map();
-    curves.forEach(({ x, y }, k) => x.forEach((at, i) => {
-      if (at === null || y[i] === null) return;
+    const curves = data.filter(({ base, meta }) => meta && !base).map(column), rows = new Map();
+    const columns = [...lanes(data, curves), ...curves];
+    columns.forEach(({ x, values }, k) => x.forEach((at, i) => {
+      if (at === null || values[i] === null) return;
       if (!rows.has(at)) rows.set(at, []);
-      let row = rows.get(at).find((values) => values[k] === "");
-      if (!row) rows.get(at).push(row = new Array(curves.length).fill(""));
-      row[k] = y[i];
+      let row = rows.get(at).find((cells) => cells[k] === "");
+      if (!row) rows.get(at).push(row = new Array(columns.length).fill(""));
+      row[k] = values[i];
     }));
-    const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
-    const lines = [...rows].sort(([a], [b]) => a - b).flatMap(([at, all]) => all.map((values) => [at, ...values].join(",")));
-    return [[layout.xaxis.title.text, ...curves.map(({ meta }) => meta)].map(quoted).join(","), ...lines, ""].join("\n");
+    const quoted = (text) => `"${text.replaceAll('"', '""')}"`, cell = (value) => /[",\n]/.test(value) ? quoted(value) : value;
+    const lines = [...rows].sort(([a], [b]) => a - b).flatMap(([at, all]) => all.map((cells) => [at, ...cells.map(cell)].join(",")));
+    return [[layout.xaxis.title.text, ...columns.map(({ heading }) => heading)].map(quoted).join(","), ...lines, ""].join("\n");
   }
 
   const csv = {
-    name: "csv", title: "Download the curves as CSV",
+    name: "csv", title: "Download as CSV",
     icon: { width: 24, height: 24, path: "M5 21h14v-2H5zM19 9h-4V3H9v6H5l7 7z" },
     click(frame) {
       const name = `${frame.getAttribute("aria-label").replace(/[^\w]+/g, "_")}.csv`;
@@ -36,7 +58,7 @@
     },
   };
 
-  // The settings of a chart; one without curves has nothing to download.
+  // The settings of a chart; one without columns has nothing to download.
   function settings(data) {
     const [usual] = config.modeBarButtons, buttons = data.some(({ meta }) => meta) ? [csv, ...usual] : usual;
     return { ...config, modeBarButtons: [buttons] };
@@ -67,7 +89,10 @@
   // Draw a chart with the current colours; its zoom stays as it is.
   function draw(frame, text) {
     const { data, layout } = figure(text);
-    if (document.documentElement.classList.contains("printed")) layout.width = PAPER;
+    if (document.documentElement.classList.contains("printed")) {
+      layout.width = PAPER;
+      layout.margin.r = layout.meta.right;
+    }
     layout.annotations = apart(layout, layout.width || frame.clientWidth);
     for (const axis of Object.keys(layout).filter((key) => /^[xy]axis/.test(key) && frame.layout)) {
       layout[axis].autorange = frame.layout[axis].autorange;
