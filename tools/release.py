@@ -39,10 +39,11 @@ from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import summary
 from motionsync_fmu.pages.block_page import PICTURE
 from motionsync_fmu.pages.style import load_template
-from tools.site.build import EXPLORED, make_site
+from tools.site.build import make_site
 
 ROOT = Path(__file__).parent.parent
 UNITS = ("mm", "m", "deg")
+EXPLORE = "explore/"  # the folder of the pages to explore the blocks
 SECTION = r"^## \[{version}\] - (\d{{4}})-(\d\d)-(\d\d)$(.*?)(?=^## |^\[[^]]+\]: |\Z)"  # of Keep a Changelog
 Progress = Callable[[str], None]
 
@@ -103,9 +104,10 @@ def make_release(
         build_package(part)
         fmus = build_fmus(list(blocks), list(units), flavour, progress)
         write_zip(part / f"motionsync-{__version__}-fmus.zip", fmus)
-        if explore_page := fmus.get(f"explore/{EXPLORED}.html"):
+        explore_pages = {name: page for name, page in fmus.items() if name.startswith(EXPLORE)}
+        if len(explore_pages) == len(BLOCKS):
             progress("site")
-            write_zip(part / f"motionsync-{__version__}-site.zip", build_site(explore_page))
+            write_zip(part / f"motionsync-{__version__}-site.zip", build_site(explore_pages))
         (part / "RELEASE_NOTES.md").write_bytes(current.text.encode())
         (part / "SHA256SUMS").write_bytes(checksums(part).encode())
         shutil.rmtree(folder, ignore_errors=True)
@@ -163,20 +165,22 @@ def build_fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: 
             if native and (recipe.unit, recipe.fmi) == (units[0], Fmi.TWO):
                 explore_page = Path(folder, f"{recipe.name}.html")
                 write_page(recipe.name, scenarios_of(recipe.name), fmu, explore_page, progress)
-                files[f"explore/{recipe.name}.html"] = explore_page.read_bytes()
+                files[f"{EXPLORE}{recipe.name}.html"] = explore_page.read_bytes()
     return files
 
 
-def build_site(explore_page: bytes) -> Files:
-    """The files of the documentation; `explore_page`: the page to explore the block EXPLORED.
+def build_site(explore_pages: Files) -> Files:
+    """The files of the documentation; `explore_pages`: explore/<block>.html of all blocks.
 
     Raises:
         UserError: a page is missing, or a link leads nowhere.
     """
     with tempfile.TemporaryDirectory() as work:
-        page, folder = Path(work, "explore.html"), Path(work, "site")
-        page.write_bytes(explore_page)
-        make_site(folder, page)
+        folder = Path(work, "site")
+        Path(work, EXPLORE).mkdir()
+        for name, page in explore_pages.items():
+            Path(work, name).write_bytes(page)
+        make_site(folder, Path(work, EXPLORE))
         files = (file for file in folder.rglob("*") if file.is_file())
         return {file.relative_to(folder).as_posix(): file.read_bytes() for file in sorted(files)}
 

@@ -143,11 +143,11 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
         write_zip(target, {"documentation/index.html": page.encode(), "documentation/example.svg": b""})
         return target
 
-    def make_site(folder: Path, explore_page: Path) -> None:
+    def make_site(folder: Path, explore_pages: Path) -> None:
         """The files of the site; what they are is another test's."""
         (folder / "how_to").mkdir(parents=True)
-        for name in ("index.html", "how_to/wiring.html"):
-            (folder / name).write_text(explore_page.read_text())
+        for name, block in (("index.html", "CutToLength"), ("how_to/wiring.html", "Gearing")):
+            (folder / name).write_text((explore_pages / f"{block}.html").read_text())
 
     monkeypatch.setattr(release, "build", build)
     monkeypatch.setattr(release, "write_page", lambda name, scenarios, fmu, target, notify: target.write_text(name))
@@ -167,7 +167,7 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
     with zipfile.ZipFile(tmp_path / "all" / f"{NAME}-site.zip") as z:
         assert {name: z.read(name) for name in z.namelist()} == {
             "index.html": b"CutToLength",
-            "how_to/wiring.html": b"CutToLength",
+            "how_to/wiring.html": b"Gearing",
         }
 
 

@@ -69,12 +69,13 @@ def test_the_first_page_has_the_machine_and_the_two_commands(site: Site) -> None
 
 
 def test_every_block_has_a_page(site: Site) -> None:
-    """With its README first, and then its variables."""
+    """With its README first, and then its variables; it leads to the page on which the block is moved by hand."""
     folders = {file.parent.name.replace("_", "") for file in (ROOT / "model" / "motionsync").glob("*/block.py")}
     pages = {path: page for path, page in site.pages.items() if path.startswith("reference/blocks/")}
     assert {path.split("/")[-1].removesuffix(".html").lower() for path in pages} == folders
-    for page in pages.values():
+    for path, page in pages.items():
         assert {"how-to-use-it", "states", "variables"} <= page.anchors
+        assert ("a", f"../../explore/{posixpath.basename(path)}") in page.addresses
 
 
 def test_the_reference_of_a_block_has_its_variables_members_and_codes(block: str) -> None:

@@ -1,10 +1,12 @@
 """The documentation site, built once in a test run, and its pages."""
 
+import shutil
 from dataclasses import dataclass, field
 from functools import cached_property
 from html.parser import HTMLParser
 from pathlib import Path
 
+from motionsync.blocks import BLOCKS
 from tests.support.explored import explored
 from tests.support.fmus import Fmus
 
@@ -68,6 +70,10 @@ def made_site(fmus: Fmus) -> Site:
     def fill(folder: Path) -> None:
         from tools.site.build import make_site  # noqa: PLC0415 (MkDocs takes half a second to load)
 
-        make_site(folder / "site", explored(fmus, "CutToLength").file)
+        pages = folder / "explore"
+        pages.mkdir()
+        for name in BLOCKS:  # one page for all: they take a minute to make
+            shutil.copyfile(explored(fmus, "CutToLength").file, pages / f"{name}.html")
+        make_site(folder / "site", pages)
 
     return Site(fmus.shared.once("site", fill) / "site")

@@ -5,9 +5,11 @@ It needs no server and no network: `build/site/index.html` opens from the folder
 
 import sys
 import tempfile
+from pathlib import Path
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu import UserError, explore
-from tools.site.build import EXPLORED, make_site
+from tools.site.build import make_site
 from tools.site.pages import ROOT
 
 
@@ -16,7 +18,10 @@ def main() -> None:
     folder = ROOT / "build" / "site"
     try:
         with tempfile.TemporaryDirectory() as work:
-            make_site(folder, explore(EXPLORED, output=work))
+            for name in BLOCKS:
+                print(f"the page to explore {name}", flush=True)
+                explore(name, output=work)
+            make_site(folder, Path(work))
     except UserError as error:
         sys.exit(f"site: {error}")
     print((folder / "index.html").as_uri())

@@ -10,10 +10,9 @@ from mkdocs.commands.build import build
 from mkdocs.config import load_config
 from mkdocs.exceptions import MkDocsException
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu import UserError
 from tools.site.pages import ROOT
-
-EXPLORED = "CutToLength"  # the block that is moved by hand on the first page
 
 
 class Warnings(logging.Handler):
@@ -27,8 +26,9 @@ class Warnings(logging.Handler):
         self.messages.append(record.getMessage())
 
 
-def make_site(folder: Path, explore_page: Path) -> None:
-    """Make the site in a folder that then holds nothing else; `explore_page`: the page of the block EXPLORED.
+def make_site(folder: Path, explore_pages: Path) -> None:
+    """Make the site in a folder that then holds nothing else; `explore_pages`: the folder with the page of each block
+    that `motionsync explore` writes.
 
     Raises:
         UserError: a page is missing, or a link leads nowhere.
@@ -39,9 +39,10 @@ def make_site(folder: Path, explore_page: Path) -> None:
         except MkDocsException as error:
             raise UserError("\n".join([str(error), *warnings.messages])) from None
     (folder / "404.html").unlink()  # of a server
-    target = folder / "explore" / f"{EXPLORED}.html"
-    target.parent.mkdir()
-    shutil.copyfile(explore_page, target)
+    target = folder / "explore"
+    target.mkdir()
+    for name in BLOCKS:
+        shutil.copy(explore_pages / f"{name}.html", target)
 
 
 @contextmanager

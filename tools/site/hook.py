@@ -16,6 +16,10 @@ from tools.site.pages import BLOCK_PAGE, ROOT, insert_sections, made_pages, sour
 from tools.site.reference import block_reference, insert_references
 
 FOR_DEVELOPERS = ("explanation/architecture.md", "explanation/contributing.md", "reference/changes.md")
+FIRST_SECTION = "\n## How to use it\n"  # of the README of each block
+EXPLORE = """
+<a href="../../explore/{0}.html">Move {0} by hand</a>: sliders, commands, curves and the machine, in the browser.
+"""
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
@@ -43,5 +47,5 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     text = insert_sections(with_site_links(markdown, source_of(name), name), name)
     text = draw_diagrams(indent_lists(text))
     if block := {BLOCK_PAGE.format(name): name for name in BLOCKS}.get(name):
-        text += block_reference(block)
+        text = text.replace(FIRST_SECTION, EXPLORE.format(block) + FIRST_SECTION, 1) + block_reference(block)
     return insert_references(text)
