@@ -9,6 +9,7 @@ from urllib.parse import unquote
 
 import pytest
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu import scenarios
 from motionsync_fmu.about import HOME, __version__
 from motionsync_fmu.commands.app import COMMANDS
@@ -130,6 +131,20 @@ def test_the_reference_of_python_has_what_the_package_offers(site: Site) -> None
     text = {part.strip() for part in [*page.prose, *page.code]}
     assert names
     assert names <= text
+    results = {"Piece", "Rows", "FaultCode", "LineOutcome", "MachinePlan", "BatchResult", "ScenarioOutcome", "Row"}
+    anchors = {anchor.rpartition(".")[2]: anchor for anchor in page.anchors if anchor.startswith("motionsync_fmu.")}
+    assert results <= anchors.keys()
+    assert ("a", f"#{anchors['Piece']}") in page.addresses  # where a property has this type
+
+
+def test_the_names_of_plcopen_are_complete(site: Site) -> None:
+    """Each command of the FlyingSaw, each of PLCopen's states that it shows, and each block."""
+    page = site.pages["reference/plcopen.html"]
+    variables = Recipe("FlyingSaw").variables
+    assert {f"{name.partition('.')[0]}.*" for name in variables if name.endswith(".execute")} <= set(page.code)
+    cells = {part.strip() for part in page.prose}
+    assert {f"{member.value} {member.name}" for member in variables["plcopen_state"].choices} <= cells
+    assert {*BLOCKS} <= cells
 
 
 def test_the_reference_of_scenario_files_has_every_key_of_the_shipped_ones(site: Site) -> None:

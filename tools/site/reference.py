@@ -1,10 +1,13 @@
 """The references of the site, made from what they describe: blocks, commands, keys of files, functions."""
 
+import ast
 import inspect
 import re
+import sys
 import textwrap
 import tomllib
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -96,15 +99,48 @@ def _page_link(file: re.Match[str]) -> str:
 
 
 def python_reference() -> str:
-    """The public functions and classes of motionsync_fmu, as mkdocstrings reads them."""
-    return "\n".join(_public_names())
+    """The public functions and classes of motionsync_fmu, and the types of what they return, as mkdocstrings reads
+    them."""
+    public = [getattr(motionsync_fmu, name) for name in dir(motionsync_fmu)]
+    functions = [member for member in public if inspect.isroutine(member)]
+    classes = [member for member in public if inspect.isclass(member)]
+    results = dict.fromkeys([*classes, *(t for f in functions for t in _types_in(f.__annotations__["return"], f))])
+    results |= dict.fromkeys([t for result in results for t in _types_of_fields(result)])
+    returned = sorted(results.keys() - {*classes}, key=lambda t: t.__name__)
+    parts = [_from_source(member, 2) for member in [*functions, *classes]]
+    return "\n".join([*parts, "## Types of results\n", *(_from_source(t, 3) for t in returned)])
 
 
-def _public_names() -> Iterator[str]:
-    for name in sorted(dir(motionsync_fmu), key=lambda name: inspect.isclass(getattr(motionsync_fmu, name))):
-        if inspect.isroutine(member := getattr(motionsync_fmu, name)) or inspect.isclass(member):
-            options = f"    options:\n      heading: {name}\n      toc_label: {name}\n"
-            yield f"::: {member.__module__}.{member.__qualname__}\n{options}"
+def _from_source(member: Any, level: int) -> str:
+    """What mkdocstrings replaces by the signature and the docstring of a function or class."""
+    options = {"heading": member.__name__, "toc_label": member.__name__, "heading_level": level}
+    lines = [f"      {name}: {value}" for name, value in options.items()]
+    return "\n".join([f"::: {member.__module__}.{member.__qualname__}", "    options:", *lines, ""])
+
+
+def _types_of_fields(result: type) -> Iterator[type]:
+    """The types of motionsync_fmu that the public fields and properties of a class have, and its bases."""
+    for base in (base for base in result.__mro__ if base.__module__.startswith(motionsync_fmu.__name__)):
+        yield base
+        for name, annotation in inspect.get_annotations(base).items():
+            yield from () if name.startswith("_") else _types_in(annotation, base)
+        for name, member in vars(base).items():
+            getter = getattr(member, "fget", None) or getattr(member, "func", None)  # of a property, a cached one
+            if getter and not name.startswith("_"):
+                yield from _types_in(getter.__annotations__["return"], base)
+
+
+def _types_in(annotation: Any, owner: Any) -> Iterator[type]:
+    """The types of motionsync_fmu in an annotation of a function or class; some modules import them for it alone."""
+    words = set(re.findall(r"\w+", annotation if isinstance(annotation, str) else str(annotation)))
+    module = sys.modules[owner.__module__]
+    for node in ast.walk(ast.parse(inspect.getsource(module))):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            source = import_module("." * node.level + (node.module or ""), module.__package__)
+            imported = (getattr(source, alias.name) for alias in node.names if alias.name in words)
+            yield from (member for member in imported if inspect.isclass(member))
+        elif isinstance(node, ast.ClassDef) and node.name in words:
+            yield getattr(module, node.name)
 
 
 def key_reference() -> str:
