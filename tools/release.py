@@ -90,8 +90,14 @@ def make_release(
     each version of FMI.
 
     Raises:
-        UserError: the changelog has no text on this version, or an FMU cannot be built.
+        UserError: this is a development version, the changelog has no text on it, or an FMU cannot be built.
     """
+    if ".dev" in __version__:
+        final = __version__.partition(".dev")[0]
+        raise UserError(
+            f"{__version__} is a development version: write {final} into fmu_src/motionsync_fmu/about.py before it is "
+            "released"
+        )
     current = read_notes((ROOT / "CHANGELOG.md").read_text("utf-8"), __version__)
     folder.parent.mkdir(parents=True, exist_ok=True)
     with (

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -15,6 +16,7 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 from markdown_it import MarkdownIt
+from packaging.version import Version
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__
@@ -26,7 +28,8 @@ from tests import ROOT
 from tests.support.fmus import Shared
 from tools import release
 
-NAME = f"motionsync-{__version__}"
+VERSION = __version__.partition(".dev")[0]  # of the next release, or of this one
+NAME = f"motionsync-{VERSION}"
 MADE = {f"{NAME}-py3-none-any.whl", f"{NAME}.tar.gz", f"{NAME}-fmus.zip", "RELEASE_NOTES.md", "SHA256SUMS"}
 RELEASE = """
 from pathlib import Path
@@ -72,25 +75,43 @@ def relative(addresses: list[str]) -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def made(shared: Shared) -> Path:
+def project(shared: Shared) -> Path:
+    """The project as it is released: a development version gets its final number, and a section of the changelog."""
+
+    def fill(folder: Path) -> None:
+        others = shutil.ignore_patterns(".git", ".venv", "build", "__pycache__", ".*_cache", ".hypothesis")
+        shutil.copytree(ROOT, folder / "project", ignore=others)
+        about, changes = (folder / "project" / name for name in ("fmu_src/motionsync_fmu/about.py", "CHANGELOG.md"))
+        if __version__ != VERSION:
+            about.write_text(about.read_text("utf-8").replace(f'"{__version__}"', f'"{VERSION}"'), "utf-8")
+            heading = "## [Unreleased]\n"
+            section = f"{heading}\n## [{VERSION}] - 2027-01-02\n"
+            changes.write_text(changes.read_text("utf-8").replace(heading, section), "utf-8")
+
+    return shared.once("project", fill) / "project"
+
+
+@pytest.fixture(scope="module")
+def made(shared: Shared, project: Path) -> Path:
     """A release with two FMUs of the python flavour, which is quick to build."""
 
-    return shared.once("release", lambda folder: run(folder / "made")) / "made"
+    return shared.once("release", lambda folder: run(project, folder / "made")) / "made"
 
 
-def run(folder: Path, **environment: str) -> str:
+def run(project: Path, folder: Path, **environment: str) -> str:
     """Make the release in a process of its own, and return its output."""
-    path = os.pathsep.join(str(ROOT / part) for part in ("", "model", "fmu_src"))
+    path = os.pathsep.join(str(project / part) for part in ("", "model", "fmu_src"))
     path = os.pathsep.join([path, os.environ.get("PYTHONPATH", "")])
     code = RELEASE.format(folder=str(folder))
     environment = {name: text for name, text in os.environ.items() if name != "SOURCE_DATE_EPOCH"} | environment
     environment["PYTHONPATH"] = path
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment)
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, cwd=project, check=True, capture_output=True, text=True, env=environment)
     return done.stdout
 
 
-def test_a_release_is_complete_and_its_progress_is_reported(tmp_path: Path, made: Path) -> None:
-    messages = run(tmp_path / "again", PYTHONHASHSEED="7", TZ="Asia/Tokyo")
+def test_a_release_is_complete_and_its_progress_is_reported(tmp_path: Path, project: Path, made: Path) -> None:
+    messages = run(project, tmp_path / "again", PYTHONHASHSEED="7", TZ="Asia/Tokyo")
     assert messages.splitlines() == [
         "wheel and source",
         "mm/Synchronizer_mm.fmu (1 of 2)",
@@ -119,7 +140,7 @@ def test_every_fmu_has_its_unit_in_its_name_and_its_page_beside_it(made: Path, t
     for fmu in fmus:
         block, unit = fmu.split("/")[1].split("_")
         result = read_model_description(str(tmp_path / f"{fmu}.fmu"))
-        assert (result.modelName, result.version) == (block, __version__)
+        assert (result.modelName, result.version) == (block, VERSION)
         assert {t.name: t.unit for t in result.typeDefinitions}["Position"] == unit
         page = (tmp_path / f"{fmu}.html").read_text("utf-8")
         assert f"<h1>{block}</h1>" in page
@@ -127,12 +148,14 @@ def test_every_fmu_has_its_unit_in_its_name_and_its_page_beside_it(made: Path, t
         assert sum(a.startswith("data:image/svg+xml;base64,") for a in addresses) == 1
         assert relative(addresses) <= {"externalDependencies.html"}  # of the python flavour alone
     first = (tmp_path / "README.html").read_text("utf-8")
-    assert __version__ in first
+    assert VERSION in first
     assert relative(Referring(first).addresses) <= names
     assert {f"{fmu}.fmu" for fmu in fmus} <= set(Referring(first).addresses)
 
 
-def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_blocks_in_three_units_are_released_natively(
+    tmp_path: Path, project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What is built when nothing is chosen; the build itself is another test's."""
     built = []
 
@@ -153,6 +176,8 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
     monkeypatch.setattr(release, "write_page", lambda name, scenarios, fmu, target, notify: target.write_text(name))
     monkeypatch.setattr(release, "build_package", lambda folder: None)
     monkeypatch.setattr(release, "make_site", make_site)
+    monkeypatch.setattr(release, "__version__", VERSION)
+    monkeypatch.setattr(release, "ROOT", project)
     release.make_release(tmp_path / "all", lambda text: None)
     assert sorted(built) == sorted(
         ("native", block, unit, fmi) for block in BLOCKS for unit in ("mm", "m", "deg") for fmi in ("2", "3")
@@ -171,8 +196,8 @@ def test_all_blocks_in_three_units_are_released_natively(tmp_path: Path, monkeyp
         }
 
 
-def test_the_date_is_that_of_the_changelog(made: Path) -> None:
-    (date,) = re.findall(rf"^## \[{re.escape(__version__)}\] - (.*)$", changelog(), re.M)
+def test_the_date_is_that_of_the_changelog(project: Path, made: Path) -> None:
+    (date,) = re.findall(rf"^## \[{re.escape(VERSION)}\] - (.*)$", changelog(project), re.M)
     for archive in (f"{NAME}-fmus.zip", f"{NAME}-py3-none-any.whl"):
         with zipfile.ZipFile(made / archive) as z:
             assert {"{:04}-{:02}-{:02}".format(*i.date_time) for i in z.infolist()} == {date}
@@ -196,12 +221,12 @@ def test_source_date_epoch_is_honoured_and_left_as_it_was(monkeypatch: pytest.Mo
 # --- the changelog ---
 
 
-def changelog() -> str:
-    return (ROOT / "CHANGELOG.md").read_text("utf-8")
+def changelog(project: Path = ROOT) -> str:
+    return (project / "CHANGELOG.md").read_text("utf-8")
 
 
-def test_the_notes_are_the_changelog_of_the_version(made: Path) -> None:
-    section = changelog().split(f"## [{__version__}] - ")[1].split("\n## ")[0]
+def test_the_notes_are_the_changelog_of_the_version(project: Path, made: Path) -> None:
+    section = changelog(project).split(f"## [{VERSION}] - ")[1].split("\n## ")[0]
     assert (made / "RELEASE_NOTES.md").read_text("utf-8").split() == section.split()[1:]  # without the date
 
 
@@ -228,8 +253,30 @@ def test_nothing_is_made_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert [file.name for file in tmp_path.iterdir()] == ["CHANGELOG.md"]
 
 
-def test_the_changelog_says_something_of_the_present_version_and_is_in_order() -> None:
-    release.read_notes(changelog(), __version__)
+def test_a_development_version_is_not_released(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(release, "__version__", "2.0.0.dev0")
+    monkeypatch.setattr(release, "ROOT", tmp_path)
+    (tmp_path / "CHANGELOG.md").write_text(CHANGELOG)
+    with pytest.raises(UserError, match=r"^2\.0\.0\.dev0 is a development version: write 2\.0\.0 into .*about\.py"):
+        release.make_release(tmp_path / "made", print)
+    assert [file.name for file in tmp_path.iterdir()] == ["CHANGELOG.md"]
+
+
+def test_a_state_with_unreleased_changes_is_a_development_version_of_a_later_release() -> None:
+    """Any other state is that of the newest release in the changelog."""
+    _, unreleased, *_ = changelog().split("\n## ")
+    assert unreleased.startswith("[Unreleased]\n")
+    (newest, *_) = re.findall(r"^## \[(\d+\.\d+\.\d+)\]", changelog(), re.M)
+    current = Version(__version__)
+    if unreleased.strip() == "[Unreleased]":
+        assert current >= Version(newest)
+    else:
+        assert current.is_devrelease
+    if current.is_devrelease:
+        assert Version(current.base_version) > Version(newest)
+
+
+def test_the_changelog_is_in_order() -> None:
     dates = re.findall(r"^## \[\d+\.\d+\.\d+\] - (\d{4}-\d\d-\d\d)$", changelog(), re.M)
     assert dates == sorted(dates, reverse=True)
     assert re.findall(r"^## \[(.*?)\]", changelog(), re.M)[0] == "Unreleased"
@@ -247,12 +294,12 @@ def metadata(made: Path) -> Message:
 def test_the_package_names_authors_and_addresses(made: Path) -> None:
     result = metadata(made)
     home = "https://github.com/motionsync/motionsync"
-    assert result["Version"] == __version__
+    assert result["Version"] == VERSION
     assert result["Author"] == "The motionsync authors"
     assert result.get_all("Project-URL") == [
         f"Homepage, {home}",
         f"Repository, {home}",
-        f"Changelog, {home}/blob/v{__version__}/CHANGELOG.md",
+        f"Changelog, {home}/blob/v{VERSION}/CHANGELOG.md",
         f"Issues, {home}/issues",
     ]
 
@@ -266,7 +313,7 @@ def test_the_readme_in_the_package_refers_to_no_file_but_by_its_address(made: Pa
     )
     assert not relative(release_links)
     assert relative(readme_links)  # else this test sees nothing
-    at = rf"https://github\.com/motionsync/motionsync/(raw|blob)/v{re.escape(__version__)}/"
+    at = rf"https://github\.com/motionsync/motionsync/(raw|blob)/v{re.escape(VERSION)}/"
     assert [re.sub(at, "", address) for address in release_links] == readme_links
     assert all((ROOT / address.partition("#")[0]).exists() for address in relative(readme_links))
     assert re.findall(r"```.*?```", text, re.S) == re.findall(r"```.*?```", shipped, re.S)

@@ -22,7 +22,8 @@ from tests.support.site import Site, SitePage, made_site
 from tools.site.reference import block_reference, without_usual_end
 
 ELSEWHERE = re.compile(r"[a-z]+:")
-REPOSITORY = re.compile(rf"{re.escape(HOME)}/(?:blob|tree)/v{re.escape(__version__)}/([^#]*)")
+REVISION = "main" if __version__.endswith(".dev0") else f"v{__version__}"
+REPOSITORY = re.compile(rf"{re.escape(HOME)}/(?:blob|tree)/{re.escape(REVISION)}/([^#]*)")
 OWN_ANCHORS = {"", "__skip", "__search"}  # of the theme
 LEFT = re.compile(r"\]\(|\*\*|\| ?---|(?:^|\S)\n {0,3}(?:\d+\.|[-*]) |<!--|```")  # the fourth: a list in a paragraph
 

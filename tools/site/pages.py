@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.about import HOME, __version__
+from motionsync_fmu.about import HOME, REVISION
 from motionsync_fmu.interface.block_folder import block_file
 from motionsync_fmu.pages.readme import FILE
 
@@ -59,7 +59,7 @@ def _site_link(link: str, source: str, page: str) -> str:
         return posixpath.relpath(name, posixpath.dirname(page) or ".") + mark + anchor
     if (ROOT / target).exists():
         kind = "tree" if (ROOT / target).is_dir() else "blob"
-        return f"{HOME}/{kind}/v{__version__}/{target}{mark}{anchor}"
+        return f"{HOME}/{kind}/{REVISION}/{target}{mark}{anchor}"
     return link
 
 
