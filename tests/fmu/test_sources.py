@@ -108,6 +108,21 @@ def test_gcc_makes_of_the_sources_what_the_binaries_are(
 
 
 @needs_gcc
+def test_the_main_loop_of_the_page_prints_what_the_page_says(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "how_to" / "real_time.md").read_text("utf-8")
+    (program,) = re.findall(r"^```c\n(.*?)^```", page, re.M | re.S)
+    (command,) = re.findall(r"^    cc (.*) -o saw$", page, re.M)
+    (printed,) = re.findall(r"^It prints `(.*)`\.$", page, re.M)
+    for file, text in files_of("CutToLength").items():
+        (tmp_path / file).write_bytes(text)
+    (tmp_path / "main.c").write_text(program.replace("{...}", compute_guid(Recipe("CutToLength"))))
+    (tmp_path / "headers").symlink_to(HEADERS)
+    subprocess.run(["gcc", *STRICT, *command.split(), "-O0", "-o", "saw"], cwd=tmp_path, check=True)
+    outcome = subprocess.run([tmp_path / "saw"], check=True, capture_output=True, text=True)
+    assert (outcome.stdout, outcome.stderr) == (f"{printed}\n", "")
+
+
+@needs_gcc
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="the options are for x86-64")
 def test_gcc_fuses_no_operations_of_a_block_whatever_it_may(tmp_path: Path) -> None:
     """Without the pragma in the text gcc fuses hundreds in this block, and with -ffp-contract=off alone still some."""

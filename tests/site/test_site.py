@@ -136,6 +136,7 @@ def test_the_reference_of_python_has_what_the_package_offers(site: Site) -> None
     anchors = {anchor.rpartition(".")[2]: anchor for anchor in page.anchors if anchor.startswith("motionsync_fmu.")}
     assert results <= anchors.keys()
     assert ("a", f"#{anchors['Piece']}") in page.addresses  # where a property has this type
+    assert not [part for part in text if re.fullmatch(r"\w+,", part)]  # a docstring has one name in a row
 
 
 def test_the_names_of_plcopen_are_complete(site: Site) -> None:

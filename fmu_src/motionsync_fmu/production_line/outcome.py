@@ -22,7 +22,8 @@ class LineOutcome:
         line: the line file.
         synced: the time at which RemoteSync was in sync for the first time, in s; None: never.
         settled: the time from which it uses its drift in full, in s; None: never.
-        before, in_sync: the errors of each variant before `settled`, and from then on.
+        before: the errors of each variant before `settled`.
+        in_sync: those from then on.
         agreement: the differences of FMPy and libcosim in each output.
         libcosim_missing: why libcosim did not run; empty if it ran.
         ssp: the SSP package.

@@ -26,11 +26,14 @@ class Piece:
         number: 1 for the first piece of the run.
         kind: its kind, a member of the block's enumeration.
         name: the kind's name.
-        length, error, good: as the block reports them, in u.
+        length: as the block reports it, in u.
+        error: as the block reports it: the length less what was ordered, in u.
+        good: whether it is a product within the tolerance, as the block reports it.
         sync: when the tool came in sync for the cut that ended it, in s.
         reported_at: the point at which the block reported it, in s.
         reserve: the share of its cycle that was left.
-        begin, end: the places of the cuts before and after it, of the tool's middle.
+        begin: the place of the cut before it, of the tool's middle.
+        end: the place of the cut after it.
         cut: the first and the last point of the cut that ended it, in s; None: it was shorter than a step.
         wander: how far the tool went from its place on the material during this cut, in u; 0 where the line is
             recorded, so that its true place is not known.
