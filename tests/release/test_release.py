@@ -162,6 +162,7 @@ def test_all_blocks_in_three_units_are_released_natively(
     def build(recipe: Recipe, target: Path, options: BuildOptions, progress: release.Progress) -> Path:
         assert options.with_sources
         built.append((options.flavour, recipe.name, recipe.unit, recipe.fmi))
+        assert recipe.slave_unit == ("deg" if recipe.name == "RotaryKnife" else "")
         page = f"<code>motionsync explore {recipe.name}</code>"
         write_zip(target, {"documentation/index.html": page.encode(), "documentation/example.svg": b""})
         return target
