@@ -50,15 +50,15 @@ class Polynomial:
         f(0) is used exactly. f(1), and f at the derivative's roots, count as 0 within rounding: a root at 1 is not
         reported, and two roots closer than rounding are reported once.
         """
-        self.fill_chain()
-        self.root_count = 0
+        self.start()
         for order in range(self.leading - 1, -1, -1):
-            self.find_derivative_roots(order, self.leading - order)
+            self.find_derivative_roots(order)
 
-    def fill_chain(self) -> None:
-        """Fill the chain, scaled where squares would leave a double's range, and find the degree.
+    def start(self) -> None:
+        """Fill the chain, scaled where squares would leave a double's range, and find the degree; no root is known yet.
 
         The degree is 0, which means no roots, where f is 0 everywhere or a coefficient is not finite."""
+        self.root_count = 0
         self.leading = 0
         size = self.coefficient_sum()
         if not isfinite(size) or size == 0.0:
@@ -73,11 +73,12 @@ class Polynomial:
             for n in range(self.leading - order + 1):
                 self.chain[at + n] = (n + 1.0) * self.chain[at - TERMS + n + 1]
 
-    def find_derivative_roots(self, order: int, degree: int) -> None:
-        """Find the roots of the derivative of that order, which has that degree, from those of the next derivative.
+    def find_derivative_roots(self, order: int) -> None:
+        """Find the roots of the derivative of that order from those of the next derivative.
 
         The latter cut (0, 1) into intervals on which the derivative is monotone. Each root is read before a new one is
         stored in its element."""
+        degree = self.leading - order
         cuts = self.root_count
         root_count = 0
         low = 0.0

@@ -20,30 +20,24 @@ class QuinticPeaks:
     polynomial: Polynomial = var.part(Polynomial)
 
     def measure(self, curve: Quintic) -> None:
-        """Measure a curve."""
+        """Measure a curve. On the way to the roots of the second derivative are those of the next two."""
         _, d1, d2, d3 = curve.at(0.0)
         self.d1 = abs(d1)
         self.d2 = abs(d2)
         self.d3 = abs(d3)
         self.least_d1 = d1
         self.include(curve, curve.length)
-        for order in range(2, 5):
-            self.differentiate(curve, order)
-            self.polynomial.solve()
-            for i in range(self.polynomial.root_count):
-                self.include(curve, self.polynomial.roots[i] * curve.length)
-
-    def differentiate(self, curve: Quintic, order: int) -> None:
-        """The polynomial becomes the curve's derivative of that order, by u."""
-        self.polynomial.degree = 5
-        self.polynomial.coefficients[0] = curve.c0
-        self.polynomial.coefficients[1] = curve.c1
-        self.polynomial.coefficients[2] = curve.c2
-        self.polynomial.coefficients[3] = curve.c3
-        self.polynomial.coefficients[4] = curve.c4
-        self.polynomial.coefficients[5] = curve.c5
-        for _ in range(order):
-            self.polynomial.differentiate()
+        polynomial = self.polynomial
+        polynomial.degree = 3
+        polynomial.coefficients[0] = 2.0 * curve.c2
+        polynomial.coefficients[1] = 6.0 * curve.c3
+        polynomial.coefficients[2] = 12.0 * curve.c4
+        polynomial.coefficients[3] = 20.0 * curve.c5
+        polynomial.start()
+        for order in range(polynomial.leading - 1, -1, -1):
+            polynomial.find_derivative_roots(order)
+            for i in range(polynomial.root_count):
+                self.include(curve, polynomial.roots[i] * curve.length)
 
     def include(self, curve: Quintic, x: float) -> None:
         """The curve's derivatives at x count."""

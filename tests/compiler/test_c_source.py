@@ -57,6 +57,7 @@ class Ramp:
             self.laps[i] += rate  # each lap
         # The last lap counts twice.
         self.laps[lap] = self.laps[-1] + (self.travel - rate)
+        self.rows[(lap + 1) % 6] = rate
         if rate != 0.0:
             self.times[lap] += self.laps[lap] / rate
             self.rows[2 * lap] = self.rows[2 * lap + 1] / gain - rate / gain
@@ -94,6 +95,7 @@ static void Ramp_advance(Ramp *self, double h, double gain, bool *failed) {
     /* The last lap counts twice. */
     const int64_t at_lap = index_in(lap, 3, failed);
     self->laps[at_lap] = self->laps[index_in(-1, 3, failed)] + (self->travel - rate);
+    self->rows[py_mod_int(lap + 1, 6)] = rate;
     if (rate != 0.0) {
         self->times[at_lap] += self->laps[at_lap] / rate;
         self->rows[2 * at_lap] = self->rows[2 * at_lap + 1] / nonzero(gain, failed) - rate / gain;

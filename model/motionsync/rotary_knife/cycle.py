@@ -19,6 +19,7 @@ from .window import TWO_PI, Cut
 
 CAPACITY = 8
 ROW = 13  # numbers per section
+OLDEST_WINDOW = 2  # where the oldest section is a window, it gets this index: a rest and the ramp up come before it
 
 # What is where in the row of a section.
 BEGIN = 0
@@ -105,20 +106,19 @@ class Cycle:
     def enter(self, index: int) -> None:
         """The knife is on the section with this index."""
         self.present = index
-        row = ROW * index
-        kind = self.rows[row + KIND]
-        self.begin = self.rows[row + BEGIN]
-        self.blade = self.rows[row + BLADE]
+        kind = self.rows[ROW * index + KIND]
+        self.begin = self.rows[ROW * index + BEGIN]
+        self.blade = self.rows[ROW * index + BLADE]
         if index + 1 < self.sections:
-            self.next_begin = self.rows[row + ROW + BEGIN]
+            self.next_begin = self.rows[ROW * (index + 1) + BEGIN]
         if kind == AT_REST:
             self.stage = Stage.WAITING
-            self.rest = self.rows[row + ORIGIN]
+            self.rest = self.rows[ROW * index + ORIGIN]
         elif kind == IN_WINDOW:
             self.stage = Stage.SYNCHRONOUS
-            self.load_window(row)
+            self.load_window(index)
         else:
-            self.load_section(row)
+            self.load_section(index)
             if kind == RAMP_UP:
                 self.stage = Stage.ENGAGING
             elif kind == TURNING_ON:
@@ -126,26 +126,26 @@ class Cycle:
             else:
                 self.stage = Stage.DISENGAGING
 
-    def load_window(self, row: int) -> None:
-        """The window that is stored in the row which begins there."""
-        self.cut.place = self.rows[row + ORIGIN]
-        self.cut.window.slope = self.rows[row + SCALE]
-        self.cut.window.rate = self.rows[row + RATE]
+    def load_window(self, index: int) -> None:
+        """The window that is the section with this index."""
+        self.cut.place = self.rows[ROW * index + ORIGIN]
+        self.cut.window.slope = self.rows[ROW * index + SCALE]
+        self.cut.window.rate = self.rows[ROW * index + RATE]
 
-    def load_section(self, row: int) -> None:
-        """The curve that is stored in the row which begins there."""
+    def load_section(self, index: int) -> None:
+        """The curve that is the section with this index."""
         section = self.section
         quintic = section.quintic
-        section.begin = self.rows[row + ORIGIN]
-        section.end = self.rows[row + END]
-        quintic.length = self.rows[row + SCALE]
-        quintic.rate = self.rows[row + RATE]
-        quintic.c0 = self.rows[row + COEFFICIENTS]
-        quintic.c1 = self.rows[row + COEFFICIENTS + 1]
-        quintic.c2 = self.rows[row + COEFFICIENTS + 2]
-        quintic.c3 = self.rows[row + COEFFICIENTS + 3]
-        quintic.c4 = self.rows[row + COEFFICIENTS + 4]
-        quintic.c5 = self.rows[row + COEFFICIENTS + 5]
+        section.begin = self.rows[ROW * index + ORIGIN]
+        section.end = self.rows[ROW * index + END]
+        quintic.length = self.rows[ROW * index + SCALE]
+        quintic.rate = self.rows[ROW * index + RATE]
+        quintic.c0 = self.rows[ROW * index + COEFFICIENTS]
+        quintic.c1 = self.rows[ROW * index + COEFFICIENTS + 1]
+        quintic.c2 = self.rows[ROW * index + COEFFICIENTS + 2]
+        quintic.c3 = self.rows[ROW * index + COEFFICIENTS + 3]
+        quintic.c4 = self.rows[ROW * index + COEFFICIENTS + 4]
+        quintic.c5 = self.rows[ROW * index + COEFFICIENTS + 5]
 
     # --- sections are planned ---
 
@@ -163,42 +163,42 @@ class Cycle:
         self.sections = self.present + 1
 
     def append(self, begin: float, kind: float, blade: float) -> int:
-        """Append a section that begins at a position of the master, u, and return where its row begins."""
-        row = ROW * self.sections
+        """Append a section that begins at a position of the master, u, and return its index."""
+        index = self.sections
         self.sections += 1
-        self.rows[row + BEGIN] = begin
-        self.rows[row + KIND] = kind
-        self.rows[row + BLADE] = blade
+        self.rows[ROW * index + BEGIN] = begin
+        self.rows[ROW * index + KIND] = kind
+        self.rows[ROW * index + BLADE] = blade
         if self.sections == self.present + 2:
             self.next_begin = begin
-        return row
+        return index
 
     def append_rest(self, begin: float, blade: float, position: float) -> None:
         """Append a rest of the knife at this position."""
-        row = self.append(begin, AT_REST, blade)
-        self.rows[row + ORIGIN] = position
+        index = self.append(begin, AT_REST, blade)
+        self.rows[ROW * index + ORIGIN] = position
 
     def append_window(self, cut: Cut, blade: float) -> None:
         """Append the window of a cut."""
-        row = self.append(cut.begin(), IN_WINDOW, blade)
-        self.rows[row + ORIGIN] = cut.place
-        self.rows[row + SCALE] = cut.window.slope
-        self.rows[row + RATE] = cut.window.rate
+        index = self.append(cut.begin(), IN_WINDOW, blade)
+        self.rows[ROW * index + ORIGIN] = cut.place
+        self.rows[ROW * index + SCALE] = cut.window.slope
+        self.rows[ROW * index + RATE] = cut.window.rate
 
     def append_section(self, kind: float, section: Section, blade: float) -> None:
         """Append a curve."""
         quintic = section.quintic
-        row = self.append(section.begin, kind, blade)
-        self.rows[row + ORIGIN] = section.begin
-        self.rows[row + END] = section.end
-        self.rows[row + SCALE] = quintic.length
-        self.rows[row + RATE] = quintic.rate
-        self.rows[row + COEFFICIENTS] = quintic.c0
-        self.rows[row + COEFFICIENTS + 1] = quintic.c1
-        self.rows[row + COEFFICIENTS + 2] = quintic.c2
-        self.rows[row + COEFFICIENTS + 3] = quintic.c3
-        self.rows[row + COEFFICIENTS + 4] = quintic.c4
-        self.rows[row + COEFFICIENTS + 5] = quintic.c5
+        index = self.append(section.begin, kind, blade)
+        self.rows[ROW * index + ORIGIN] = section.begin
+        self.rows[ROW * index + END] = section.end
+        self.rows[ROW * index + SCALE] = quintic.length
+        self.rows[ROW * index + RATE] = quintic.rate
+        self.rows[ROW * index + COEFFICIENTS] = quintic.c0
+        self.rows[ROW * index + COEFFICIENTS + 1] = quintic.c1
+        self.rows[ROW * index + COEFFICIENTS + 2] = quintic.c2
+        self.rows[ROW * index + COEFFICIENTS + 3] = quintic.c3
+        self.rows[ROW * index + COEFFICIENTS + 4] = quintic.c4
+        self.rows[ROW * index + COEFFICIENTS + 5] = quintic.c5
 
     # --- old sections are forgotten ---
 
@@ -217,7 +217,7 @@ class Cycle:
             kind = self.rows[ROW * index + KIND]
             if kind == AT_REST and retained - index + number <= CAPACITY:
                 return index
-            if kind == IN_WINDOW and retained - index + 2 + number <= CAPACITY:
+            if kind == IN_WINDOW and retained - index + OLDEST_WINDOW + number <= CAPACITY:
                 return index
         return -1
 
@@ -227,7 +227,7 @@ class Cycle:
         oldest = self.oldest_retained(number)
         if oldest > 0:
             is_window = self.rows[ROW * oldest + KIND] == IN_WINDOW
-            self.move_rows(oldest, 2 if is_window else 0)
+            self.move_rows(oldest, OLDEST_WINDOW if is_window else 0)
             if is_window:
                 self.plan_ramp_to_oldest_window(knife)
 
@@ -244,19 +244,18 @@ class Cycle:
         self.present += to - oldest
 
     def plan_ramp_to_oldest_window(self, knife: Knife) -> None:
-        """Plan a ramp up to the window in row 2, and a rest before it, in rows 0 and 1."""
-        row = ROW * 2
+        """Plan the ramp up to the oldest window, and the rest before it."""
         sections = self.sections
-        blade = self.rows[row + BLADE]
+        blade = self.rows[ROW * OLDEST_WINDOW + BLADE]
         window = self.forgotten_cut.window
         window.is_horizontal = self.cut.window.is_horizontal
         window.radian = self.cut.window.radian
-        window.slope = self.rows[row + SCALE]
-        window.rate = self.rows[row + RATE]
-        window.before = self.rows[row + ORIGIN] - self.rows[row + BEGIN]
+        window.slope = self.rows[ROW * OLDEST_WINDOW + SCALE]
+        window.rate = self.rows[ROW * OLDEST_WINDOW + RATE]
+        window.before = self.rows[ROW * OLDEST_WINDOW + ORIGIN] - self.rows[ROW * OLDEST_WINDOW + BEGIN]
         position, d1, d2, d3 = window.at(-window.before)
         window.begin.set(position, d1, d2, d3)
-        self.forgotten_cut.place = self.rows[row + ORIGIN]
+        self.forgotten_cut.place = self.rows[ROW * OLDEST_WINDOW + ORIGIN]
         self.forgotten.plan_ramp_up(knife, FAR_BACK, self.forgotten_cut)
         self.sections = 0
         self.append_rest(0.0, blade, knife.park_angle - knife.spacing)
@@ -266,11 +265,10 @@ class Cycle:
     def rebase(self, distance: float) -> None:
         """Reduce all positions of the master by a distance, u: whole turns are dropped."""
         for index in range(self.sections):
-            row = ROW * index
-            self.rows[row + BEGIN] -= distance
-            if self.rows[row + KIND] != AT_REST:
-                self.rows[row + ORIGIN] -= distance
-                self.rows[row + END] -= distance
+            self.rows[ROW * index + BEGIN] -= distance
+            if self.rows[ROW * index + KIND] != AT_REST:
+                self.rows[ROW * index + ORIGIN] -= distance
+                self.rows[ROW * index + END] -= distance
         self.begin -= distance
         self.next_begin -= distance
         self.cut.place -= distance

@@ -28,13 +28,8 @@ class IntegerBounds:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 low, high = self.bounds(operand)
                 return -high, -low
-            case ast.BinOp(left=left, op=ast.Add() | ast.Sub() as op, right=right):
-                (low, high), (other_low, other_high) = self.bounds(left), self.bounds(right)
-                return (
-                    (low + other_low, high + other_high)
-                    if isinstance(op, ast.Add)
-                    else (low - other_high, high - other_low)
-                )
+            case ast.BinOp(left=left, op=op, right=right):
+                return bounds_of_operation(op, self.bounds(left), self.bounds(right))
             case ast.Call(func=ast.Name(id="len"), args=[values]):
                 length = self.effects.list_length(self.function, values)
                 return (length, length) if length else UNBOUNDED
@@ -45,3 +40,16 @@ class IntegerBounds:
         first, end, step = self.function.range_of(loop)
         (low, high), (other_low, other_high) = self.bounds(first), self.bounds(end)
         return (low, other_high - 1) if step > 0 else (other_low + 1, high)
+
+
+def bounds_of_operation(op: ast.operator, left: Bounds, right: Bounds) -> Bounds:
+    """The bounds of a sum, a difference, or a remainder by a divisor above 0."""
+    (low, high), (other_low, other_high) = left, right
+    match op:
+        case ast.Add():
+            return low + other_low, high + other_high
+        case ast.Sub():
+            return low - other_high, high - other_low
+        case ast.Mod() if other_low > 0:
+            return 0, other_high - 1
+    return UNBOUNDED
