@@ -6,6 +6,7 @@ a motion can ask for more than the axis can do. The block outputs it all the sam
 
 from dataclasses import dataclass
 
+from . import var
 from .axis_limits import AxisLimits
 from .computable_range import clamp
 from .slave import Slave
@@ -54,12 +55,13 @@ class ExceededLimit:
         self.value = clamp(value, -LARGEST_SHOWN_VALUE, LARGEST_SHOWN_VALUE)
 
     def clear(self) -> None:
-        self.set(Limit.NONE, 0.0)
+        self.limit = Limit.NONE
+        self.value = 0.0
 
     def include(self, other: "ExceededLimit") -> None:
         """Take over what another one has found, if that comes before what this one has."""
         if other.limit != Limit.NONE and (self.limit == Limit.NONE or other.limit < self.limit):
-            self.set(other.limit, other.value)
+            var.copy(self, other)
 
     def check_setpoint(self, axis: AxisLimits, slave: Slave) -> None:
         """Check the setpoint of an instant. Nearly at standstill, the greater limit of acceleration counts."""
@@ -92,20 +94,27 @@ class ExceededLimit:
     ) -> None:
         """Find the first limit that these extreme values exceed, u, u/s, u/s2 and u/s3."""
         factor = 1.0 + tolerance
+        limit = Limit.NONE
+        value = 0.0
         if lowest < axis.min_position - end_tolerance(axis.min_position, axis.max_velocity):
-            self.set(Limit.MIN_POSITION, lowest)
+            limit = Limit.MIN_POSITION
+            value = lowest
         elif highest > axis.max_position + end_tolerance(axis.max_position, axis.max_velocity):
-            self.set(Limit.MAX_POSITION, highest)
+            limit = Limit.MAX_POSITION
+            value = highest
         elif exceeds(speed, axis.max_velocity * factor):
-            self.set(Limit.MAX_VELOCITY, speed)
+            limit = Limit.MAX_VELOCITY
+            value = speed
         elif exceeds(acceleration, axis.max_acceleration * factor):
-            self.set(Limit.MAX_ACCELERATION, acceleration)
+            limit = Limit.MAX_ACCELERATION
+            value = acceleration
         elif exceeds(deceleration, axis.deceleration() * factor):
-            self.set(Limit.MAX_DECELERATION, deceleration)
+            limit = Limit.MAX_DECELERATION
+            value = deceleration
         elif exceeds(jerk, axis.max_jerk * factor):
-            self.set(Limit.MAX_JERK, jerk)
-        else:
-            self.clear()
+            limit = Limit.MAX_JERK
+            value = jerk
+        self.set(limit, value)
 
 
 def end_tolerance(end: float, max_velocity: float) -> float:
