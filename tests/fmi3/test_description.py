@@ -14,7 +14,7 @@ from motionsync_fmu.fmus.guid import compute_guid
 from motionsync_fmu.interface.causality import Interface
 from motionsync_fmu.interface.fmi2_xml import complete, content, describe
 from motionsync_fmu.interface.fmi3_xml import translated
-from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.terminals import terminals
 from motionsync_fmu.native.tables import abilities
 
@@ -112,7 +112,10 @@ def members(terminal: Any) -> dict[str, str]:
 
 
 def test_terminals_follow_the_schema_and_name_what_can_be_wired(block: str) -> None:
-    assert faults(terminals(BLOCKS[block]()), "fmi3TerminalsAndIcons.xsd") == []
+    for fmi in Fmi:
+        text = terminals(BLOCKS[block](), fmi=fmi)
+        assert faults(text, "fmi3TerminalsAndIcons.xsd") == []
+        assert (b"<Icon " in text) == (fmi == Fmi.THREE)  # of FMI 2.0 it is model.png
     causalities = {v.name: v.causality for v in Recipe(block).variables.values()}
     result = [name for terminal in listed(block).values() for name in members(terminal).values()]
     wired = [name for name, causality in causalities.items() if causality in ("input", "output") and "." in name]

@@ -215,8 +215,9 @@ def _documents(recipe: Recipe, flavour: Flavour, platforms: Iterable[str], c_fil
     contents = FmuContents(recipe, flavour, sorted(platforms), bool(related), bool(c_files))
     pages, picture = make_pages(contents), draw_icon(recipe.name)
     files = related | {f"documentation/{name}": page for name, page in pages.items()}
-    files |= {f"{FOLDER}/icon.png": picture, f"{FOLDER}/terminalsAndIcons.xml": terminals(recipe.block(), overrides)}
-    return files if recipe.fmi == Fmi.THREE else files | {"model.png": picture}
+    files[f"{FOLDER}/icon.png" if recipe.fmi == Fmi.THREE else "model.png"] = picture
+    files[f"{FOLDER}/terminalsAndIcons.xml"] = terminals(recipe.block(), overrides, recipe.fmi)
+    return files
 
 
 def _descriptions(recipe: Recipe, abilities: Mapping[str, str], c_files: Sequence[str]) -> Files:

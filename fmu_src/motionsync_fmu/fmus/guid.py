@@ -7,7 +7,7 @@ from xml.etree.ElementTree import tostring
 from ..interface.fingerprint import PACKAGE, Files, collect_sources, digest, read_sources
 from ..interface.fmi2_xml import describe
 from ..interface.fmi3_xml import translated
-from ..interface.recipe import Recipe
+from ..interface.recipe import Fmi, Recipe
 from ..interface.terminals import terminals
 
 
@@ -20,7 +20,7 @@ def compute_guid(recipe: Recipe) -> str:
     files |= {
         "fmi2/modelDescription.xml": tostring(description),
         "fmi3/modelDescription.xml": tostring(translated(description)),
-        "terminalsAndIcons.xml": terminals(block, overrides),
+        "terminalsAndIcons.xml": terminals(block, overrides, Fmi.THREE),
     }
     h = digest(files)
     return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
