@@ -29,7 +29,6 @@ from .faults import KnifeParameter, Refusal, SkipReason
 from .interface import RotaryKnifeInterface
 from .knife import Knife
 from .late_cuts import skip_cuts_before, skip_to_reached_cut
-from .limits import CycleLimit
 from .outputs import show_peaks, show_piece, show_state, show_warnings
 from .parking import Parking
 from .predictions import Predictions
@@ -65,10 +64,12 @@ class RotaryKnife(RotaryKnifeInterface):
     exceeded: ExceededLimit = var.part(ExceededLimit)
     axis_limits: AxisLimits = var.part(AxisLimits, hidden=True)
 
-    # The windows: of the cut that ends the piece in progress, with the ramp up to it; of the latest cut to which a way
-    # was planned; of the last cut that was made.
+    # The windows: of the cut that ends the piece in progress, with the ramp up to it, which begins at `ramp_begin` from
+    # the cut and which lines up to `ramp_velocity` admit; of the latest cut to which a way was planned; of the last cut
+    # that was made.
     piece_window: Window = var.part(Window)
-    ramp: CycleLimit = var.part(CycleLimit)
+    ramp_begin: float = 0.0
+    ramp_velocity: float = 0.0
     planned_cut: Cut = var.part(Cut)
     is_cut_made: bool = True
     last_window: Window = var.part(Window)
@@ -276,7 +277,8 @@ class RotaryKnife(RotaryKnifeInterface):
     def take_window(self) -> None:
         """The piece in progress ends with a cut in the window as it is set."""
         var.copy(self.piece_window, self.predictions.window)
-        var.copy(self.ramp, self.predictions.ramp_up)
+        self.ramp_begin = self.predictions.ramp_up.way.ramp_up.begin
+        self.ramp_velocity = self.predictions.ramp_up.max_line_velocity
         self.predictions.is_cycle_current = False
         self.is_piece_late = False
 
@@ -449,11 +451,11 @@ class RotaryKnife(RotaryKnifeInterface):
     def try_ramp(self, section: int, end: float) -> bool:
         """The ramp up to the next cut begins, if the section of the path leads there."""
         piece = self.material.piece
-        ramp_begin = piece.end + self.ramp.way.ramp_up.begin
-        if end < ramp_begin:
+        begin = piece.end + self.ramp_begin
+        if end < begin:
             return False
-        self.move_to(section, ramp_begin)
-        if piece.waits_for_line() and not self.try_wait_for_line(section, self.ramp.max_line_velocity):
+        self.move_to(section, begin)
+        if piece.waits_for_line() and not self.try_wait_for_line(section, self.ramp_velocity):
             return False
         self.begin_ramp()
         return True
@@ -461,13 +463,13 @@ class RotaryKnife(RotaryKnifeInterface):
     def try_requested_cut(self, section: int) -> bool:
         """A cut_now at rest, as soon as the line is slow enough."""
         is_fixed = self.material.piece.is_fixed
-        limit = self.ramp.max_line_velocity if is_fixed else self.predictions.ramp_up.max_line_velocity
+        limit = self.ramp_velocity if is_fixed else self.predictions.ramp_up.max_line_velocity
         if not self.try_wait_for_line(section, limit):
             return False
         self.operation.is_cut_pending = False
         if not is_fixed:
             self.take_window()
-        self.material.fix_short(self.place - self.ramp.way.ramp_up.begin)
+        self.material.fix_short(self.place - self.ramp_begin)
         self.enter_engaging()
         return True
 
@@ -508,16 +510,16 @@ class RotaryKnife(RotaryKnifeInterface):
         """The ramp up to the next cut begins, unless the line is too fast or it is too late."""
         piece = self.material.piece
         before = self.piece_window.before
-        ramp_begin = piece.end + self.ramp.way.ramp_up.begin
-        travel = -(before + self.ramp.way.ramp_up.begin)
-        earliest = self.place - self.ramp.way.ramp_up.begin
+        begin = piece.end + self.ramp_begin
+        travel = -(before + self.ramp_begin)
+        earliest = self.place - self.ramp_begin
         if self.settings.invalid_line != KnifeParameter.NONE:
             self.is_blocked = True
             self.operation.pieces.fault = PieceFault.TUNABLE
             return
         velocity = self.master.velocity_at(self.now)
-        is_slow = velocity <= self.ramp.max_line_velocity * PUNCTUAL
-        if is_slow and self.place <= ramp_begin + LATE * travel:
+        is_slow = velocity <= self.ramp_velocity * PUNCTUAL
+        if is_slow and self.place <= begin + LATE * travel:
             self.enter_engaging()
         elif piece.waits_for_line():
             piece.end = earliest
@@ -711,11 +713,8 @@ class RotaryKnife(RotaryKnifeInterface):
         """The machine does not run any more; the knife is at park."""
         self.cycle.rest_at(Stage.RESTING, self.knife_data, self.cycle.blade, self.park_position())
         self.running = False
-        self.operation.is_cut_pending = False
-        self.is_change_pending = False
-        self.is_cut_refused = False
         self.is_blocked = False
-        self.material.piece.reset()
+        self.drop_piece()
 
     def fail(self, fault: int) -> None:
         """The machine stops for a fault: the knife parks."""
@@ -746,6 +745,7 @@ class RotaryKnife(RotaryKnifeInterface):
             self.drop_piece()
 
     def drop_piece(self) -> None:
+        """The piece in progress ends without a cut, and so does what was to change it."""
         self.operation.is_cut_pending = False
         self.is_change_pending = False
         self.is_cut_refused = False

@@ -234,12 +234,10 @@ class Cycle:
     def move_rows(self, oldest: int, to: int) -> None:
         """Let the rows from the oldest one that is retained start with that index."""
         shift = ROW * (oldest - to)
-        if shift > 0:
-            for i in range(ROW * to, ROW * (self.sections + to - oldest)):
-                self.rows[i] = self.rows[i + shift]
-        else:
-            for i in range(ROW * (self.sections + to - oldest) - 1, ROW * to - 1, -1):
-                self.rows[i] = self.rows[i + shift]
+        numbers = ROW * (self.sections - oldest)
+        for n in range(numbers):  # each is read before another is stored in its element
+            i = ROW * to + (n if shift > 0 else numbers - 1 - n)
+            self.rows[i] = self.rows[i + shift]
         self.sections += to - oldest
         self.present += to - oldest
 
