@@ -251,8 +251,7 @@ class Cycle:
         window.slope = self.rows[ROW * OLDEST_WINDOW + SCALE]
         window.rate = self.rows[ROW * OLDEST_WINDOW + RATE]
         window.before = self.rows[ROW * OLDEST_WINDOW + ORIGIN] - self.rows[ROW * OLDEST_WINDOW + BEGIN]
-        position, d1, d2, d3 = window.at(-window.before)
-        window.begin.set(position, d1, d2, d3)
+        window.set_point(window.begin, -window.before)
         self.forgotten_cut.place = self.rows[ROW * OLDEST_WINDOW + ORIGIN]
         self.forgotten.plan_ramp_up(knife, FAR_BACK, self.forgotten_cut)
         self.sections = 0

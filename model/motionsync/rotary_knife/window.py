@@ -68,10 +68,13 @@ class Window:
             self.rate = TWO_PI / knife.circumference * factor
         else:
             self.slope *= 1.0 + overspeed
-        position, d1, d2, d3 = self.at(-self.before)
-        self.begin.set(position, d1, d2, d3)
-        position, d1, d2, d3 = self.at(self.after)
-        self.end.set(position, d1, d2, d3)
+        self.set_point(self.begin, -self.before)
+        self.set_point(self.end, self.after)
+
+    def set_point(self, point: CurvePoint, travel: float) -> None:
+        """Set a point to the slave where the master is `travel` beyond the cut."""
+        position, d1, d2, d3 = self.at(travel)
+        point.set(position, d1, d2, d3)
 
     def at(self, travel: float) -> tuple[float, float, float, float]:
         """The slave's position and d1, d2, d3 where the master is `travel` beyond the cut.
