@@ -24,9 +24,9 @@ ARM = "-mno-outline"  # outlining repeated pieces of code makes code shorter, bu
 # all places in a library are within 1 MB, so that one instruction finds them instead of two.
 ARM_LINUX = f"{ARM} -mllvm -enable-misched=false -mllvm -enable-post-misched=false -mcmodel=tiny"
 QUICK = "-mllvm -inline-threshold=10"  # no more becomes part of its callers than makes a step quicker
-# A step takes a fifth longer, but not on Linux on x86-64, where most sweeps run: a function becomes part of its callers
-# only where that saves more than the call. Blocks of code stay in the order of the source, too.
-SMALL = "-Xclang -Oz -mllvm -disable-block-placement -mllvm -inline-threshold=-15"
+# A step takes an eighth longer, but not on Linux on x86-64, where most sweeps run. Blocks of code stay in the order of
+# the source, too.
+SMALL = "-Xclang -Oz -mllvm -disable-block-placement"
 
 PROCESSORS = {"x86_64": "x86-64", "aarch64": "64-bit ARM"}  # by zig's names
 SYSTEMS = {"linux": "Linux", "windows": "Windows", "macos": "macOS"}

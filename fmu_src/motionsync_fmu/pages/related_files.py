@@ -17,7 +17,7 @@ from .numbers import rounded
 from .style import TEMPLATES, load_template
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
-POINTS = 100  # of the reference, about: every FMU carries it
+POINTS = 50  # of the reference, about: every FMU carries it
 DIGITS = 12  # of its values: the error is below a hundredth of the tolerance
 COLUMNS = (*(f"slave.{name}" for name in MOTION), "state_code")  # of it: the setpoint, and the state
 TEXTS = {
