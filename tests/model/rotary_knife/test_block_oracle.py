@@ -11,6 +11,8 @@ from motionsync.master import MasterInput
 from tests.model.rotary_knife.knife_scripts import HORIZONTAL, LATE, STOP_LINE, Script, row_at, script, steady
 from tests.model.rotary_knife.scripted_runs import NOT_COMPARED, find_differences, random_script, simulate
 
+pytestmark = pytest.mark.slow  # make quick tests blocks by what is known of them
+
 settings.register_profile("rotary_knife_oracle", derandomize=True, deadline=None)
 repeatable = settings.get_profile("rotary_knife_oracle")
 randoms = st.integers(0, 2**32 - 1).map(Random)
@@ -73,7 +75,6 @@ def test_a_line_that_turns_back_over_several_pieces() -> None:
     assert differences(run, stride=9) == []
 
 
-@pytest.mark.slow
 @settings(repeatable, max_examples=6)
 @given(randoms, st.sampled_from([0.007, 0.0471]))
 def test_the_block_is_its_oracle(random: Random, step: float) -> None:
@@ -82,7 +83,6 @@ def test_the_block_is_its_oracle(random: Random, step: float) -> None:
     assert differences(run, step, stride=max(int(0.09 / step), 1)) == []
 
 
-@pytest.mark.slow
 @settings(repeatable, max_examples=1)
 @given(randoms)
 def test_a_horizontal_knife_is_its_oracle(random: Random) -> None:
