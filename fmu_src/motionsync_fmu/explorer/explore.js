@@ -672,7 +672,7 @@ function showWhereItIsSet() {
   $("framed").hidden = window === window.top;
   const link = $("framed").querySelector("a");
   link.href = location.href;
-  link.onclick = () => (link.href = location.href);
+  link.onclick = () => (link.href = address()); // the page's own may be a moment late
 }
 
 /** The run of a scenario as it was, by its name: to compute with it in the browser's console. */

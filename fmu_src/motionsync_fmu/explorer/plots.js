@@ -42,6 +42,9 @@ function plotsOf(block, another, {encoder, axis, cuts}) {
   return plots;
 }
 
+/** The unit of what is not the slave's, which is the slave's unless the plot says otherwise. */
+const mastersUnit = ({unit, masters = unit}) => masters;
+
 const withNames = (plot, names) => ({...plot, names: {...plot.names, ...names}});
 
 /** What the slave's position is compared with. */
@@ -126,7 +129,7 @@ class Plots {
   table() {
     const units = this.block.units[this.course.scenario.units];
     const columns = this.drawn.flatMap(({of}) => Object.entries(of.columns(this.course)).filter(([, values]) => values).map(([key, values]) =>
-      [[of.label, of.names[key], units[key === "slave" ? of.unit : (of.masters ?? of.unit)]].filter(Boolean).join(" "), values]));
+      [[of.label, of.names[key], units[key === "slave" ? of.unit : mastersUnit(of)]].filter(Boolean).join(" "), values]));
     const rows = Array.from(this.course.time, (t, k) => [t, ...columns.map(([, values]) => values[k] ?? "")].join(","));
     return [["time s", ...columns.map(([heading]) => heading)].join(","), ...rows, ""].join("\n");
   }
@@ -163,7 +166,7 @@ class Plots {
   #make(scenario) {
     const units = this.block.units[scenario.units], name = (unit) => units[unit] ?? "";
     const plots = plotsOf(this.block, this.another, scenario);
-    const differs = ({unit, masters = unit}) => name(unit) !== name(masters), right = plots.some(differs) ? VALUES + LABEL : 0;
+    const differs = (of) => name(of.unit) !== name(mastersUnit(of)), right = plots.some(differs) ? VALUES + LABEL : 0;
     plots.forEach((of, i, all) => {
       const frame = newElement("div", {className: "plot"}), line = newElement("div", {className: "now"});
       this.box.append(frame);
