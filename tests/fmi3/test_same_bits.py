@@ -7,7 +7,7 @@ import fmpy
 import pytest
 
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
-from tests.support.fmus import Fmus, Shared
+from tests.support.fmus import Fmus
 from tests.support.importers import bits
 from tests.support.native_host import restore, saved
 from tests.support.random_runs import draw_accepted_run, draw_runs
@@ -65,10 +65,10 @@ def expected(fmi3: Path) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_host_in_c_gets_the_bits_of_fmpy(
-    target: str, fmus: Fmus, shared: Shared, expected: list[tuple[str, str]], tmp_path: Path
+    target: str, fmus: Fmus, expected: list[tuple[str, str]], tmp_path: Path
 ) -> None:
     extracted = Path(fmpy.extract(str(fmus.fmi3_everywhere("Synchronizer")), unzipdir=str(tmp_path / "fmu")))
-    answers = replayed(target, extracted, [order for order, _ in expected], tmp_path, shared)
+    answers = replayed(target, extracted, [order for order, _ in expected], tmp_path)
     for (order, answer), result in zip(expected, answers, strict=True):
         assert result == answer, order
     assert {answer for order, answer in expected if order.startswith("s")} == {"0", "2"}

@@ -21,7 +21,6 @@ from motionsync_fmu.interface.stepper import Stepper
 from motionsync_fmu.interface.variables import LONGEST_STEP, variables
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.compiled import Compiled, equal
-from tests.support.fmus import Shared
 from tests.support.importers import bits
 from tests.support.random_runs import draw_runs, draw_until, load_strategy
 from tests.support.replay import TARGETS, orders, replayed, tried
@@ -151,9 +150,9 @@ def expected(block: str, block_fmu: Path) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_host_in_c_without_python_gets_the_same_bits(
-    target: str, block: str, block_native: Path, shared: Shared, expected: list[tuple[str, str]], tmp_path: Path
+    target: str, block: str, block_native: Path, expected: list[tuple[str, str]], tmp_path: Path
 ) -> None:
     folder = Path(fmpy.extract(str(block_native), unzipdir=str(tmp_path / "fmu")))
-    answers = replayed(target, folder, [order for order, _ in expected], tmp_path, shared)
+    answers = replayed(target, folder, [order for order, _ in expected], tmp_path)
     for (order, answer), result in zip(expected, answers, strict=True):
         assert result == answer, order

@@ -21,7 +21,6 @@ from motionsync_fmu.native.libraries import HEADERS
 from motionsync_fmu.native.platforms import OF_VERSION, ROWS, parts
 from motionsync_fmu.scenario.run.fmu_instance import TYPES, FmuError, FmuInstance, fmi_version
 from tests import ROOT
-from tests.support.fmus import Shared
 from tests.support.runs import BlockRun
 
 # The letters of the orders, by the types of FMI's get and set functions.
@@ -132,18 +131,16 @@ def host_program(target: str, fmi: Fmi) -> Path:
     return program
 
 
-def wine_environment(start: Sequence[str], shared: Shared) -> dict[str, str]:
-    """The environment of wine, with a folder for its own files that is made once in a test run: that takes seconds."""
+def wine_environment(prefix: Path) -> dict[str, str]:
+    """The environment in which wine loads its own libraries from where they are installed.
 
-    def fill(folder: Path) -> None:
-        own = os.environ | {"WINEDEBUG": "-all", "WINEPREFIX": str(folder)}
-        quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-        subprocess.run([*start, "wineboot", "--init"], env=own, check=True, **quiet)
-
-    return {"WINEDEBUG": "-all", "WINEPREFIX": str(shared.once("wine", fill))}
+    Otherwise wine copies them into its prefix, 700 MB, which takes longer than all that is run there."""
+    prefix.mkdir()
+    (prefix / ".update-timestamp").write_text("disable")
+    return {"WINEDEBUG": "-all", "WINEPREFIX": str(prefix), "WINEBOOTSTRAPMODE": "1"}
 
 
-def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path, shared: Shared) -> list[str]:
+def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path) -> list[str]:
     """What the unit of an extracted FMU answers to the orders.
 
     `target`: zig's name of the processor and the system of its library; `scratch`: an empty folder."""
@@ -163,6 +160,6 @@ def replayed(target: str, folder: Path, orders: Sequence[str], scratch: Path, sh
             stdout=stdout,
             check=True,
             timeout=PATIENCE,
-            env=os.environ | (wine_environment(start, shared) if "windows" in target else {}),
+            env=os.environ | (wine_environment(scratch / "wine") if "windows" in target else {}),
         )
     return [line.strip() for line in answers_file.read_text().splitlines()]
