@@ -4,7 +4,7 @@ from typing import Any
 
 from cases.measured import FAR_AWAY, VELOCITY, Bounds, Cases, Steady, Values, Worst
 from motionsync.cut_to_length.interface import State, ToolMode
-from motionsync.cutting.interface import LateMode, Source
+from motionsync.cutting.interface import LateMode, PieceKind, Source
 
 LEAD_IN = 1.0  # s: within it the carriage passes from rest into the motion that is measured
 FOREVER = 1e6  # s
@@ -108,5 +108,15 @@ CASES = Cases(
             "order.length",
             "order.add",
         ),
+        Worst(
+            "cut_now",
+            ("cut_now",),
+            start={"auto_start": True},
+            pause=2.3,
+            draws={"length": (2000.0, 3000.0)},
+            watch=("piece.kind",),
+            planned=((PieceKind.SHORT,),),
+        ),
     ),
+    longest_us=100.0,  # all limits of a piece are solved in it
 )

@@ -93,12 +93,14 @@ class Cases:
 
     Attributes:
         in_each_mode: the number of the steady case in which the master's input modes are compared.
+        longest_us: what a worst step may take, us.
     """
 
     steady: tuple[Steady, ...]
     worst: tuple[Worst, ...]
     axis: MovingAxis = MovingAxis()
     in_each_mode: int = 0
+    longest_us: float = 20.0
 
     @property
     def by_mode(self) -> dict[str, Steady]:

@@ -129,4 +129,5 @@ CASES = Cases(
             planned=((PieceKind.SHORT,),),
         ),
     ),
+    longest_us=100.0,  # all limits of a piece are solved in it
 )
