@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motionsync.blocks import BLOCKS
 from motionsync_fmu import __version__
 from motionsync_fmu.errors import UserError
 from motionsync_fmu.interface.recipe import Recipe
+from motionsync_fmu.pages import pictures
 from motionsync_fmu.pages.block_page import FmuContents, make_pages
 from motionsync_fmu.pages.pictures import draw_example, draw_icon, make_panels
 from motionsync_fmu.pages.readme import read_readme, render_readme
@@ -180,6 +182,16 @@ def test_the_pictures_of_the_readmes_are_those_of_the_examples(block: str) -> No
     assert re.sub(number, "#", made) == re.sub(number, "#", shipped), f"{file.name} is not what `make pictures` draws"
     a, b = (np.array([float(x) for x in re.findall(number, text)]) for text in (made, shipped))
     assert np.abs(a - b).max() < 0.02
+
+
+@pytest.mark.parametrize(("named", "drawn"), [((), tuple(BLOCKS)), (("Gearing", "Follower"), ("Follower", "Gearing"))])
+def test_the_pictures_of_all_blocks_are_written_or_of_those_that_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: tuple[str, ...], drawn: tuple[str, ...]
+) -> None:
+    monkeypatch.setattr(pictures, "draw_example", lambda name, *_units: name.encode())
+    monkeypatch.setattr("sys.argv", ["pictures", str(tmp_path / "made"), *named])
+    pictures.main()
+    assert {file.name: file.read_text() for file in (tmp_path / "made").iterdir()} == {f"{n}.svg": n for n in drawn}
 
 
 def test_the_icon_is_a_small_png(block: str) -> None:

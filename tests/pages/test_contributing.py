@@ -48,7 +48,7 @@ def follow_the_list(folder: Path) -> None:
     front = (root / "README.md").read_text()
     (root / "README.md").write_text(front.replace("| switch a slave", f"{ROW}\n| switch a slave", 1))
     run(root, "-m", "tests.regenerate", "shifter")  # make references
-    run(root, "-m", "motionsync_fmu.pages.pictures", "docs")  # make pictures
+    run(root, "-m", "motionsync_fmu.pages.pictures", "docs", "Shifter")  # make pictures, which draws all blocks
 
 
 def run(root: Path, *command: str) -> str:

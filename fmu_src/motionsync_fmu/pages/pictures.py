@@ -1,7 +1,8 @@
 """Pictures of a block's example: the page's, the README's and the FMU's icon.
 
 An example is the scenario in the block's folder, `example.toml`; a picture shows the outputs of a run of it in this
-process. `python -m motionsync_fmu.pages.pictures FOLDER` writes FOLDER/<block>.svg for every block.
+process. `python -m motionsync_fmu.pages.pictures FOLDER [BLOCK ...]` writes FOLDER/<block>.svg for these blocks, or for
+all.
 """
 
 import io
@@ -288,12 +289,12 @@ def _plot(axes: Axes, panel: Panel) -> None:
 
 
 def main() -> None:
-    """Write the picture of every block's example."""
-    folder = Path(sys.argv[1])
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in BLOCKS:
+    """Write the pictures of the blocks' examples."""
+    folder, *names = sys.argv[1:]
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    for name in names or BLOCKS:
         example = load_example(name)
-        (folder / f"{name}.svg").write_bytes(draw_example(name, example.unit, example.slave_unit))
+        Path(folder, f"{name}.svg").write_bytes(draw_example(name, example.unit, example.slave_unit))
 
 
 if __name__ == "__main__":
