@@ -7,8 +7,10 @@ import sys
 import textwrap
 import tomllib
 from collections.abc import Callable, Iterator
+from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import typer
@@ -134,13 +136,19 @@ def _types_in(annotation: Any, owner: Any) -> Iterator[type]:
     """The types of motionsync_fmu in an annotation of a function or class; some modules import them for it alone."""
     words = set(re.findall(r"\w+", annotation if isinstance(annotation, str) else str(annotation)))
     module = sys.modules[owner.__module__]
-    for node in ast.walk(ast.parse(inspect.getsource(module))):
-        if isinstance(node, ast.ImportFrom) and node.level:
+    for node in _imports_and_classes(module):
+        if isinstance(node, ast.ClassDef):
+            yield from [getattr(module, node.name)] if node.name in words else ()
+        elif names := [alias.name for alias in node.names if alias.name in words]:
             source = import_module("." * node.level + (node.module or ""), module.__package__)
-            imported = (getattr(source, alias.name) for alias in node.names if alias.name in words)
-            yield from (member for member in imported if inspect.isclass(member))
-        elif isinstance(node, ast.ClassDef) and node.name in words:
-            yield getattr(module, node.name)
+            yield from (member for member in (getattr(source, name) for name in names) if inspect.isclass(member))
+
+
+@cache
+def _imports_and_classes(module: ModuleType) -> list[ast.ImportFrom | ast.ClassDef]:
+    """The relative imports in a module, and its classes."""
+    nodes = ast.walk(ast.parse(inspect.getsource(module)))
+    return [n for n in nodes if isinstance(n, ast.ClassDef) or (isinstance(n, ast.ImportFrom) and n.level)]
 
 
 def key_reference() -> str:
