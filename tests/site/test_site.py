@@ -29,8 +29,9 @@ LEFT = re.compile(r"\]\(|\*\*|\| ?---|(?:^|\S)\n {0,3}(?:\d+\.|[-*]) |<!--|```")
 
 
 @pytest.fixture(scope="module")
-def site(fmus: Fmus) -> Site:
-    return made_site(fmus)
+def site(fmus: Fmus, request: pytest.FixtureRequest) -> Site:
+    """With --registered, the page to explore is that block's, which other tests need then."""
+    return made_site(fmus, request.config.getoption("--registered") or "CutToLength")
 
 
 def test_every_link_leads_to_a_page_an_anchor_or_a_file_of_the_project(site: Site) -> None:

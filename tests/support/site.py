@@ -64,16 +64,17 @@ class Site:
         }
 
 
-def made_site(fmus: Fmus) -> Site:
-    """The site, in the process that asks first."""
+def made_site(fmus: Fmus, explored_block: str = "CutToLength") -> Site:
+    """The site, in the process that asks first. The page to explore one block serves for all: they take a minute to
+    make."""
 
     def fill(folder: Path) -> None:
         from tools.site.build import make_site  # noqa: PLC0415 (MkDocs takes half a second to load)
 
         pages = folder / "explore"
         pages.mkdir()
-        for name in BLOCKS:  # one page for all: they take a minute to make
-            shutil.copyfile(explored(fmus, "CutToLength").file, pages / f"{name}.html")
+        for name in BLOCKS:
+            shutil.copyfile(explored(fmus, explored_block).file, pages / f"{name}.html")
         make_site(folder / "site", pages)
 
     return Site(fmus.shared.once("site", fill) / "site")
