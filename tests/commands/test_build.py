@@ -19,11 +19,21 @@ from tests.support.workshop import FLAVOURS, PYTHON, STOP, description, scenario
 NATIVE = ("--flavour", "native", "--output", "made")
 
 
-def test_build_without_a_name_builds_every_block(motionsync: Command) -> None:
-    """In one flavour; the next test builds both flavours, of one block."""
+def test_build_without_a_name_builds_every_block(motionsync: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is built of each is another test's; the next one builds both flavours, of one block."""
+
+    def start_build(recipe: Recipe, options: BuildOptions) -> Finish:
+        def finish(target: Path, progress: object) -> Path:
+            target.write_text(f"{recipe.name}, {options.flavour}")
+            return target
+
+        return finish
+
+    monkeypatch.setattr("motionsync_fmu.api.build.start_build", start_build)
     outcome = motionsync("build", "--output", "here", *PYTHON)
     assert outcome.status == 0
-    assert sorted(f.name for f in Path("here/python").iterdir()) == sorted(f"{name}.fmu" for name in BLOCKS)
+    made = {f.name: f.read_text() for f in Path("here/python").iterdir()}
+    assert made == {f"{name}.fmu": f"{name}, python" for name in BLOCKS}
     targets = [str(Path(f"here/python/{name}.fmu")) for name in BLOCKS]
     assert [line.split("  ")[0] for line in outcome.out.splitlines()] == targets
     assert [line.rstrip(".") for line in outcome.err.splitlines()] == [f"building {target} " for target in targets]
