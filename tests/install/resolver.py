@@ -51,11 +51,13 @@ def versions(platform: str, python: str, extra: str = "", source: Path = PROJECT
 
 @cache
 def environment() -> dict[str, str]:
-    """uv's environment: the package index that pip is set up for, and no Python that uv would fetch."""
+    """uv's environment: the package index that pip is set up for, else PyPI as in uv.toml, and no Python that uv would
+    fetch."""
     shown = subprocess.run([sys.executable, "-m", "pip", "config", "list"], capture_output=True, text=True, check=True)
     settings = dict(line.split("=", 1) for line in shown.stdout.splitlines())
     index = next((value.strip("'") for key, value in settings.items() if key.endswith(".index-url")), "")
-    return os.environ | {"UV_PYTHON_DOWNLOADS": "never"} | ({"UV_DEFAULT_INDEX": index} if index else {})
+    own = {"UV_PYTHON_DOWNLOADS": "never", "UV_CONFIG_FILE": str(Path(__file__).with_name("uv.toml"))}
+    return os.environ | own | ({"UV_DEFAULT_INDEX": index} if index else {})
 
 
 def left_out(platform: str, extra: str) -> list[str]:
