@@ -144,17 +144,17 @@ class NativeBuild:
     """
 
     def __init__(self, recipe: Recipe, options: BuildOptions = NATIVE) -> None:
+        try:
+            from ..native import libraries, unit_sources  # noqa: PLC0415 (it looks for zig)
+        except ModuleNotFoundError as e:
+            other = "; or take --flavour python" if recipe.fmi == Fmi.TWO else ""
+            raise UserError(
+                f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
+            ) from None
         block, fmi = recipe.block(), recipe.fmi
         if options.with_component and fmi != Fmi.THREE:
             raise UserError(NO_COMPONENT)
         check_kernel(type(block).__module__)
-        try:
-            from ..native import libraries, unit_sources  # noqa: PLC0415 (it looks for zig)
-        except ModuleNotFoundError as e:
-            other = "; or take --flavour python" if fmi == Fmi.TWO else ""
-            raise UserError(
-                f"the native flavour is built with {e.name}, which is not installed: {how_to_install('native')}{other}"
-            ) from None
         self.recipe, self.options = recipe, options
         self.platforms = options.platforms or OF_VERSION[fmi]
         self.unit = unit_sources.c_sources(block, compute_guid(recipe), recipe.causality_overrides, fmi)
