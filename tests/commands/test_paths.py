@@ -1,5 +1,7 @@
-"""Files that are written as a whole or not at all, on a disk that is full."""
+"""Where files go for which the user names no folder, and files that are written as a whole or not at all, on a disk
+that is full."""
 
+import json
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,9 +9,31 @@ from pathlib import Path
 import pytest
 
 from motionsync_fmu.paths import replace_file, replace_files
+from tests.support.command_line import Command
+from tests.support.workshop import PYTHON
 
 resource = pytest.importorskip("resource", reason="Windows has no limit of the size of files")
 LIMIT = 4096  # bytes of a file
+UNWRITABLE = Path("/proc")  # even for root
+
+
+@pytest.mark.skipif(not UNWRITABLE.is_dir(), reason="only Linux has such a folder")
+def test_in_a_folder_that_cannot_be_written_all_goes_to_the_cache(
+    motionsync: Command, cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(UNWRITABLE)
+    run = ("run", "Synchronizer/polynomial", *PYTHON, "--no-report", "--json")
+    outcome = motionsync(*run)
+    assert outcome.status == 0, outcome.err
+    assert f"this folder cannot be written: all files go to {cache}" in outcome.err
+    assert json.loads(outcome.out)[0]["result"].startswith(str(cache))
+    outcome = motionsync(*run, "--output", tmp_path)
+    assert outcome.status == 0, outcome.err
+    assert "cannot be written" not in outcome.err
+    assert (tmp_path / "Synchronizer/polynomial/Synchronizer_out.csv").is_file()
+    outcome = motionsync("build", "Synchronizer", *PYTHON)
+    assert outcome.status == 0, outcome.err
+    assert outcome.out.startswith(str(cache))
 
 
 @pytest.fixture
