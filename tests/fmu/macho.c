@@ -191,6 +191,19 @@ static void protect(const Segment *segment) {
         fail("%.16s cannot be protected", segment->name);
 }
 
+/* Show the code that was copied to the processor, whose caches of code and data differ on arm64; a line of them has 16
+ * bytes or more. zig would have to compile its library first for __builtin___clear_cache. */
+static void show_code(size_t size) {
+#ifdef __aarch64__
+    for (size_t i = 0; i < size; i += 16) __asm__ volatile("dc cvau, %0" ::"r"(image + i) : "memory");
+    __asm__ volatile("dsb ish" ::: "memory");
+    for (size_t i = 0; i < size; i += 16) __asm__ volatile("ic ivau, %0" ::"r"(image + i) : "memory");
+    __asm__ volatile("dsb ish\n\tisb" ::: "memory");
+#else
+    (void)size;
+#endif
+}
+
 void *dlopen(const char *path, int mode) {
     (void)mode;
     file = part_for_processor(read_file(path));
@@ -203,7 +216,7 @@ void *dlopen(const char *path, int mode) {
     rebase(file + tables->rebase, file + tables->rebase + tables->rebase_size);
     bind(file + tables->bind, file + tables->bind + tables->bind_size);
     bind(file + tables->lazy, file + tables->lazy + tables->lazy_size);
-    __builtin___clear_cache((char *)image, (char *)image + size);
+    show_code(size);
     for (size_t i = 0; i < segment_count; i++) protect(segments[i]);
     return image;
 }

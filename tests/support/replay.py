@@ -32,12 +32,13 @@ WINDOWS = [
     f"-isystem{WINDOWS_HEADERS}",
     *("-Dmain=host", "-fno-builtin", "-nostdlib", "-lkernel32", "-lucrtbase", "-Wl,-e,start"),
 ]
+LINUX = ["-nostdlib", "-lc", "-ldl"]  # without the compiler's own library, which zig would compile first, in seconds
 # The host for libraries of each system: zig's name of the system it runs on itself and of its C library, its sources,
 # and zig's options.
 HOSTS = {
-    "linux": ("linux-gnu.2.17", ["replay.c"], []),
+    "linux": ("linux-gnu.2.17", ["replay.c"], LINUX),
     "windows": ("windows-gnu", ["replay.c", "windows.c"], WINDOWS),
-    "macos": ("linux-gnu.2.17", ["replay.c", "macho.c"], []),
+    "macos": ("linux-gnu.2.17", ["replay.c", "macho.c"], LINUX),
 }
 PATIENCE = 120.0  # s, until a library that does not answer is given up
 TARGETS = [target for platform in ROWS for target in platform.targets]  # in both versions of FMI
@@ -114,8 +115,7 @@ def orders(host: FmuInstance, run: BlockRun) -> Iterator[tuple[str, str]]:
 
 
 def host_program(target: str, fmi: Fmi) -> Path:
-    """The host for libraries of zig's target and of a version of FMI, compiled once for all test runs: for Linux zig
-    makes a C library to link with first, which takes some seconds."""
+    """The host for libraries of zig's target and of a version of FMI, compiled once for all test runs."""
     processor, system = parts(target)
     runs_on, names, options = HOSTS[system]
     sources = [SOURCES / name for name in names]
