@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.interpolate import CubicHermiteSpline
 
 from tests.oracle import load, mp, splitmix64, true_pieces
 from tests.oracle.encoder import Encoder, scripted_line
@@ -215,6 +213,9 @@ SERVOS = [
 @pytest.mark.parametrize("parameters", SERVOS)
 def test_the_servo_is_what_an_integrator_computes(parameters: tuple[float, float, float, float]) -> None:
     """scipy's, from kink to kink, for any setpoint; the setpoint is scipy's, too."""
+    from scipy.integrate import solve_ivp  # noqa: PLC0415 (these take long to load, in every process that collects tests)
+    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415
+
     gain, lag, feedforward, dead_time = parameters
     times, positions, velocities = setpoint(5)
     s = CubicHermiteSpline(times, positions, velocities)

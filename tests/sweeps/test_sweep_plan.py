@@ -3,7 +3,9 @@
 import pickle
 import tracemalloc
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import qmc
 
 from motionsync_fmu import __version__
 from motionsync_fmu.errors import UserError
@@ -29,18 +30,24 @@ def saw(*settings: str, **options: Any) -> SweepPlan:
     return SweepPlan.of(SAW, settings, **options)
 
 
-MIXED = saw(
-    "axis.max_acceleration=1000:5000:5",
-    "master.velocity=200..300",
-    "axis.max_deceleration=axis.max_acceleration",
-    "length=2*gear_in_pos.slave_sync_position + master.velocity",
-    "axis.max_jerk=2e4,3e4,5e4",
-    "move_absolute.velocity=500..700",
-    samples=7,
-    seed=3,
-)
-SOBOL = saw("axis.max_acceleration=1000,2000", "master.velocity=200..300", "move_absolute.velocity=500..700",
-            samples=50, method=Method.SOBOL)  # fmt: skip
+@cache
+def mixed() -> SweepPlan:
+    return saw(
+        "axis.max_acceleration=1000:5000:5",
+        "master.velocity=200..300",
+        "axis.max_deceleration=axis.max_acceleration",
+        "length=2*gear_in_pos.slave_sync_position + master.velocity",
+        "axis.max_jerk=2e4,3e4,5e4",
+        "move_absolute.velocity=500..700",
+        samples=7,
+        seed=3,
+    )
+
+
+@cache
+def sobol() -> SweepPlan:
+    ranges = ("master.velocity=200..300", "move_absolute.velocity=500..700")
+    return saw("axis.max_acceleration=1000,2000", *ranges, samples=50, method=Method.SOBOL)
 
 
 def same(values: dict[str, Any], expected: dict[str, Any]) -> bool:
@@ -54,9 +61,9 @@ def test_values_with_a_unit_are_in_the_units_of_the_scenario() -> None:
 
 
 def test_the_runs_are_all_combinations_of_the_grids_with_every_sample() -> None:
-    assert MIXED.runs == 5 * 3 * 7
-    values = MIXED.values(0, MIXED.runs)
-    assert [*values] == [factor.name for factor in MIXED.factors]
+    assert mixed().runs == 5 * 3 * 7
+    values = mixed().values(0, 105)
+    assert [*values] == [factor.name for factor in mixed().factors]
     assert values["axis.max_acceleration"].tolist() == np.repeat([1000.0, 2000, 3000, 4000, 5000], 21).tolist()
     assert values["axis.max_jerk"].tolist() == np.tile(np.repeat([2e4, 3e4, 5e4], 7), 5).tolist()
     assert values["axis.max_deceleration"].tolist() == values["axis.max_acceleration"].tolist()
@@ -66,10 +73,13 @@ def test_the_runs_are_all_combinations_of_the_grids_with_every_sample() -> None:
     assert len(set(samples[0])) == 7
 
 
-@pytest.mark.parametrize("plan", [MIXED, SOBOL], ids=["lhs", "sobol"])
+@pytest.mark.parametrize("make_plan", [mixed, sobol])
 @given(st.data())
 @settings(max_examples=60)
-def test_the_values_do_not_depend_on_how_the_runs_are_cut(plan: SweepPlan, data: st.DataObject) -> None:
+def test_the_values_do_not_depend_on_how_the_runs_are_cut(
+    make_plan: Callable[[], SweepPlan], data: st.DataObject
+) -> None:
+    plan = make_plan()
     whole = plan.values(0, plan.runs)
     first = data.draw(st.integers(0, plan.runs))
     last = data.draw(st.integers(first, plan.runs))
@@ -79,13 +89,15 @@ def test_the_values_do_not_depend_on_how_the_runs_are_cut(plan: SweepPlan, data:
 @given(st.integers(1, 200), st.integers(0, 2**40))
 @settings(max_examples=25)
 def test_each_stratum_of_a_latin_hypercube_has_one_sample(samples: int, seed: int) -> None:
-    plan = SweepPlan(SAW, SAW.read_text(), MIXED.factors[1:2], samples, Method.LHS, seed)
+    plan = SweepPlan(SAW, SAW.read_text(), mixed().factors[1:2], samples, Method.LHS, seed)
     share = (plan.values(0, samples)["master.velocity"] - 200.0) / 100.0
     strata = np.floor(share * samples + 1e-9 * (share * samples % 1.0 > 1.0 - 1e-9))
     assert sorted(strata.tolist()) == list(range(samples))
 
 
 def test_the_sobol_points_are_those_of_scipy_called_once() -> None:
+    from scipy.stats import qmc  # noqa: PLC0415 (it takes long to load, in every process that collects tests)
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         points = qmc.Sobol(2, rng=np.random.default_rng(11)).random(1000)
@@ -286,6 +298,6 @@ def test_a_plan_goes_to_another_process_without_what_it_has_computed(tmp_path: P
 
 
 def test_samples_of_another_scipy_are_refused() -> None:
-    plan = SweepPlan(SAW, SAW.read_text(), MIXED.factors[1:2], 3, sampler="1.0")
+    plan = SweepPlan(SAW, SAW.read_text(), mixed().factors[1:2], 3, sampler="1.0")
     with pytest.raises(UserError, match=r"the samples of this sweep are made by scipy 1\.0, and here is "):
         plan.values(0, 1)
