@@ -4,7 +4,6 @@ tests/scenario/test_scenario_files.py compares both FMUs with this process in sc
 has; tests/explorer/test_bits.py the native one in every scenario.
 """
 
-from copy import deepcopy
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,12 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
+from motionsync import var
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.batch.library import library
 from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.interface.stepper import Stepper
-from motionsync_fmu.interface.variables import LONGEST_STEP, variables
+from motionsync_fmu.interface.variables import LONGEST_STEP
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests.support.compiled import Compiled, equal
 from tests.support.importers import bits
@@ -35,21 +35,22 @@ class Pair:
     """A block in Python and in compiled code, driven as the FMU's slave drives it."""
 
     def __init__(self, name: str, start: dict[str, Any]) -> None:
-        self.stepper = Stepper(Recipe(name).block())
+        recipe = Recipe(name)
+        self.stepper = Stepper(recipe.block())
         self.block = self.stepper.block
-        self.inputs = {v.name: v for v in variables(self.block) if v.causality == "input"}
+        self.inputs = {v.name: v for v in recipe.variables.values() if v.causality == "input"}
         self.compiled = Compiled(self.block)
         self.set(start)
-        assert not any(v.refusal(v.cell.get()) for v in self.inputs.values())
+        assert not any(v.refusal(self.stepper[v.name]) for v in self.inputs.values())
         assert self.compiled.initialize() == self.block.initialize()
         assert equal(self.block, self.compiled)
-        self._begin = deepcopy([cell.get() for cell in self.stepper.cells.values()]), self.compiled.memory.copy()
+        self._begin = recipe.block(), self.compiled.memory.copy()
+        var.copy(self._begin[0], self.block)
 
     def restart(self) -> None:
         """Go back to the initialized state."""
-        values, self.compiled.memory[...] = deepcopy(self._begin[0]), self._begin[1]
-        for cell, value in zip(self.stepper.cells.values(), values, strict=True):
-            setattr(cell.owner, cell.attribute, value)
+        var.copy(self.block, self._begin[0])
+        self.compiled.memory[...] = self._begin[1]
         assert equal(self.block, self.compiled)
 
     def set(self, values: dict[str, Any]) -> None:

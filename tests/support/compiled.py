@@ -1,7 +1,7 @@
 """A block's compiled code in this process, without FMI: the quick way to compare it with the Python source."""
 
+from collections.abc import Callable
 from ctypes import byref, c_bool, c_double, c_int64, c_void_p
-from operator import attrgetter
 from struct import Struct
 from typing import Any
 
@@ -57,28 +57,37 @@ class Compiled:
 
 
 class Layout:
-    """Where a block's fields lie in memory. `bytes` gives the same as `image`, in a hundredth of the time."""
+    """Where a block's fields lie in memory.
+
+    Attributes:
+        memory: the record of all fields.
+        places: of each field, its offset in bytes and how its value is packed.
+        bytes: a function that gives the same as `image` of a block of this type, in a thousandth of the time.
+    """
 
     def __init__(self, block: Any) -> None:
         self.memory = memory = dtype(block)
-        scalars = [c for c in cells(block) if c.type is not list]
-        lists = [c for c in cells(block) if c.type is list]
-        self.scalars = attrgetter(*(c.name for c in scalars))
-        self.places = {c.name: (offset(memory, c.name), Struct(f"={len(c.get())}d")) for c in lists}
-        form, end = "=", 0
-        for c in scalars:
-            at, kind = offset(memory, c.name), {float: "d", bool: "?"}.get(c.type, "q")
+        self.places: dict[str, tuple[int, Struct]] = {}
+        parts, form, end, values = {"": "block"}, "=", 0, []
+        for c in cells(block):
+            at, listed = offset(memory, c.name), c.type is list
+            kind = f"{len(c.get())}d" if listed else {float: "d", bool: "?"}.get(c.type, "q")
             self.places[c.name] = at, Struct(f"={kind}")
             form += f"{at - end}x{kind}"
-            end = at + (1 if c.type is bool else 8)
-        self.form = Struct(f"{form}{memory.itemsize - end}x")
-        self.lists = [(attrgetter(c.name), *self.places[c.name]) for c in lists]
+            end = at + self.places[c.name][1].size
+            values.append(f"{'*' * listed}{_part(c.name.rpartition('.')[0], parts)}.{c.attribute}")
+        pack = Struct(f"{form}{memory.itemsize - end}x").pack
+        self.bytes: Callable[[Any], bytes] = eval(f"lambda block: pack({', '.join(values)})", {"pack": pack})
 
-    def bytes(self, block: Any) -> bytes:
-        memory = bytearray(self.form.pack(*self.scalars(block)))
-        for read, at, form in self.lists:
-            form.pack_into(memory, at, *read(block))
-        return bytes(memory)
+
+def _part(name: str, parts: dict[str, str]) -> str:
+    """An expression for a block's part of that name; at its first use it gets a variable in `parts`."""
+    if name in parts:
+        return parts[name]
+    outer, _, attribute = name.rpartition(".")
+    whole = _part(outer, parts)
+    parts[name] = f"part{len(parts)}"
+    return f"({parts[name]} := {whole}.{attribute})"
 
 
 def equal(block: Any, compiled: Compiled) -> bool:

@@ -1,9 +1,11 @@
 """The memory of a block, as NumPy sees it: one record, with the layout that the block has in C."""
 
 from dataclasses import fields, is_dataclass
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
+
+from ..interface.variables import field_types
 
 SCALARS = {float: np.float64, bool: np.bool_}  # int and every enumeration: np.int64
 
@@ -21,7 +23,7 @@ def _class_dtype(cls: type, block: Any) -> np.dtype[Any]:
         base_dtype: Any = _class_dtype(base, block)
         columns = {name: base_dtype.fields[name][:2] for name in base_dtype.names}
         end, alignment = base_dtype.itemsize, base_dtype.alignment
-    hints = get_type_hints(cls)
+    hints = field_types(cls)
     for f in fields(cls):
         if f.name not in columns:
             column = _field_dtype(getattr(block, f.name), hints[f.name])

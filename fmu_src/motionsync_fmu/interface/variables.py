@@ -5,7 +5,9 @@ This module is part of the Python FMU. It must not import motionsync, which the 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import IntEnum
+from functools import cache
 from math import inf
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 if TYPE_CHECKING:
@@ -193,9 +195,16 @@ def message_text(
     return f"{choice.description} ({values})" if values else str(choice.description)
 
 
+@cache
+def field_types(part_class: type) -> Mapping[str, Any]:
+    """The declared type of each field of a block or a part."""
+    return MappingProxyType(get_type_hints(part_class))
+
+
 def cells(block: Any, prefix: str = "", hidden: bool = False, slave_unit: bool = False) -> Iterator[Cell]:
     """Every cell of the block, in the order of declaration. Together the cells are the block's whole state."""
-    hints = get_type_hints(type(block))
+    part_class: type = type(block)
+    hints = field_types(part_class)
     for f in fields(block):
         value, name = getattr(block, f.name), prefix + f.name
         if is_dataclass(value):
