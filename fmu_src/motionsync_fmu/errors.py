@@ -40,11 +40,12 @@ def choose(available: Mapping[str, T], name: str, what: str) -> T:
     Raises:
         UserError: there is none; the message lists names.
     """
-    if name in available:
+    try:
         return available[name]
-    names = list(available)
-    listed = names if len(names) <= MOST_LISTED else get_close_matches(name, names) or _nearest(name, names)
-    raise UserError(f"no {what} is named {name!r}; there is {', '.join(listed)}")
+    except KeyError:
+        names = list(available)
+        listed = names if len(names) <= MOST_LISTED else get_close_matches(name, names) or _nearest(name, names)
+        raise UserError(f"no {what} is named {name!r}; there is {', '.join(listed)}") from None
 
 
 def _nearest(name: str, names: list[str]) -> list[str]:

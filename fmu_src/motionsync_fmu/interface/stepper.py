@@ -73,6 +73,7 @@ class Stepper:
         self.block = block
         self.cells = Cells(block)
         self._type: type = type(block)
+        self._what = f"variable of {self._type.__name__}"
 
     def set(self, values: Mapping[str, Any]) -> Self:
         """Set cells.
@@ -81,7 +82,7 @@ class Stepper:
             UserError: the block has no cell of a name.
         """
         for name, value in values.items():
-            choose(self.cells, name, f"variable of {self._type.__name__}").set(value)
+            choose(self.cells, name, self._what).set(value)
         return self
 
     def get(self, names: Iterable[str]) -> dict[str, Any]:
