@@ -4,6 +4,7 @@ Each gives all variables that it can get, initially and after each step.
 """
 
 import logging
+from array import array
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -37,8 +38,11 @@ class Logged(FmuInstance):
 
 
 def bits(values: Row) -> Row:
-    """Values that are equal only if their bits are; the time, a variable of FMI 3.0 alone, is left out."""
-    return {name: v.hex() if isinstance(v, float) else int(v) for name, v in values.items() if name != "time"}
+    """The bits of the values, of whole numbers as those of a double; the time, a variable of FMI 3.0 alone, is left
+    out."""
+    result = dict(zip(values, array("q", array("d", values.values()).tobytes()), strict=True))
+    result.pop("time", None)
+    return result
 
 
 def through_fmpy(fmu: Path, run: BlockRun) -> list[Row]:
@@ -55,6 +59,9 @@ def through_fmuloader(fmu: Path, run: BlockRun) -> list[Row]:
     with FmuInstance(fmu) as host:
         fmi, kinds, name, token = host.fmi, host.kinds, host.description.modelName, host.description.guid
     loader = pytest.importorskip(f"fmuloader.fmi{fmi}")
+    by_kind: dict[str, dict[str, int]] = {}
+    for variable, (reference, kind) in kinds.items():
+        by_kind.setdefault(kind.lower(), {})[variable] = reference
     with getattr(loader, f"Fmi{fmi}Slave")(fmu, model_identifier=name) as unit:
 
         def put(values: Row) -> None:
@@ -63,7 +70,10 @@ def through_fmuloader(fmu: Path, run: BlockRun) -> list[Row]:
                 getattr(unit, f"set_{kind.lower()}")([reference], [value])
 
         def look() -> Row:
-            return bits({n: getattr(unit, f"get_{kind.lower()}")([r])[0] for n, (r, kind) in kinds.items()})
+            values: Row = {}
+            for kind, references in by_kind.items():
+                values |= zip(references, getattr(unit, f"get_{kind}")(list(references.values())), strict=True)
+            return bits(values)
 
         if fmi == Fmi.THREE:
             unit.instantiate_co_simulation("unit", instantiation_token=token)
