@@ -997,6 +997,26 @@ def test_a_time_in_a_plot_is_a_time_of_the_machine(open_block: OpenBlock) -> Non
     assert visit.time == pytest.approx(5.0, abs=0.05)
 
 
+def test_the_line_of_the_time_that_is_shown_follows_the_zoom(open_block: OpenBlock) -> None:
+    """3 s of 10 s; zoomed, the plots have that time in the middle, and 6 s is beyond them."""
+    visit = open_block("Synchronizer", "changing_master")
+    places = """() => motionsyncExplore.plots().map(({over}) => {
+      const line = over.querySelector(".now"), box = over.getBoundingClientRect();
+      return line.hidden ? null : (line.getBoundingClientRect().x - box.x) / box.width;
+    })"""
+    visit.show(3.0)
+    for button, share in (("Zoom in", 0.5), ("Zoom in", 0.5), ("Whole run", 0.3), ("Zoom in", 0.5)):
+        visit.page.get_by_role("button", name=button, exact=True).click()
+        assert visit.page.evaluate(places) == [pytest.approx(share, abs=0.005)] * 4
+    visit.show(6.0)
+    assert visit.page.evaluate(places) == [None] * 4
+    visit.page.set_viewport_size({"width": 700, "height": 900})
+    settle(visit)
+    visit.show(3.0)
+    visit.page.get_by_role("button", name="Whole run").click()
+    assert visit.page.evaluate(places) == [pytest.approx(0.3, abs=0.005)] * 4
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_texts_stand_out_from_their_ground(open_block: OpenBlock, scheme: str) -> None:
     """WCAG 2.2, 1.4.3: 4.5 to 1."""

@@ -102,7 +102,7 @@ function broken(values, period) {
 class Plots {
   /** `chosen(t)` is called when the user points at a time. */
   constructor(box, block, chosen) {
-    Object.assign(this, {box, block, chosen, drawn: [], zoom: null, course: null, before: null, another: NONE});
+    Object.assign(this, {box, block, chosen, drawn: [], zoom: null, now: 0, course: null, before: null, another: NONE});
     new ResizeObserver(() => this.#resize()).observe(box);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () =>
       this.drawn.forEach(({plot}) => plot.redraw(false)),
@@ -140,12 +140,13 @@ class Plots {
     this.#scale();
   }
 
+  /** Show a time as a line in each plot; a plot that is drawn anew asks for it, too. */
   mark(t) {
     this.now = t;
     for (const {plot, line} of this.drawn) {
-      const x = plot.valToPos(t, "x");
-      line.style.transform = `translateX(${x.toFixed(1)}px)`;
-      line.hidden = !(x >= 0 && x <= plot.over.clientWidth);
+      const {min, max} = plot.scales.x;
+      line.style.transform = `translateX(${plot.valToPos(t, "x").toFixed(1)}px)`;
+      line.hidden = t < min || t > max;
     }
   }
 
@@ -214,7 +215,7 @@ class Plots {
         line("--master", {width: 1.3, ...own}),
         line("--reference", {width: 1.2, dash: [4, 3], ...paths}),
       ],
-      hooks: {drawClear: [(plot) => this.#shade(plot)], setSelect: [(plot) => this.#selected(plot)]},
+      hooks: {drawClear: [(plot) => this.#shade(plot)], draw: [() => this.mark(this.now)], setSelect: [(plot) => this.#selected(plot)]},
     };
   }
 
@@ -240,11 +241,9 @@ class Plots {
   #scale() {
     const [min, max] = this.zoom ?? [0, this.course.scenario.stop_time];
     for (const {plot} of this.drawn) plot.setScale("x", {min, max});
-    this.mark(this.now ?? 0);
   }
 
   #resize() {
     for (const {plot} of this.drawn) plot.setSize({width: Math.max(this.box.clientWidth, 200), height: plot.height});
-    if (this.course) this.mark(this.now ?? 0);
   }
 }
