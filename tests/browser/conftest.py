@@ -21,7 +21,7 @@ PROGRAMS = ["chromium-headless-shell", "chromium", "chromium-browser"]
 SWITCHES = ["--no-sandbox", "--disable-gpu", "--force-color-profile=srgb", "--font-render-hinting=none"]
 
 Open = Callable[..., Visit]
-"""Opens a page: `open_page(file, width=1100, **options)`, the options being those of a Playwright context."""
+"""Opens a page: `open_page(file, ...)`, the rest as for `Windows.open`."""
 
 OpenReport = Callable[..., Visit]
 """Opens the report of a scenario: `open_report(name, ...)`, the rest as for `open_page`."""
@@ -45,28 +45,59 @@ def chromium() -> Iterator[Any]:
         browser.close()
 
 
+class Windows:
+    """The windows of a browser. A new one, with a process of its own, costs more than many a page: one that a test has
+    left serves the next test."""
+
+    def __init__(self, browser: Any) -> None:
+        self.browser = browser
+        self.free: list[Any] = []
+
+    def open(
+        self, file: Path, width: int = 1100, color_scheme: str = "light", reduced_motion: str = "no-preference"
+    ) -> Visit:
+        """Open a page in a window so wide, in px, of a user with these wishes."""
+        page = self.free.pop() if self.free else self.browser.new_context(offline=True).new_page()
+        page.set_viewport_size({"width": width, "height": 900})
+        page.emulate_media(media="screen", color_scheme=color_scheme, reduced_motion=reduced_motion)
+        page.mouse.move(0, 0)
+        return Visit(page, file)
+
+    def leave(self, visit: Visit) -> None:
+        """Take the window of a page back."""
+        if visit.is_spoilt:
+            visit.page.context.close()
+        else:
+            visit.end()
+            self.free.append(visit.page)
+
+
+@pytest.fixture(scope="session")
+def windows(chromium: Any) -> Windows:
+    return Windows(chromium)
+
+
 @contextmanager
-def opened_pages(chromium: Any) -> Iterator[Open]:
+def opened_pages(windows: Windows) -> Iterator[Open]:
     """Opens pages; at the end none of them has said anything, or asked for anything outside its own folder."""
     visits: list[Visit] = []
 
-    def opened(file: Path, width: int = 1100, **options: Any) -> Visit:
-        context = chromium.new_context(viewport={"width": width, "height": 900}, offline=True, **options)
-        visits.append(Visit(context, file))
+    def opened(file: Path, *arguments: Any, **options: Any) -> Visit:
+        visits.append(windows.open(file, *arguments, **options))
         return visits[-1]
 
     yield opened
     messages = [visit.messages for visit in visits]
     strange = [uri for visit in visits for uri in visit.asked if not uri.startswith(visit.file.parent.as_uri())]
     for visit in visits:
-        visit.context.close()
+        windows.leave(visit)
     assert messages == [[] for _ in visits]
     assert strange == []
 
 
 @pytest.fixture
-def open_page(chromium: Any) -> Iterator[Open]:
-    with opened_pages(chromium) as opened:
+def open_page(windows: Windows) -> Iterator[Open]:
+    with opened_pages(windows) as opened:
         yield opened
 
 
@@ -102,10 +133,10 @@ def drawn(report: Visit) -> Visit:
 
 
 @pytest.fixture(scope="module")
-def at_rest(chromium: Any, report_file: Callable[[str], Path]) -> Iterator[AtRest]:
+def at_rest(windows: Windows, report_file: Callable[[str], Path]) -> Iterator[AtRest]:
     """`at_rest(name)`: a scenario's report, in a page that a module's tests share, since opening it costs more than
     most of them do. A test leaves it as it was, but for the time that is shown and what the pointer is over."""
-    with opened_pages(chromium) as open_page:
+    with opened_pages(windows) as open_page:
 
         @cache
         def opened(name: str) -> Visit:

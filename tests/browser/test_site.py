@@ -1,19 +1,17 @@
 """The documentation site in a real browser, from its folder: no page complains, none is wider than its window."""
 
-from typing import Any
-
-from tests.browser.visit import Visit
+from tests.browser.conftest import Windows
 from tests.support.fmus import Fmus
 from tests.support.site import made_site
 
 WIDTHS = (1280, 390)
 
 
-def test_every_page_opens_without_a_message_and_fits_its_window(chromium: Any, fmus: Fmus) -> None:
+def test_every_page_opens_without_a_message_and_fits_its_window(windows: Windows, fmus: Fmus) -> None:
     """In one window, which becomes narrow on each page, as a telephone's: the theme arranges a page by its width."""
     site = made_site(fmus)
     assert len(site.pages) > 30
-    visit = open_site(chromium, site.folder / "index.html")
+    visit = windows.open(site.folder / "index.html", WIDTHS[0])
     wide = []
     for path in site.pages:
         visit.page.set_viewport_size({"width": WIDTHS[0], "height": 900})
@@ -22,27 +20,27 @@ def test_every_page_opens_without_a_message_and_fits_its_window(chromium: Any, f
         for width in WIDTHS:
             visit.page.set_viewport_size({"width": width, "height": 900})
             wide += [(path, width)] if visit.overflow() > 0.0 else []
-    visit.context.close()
+    windows.leave(visit)
     assert wide == []
     assert visit.messages == []
     assert [uri for uri in visit.asked if not uri.startswith((site.folder.as_uri(), "data:", "blob:"))] == []
 
 
-def test_the_search_finds_a_word_without_a_server(chromium: Any, fmus: Fmus) -> None:
+def test_the_search_finds_a_word_without_a_server(windows: Windows, fmus: Fmus) -> None:
     site = made_site(fmus)
-    visit = open_site(chromium, site.folder / "how_to" / "simulink.html")
+    visit = windows.open(site.folder / "how_to" / "simulink.html", WIDTHS[0])
     visit.page.locator("input.md-search__input").fill("diagonal_angle")
     result = visit.page.locator(".md-search-result__link").first
     result.wait_for()
     assert "/reference/blocks/" in result.get_attribute("href")
-    visit.context.close()
+    windows.leave(visit)
     assert visit.messages == []
 
 
-def test_the_first_page_moves_the_machine(chromium: Any, fmus: Fmus) -> None:
+def test_the_first_page_moves_the_machine(windows: Windows, fmus: Fmus) -> None:
     """From there a link leads to the same run on a page of its own, whose address holds it."""
     site = made_site(fmus)
-    visit = open_site(chromium, site.folder / "index.html")
+    visit = windows.open(site.folder / "index.html", WIDTHS[0])
     frame = visit.page.locator("iframe.explore")
     frame.scroll_into_view_if_needed()
     frame.content_frame.locator("html[data-ready]").wait_for()
@@ -54,9 +52,5 @@ def test_the_first_page_moves_the_machine(chromium: Any, fmus: Fmus) -> None:
     visit.page.locator("html[data-ready]").wait_for()
     assert visit.page.get_by_text("in the address of this page").is_visible()
     assert visit.page.get_by_label("Run", exact=True).input_value() == "basic_cut"
-    visit.context.close()
+    windows.leave(visit)
     assert visit.messages == []
-
-
-def open_site(chromium: Any, file: Any) -> Visit:
-    return Visit(chromium.new_context(viewport={"width": WIDTHS[0], "height": 900}, offline=True), file)

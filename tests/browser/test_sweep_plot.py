@@ -117,7 +117,8 @@ def test_the_map_has_the_colours_of_the_screen(open_page: Open, sweep: Path) -> 
 
 def test_a_click_holds_a_cell_so_that_its_command_can_be_copied(open_page: Open, sweep: Path) -> None:
     """Escape lets it go."""
-    visit = open_page(sweep / "plot.html", permissions=["clipboard-read", "clipboard-write"])
+    visit = open_page(sweep / "plot.html")
+    visit.allow("clipboard-read", "clipboard-write")
     place = at(visit, MAP, 0.5, 0.51)
     visit.page.mouse.click(*place)
     held = shown_text(visit)

@@ -1,11 +1,10 @@
 """A page that logs something, or asks for something, is noticed: without that the other tests would prove little."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from tests.browser.visit import Visit
+from tests.browser.conftest import Windows
 
 LOUD = {
     "a message": "<script>console.debug('here')</script>",
@@ -16,9 +15,9 @@ LOUD = {
 
 
 @pytest.mark.parametrize("body", LOUD.values(), ids=LOUD)
-def test_what_a_page_says_is_noticed(chromium: Any, tmp_path: Path, body: str) -> None:
+def test_what_a_page_says_is_noticed(windows: Windows, tmp_path: Path, body: str) -> None:
     file = tmp_path / "page.html"
     file.write_text(f"<!doctype html><title>x</title>{body}", "utf-8")
-    visit = Visit(chromium.new_context(offline=True), file)
+    visit = windows.open(file)
     assert visit.messages
-    visit.context.close()
+    windows.leave(visit)

@@ -10,21 +10,31 @@ class Visit:
     """A page that has been opened.
 
     Attributes:
-        page: Playwright's page.
-        messages: its console messages of any level, its errors and its failed requests, as texts.
+        page: Playwright's page, which is a window of the browser.
+        messages: the page's console messages of any level, its errors and its failed requests, as texts.
         asked: the addresses that it has asked for.
+        is_spoilt: whether the window is not as a new one for the next page.
     """
 
-    def __init__(self, context: Any, file: Path) -> None:
-        self.context, self.file = context, file
+    def __init__(self, page: Any, file: Path) -> None:
+        self.page, self.file, self.is_spoilt = page, file, False
         self.messages: list[str] = []
         self.asked: list[str] = []
-        self.page = context.new_page()
-        self.page.on("console", lambda message: self.messages.append(f"{message.type}: {message.text}"))
-        self.page.on("pageerror", lambda error: self.messages.append(f"error: {error}"))
-        self.page.on("requestfailed", self._note_failure)
-        self.page.on("request", lambda request: self.asked.append(request.url))
-        self.page.goto(file.as_uri())
+        self._listeners = {
+            "console": lambda message: self.messages.append(f"{message.type}: {message.text}"),
+            "pageerror": lambda error: self.messages.append(f"error: {error}"),
+            "requestfailed": self._note_failure,
+            "request": lambda request: self.asked.append(request.url),
+        }
+        for event, listener in self._listeners.items():
+            page.on(event, listener)
+        page.goto(file.as_uri())
+
+    def end(self) -> None:
+        """Leave an empty window."""
+        for event, listener in self._listeners.items():
+            self.page.remove_listener(event, listener)
+        self.page.goto("about:blank")
 
     def _note_failure(self, request: Any) -> None:
         if request.failure != ABORTED:  # as a request is that the next page has overtaken
@@ -36,6 +46,7 @@ class Visit:
 
     def freeze(self) -> None:
         """From now on the browser's own time goes on by `wait` alone."""
+        self.is_spoilt = True
         self.page.clock.install(time=0)
         self.page.clock.pause_at(1000)
 
@@ -56,6 +67,11 @@ class Visit:
         """What the machine shows under a name."""
         row = self.page.locator(".motionsync-machine .readouts div", has=self.page.locator(f"dt:text-is('{name}')"))
         return str(row.locator("dd").inner_text())
+
+    def allow(self, *permissions: str) -> None:
+        """Let the page do what a browser asks its user about."""
+        self.is_spoilt = True
+        self.page.context.grant_permissions(permissions)
 
     def listen(self) -> None:
         """Store the notifications of time in `window.notifiedTimes`, as pairs of source and time."""
