@@ -13,7 +13,7 @@ from motionsync_fmu.pages.report.page import write_report
 from motionsync_fmu.pages.results import evaluate_run
 from tests.browser.runs import run
 from tests.browser.visit import Visit, choose
-from tests.support.explored import explored
+from tests.support.explored import explored, opens_with
 from tests.support.fmus import Fmus
 
 # The shell is the same browser without windows of its own; it opens a page with half the work.
@@ -28,6 +28,9 @@ OpenReport = Callable[..., Visit]
 
 AtRest = Callable[[str], Visit]
 """The report of a scenario in a page that tests share: `at_rest(name)`."""
+
+Chosen = Callable[..., Visit]
+"""A scenario on the page of its block, which tests share: `chosen(name, scenario)`; by default the page's first one."""
 
 OpenBlock = Callable[..., Visit]
 """Opens the page of a block: `open_block(name, scenario, ...)`, the rest as for `open_page`."""
@@ -151,12 +154,38 @@ def at_rest(windows: Windows, report_file: Callable[[str], Path]) -> Iterator[At
         yield rest
 
 
+@pytest.fixture(scope="module")
+def chosen(windows: Windows, fmus: Fmus) -> Iterator[Chosen]:
+    """`chosen(name, scenario)`: a scenario that has just been chosen on its block's page, in a window that a module's
+    tests share: to choose takes an eighth of opening the page. The choice undoes what a test has set; for what else
+    it does to the page, it opens one of its own."""
+    with opened_pages(windows) as open_page:
+
+        @cache
+        def opened(name: str) -> Visit:
+            return ready(open_page(explored(fmus, name).file))
+
+        def choose_again(name: str, scenario: str = "") -> Visit:
+            visit = opened(name)
+            visit.page.mouse.move(0, 0)
+            visit.show(0.0)
+            choose(visit, scenario or opens_with(name))
+            return visit
+
+        yield choose_again
+
+
+def ready(page: Visit) -> Visit:
+    """The page of a block that can be used."""
+    page.page.wait_for_selector("html[data-ready]")
+    page.show(0.0)  # it begins to play
+    return page
+
+
 @pytest.fixture
 def open_block(open_page: Open, fmus: Fmus) -> OpenBlock:
     def opened(name: str, scenario: str = "", width: int = 1100, **options: Any) -> Visit:
-        visit = open_page(explored(fmus, name).file, width, **options)
-        visit.page.wait_for_selector("html[data-ready]")
-        visit.show(0.0)  # the page begins to play
+        visit = ready(open_page(explored(fmus, name).file, width, **options))
         if scenario:
             choose(visit, scenario)
         return visit

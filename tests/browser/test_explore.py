@@ -21,7 +21,7 @@ from motionsync_fmu.scenario.files.example import load_example
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.scenario import Scenario
 from tests import ROOT
-from tests.browser.conftest import Open, OpenBlock
+from tests.browser.conftest import Chosen, Open, OpenBlock
 from tests.browser.runs import record
 from tests.browser.scenes import assert_same_scene
 from tests.browser.visit import Visit, choose, contrast, settle
@@ -43,6 +43,12 @@ def badge(visit: Visit, text: str) -> None:
     visit.page.locator("#badge", has_text=text).wait_for()
 
 
+def write_down(visit: Visit) -> None:
+    """Show the run as a file."""
+    visit.page.get_by_role("button", name="As scenario.toml").click()
+    visit.page.locator("#download[href]").wait_for()
+
+
 def pieces_at_the_end(visit: Visit, stop_time: float) -> int:
     visit.show(stop_time)
     return int(visit.page.evaluate(CUTS))
@@ -59,7 +65,7 @@ def sum_of(scenario: Scenario) -> str:
 
 
 def test_scenarios_of_each_kind_have_the_native_bits_in_the_browser(
-    open_block: OpenBlock, fmus: Fmus, block: str, soak: Callable[[int, int], int]
+    chosen: Chosen, fmus: Fmus, block: str, soak: Callable[[int, int], int]
 ) -> None:
     """The page makes all inputs itself: the axis, the telegrams, what reactions set. The long form runs all scenarios;
     tests/explorer/test_bits.py runs all of them in the page's module, with inputs that Python makes."""
@@ -72,7 +78,7 @@ def test_scenarios_of_each_kind_have_the_native_bits_in_the_browser(
       return found;
     }"""
     assert all(native_sums.values())
-    assert open_block(block).page.evaluate(sums, list(native_sums)) == native_sums
+    assert chosen(block).page.evaluate(sums, list(native_sums)) == native_sums
 
 
 MEASURED = """\
@@ -139,8 +145,8 @@ def test_a_measured_line_has_the_native_bits_in_the_browser(open_page: Open, fmu
     assert sum_of(loaded) == fingerprint
 
 
-def test_the_badge_compares_what_is_shown(open_block: OpenBlock, fmus: Fmus) -> None:
-    visit = open_block("Synchronizer", "polynomial")
+def test_the_badge_compares_what_is_shown(chosen: Chosen, fmus: Fmus) -> None:
+    visit = chosen("Synchronizer", "polynomial")
     badge(visit, "same bits as the native FMU: " + explored(fmus, "Synchronizer").scenario("polynomial")["sha256"][:12])
     slide(visit, "output_phasing", 50.0)
     badge(visit, "changed")
@@ -177,35 +183,35 @@ def _blank(folder: Path) -> Path:
 # --- a slider, a command, a program ---
 
 
-def test_other_lengths_give_other_cuts(open_block: OpenBlock) -> None:
+def test_other_lengths_give_other_cuts(chosen: Chosen) -> None:
     """The material runs some 29 m in 33 s: 20 cuts of 1500 mm. 2000 mm give about three quarters of them."""
-    visit = open_block("FlyingSaw", "cyclic_cut")
+    visit = chosen("FlyingSaw", "cyclic_cut")
     assert pieces_at_the_end(visit, 33.0) == 20
     slide(visit, "cuts.length", 2000.0)
     assert pieces_at_the_end(visit, 33.0) == 15
     assert visit.readout("cuts") == "15 of 15"
 
 
-def test_orders_of_another_length_are_other_pieces(open_block: OpenBlock) -> None:
+def test_orders_of_another_length_are_other_pieces(chosen: Chosen) -> None:
     """1000 mm/s for 5 s: with pieces of 1500 mm two cuts, with 750 mm twice as many and more."""
-    visit = open_block("CutToLength", "basic_cut")
+    visit = chosen("CutToLength", "basic_cut")
     assert pieces_at_the_end(visit, 5.0) == 2
     slide(visit, "length", 1000.0)
     assert pieces_at_the_end(visit, 5.0) == 4
     assert visit.readout("last piece") == "1000.00 mm PRODUCT"
 
 
-def test_a_line_that_follows_is_slower_where_the_saw_is(open_block: OpenBlock) -> None:
-    visit = open_block("CutToLength", "cyclic_orders")
+def test_a_line_that_follows_is_slower_where_the_saw_is(chosen: Chosen) -> None:
+    visit = chosen("CutToLength", "cyclic_orders")
     before = pieces_at_the_end(visit, 26.0)
     slide(visit, "axis.max_velocity", 750.0)
     assert pieces_at_the_end(visit, 26.0) < before
     badge(visit, "changed")
 
 
-def test_more_jitter_makes_the_telegrams_worse(open_block: OpenBlock) -> None:
+def test_more_jitter_makes_the_telegrams_worse(chosen: Chosen) -> None:
     """The picture's window shows 98 % of all errors: its ruler has other numbers."""
-    visit = open_block("RemoteSync", "slow_sender_jitter")
+    visit = chosen("RemoteSync", "slow_sender_jitter")
     numbers = "[...document.querySelectorAll('.motionsync-machine text.soft')].map(e => e.textContent)"
     before = visit.page.evaluate(numbers)
     slide(visit, "velocity", 500.0)
@@ -215,8 +221,8 @@ def test_more_jitter_makes_the_telegrams_worse(open_block: OpenBlock) -> None:
     badge(visit, "changed")
 
 
-def test_a_command_acts_at_the_time_that_is_shown(open_block: OpenBlock) -> None:
-    visit = open_block("CutToLength", "basic_cut")
+def test_a_command_acts_at_the_time_that_is_shown(chosen: Chosen) -> None:
+    visit = chosen("CutToLength", "basic_cut")
     visit.show(2.5)
     visit.page.get_by_role("button", name="stop", exact=True).click()
     settle(visit)
@@ -227,9 +233,9 @@ def test_a_command_acts_at_the_time_that_is_shown(open_block: OpenBlock) -> None
     badge(visit, "same bits")
 
 
-def test_a_program_drives_the_saw(open_block: OpenBlock) -> None:
+def test_a_program_drives_the_saw(chosen: Chosen) -> None:
     """Its own slider changes the pieces; its mistakes are shown in one line."""
-    visit = open_block("FlyingSaw", "program")
+    visit = chosen("FlyingSaw", "program")
     cuts = pieces_at_the_end(visit, 33.0)
     assert cuts > 10
     slide(visit, "piece", 3000.0)
@@ -243,8 +249,8 @@ def test_a_program_drives_the_saw(open_block: OpenBlock) -> None:
     assert visit.page.locator("#problem").inner_text() == "there is no variable axis.no"
 
 
-def test_what_the_block_refuses_is_shown_in_its_words(open_block: OpenBlock) -> None:
-    visit = open_block("FlyingSaw", "cyclic_cut")
+def test_what_the_block_refuses_is_shown_in_its_words(chosen: Chosen) -> None:
+    visit = chosen("FlyingSaw", "cyclic_cut")
     visit.page.get_by_label("axis.max_position", exact=True).fill("-900")
     settle(visit)
     message = visit.page.locator("#problem").inner_text()
@@ -317,10 +323,10 @@ def test_every_block_with_a_master_has_the_switch(open_block: OpenBlock, block: 
     assert visit.time == pytest.approx(1.0, abs=0.2)
 
 
-def test_the_saw_makes_all_cuts_on_a_measured_line(open_block: OpenBlock) -> None:
+def test_the_saw_makes_all_cuts_on_a_measured_line(chosen: Chosen) -> None:
     """1000 mm/s for 5 s: two pieces of 1500 mm, as without the encoder. The blade is where the cut is due to within
     some 0.1 mm, of which half a count and the noise make most."""
-    visit = open_block("CutToLength", "basic_cut")
+    visit = chosen("CutToLength", "basic_cut")
     switch(visit, True)
     assert pieces_at_the_end(visit, 5.0) == 2
     assert visit.readout("last piece") == "1500.00 mm PRODUCT"
@@ -330,10 +336,10 @@ def test_the_saw_makes_all_cuts_on_a_measured_line(open_block: OpenBlock) -> Non
     assert 0.02 < np.abs(off_by(visit)).max() < 0.2
 
 
-def test_the_noise_of_the_smoothed_line_is_that_of_the_filter(open_block: OpenBlock) -> None:
+def test_the_noise_of_the_smoothed_line_is_that_of_the_filter(chosen: Chosen) -> None:
     """One sigma at 1 ms and 20 ms, by the Lyapunov equation of the filter: 0.266 of the encoder's for the position, and
     0.3193 mm/s with 0.02 mm for the velocity. The filter is linear: ten times the noise makes ten times of it."""
-    visit = open_block("CutToLength", "basic_cut")
+    visit = chosen("CutToLength", "basic_cut")
     visit.page.locator("summary", has_text="The run").click()
     fill(visit, "step_size", "0.001")
     switch(visit, True)
@@ -350,10 +356,10 @@ def test_the_noise_of_the_smoothed_line_is_that_of_the_filter(open_block: OpenBl
     assert off_by(visit)[500:].std() == pytest.approx(0.133 * 0.02, rel=0.35)
 
 
-def test_what_the_block_does_not_know_of_the_encoder_shows(open_block: OpenBlock) -> None:
+def test_what_the_block_does_not_know_of_the_encoder_shows(chosen: Chosen) -> None:
     """Without noise and counts, at 1000 mm/s: the block carries the position on over a delay that it knows; in another
     mode it knows of none, and is 1000 mm/s times 5 ms late."""
-    visit = open_block("CutToLength", "basic_cut")
+    visit = chosen("CutToLength", "basic_cut")
     switch(visit, True)
     for name, x in {"encoder.resolution": 0.0, "encoder.noise": 0.0, "encoder.delay": 0.005}.items():
         slide(visit, name, x)
@@ -375,9 +381,9 @@ def test_what_the_block_does_not_know_of_the_encoder_shows(open_block: OpenBlock
     assert off_by(visit)[100:] == pytest.approx(-1000.0 * 0.005, abs=1e-6)
 
 
-def test_the_switch_gives_back_what_was_there(open_block: OpenBlock) -> None:
+def test_the_switch_gives_back_what_was_there(chosen: Chosen) -> None:
     """Off, the line is ideal again; on, the encoder is as it was left. The keyboard stays on the switch."""
-    visit = open_block("CutToLength", "basic_cut")
+    visit = chosen("CutToLength", "basic_cut")
     switch(visit, True)
     badge(visit, "changed")
     slide(visit, "encoder.noise", 0.1)
@@ -398,8 +404,8 @@ def test_the_switch_gives_back_what_was_there(open_block: OpenBlock) -> None:
     badge(visit, "same bits")
 
 
-def test_a_scenario_with_an_encoder_begins_with_the_switch_on(open_block: OpenBlock) -> None:
-    visit = open_block("CutToLength", "measured_line")
+def test_a_scenario_with_an_encoder_begins_with_the_switch_on(chosen: Chosen) -> None:
+    visit = chosen("CutToLength", "measured_line")
     badge(visit, "same bits")
     assert is_on(visit)
     assert visit.page.get_by_label("encoder.resolution", exact=True).input_value() == "0.05"
@@ -411,10 +417,10 @@ def test_a_scenario_with_an_encoder_begins_with_the_switch_on(open_block: OpenBl
     badge(visit, "same bits")
 
 
-def test_a_recorded_line_has_been_measured(open_block: OpenBlock) -> None:
+def test_a_recorded_line_has_been_measured(chosen: Chosen) -> None:
     """Nobody knows where it truly was: its smoothing time is all that can be chosen. While the line runs evenly, its
     velocity changes by noise alone, of which less than a third is left with five times the smoothing time."""
-    visit = open_block("CutToLength", "recorded_line")
+    visit = chosen("CutToLength", "recorded_line")
     badge(visit, "same bits")
     box = visit.page.get_by_label("measured line", exact=True)
     assert (box.is_checked(), box.is_enabled()) == (True, False)
@@ -474,9 +480,9 @@ def fill(visit: Visit, name: str, value: str) -> None:
     settle(visit)
 
 
-def test_a_saw_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
+def test_a_saw_that_cannot_keep_up_is_shown(chosen: Chosen) -> None:
     """Started at 0.2 s, at 1450 mm/s until 20 s, and a cut due each 1504 mm: 28710 / 1504 = 19.1, all are skipped."""
-    visit = open_block("CutToLength", "basic_cut")
+    visit = chosen("CutToLength", "basic_cut")
     assert log(visit) == "The block has logged nothing."
     visit.page.locator("summary", has_text="The run").click()
     fill(visit, "stop_time", "20")
@@ -495,9 +501,9 @@ def test_a_saw_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
     assert log(visit) == "The block has logged nothing."
 
 
-def test_a_knife_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
+def test_a_knife_that_cannot_keep_up_is_shown(chosen: Chosen) -> None:
     """Its limit is 4327 mm/s for pieces of 600, and less for those of 400; the log and the lamp have the same count."""
-    visit = open_block("RotaryKnife", "formats")
+    visit = chosen("RotaryKnife", "formats")
     fill(visit, "master.velocity", "4600")
     visit.show(8.0)
     assert "warning.any: line_too_fast" in lamps(visit)
@@ -506,8 +512,8 @@ def test_a_knife_that_cannot_keep_up_is_shown(open_block: OpenBlock) -> None:
     assert f"statistics.skipped: cuts left out because they could not be reached: {skipped} in all" in log(visit)
 
 
-def test_a_warning_leads_to_its_time(open_block: OpenBlock) -> None:
-    visit = open_block("CutToLength", "late_skip")
+def test_a_warning_leads_to_its_time(chosen: Chosen) -> None:
+    visit = chosen("CutToLength", "late_skip")
     line = visit.page.get_by_role("button", name="statistics.skipped: cuts left")
     at = float(line.inner_text().split()[0])
     line.click()
@@ -537,13 +543,12 @@ REFUSED_WITH_AN_ENCODER = [
 
 
 @pytest.mark.parametrize("is_measured", [False, True])
-def test_what_is_refused_is_shown_and_the_run_before_marked(open_block: OpenBlock, is_measured: bool) -> None:
-    visit = open_block("CutToLength", "basic_cut")
+def test_what_is_refused_is_shown_and_the_run_before_marked(chosen: Chosen, is_measured: bool) -> None:
+    visit = chosen("CutToLength", "basic_cut")
     visit.page.locator("summary", has_text="The run").click()
     badge(visit, "same bits")
     switch(visit, is_measured)
-    visit.page.get_by_role("button", name="As scenario.toml").click()
-    visit.page.wait_for_function("document.getElementById('toml').value !== ''")
+    write_down(visit)
     stale, saved = visit.page.locator("#stale"), visit.page.locator("#download")
     for name, value, message in REFUSED_WITH_AN_ENCODER if is_measured else REFUSED:
         field = visit.page.get_by_label(name, exact=True)
@@ -570,8 +575,8 @@ def test_what_is_refused_is_shown_and_the_run_before_marked(open_block: OpenBloc
         assert visit.page.locator("#problem").inner_text() == ""
 
 
-def test_another_scenario_is_no_longer_refused(open_block: OpenBlock) -> None:
-    visit = open_block("CutToLength", "basic_cut")
+def test_another_scenario_is_no_longer_refused(chosen: Chosen) -> None:
+    visit = chosen("CutToLength", "basic_cut")
     fill(visit, "kerf", "-1")
     assert visit.page.locator("#stale").is_visible()
     choose(visit, "gap")
@@ -579,11 +584,11 @@ def test_another_scenario_is_no_longer_refused(open_block: OpenBlock) -> None:
     badge(visit, "same bits")
 
 
-def test_the_file_follows_what_is_changed(open_block: OpenBlock) -> None:
-    visit = open_block("CutToLength", "basic_cut")
-    visit.page.get_by_role("button", name="As scenario.toml").click()
+def test_the_file_follows_what_is_changed(chosen: Chosen) -> None:
+    visit = chosen("CutToLength", "basic_cut")
+    write_down(visit)
     file, link = visit.page.locator("#toml"), visit.page.locator("#download")
-    visit.page.wait_for_function("document.getElementById('toml').value.includes('velocity = 1000.0')")
+    assert "velocity = 1000.0" in file.input_value()
     slide(visit, "master.velocity", 650.0)
     visit.page.wait_for_function("document.getElementById('toml').value.includes('velocity = 650.0')")
     assert link.get_attribute("href") == "data:text/plain;charset=utf-8," + str(
@@ -621,9 +626,9 @@ def test_a_page_opens_on_a_telephone_with_a_run_that_plays_and_a_legend(
     assert set(colours) == set(drawn)
 
 
-def test_the_main_values_are_at_the_top(open_block: OpenBlock) -> None:
+def test_the_main_values_are_at_the_top(chosen: Chosen) -> None:
     """Of the flagship those that are set during its run, too: 4 battens of 1500 are the first of 17."""
-    visit = open_block("CutToLength", "cyclic_orders")
+    visit = chosen("CutToLength", "cyclic_orders")
     names = visit.page.locator("#groups .knob").evaluate_all("all => all.map(e => e.dataset.name)")
     assert names[:7] == ["line.wanted_velocity", *["order.length"] * 4, *["order.quantity"] * 2]
     assert (names.count("order.length"), names.count("order.quantity")) == (4, 4)  # they are nowhere else
@@ -634,9 +639,9 @@ def test_the_main_values_are_at_the_top(open_block: OpenBlock) -> None:
     assert labels == ["home, end", "in sync", "end"]  # which are one place
 
 
-def test_the_plots_are_saved_as_csv(open_block: OpenBlock, tmp_path: Path) -> None:
+def test_the_plots_are_saved_as_csv(chosen: Chosen, tmp_path: Path) -> None:
     """All points of the run, with all digits: 1000 mm/s for 5 s."""
-    visit = open_block("CutToLength", "basic_cut")
+    visit = chosen("CutToLength", "basic_cut")
     with visit.page.expect_download() as download:
         visit.page.get_by_role("button", name="Plots as CSV").click()
     download.value.save_as(tmp_path / "plots.csv")
@@ -651,9 +656,9 @@ def test_the_plots_are_saved_as_csv(open_block: OpenBlock, tmp_path: Path) -> No
     assert {row["velocity master mm/s"] for row in rows} == {"1000"}
 
 
-def test_a_master_in_another_unit_than_the_slave_has_an_axis_of_its_own(open_block: OpenBlock) -> None:
+def test_a_master_in_another_unit_than_the_slave_has_an_axis_of_its_own(chosen: Chosen) -> None:
     """The line's 1000 mm/s are not drawn where the knife has 1000 deg/s. All plots are as wide as each other."""
-    visit = open_block("RotaryKnife", "formats")
+    visit = chosen("RotaryKnife", "formats")
     labels = visit.page.evaluate("motionsyncExplore.plots().map(({axes}) => axes.slice(1).map(({label}) => label))")
     assert labels[0] == ["position deg"]  # the next cut is where the knife has to be then
     assert labels[1:3] == [["velocity deg/s", "master mm/s"], ["acceleration deg/s²", "master mm/s²"]]
@@ -674,12 +679,12 @@ def test_a_master_in_another_unit_than_the_slave_has_an_axis_of_its_own(open_blo
     ]  # fmt: skip
 
 
-def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(open_block: OpenBlock) -> None:
+def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(chosen: Chosen) -> None:
     """The last point before each of its three cuts: the saw of the example is almost at the line of the next one."""
     example = shown(load_example("CutToLength"))
     recording = record(example)
     before = np.flatnonzero(np.diff(recording.values["tool.cutting"]) > 0.0)
-    visit = open_block("CutToLength", "example")
+    visit = chosen("CutToLength", "example")
     line = """() => {
       const [times, slave, , other] = motionsyncExplore.plots()[0].data;
       return Array.from(times, (t, k) => [t, slave[k], other[k]]);
@@ -695,9 +700,8 @@ def test_the_next_cut_is_plotted_in_each_turn_of_a_master_with_a_period(open_blo
 
 def save_run(visit: Visit, folder: Path) -> tuple[Path, str]:
     """The run as a file, and the sum in it."""
-    visit.page.get_by_role("button", name="As scenario.toml").click()
+    write_down(visit)
     area = visit.page.get_by_label("The run as scenario.toml")
-    visit.page.wait_for_function("document.getElementById('toml').value !== ''")
     file = folder / "mine" / "scenario.toml"
     file.parent.mkdir()
     file.write_text(area.input_value(), "utf-8")
@@ -778,10 +782,10 @@ def own_program(visit: Visit) -> None:
     ids=lambda value: getattr(value, "__name__", value),
 )
 def test_a_run_written_down_has_the_same_bits(
-    open_block: OpenBlock, tmp_path: Path, name: str, change: Callable[[Visit], None]
+    chosen: Chosen, tmp_path: Path, name: str, change: Callable[[Visit], None]
 ) -> None:
     block, scenario = name.split("/")
-    visit = open_block(block, scenario)
+    visit = chosen(block, scenario)
     change(visit)
     assert visit.page.locator("#problem").inner_text() == ""
     file, fingerprint = save_run(visit, tmp_path)
@@ -828,10 +832,10 @@ def piece_of_3000(visit: Visit) -> None:
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_the_address_brings_the_same_run_to_another_page(
-    open_block: OpenBlock, block: str, changes: dict[str, list[Callable[[Visit], None]]]
+    chosen: Chosen, open_block: OpenBlock, block: str, changes: dict[str, list[Callable[[Visit], None]]]
 ) -> None:
     """Opened with it, or while the page is open. Each change gives a run of its own."""
-    visit, other, seen = open_block(block), open_block(block), set()
+    visit, other, seen = chosen(block), open_block(block), set()
     for scenario, all_of_it in changes.items():
         choose(visit, scenario)
         for change in all_of_it:
@@ -840,6 +844,7 @@ def test_the_address_brings_the_same_run_to_another_page(
             if not seen:
                 other.page.reload()
                 other.page.wait_for_selector("html[data-ready]")
+                other.show(0.0)
             settle(other)
             fingerprints = {one.page.evaluate(SHOWN) for one in (visit, other)}
             assert len(fingerprints) == 1, (scenario, change)
@@ -873,9 +878,9 @@ def test_an_address_that_cannot_be_followed_says_why(open_block: OpenBlock) -> N
     assert (problem.inner_text(), visit.page.title()) == ("", "run")
 
 
-def test_a_line_that_follows_is_the_same_with_another_scan(open_block: OpenBlock, tmp_path: Path) -> None:
+def test_a_line_that_follows_is_the_same_with_another_scan(chosen: Chosen, tmp_path: Path) -> None:
     """The lag's gain for another cycle is the page's own: `expm1` may differ in the last bit, and the pieces do not."""
-    visit = open_block("CutToLength", "cyclic_orders")
+    visit = chosen("CutToLength", "cyclic_orders")
     visit.page.locator("summary", has_text="The run").click()
     visit.page.get_by_label("step_size", exact=True).fill("0.008")
     settle(visit)
@@ -892,9 +897,9 @@ def test_a_line_that_follows_is_the_same_with_another_scan(open_block: OpenBlock
 # --- the picture ---
 
 
-def test_the_machine_is_the_one_of_the_report(open_block: OpenBlock, fmus: Fmus, block: str) -> None:
+def test_the_machine_is_the_one_of_the_report(chosen: Chosen, fmus: Fmus, block: str) -> None:
     """Both follow machine.toml: a report from a recording, the page from its own run of the same scenario."""
-    visit, page = open_block(block), explored(fmus, block)
+    visit, page = chosen(block), explored(fmus, block)
     scene = "motionsyncExplore.scene(motionsyncExplore.run(name))"
     plain = "(_, x) => ArrayBuffer.isView(x) ? [...x] : x"
     names = [s["name"] for s in page.data["scenarios"]]
@@ -912,13 +917,13 @@ def test_the_machine_is_the_one_of_the_report(open_block: OpenBlock, fmus: Fmus,
 @pytest.mark.parametrize(
     ("name", "output"), [("FlyingSaw/cyclic_cut", "in_sync"), ("CutToLength/basic_cut", "tool.blade_down")]
 )
-def test_the_blade_is_drawn_down_while_it_cuts(open_block: OpenBlock, name: str, output: str) -> None:
+def test_the_blade_is_drawn_down_while_it_cuts(chosen: Chosen, name: str, output: str) -> None:
     """It takes 0.06 s to go down, and is then 47 px lower than above the material."""
     loaded = shown(load_scenario(ROOT / "scenarios" / name / "scenario.toml"))
     recording = record(loaded)
     down = recording.values[output] != 0.0
     changes = recording.time[np.flatnonzero(np.diff(down, prepend=~down[0]))].tolist()
-    visit = open_block(*name.split("/"))
+    visit = chosen(*name.split("/"))
     depths = []
     for begin, end in pairwise([*changes, loaded.stop_time]):
         visit.show(max(0.5 * (begin + end), end - 0.01) if end - begin > 0.15 else end - 1e-3)
@@ -989,9 +994,9 @@ def test_arrows_move_a_slider_and_space_plays(open_block: OpenBlock) -> None:
     assert visit.time == pytest.approx(1.0, abs=0.2)
 
 
-def test_a_time_in_a_plot_is_a_time_of_the_machine(open_block: OpenBlock) -> None:
+def test_a_time_in_a_plot_is_a_time_of_the_machine(chosen: Chosen) -> None:
     """10 s over the width of the plot: its middle is at 5 s."""
-    visit = open_block("Synchronizer", "changing_master")
+    visit = chosen("Synchronizer", "changing_master")
     box = visit.page.locator(".plot .u-over").first.bounding_box()
     visit.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     assert visit.time == pytest.approx(5.0, abs=0.05)
