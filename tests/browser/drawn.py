@@ -101,8 +101,7 @@ def read_belt(visit: Visit) -> Belt:
 
 def read_belts(visit: Visit, times: list[float]) -> list[Belt]:
     """What is drawn when these times are shown, in s, one after the other."""
-    show = f"times => times.map((t) => {{ window.motionsyncMachine.show(t); return ({READ})(); }})"
-    return [Belt(**belt) for belt in visit.page.evaluate(show, times)]
+    return [Belt(**belt) for belt in visit.seen(times, f"({READ})()")]
 
 
 def watch_belt(visit: Visit, interval: int, duration: int) -> list[Belt]:

@@ -22,8 +22,7 @@ LOWERING = 0.06  # s, which the blade needs up and down
 SPEED = {BASIC_CUT: 1, KINDS: 5, CYCLIC_CUT: 5}  # at which the run plays
 PICTURE = 37  # ms from one look at the picture to the next, times the speed: no multiple of a picture's time
 
-AXES = """times => times.map((t) => {
-  window.motionsyncMachine.show(t);
+AXES = """(() => {
   const middle = (e) => { const b = e.getBoundingClientRect(); return (b.left + b.right) / 2; };
   const shown = (axis) => {
     const layer = document.querySelector(`.motionsync-machine g.${axis}`);
@@ -33,9 +32,8 @@ AXES = """times => times.map((t) => {
     return { numbers: numbers.map((e) => [e.textContent, middle(e)]), hand: middle(hands[0]) };
   };
   return { master: shown('master'), slave: shown('slave') };
-})"""
-"""What is drawn of two axes at each of these times: the numbers of the rulers with their middles, and those of the
-hands, in px."""
+})()"""
+"""What is drawn of two axes: the numbers of the rulers with their middles, and those of the hands, in px."""
 
 OpenPage = Callable[..., Visit]
 
@@ -133,7 +131,7 @@ def test_two_axes_are_drawn_where_the_recording_has_them(open_run: OpenPage) -> 
     visit = open_run(name)
     times = [float(t) for t in recording.time[:: len(recording.time) // 12]]
     order = [*times, *reversed(times)]
-    for t, shown in zip(order, visit.page.evaluate(AXES, order), strict=True):
+    for t, shown in zip(order, visit.seen(order, AXES), strict=True):
         for axis, recorded in (("master", recording.master[:, 0]), ("slave", recording.values["slave.position"])):
             texts = [(text.replace("\N{MINUS SIGN}", "-"), at) for text, at in shown[axis]["numbers"]]
             ruler = [(float(text), at) for text, at in texts if text[-1].isdigit()]

@@ -924,11 +924,12 @@ def test_the_blade_is_drawn_down_while_it_cuts(chosen: Chosen, name: str, output
     down = recording.values[output] != 0.0
     changes = recording.time[np.flatnonzero(np.diff(down, prepend=~down[0]))].tolist()
     visit = chosen(*name.split("/"))
-    depths = []
-    for begin, end in pairwise([*changes, loaded.stop_time]):
-        visit.show(max(0.5 * (begin + end), end - 0.01) if end - begin > 0.15 else end - 1e-3)
-        drawn = visit.page.locator(".motionsync-machine .tool").get_attribute("transform")
-        depths.append(float(drawn.removeprefix("translate(0 ").removesuffix(")")))
+    times = [
+        max(0.5 * (begin + end), end - 0.01) if end - begin > 0.15 else end - 1e-3
+        for begin, end in pairwise([*changes, loaded.stop_time])
+    ]
+    drawn = visit.seen(times, "document.querySelector('.motionsync-machine .tool').getAttribute('transform')")
+    depths = [float(transform.removeprefix("translate(0 ").removesuffix(")")) for transform in drawn]
     assert len(depths) > 3
     assert depths == [47.0 * (i % 2 != down[0]) for i in range(len(depths))]
 

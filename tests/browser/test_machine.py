@@ -4,6 +4,7 @@ import random
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
 from motionsync_fmu.scenario.recording import Recording
 from tests.browser.conftest import Open
 from tests.browser.runs import run
-from tests.browser.visit import Visit
+from tests.browser.visit import READOUTS, Visit
 
 CYCLIC_CUT = "FlyingSaw/cyclic_cut"
 SMALL = "FlyingSaw/diagonal_saw"
@@ -39,10 +40,11 @@ def open_run(open_page: Open, tmp_path: Path) -> OpenRun:
     return opened
 
 
-def some_times(recording: Recording, count: int) -> list[int]:
-    """The numbers of some points of a recording: both ends, and others at random."""
-    inner = random.Random(1).sample(range(1, len(recording.time) - 1), count)
-    return [0, *sorted(inner), len(recording.time) - 1]
+def seen_at_points(visit: Visit, recording: Recording, look: str) -> list[tuple[int, Any]]:
+    """What a JavaScript expression gives at some points of a recording: both ends, and 25 others at random."""
+    inner = random.Random(1).sample(range(1, len(recording.time) - 1), 25)
+    points = [0, *sorted(inner), len(recording.time) - 1]
+    return list(zip(points, visit.seen(recording.time[points].tolist(), look), strict=True))
 
 
 # --- what it shows ---
@@ -69,9 +71,9 @@ def test_the_slave_is_where_the_recording_has_it(open_run: OpenRun, name: str) -
     visit = open_run(name)
     period = scenario.period if name.startswith("Synchronizer") else 0.0
     period = float(scenario.start.get("slave.period", scenario.start.get("slave_cycle", period)))
-    for i in some_times(recording, 25):
-        visit.show(float(recording.time[i]))
-        away = visit.number("[data-slave-position]", "slave-position") - recording.values["slave.position"][i]
+    look = "+document.querySelector('.motionsync-machine [data-slave-position]').dataset.slavePosition"
+    for i, shown in seen_at_points(visit, recording, look):
+        away = shown - recording.values["slave.position"][i]
         assert abs(away - period * round(away / period) if period else away) <= 1e-3
 
 
@@ -85,26 +87,23 @@ def test_the_saw_is_over_its_position_on_the_ruler(open_run: OpenRun) -> None:
     assert len(numbers) > 5
     scale = (places[-1] - places[0]) / (numbers[-1] - numbers[0])
     left = visit.page.locator(".motionsync-machine svg").bounding_box()["x"]
-    for i in some_times(recording, 25):
-        visit.show(float(recording.time[i]))
-        box = visit.page.locator(".motionsync-machine .carriage rect[rx='5']").bounding_box()
+    box = "document.querySelector(\".motionsync-machine .carriage rect[rx='5']\").getBoundingClientRect()"
+    for i, (x, width) in seen_at_points(visit, recording, f"[{box}.x, {box}.width]"):
         expected = left + places[0] + scale * (recording.values["slave.position"][i] - numbers[0])
-        assert box["x"] + box["width"] / 2 == pytest.approx(expected, abs=0.1)
+        assert x + width / 2 == pytest.approx(expected, abs=0.1)
 
 
 def test_the_blade_is_down_while_the_saw_cuts(open_run: OpenRun) -> None:
     scenario, recording = run(CYCLIC_CUT)
     visit = open_run(CYCLIC_CUT)
     cuts = find_cuts(scenario.cuts, recording)
-    seen = []
-    for before, cut, after in zip([None, *cuts], cuts, [*cuts[1:], None], strict=False):
-        visit.show(0.5 * (cut.begin + cut.end))
-        seen.append(visit.page.locator(".carriage").get_attribute("data-tool"))
-        visit.show(0.5 * (cut.end + (after.begin if after else scenario.stop_time)))
-        seen.append(visit.page.locator(".carriage").get_attribute("data-tool"))
-        assert visit.number(".stock", "cuts") == cuts.index(cut) + 1
-        assert before is None or before.end < cut.begin
-    assert seen == ["down", "up"] * 20
+    ends = [time for cut in cuts for time in (cut.begin, cut.end)]
+    assert ends == sorted(set(ends))
+    between = [0.5 * sum(pair) for pair in pairwise([*ends, scenario.stop_time])]
+    look = "[document.querySelector('.carriage').dataset.tool, +document.querySelector('.stock').dataset.cuts]"
+    seen = visit.seen(between, look)
+    assert [tool for tool, _ in seen] == ["down", "up"] * 20
+    assert [done for _, done in seen[1::2]] == list(range(1, 21))
 
 
 def test_a_cut_piece_falls_apart_from_the_material(open_run: OpenRun) -> None:
@@ -131,21 +130,20 @@ def test_each_piece_has_the_colour_and_the_name_of_its_kind(open_run: OpenRun) -
     bodies = "[...document.querySelectorAll('.stock rect[visibility=visible]')]"
     looks = f"{bodies}.map(e => [+e.getAttribute('x'), e.getAttribute('fill')]).sort((a, b) => a[0] - b[0])"
     assert len({piece.name for piece in pieces}) >= 3
-    for piece in pieces:
-        visit.show(piece.reported_at + 0.02)
-        assert visit.page.evaluate(looks)[1][1] == f"var(--kind-{piece.kind})"
-        assert visit.readout("last piece") == f"{piece.length:.2f} mm {piece.name}"
-        assert visit.readout("pieces") == f"{piece.number} of {len(pieces)}"
+    seen = visit.seen([piece.reported_at + 0.02 for piece in pieces], f"[{looks}, {READOUTS}]")
+    for piece, (bodies_seen, texts) in zip(pieces, seen, strict=True):
+        assert bodies_seen[1][1] == f"var(--kind-{piece.kind})"
+        assert texts["last piece"] == f"{piece.length:.2f} mm {piece.name}"
+        assert texts["pieces"] == f"{piece.number} of {len(pieces)}"
 
 
 def test_the_next_cut_is_the_one_that_the_block_knows(open_run: OpenRun) -> None:
     """While it cuts, and before it has a length, it has no next one."""
     _, recording = run(KINDS)
     visit = open_run(KINDS)
-    for i in some_times(recording, 25):
-        visit.show(float(recording.time[i]))
+    for i, texts in seen_at_points(visit, recording, READOUTS):
         values = {name: recording.values[name][i] for name in ("next_cut.position", "next_cut.known", "tool.cutting")}
-        text_shown = visit.readout("saw to next cut")
+        text_shown = texts["saw to next cut"]
         if not values["next_cut.known"] or values["tool.cutting"]:
             assert text_shown in ("none", "0, cutting")
             continue
@@ -159,13 +157,13 @@ def test_the_distance_from_the_saw_to_its_mark_is_shown(open_run: OpenRun) -> No
     """Marks each 1500 mm from 1000 on: how far master - slave is from the nearest one; positive: the saw is ahead."""
     _, recording = run(CYCLIC_CUT)
     visit = open_run(CYCLIC_CUT)
-    for i in some_times(recording, 25):
-        visit.show(float(recording.time[i]))
+    look = f"[+document.querySelector('.motionsync-machine').dataset.distance, {READOUTS}]"
+    for i, (distance, texts) in seen_at_points(visit, recording, look):
         place = recording.master[i, 0] - recording.values["slave.position"][i]
         mark = round((place - 1000.0) / 1500.0)
         away = 1000.0 + 1500.0 * mark - place
-        assert visit.number("", "distance") == pytest.approx(away, abs=3e-3) or abs(abs(away) - 750.0) < 3e-3
-        number, _, text = visit.readout("saw to mark").partition(" mm ")
+        assert distance == pytest.approx(away, abs=3e-3) or abs(abs(away) - 750.0) < 3e-3
+        number, _, text = texts["saw to mark"].partition(" mm ")
         assert float(number.replace("\N{MINUS SIGN}", "-")) == pytest.approx(away, abs=0.01)
         assert text == f"(mark {mark})"
 

@@ -4,6 +4,9 @@ from pathlib import Path
 from typing import Any
 
 ABORTED = "net::ERR_ABORTED"
+READOUTS = """Object.fromEntries([...document.querySelectorAll('.motionsync-machine .readouts div')]
+  .map((row) => [...row.children].map((part) => part.innerText)))"""
+"""A JavaScript expression: what the machine shows, by name."""
 
 
 class Visit:
@@ -44,6 +47,12 @@ class Visit:
         """Stop the machine, and show it at a time, in s."""
         self.page.evaluate("t => window.motionsyncMachine.show(t)", t)
 
+    def seen(self, times: list[float], look: str) -> list[Any]:
+        """What a JavaScript expression gives at each of these times of the machine, in s, one after the other: in one
+        call, since each takes longer than the picture."""
+        show = f"times => times.map((t) => {{ window.motionsyncMachine.show(t); return {look}; }})"
+        return list(self.page.evaluate(show, times))
+
     def freeze(self) -> None:
         """From now on the browser's own time goes on by `wait` alone."""
         self.is_spoilt = True
@@ -65,8 +74,7 @@ class Visit:
 
     def readout(self, name: str) -> str:
         """What the machine shows under a name."""
-        row = self.page.locator(".motionsync-machine .readouts div", has=self.page.locator(f"dt:text-is('{name}')"))
-        return str(row.locator("dd").inner_text())
+        return str(self.page.evaluate(READOUTS)[name])
 
     def allow(self, *permissions: str) -> None:
         """Let the page do what a browser asks its user about."""
