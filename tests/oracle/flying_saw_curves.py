@@ -12,6 +12,7 @@ from itertools import pairwise
 
 from tests.oracle import mp
 from tests.oracle.mp import Number
+from tests.oracle.root_search import Bracket
 
 ZERO = mp.mpf(0)
 
@@ -71,26 +72,25 @@ def real_roots(polynomial: Sequence[Number], length: Number) -> list[Number]:
 def solve(function: Callable[[Number], Number], low: Number, high: Number) -> Number:
     """The root between `low` and `high`, where the function has different signs, to about 45 digits.
 
-    False position that halves the weight of an end that stays, and every third step a bisection.
+    False position, and every third step a bisection.
     """
     at_low, at_high = function(low), function(high)
     if at_low == 0 or at_high == 0:
         return low if at_low == 0 else high
     assert mp.sign(at_low) != mp.sign(at_high), "no sign change in the bracket"
+    bracket = Bracket(low, high, at_low, at_high)
     for count in range(600):
-        if abs(high - low) <= mp.mpf("1e-46") * (abs(high) + abs(low)):
+        low, high = sorted((bracket.low, bracket.high))
+        if high - low <= mp.mpf("1e-46") * (abs(high) + abs(low)):
             break
-        middle = (low + high) / 2 if count % 3 == 2 else (low * at_high - high * at_low) / (at_high - at_low)
-        if not min(low, high) < middle < max(low, high):
-            middle = (low + high) / 2
-        value = function(middle)
+        point = bracket.middle if count % 3 == 2 else bracket.false_position
+        if not low < point < high:
+            point = bracket.middle
+        value = function(point)
         if value == 0:
-            return middle
-        if mp.sign(value) == mp.sign(at_low):
-            low, at_low, at_high = middle, value, at_high / 2
-        else:
-            high, at_high, at_low = middle, value, at_low / 2
-    return (low + high) / 2
+            return point
+        bracket.narrow(point, value)
+    return bracket.middle
 
 
 @dataclass(frozen=True)

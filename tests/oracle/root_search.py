@@ -1,8 +1,9 @@
-"""Where a function of floats becomes 0 first, to the last bit."""
+"""Where a function becomes 0 first, of floats to the last bit; the false position for functions of any numbers."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import sqrt
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 Function: TypeAlias = Callable[[float], float]
 
@@ -10,24 +11,59 @@ SAMPLES, FEW_SAMPLES, SHORT = 48, 12, 0.05
 GOLDEN = (sqrt(5.0) - 1.0) / 2.0
 
 
+@dataclass(slots=True)
+class Bracket:
+    """Two points at which a function of floats or of `mp` numbers has different signs, and its values there.
+
+    Of an end that stays a second time the value is halved, so that the false position soon is on its side of the root:
+    the Illinois algorithm, which needs a dozen values where a bisection needs a hundred.
+    """
+
+    low: Any
+    high: Any
+    at_low: Any
+    at_high: Any
+    rises: bool = field(init=False)
+    low_stayed: bool = False
+    high_stayed: bool = False
+
+    def __post_init__(self) -> None:
+        self.rises = bool(self.at_low < 0)
+
+    @property
+    def false_position(self) -> Any:
+        return (self.low * self.at_high - self.high * self.at_low) / (self.at_high - self.at_low)
+
+    @property
+    def middle(self) -> Any:
+        return (self.low + self.high) / 2
+
+    def narrow(self, point: Any, value: Any) -> None:
+        """`point`, between the ends, takes the place of the one where the function has the sign of `value`."""
+        if (value < 0) == self.rises:
+            self.low, self.at_low = point, value
+            self.at_high = self.at_high / 2 if self.high_stayed else self.at_high
+            self.low_stayed, self.high_stayed = False, True
+        else:
+            self.high, self.at_high = point, value
+            self.at_low = self.at_low / 2 if self.low_stayed else self.at_low
+            self.low_stayed, self.high_stayed = True, False
+
+
 def find_root(function: Function, low: float, high: float) -> float:
     """The point of [low, high] from which on the function is not negative; at `low` it has to be negative.
 
-    False position that halves the weight of an end that stays, and every third step a bisection.
+    False position, and every third step a bisection.
     """
-    at_low, at_high = function(low), function(high)
+    bracket = Bracket(low, high, function(low), function(high))
     for count in range(300):
-        middle = (low + high) / 2 if count % 3 == 2 else (low * at_high - high * at_low) / (at_high - at_low)
-        if not low < middle < high:
-            middle = (low + high) / 2
-            if not low < middle < high:
+        point = bracket.middle if count % 3 == 2 else bracket.false_position
+        if not bracket.low < point < bracket.high:
+            point = bracket.middle
+            if not bracket.low < point < bracket.high:
                 break
-        value = function(middle)
-        if value >= 0:
-            high, at_high, at_low = middle, value, at_low / 2
-        else:
-            low, at_low, at_high = middle, value, at_high / 2
-    return high
+        bracket.narrow(point, function(point))
+    return float(bracket.high)
 
 
 def find_first_root(function: Function, low: float, high: float) -> float | None:

@@ -5,6 +5,8 @@ A place is a position of the master (u); `at` gives the slave's position there a
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import TypeAlias
 
 from tests.oracle import mp
@@ -16,7 +18,8 @@ Extremes: TypeAlias = tuple[Number, Number, Number]
 """The greatest magnitudes of slope, curvature and third derivative."""
 
 ZERO, ONE = mp.mpf(0), mp.mpf(1)
-FINE = mp.mpf("1e-46")
+FINE = mp.mpf("1e-12")
+"""The last step of Newton's method: the zero is right to 24 digits then, and what is extreme there to 48."""
 MOST_ITERATIONS = 400
 NO_EXTREMES: Extremes = (ZERO, ZERO, ZERO)
 
@@ -87,7 +90,7 @@ class Cut:
         return self.position + s, slope, curvature, third
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Quintic:
     """Σ cᵢ uⁱ, u = (place - begin)/width from 0 to 1."""
 
@@ -110,27 +113,37 @@ class Quintic:
     def at(self, place: Number) -> Derivatives:
         u = min(max((place - self.begin) / self.width, ZERO), ONE)
         s, slope, curvature, third = (
-            value_at(derivative(self.coefficients, order), u) / self.width**order for order in range(4)
+            value_at(polynomial, u) / self.width**order for order, polynomial in enumerate(self._derivatives[:4])
         )
         return s, slope, curvature, third
 
     def extremes(self) -> Extremes:
         slope, curvature, third = (
-            max(map(abs, values)) / self.width**order for order, values in enumerate(self._critical_values(), start=1)
+            max(map(abs, values)) / self.width**order for order, values in enumerate(self._critical_values, start=1)
         )
         return slope, curvature, third
 
     def least_slope(self) -> Number:
-        return min(self._critical_values()[0]) / self.width
+        return min(self._critical_values[0]) / self.width
 
+    @cached_property
+    def _derivatives(self) -> list[list[Number]]:
+        """The polynomial over u and its derivatives, by order."""
+        result = [list(self.coefficients)]
+        for _ in range(5):
+            result.append([power * c for power, c in enumerate(result[-1])][1:])
+        return result
+
+    @cached_property
     def _critical_values(self) -> list[list[Number]]:
         """Of the first three derivatives over u, at both ends and wherever the next one is 0."""
-        derivatives = [derivative(self.coefficients, order) for order in range(6)]
-        inner: list[Number] = []  # the zeros of the derivative of the next higher order
         result: list[list[Number]] = []
+        points = [ZERO, ONE]  # between any two of them the derivative is monotone
         for order in (4, 3, 2, 1):
-            result.insert(0, [value_at(derivatives[order], u) for u in (ZERO, *inner, ONE)])
-            inner = zeros(derivatives[order], derivatives[order + 1], inner)
+            polynomial = self._derivatives[order]
+            result.insert(0, [value_at(polynomial, u) for u in points])
+            if order > 1:
+                points = [ZERO, *zeros(polynomial, self._derivatives[order + 1], points, result[0]), ONE]
         return result[:3]
 
 
@@ -141,22 +154,15 @@ def value_at(polynomial: Sequence[Number], u: Number) -> Number:
     return result
 
 
-def derivative(polynomial: Sequence[Number], order: int = 1) -> list[Number]:
-    result = list(polynomial)
-    for _ in range(order):
-        result = [power * c for power, c in enumerate(result)][1:]
-    return result
-
-
-def zeros(polynomial: Sequence[Number], slope: Sequence[Number], turning_points: Sequence[Number]) -> list[Number]:
-    """Where in (0, 1) the polynomial changes its sign, in order. `slope`: its derivative, which does at
-    `turning_points`: between any two of them there is one zero at most."""
-    ends = [ZERO, *turning_points, ONE]
-    values = [value_at(polynomial, u) for u in ends]
+def zeros(
+    polynomial: Sequence[Number], slope: Sequence[Number], points: Sequence[Number], values: Sequence[Number]
+) -> list[Number]:
+    """Where the polynomial changes its sign, in order. `slope`: its derivative; `values`: its values at `points`,
+    between any two of which it is monotone, so that there is one zero at most."""
     return [
-        _zero_between(polynomial, slope, ends[i], ends[i + 1], mp.sign(values[i + 1]))
-        for i in range(len(ends) - 1)
-        if mp.sign(values[i]) * mp.sign(values[i + 1]) < 0
+        _zero_between(polynomial, slope, low, high, mp.sign(at_high))
+        for (low, at_low), (high, at_high) in pairwise(zip(points, values, strict=True))
+        if mp.sign(at_low) * mp.sign(at_high) < 0
     ]
 
 
@@ -176,6 +182,6 @@ def _zero_between(
             high = u
         following = u - value / rate if rate else low
         if abs(following - u) <= FINE:
-            break
+            return following
         u = following if low < following < high else (low + high) / 2
     return u

@@ -11,6 +11,7 @@ from typing import Any
 
 from tests.oracle import mp
 from tests.oracle.mp import Number
+from tests.oracle.root_search import Bracket
 from tests.oracle.rotary_knife_curves import (
     NO_EXTREMES,
     ZERO,
@@ -103,7 +104,8 @@ class Knife:
         """On to the cut's window without rest; None if there is no way, or if it would turn back."""
         if cut.begin <= place:
             return None
-        return Way((_curve_to(place, state, cut),)) if turning_margin(place, state, cut) >= 0 else None
+        curve = _curve_to(place, state, cut)
+        return Way((curve,)) if _margin(curve, cut) >= 0 else None
 
     def parking(self, place: Number, state: Derivatives, cut: Cut, *, shortened: bool = True) -> Way | None:
         """Down to rest before the cut at once, and up from it as late as possible; None if that does not fit.
@@ -164,7 +166,11 @@ def _curve_to(place: Number, state: Derivatives, cut: Cut) -> Quintic:
 
 def turning_margin(place: Number, state: Derivatives, cut: Cut) -> Number:
     """The least slope of the curve to a cut's window, over that at which it turns back."""
-    return _curve_to(place, state, cut).least_slope() + BACKWARDS * cut.window.slope
+    return _margin(_curve_to(place, state, cut), cut)
+
+
+def _margin(curve: Quintic, cut: Cut) -> Number:
+    return curve.least_slope() + BACKWARDS * cut.window.slope
 
 
 def longest_curve(place: Number, state: Derivatives, cut_after: Callable[[Number], Cut]) -> Number:
@@ -262,20 +268,17 @@ def shortest_way(knife: Knife, window: Window, velocity: Number) -> Number | Non
 def solve(function: Callable[[Number], Number], low: Number, high: Number) -> Number:
     """The root between two points where the function has different signs, to 1e-30 of the first bracket or its values.
 
-    False position that halves the weight of an end that stays, and every eighth time a bisection.
+    False position, and every eighth time a bisection.
     """
-    at_low, at_high = function(low), function(high)
-    width, scale = abs(high - low), abs(at_low) + abs(at_high)
+    bracket = Bracket(low, high, function(low), function(high))
+    width, scale = abs(high - low), abs(bracket.at_low) + abs(bracket.at_high)
     for trial in range(MOST_TRIALS):
-        middle = (low * at_high - high * at_low) / (at_high - at_low) if trial % 8 < 7 else (low + high) / 2
-        value = function(middle)
-        if abs(value) <= FINE * scale or abs(high - low) <= FINE * width:
-            return middle
-        if mp.sign(value) == mp.sign(at_low):
-            low, at_low, at_high = middle, value, at_high / 2
-        else:
-            high, at_high, at_low = middle, value, at_low / 2
-    return high
+        point = bracket.false_position if trial % 8 < 7 else bracket.middle
+        value = function(point)
+        if abs(value) <= FINE * scale or abs(bracket.high - bracket.low) <= FINE * width:
+            return point
+        bracket.narrow(point, value)
+    return bracket.high
 
 
 def first_admissible(margin: Callable[[Number], Number], best: Number) -> Number | None:
