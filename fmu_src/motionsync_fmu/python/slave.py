@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from enum import StrEnum
-from functools import partialmethod
 from math import inf
 from operator import attrgetter
 from typing import Any, ClassVar, NoReturn
@@ -303,12 +302,23 @@ class BlockSlave(Fmi2Slave):  # type: ignore[misc]
             self.refuse(f"no {' or '.join(kinds)} has the value reference {reference % 2**32}")
         return v
 
-    get_real = partialmethod(_get, ("Real",))
-    get_integer = partialmethod(_get, ("Integer", "Enumeration"))
-    get_boolean = partialmethod(_get, ("Boolean",))
-    set_real = partialmethod(_set, ("Real",))
-    set_integer = partialmethod(_set, ("Integer", "Enumeration"))
-    set_boolean = partialmethod(_set, ("Boolean",))
+    def get_real(self, references: list[int]) -> list[Any]:
+        return self._get(("Real",), references)
+
+    def get_integer(self, references: list[int]) -> list[Any]:
+        return self._get(("Integer", "Enumeration"), references)
+
+    def get_boolean(self, references: list[int]) -> list[Any]:
+        return self._get(("Boolean",), references)
+
+    def set_real(self, references: list[int], values: list[Any]) -> None:
+        self._set(("Real",), references, values)
+
+    def set_integer(self, references: list[int], values: list[Any]) -> None:
+        self._set(("Integer", "Enumeration"), references, values)
+
+    def set_boolean(self, references: list[int], values: list[Any]) -> None:
+        self._set(("Boolean",), references, values)
 
     def values(self) -> list[Any]:
         """A copy of the whole state of the block."""
