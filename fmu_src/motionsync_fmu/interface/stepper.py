@@ -26,14 +26,12 @@ class Cells(Mapping[str, Cell]):
 
     def __init__(self, block: Any) -> None:
         block_type: type = type(block)
-        self._block, self._of_type, self._own = block, _cells_of_type(block_type), dict[str, Cell]()
+        self._block, self._of_type = block, _cells_of_type(block_type)
 
     def __getitem__(self, name: str) -> Cell:
-        if name not in self._own:
-            part, c = name.rpartition(".")[0], self._of_type[name]
-            owner = attrgetter(part)(self._block) if part else self._block
-            self._own[name] = Cell(name, owner, c.attribute, c.type, c.declaration, c.choices)
-        return self._own[name]
+        part, c = name.rpartition(".")[0], self._of_type[name]
+        owner = attrgetter(part)(self._block) if part else self._block
+        return Cell(name, owner, c.attribute, c.type, c.declaration, c.choices)
 
     def __contains__(self, name: object) -> bool:
         return name in self._of_type
@@ -73,7 +71,7 @@ class Stepper:
         self.block = block
         self.cells = Cells(block)
         self._type: type = type(block)
-        self._what = f"variable of {self._type.__name__}"
+        self._set_cells: dict[str, Cell] = {}  # those that were set
 
     def set(self, values: Mapping[str, Any]) -> Self:
         """Set cells.
@@ -82,15 +80,22 @@ class Stepper:
             UserError: the block has no cell of a name.
         """
         for name, value in values.items():
-            choose(self.cells, name, self._what).set(value)
+            if name not in self._set_cells:
+                self._set_cells[name] = choose(self.cells, name, f"variable of {self._type.__name__}")
+            self._set_cells[name].set(value)
         return self
 
     def get(self, names: Iterable[str]) -> dict[str, Any]:
         """The present values of these cells."""
         names = tuple(names)
+        return dict(zip(names, self.values(names), strict=True))
+
+    def values(self, names: tuple[str, ...]) -> tuple[Any, ...]:
+        """The present values of these cells, in this order."""
         if len(names) < 2:
-            return {name: self[name] for name in names}
-        return dict(zip(names, _reader(self._type, names)(self.block), strict=True))
+            return tuple(self[name] for name in names)
+        values: tuple[Any, ...] = _reader(self._type, names)(self.block)
+        return values
 
     def __getitem__(self, name: str) -> Any:
         return _reader(self._type, (name,))(self.block)

@@ -3,7 +3,7 @@
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,7 @@ class Segment:
     jerk: float | None = None
 
 
-@dataclass(frozen=True)
-class AxisMotion:
+class AxisMotion(NamedTuple):
     """Position (u, unwrapped), velocity, acceleration and jerk at an instant."""
 
     position: float
@@ -95,7 +94,7 @@ class Script:
 
     def table(self) -> NDArray[np.float64]:
         """The motions at the breaks, shape (breaks, 4): u, u/s, u/s2, u/s3."""
-        return np.array([(m.position, m.velocity, m.acceleration, m.jerk) for m in self.motions])
+        return np.array(self.motions)
 
     def motions_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The motions at these times, as `at` gives them, shape (times, 4): u, u/s, u/s2, u/s3."""

@@ -4,6 +4,7 @@ import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -227,7 +228,12 @@ class FmuInstance:
         values: dict[str, Any] = {}
         for group in self.groups(tuple(self.kinds if names is None else names)):
             self.call(group.getter, self.unit.component, *group.arguments)
-            values |= zip(group.names, group.values, strict=True)
+            values |= zip(group.names, group.values[:], strict=True)
+        return values
+
+    def values(self, names: tuple[str, ...]) -> tuple[Any, ...]:
+        """The values of these variables, at least two, in this order; as `get` gives them."""
+        values: tuple[Any, ...] = itemgetter(*names)(self.get(names))
         return values
 
     def call(self, function: Any, *arguments: Any, **options: Any) -> Any:

@@ -135,7 +135,7 @@ class _Recorder:
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
-        self.names = [v.name for v in scenario.recipe.variables.values() if not v.settable]
+        self.names = tuple(v.name for v in scenario.recipe.variables.values() if not v.settable)
         self.times = array("d")
         self.program = ReactionProgram(scenario)
         self._values = array("d")  # of each point in turn; a list of numbers would need four times the memory
@@ -146,11 +146,11 @@ class _Recorder:
         """The latest point, in s; 0 before the first one."""
         return self.times[-1] if self.times else 0.0
 
-    def add(self, time: float, values: Mapping[str, Any]) -> None:
-        self._values.extend([values[name] for name in self.names])
+    def add(self, time: float, values: Iterable[Any]) -> None:
+        self._values.extend(values)
         master = self.program.master
         m = master.until(time) if self.times else master.at(time)
-        self._motions.extend((m.position, m.velocity, m.acceleration, m.jerk))
+        self._motions.extend(m)
         self.times.append(time)
 
     def recording(self, messages: list[str]) -> Recording:
@@ -174,18 +174,19 @@ class _Model(Protocol):
     def initialize(self, values: Mapping[str, Any]) -> object: ...
     def step(self, h: float, values: Mapping[str, Any]) -> object: ...
     def get(self, names: Iterable[str]) -> dict[str, Any]: ...
+    def values(self, names: tuple[str, ...]) -> Iterable[Any]: ...
 
 
 def _run_steps(scenario: Scenario, model: _Model, step_size: float, recorder: _Recorder) -> Iterator[float]:
     """Run the model along the scenario; yields the begin of each step, in s, before the step is made."""
     program = recorder.program
     model.initialize({**scenario.start, **start_inputs(scenario)})
-    recorder.add(0.0, model.get(recorder.names))
+    recorder.add(0.0, model.values(recorder.names))
     program.sample_start(model.get(program.names))
     for time, end, values in _plan_steps(scenario, step_size, program):
         yield time
         model.step(end - time, values)
-        recorder.add(end, model.get(recorder.names))
+        recorder.add(end, model.values(recorder.names))
         if program.next_sample_time <= end + CLOSE * step_size:
             program.sample(model.get(program.names))
 
