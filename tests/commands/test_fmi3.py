@@ -6,13 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from fmpy.validation import validate_fmu
 
 from motionsync_fmu.fmus.fmu import BuildOptions, Finish, Flavour, fmu_path, start_build, why_outdated
 from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.native.platforms import OF_VERSION, host_platform
 from tests.support.command_line import Command, assert_one_line
 from tests.support.fmus import Fmus
+from tests.support.validation import faults_by_fmpy
 
 FMU = Path("build/fmi3/Synchronizer.fmu")
 
@@ -84,7 +84,7 @@ def test_a_component_is_added_for_fmi_3_only(built: Command, monkeypatch: pytest
         assert {component, "extra/org.modelica.fmi-ls-wasm/manifest.xml"} <= set(z.namelist())
         assert z.read(component).startswith(b"\0asm\x0d\0\1\0")  # a component, no core module
         assert "experimental" in z.read("documentation/index.html").decode()
-    assert validate_fmu(str(FMU)) == []
+    assert faults_by_fmpy(FMU) == []
     assert "is up to date" in built("build", "Synchronizer", "--fmi", "3", "--wasm").out
 
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmpy.validation import validate_fmu
 
 from motionsync_fmu.scenario.run.fmu_instance import FmuError
 from tests.support.importers import Logged
+from tests.support.validation import faults_by_fmpy
 
 OK, WARNING, DISCARD, ERROR = range(4)
 LOGGED = {WARNING: "logStatusWarning", DISCARD: "logStatusDiscard", ERROR: "logStatusError"}
@@ -26,7 +26,7 @@ def host(fmi3: Path) -> Iterator[Logged]:
 
 
 def test_fmpy_finds_no_fault(block_fmi3: Path) -> None:
-    assert validate_fmu(str(block_fmi3)) == []
+    assert faults_by_fmpy(block_fmi3) == []
 
 
 def status_of(call: Any, *arguments: Any) -> int:

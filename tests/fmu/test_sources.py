@@ -17,7 +17,6 @@ import pytest
 from fmpy import fmi2, read_model_description
 from fmpy.build import build_platform_binary
 from fmpy.fmi1 import FMICallException
-from fmpy.validation import validate_fmu
 
 from motionsync.blocks import BLOCKS
 from motionsync_fmu.fmus.fmu import BuildOptions, build
@@ -31,6 +30,7 @@ from motionsync_fmu.scenario.run.fmu_instance import FmuInstance
 from tests import ROOT
 from tests.support.fmus import Fmus
 from tests.support.linked import answer, header, runs
+from tests.support.validation import faults_by_fmpy
 
 HOST = ROOT / "tests" / "fmu"
 # FMI's headers with the prefix of its functions; FMPy's do not have it any more.
@@ -247,7 +247,7 @@ def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 
 
 def test_the_description_names_all_c_files_and_fmis_headers_stay_with_the_importer(fmu: Path) -> None:
-    assert validate_fmu(str(fmu)) == []
+    assert faults_by_fmpy(fmu) == []
     description = read_model_description(str(fmu))
     (configuration,) = description.buildConfigurations
     (sources,) = configuration.sourceFileSets

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 from fmpy import read_model_description
-from fmpy.validation import validate_fmu
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,6 +19,7 @@ from motionsync_fmu.interface.causality import CausalityError, Interface
 from motionsync_fmu.interface.fmi2_xml import complete, content, describe
 from motionsync_fmu.interface.recipe import Recipe
 from tests.support.by_block import load_test_module
+from tests.support.validation import faults_by_fmpy
 
 SIGNALS = {f"{axis}.{name}" for axis in ("master", "remote") for name in ("position", "velocity", "acceleration")}
 SIGNALS |= {"remote.cycle_index"}
@@ -47,7 +47,7 @@ def read_description(recipe: Recipe, folder: str) -> Any:
     root = describe(recipe.block(), recipe.unit, recipe.slave_unit, recipe.causality_overrides)
     complete(root, "{0}")
     Path(folder, "modelDescription.xml").write_bytes(content(root))
-    assert validate_fmu(folder) == []
+    assert faults_by_fmpy(folder) == []
     return read_model_description(folder)
 
 
