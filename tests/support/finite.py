@@ -2,9 +2,13 @@
 
 import math
 from collections.abc import Iterator
+from functools import cache
+from itertools import chain
 from typing import Any
 
-from motionsync_fmu.interface.variables import cells, step_size_refusal, variables
+from motionsync_fmu.interface.recipe import declared_variables
+from motionsync_fmu.interface.stepper import Stepper
+from motionsync_fmu.interface.variables import cells, step_size_refusal
 from tests.support.runs import BlockRun
 
 
@@ -13,22 +17,27 @@ def run_finite(block: Any, run: BlockRun) -> Iterator[Any]:
 
     All its numbers are finite then, except tunable parameters that the run itself sets to NaN or infinity. A step
     whose size or inputs an FMU refuses is left out."""
-    by_name = {c.name: c for c in cells(block)}
-    checked = [v for v in variables(block) if v.checked]
-    settable = {v.name for v in variables(block) if v.settable}
-    computed = [c for c in by_name.values() if c.name not in settable and c.type in (float, list)]
-    for name, value in run.start.items():
-        by_name[name].set(value)
+    stepper, names, lists = Stepper(block), *computed(type(block))
+    checked = {v.name: v for v in declared_variables(type(block)).values() if v.checked}
+    checked_names = tuple(checked)
+    stepper.set(run.start)
     assert not block.initialize()
     for h, values in run.steps:
-        before = {name: by_name[name].get() for name in values}
-        for name, value in values.items():
-            by_name[name].set(value)
-        if step_size_refusal(h) or any(v.refusal(v.cell.get()) for v in checked):
-            for name, value in before.items():
-                by_name[name].set(value)
+        before = stepper.get(values)
+        stepper.set(values)
+        inputs = zip(checked.values(), stepper.values(checked_names), strict=True)
+        if step_size_refusal(h) or not all(v.allows(value) for v, value in inputs):
+            stepper.set(before)
         elif not block.step(h):
-            for cell in computed:
-                numbers = cell.get() if cell.type is list else [cell.get()]
-                assert all(map(math.isfinite, numbers)), f"{cell.name} = {cell.get()}"
+            numbers = chain(stepper.values(names), *stepper.values(lists))
+            assert all(map(math.isfinite, numbers)), stepper.get((*names, *lists))
             yield block
+
+
+@cache
+def computed(block_type: type) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The names of the numbers that a block computes, and those of its lists of numbers."""
+    settable = {v.name for v in declared_variables(block_type).values() if v.settable}
+    own = [c for c in cells(block_type()) if c.name not in settable]
+    names, lists = (tuple(c.name for c in own if c.type is kind) for kind in (float, list))
+    return names, lists

@@ -14,10 +14,11 @@ from motionsync.cut_to_length.block import CutToLength
 from motionsync.cut_to_length.interface import State, ToolMode
 from motionsync.cutting.interface import LateMode, PieceKind
 from motionsync.master import MasterInput
+from motionsync_fmu.interface.recipe import declared_variables
 from motionsync_fmu.interface.stepper import Stepper
-from motionsync_fmu.interface.variables import variables
 from tests.model.cut_to_length.harness import CutToLengthHarness
 from tests.model.cut_to_length.strategies import random_machine, random_tool, runs
+from tests.support.compiled import Layout
 from tests.support.finite import run_finite
 from tests.support.harness import MOTION
 from tests.support.line_phases import (
@@ -304,15 +305,16 @@ def test_position_velocity_and_acceleration_have_no_step(rng: Random, mode: Mast
 
 # All outputs are compared, each with its scale. The velocities that are predicted are those of a search.
 SCALES = {"POSITION": LENGTH, "VELOCITY": LINE, "ACCELERATION": 1e2 * LINE, "JERK": 1e4 * LINE, "TIME": DURATION}
+COMPARED = {
+    v.name: SCALES.get(v.declaration.unit.name, 1.0) if v.kind == "Real" else 0.0
+    for v in declared_variables(CutToLength).values()
+    if v.causality in ("output", "local") and v.name != "local.skip_reason"  # which is that of one step
+}
 
 
 def read_outputs(saw: CutToLengthHarness) -> dict[str, tuple[Any, float]]:
     """All outputs and locals with their scales; 0: they must be equal."""
-    outputs = {}
-    for v in variables(CutToLength()):
-        if v.causality in ("output", "local") and v.name != "local.skip_reason":  # which is that of one step
-            outputs[v.name] = (saw[v.name], SCALES.get(v.declaration.unit.name, 1.0) if v.kind == "Real" else 0.0)
-    return outputs
+    return {name: (value, COMPARED[name]) for name, value in saw.read(COMPARED).items()}
 
 
 def assert_same_outputs(one: CutToLengthHarness, other: CutToLengthHarness) -> None:
@@ -364,29 +366,26 @@ def test_any_two_step_sizes_and_input_modes_agree(
 # --- the state --------------------------------------------------------------------------------------------------------
 
 
-def cell_bits(stepper: Stepper) -> list[str]:
-    return [f"{cell.get()}" for cell in stepper.cells.values()]
-
-
 @settings(repeatable, max_examples=10, suppress_health_check=list(HealthCheck))
 @given(runs(steps=300))
 def test_a_state_that_is_restored_goes_on_with_the_same_bits(run: BlockRun) -> None:
     """When a state is met for the first time: a new block that gets all cells answers the next 40 steps alike."""
     block = Stepper(CutToLength())
-    ranges = [v for v in variables(block.block) if v.checked]
+    layout = Layout(block.block)
+    ranges = [v for v in declared_variables(CutToLength).values() if v.checked]
     block.initialize(run.start)
     met, copies = set(), list[tuple[Stepper, int]]()
     for number, (h, values) in enumerate(run.steps):
         before = block.get(values)
         block.set(values)
-        if not 0.0 < h <= 1e6 or not all(v.allows(v.cell.get()) for v in ranges):
+        if not 0.0 < h <= 1e6 or not all(v.allows(block[v.name]) for v in ranges):
             block.set(before)
             continue
         answer = block.block.step(h)
         copies = [(copy, until) for copy, until in copies if number < until]
         for copy, _ in copies:
             assert copy.set(values).block.step(h) == answer
-            assert cell_bits(copy) == cell_bits(block)
+            assert layout.bytes(copy.block) == layout.bytes(block.block)
         if answer:
             break
         if block["state_code"] not in met:

@@ -1,6 +1,7 @@
 """A FlyingSaw along a scripted master, for tests of the block alone."""
 
 from collections.abc import Iterable
+from itertools import compress
 from typing import Any, Self
 
 import pytest
@@ -19,6 +20,7 @@ GROUPS = (
     *("gear_in_velo", "gear_in_pos", "gear_out", "halt", "stop"),
     *("move_velocity", "move_absolute", "reset"),
 )
+EXECUTES = tuple(f"{group}.execute" for group in GROUPS)
 INSTANT = 2.0**-20  # s, a step in which hardly anything moves
 VELOCITY_CHECKS = ("check_overshoot_velocity", "check_undershoot_velocity")
 FIRST: dict[str, float] = {"master_sync_position": 1000.0, "slave_sync_position": 1000.0}
@@ -32,7 +34,7 @@ class FlyingSawHarness(BlockHarness):
     TYPE = FlyingSaw
 
     def after_step(self) -> None:
-        self.held = {group for group in GROUPS if self[f"{group}.execute"]}
+        self.held = {*compress(GROUPS, self.stepper.values(EXECUTES))}
 
     def modes(self, *names: str) -> Self:
         """These bits of sync_mode, and no other."""

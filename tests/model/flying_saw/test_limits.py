@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from motionsync.exceeded_limit import Limit
 from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.interface import State
+from motionsync_fmu.interface.recipe import declared_variables
 from motionsync_fmu.interface.stepper import RefusedError, Stepper
-from motionsync_fmu.interface.variables import LONGEST_STEP, variables
+from motionsync_fmu.interface.variables import LONGEST_STEP
 from tests.model.flying_saw.harness import INSTANT, FlyingSawHarness, meeting, near
 from tests.model.flying_saw.strategies import STRATEGY
 from tests.oracle.flying_saw import reference
@@ -274,7 +275,7 @@ def test_whatever_is_output_beyond_a_limit_is_reported(run: BlockRun, seed: int)
     middle = run.start["axis.initial_position"]
     start |= {"axis.min_position": middle - span * r.random(), "axis.max_position": middle + span * r.random()}
     stepper = Stepper(FlyingSaw()).initialize(start)
-    inputs = {v.name: v for v in variables(FlyingSaw()) if v.causality == "input"}
+    inputs = {v.name: v for v in declared_variables(FlyingSaw).values() if v.causality == "input"}
     for h, drawn_values in run.steps:
         values = {name: x for name, x in drawn_values.items() if name != "axis.max_jerk"}
         if not 0.0 < h <= LONGEST_STEP or any(inputs[n].refusal(x) for n, x in values.items() if n in inputs):

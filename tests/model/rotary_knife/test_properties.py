@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from motionsync.master import MasterInput
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.interface import State
-from motionsync_fmu.interface.variables import variables
+from motionsync_fmu.interface.recipe import declared_variables
 from tests.model.rotary_knife.harness import RotaryKnifeHarness
 from tests.model.rotary_knife.strategies import random_knife, random_window, runs
 from tests.support.finite import run_finite
@@ -183,16 +183,19 @@ def test_all_material_is_recorded(rng: Random, mode: MasterInput) -> None:
 
 SCALES = {"POSITION": LENGTH, "VELOCITY": LINE, "TIME": DURATION}
 OF_KNIFE = ("slave", "peaks")
+COMPARED = {  # each with its scale
+    v.name: SCALES.get(v.declaration.unit.name, 1.0) if v.kind == "Real" else 0.0
+    for v in declared_variables(RotaryKnife).values()
+    if v.causality in ("output", "local") and v.name not in ("local.skip_reason", "slave.position")
+}
 
 
 def read_outputs(knife: RotaryKnifeHarness, values: dict[str, Any]) -> dict[str, tuple[Any, float]]:
     """All outputs and locals with their scales; 0: they must be equal."""
     outputs = {}
-    for v in variables(RotaryKnife()):
-        if v.causality in ("output", "local") and v.name not in ("local.skip_reason", "slave.position"):
-            group, _, quantity = v.name.partition(".")
-            scale = SCALES.get(v.declaration.unit.name, 1.0) if v.kind == "Real" else 0.0
-            outputs[v.name] = (knife[v.name], values[f"axis.max_{quantity}"] if group in OF_KNIFE else scale)
+    for name, value in knife.read(COMPARED).items():
+        group, _, quantity = name.partition(".")
+        outputs[name] = (value, values[f"axis.max_{quantity}"] if group in OF_KNIFE else COMPARED[name])
     return outputs
 
 
