@@ -30,8 +30,13 @@ static void *need(const char *name) {
     exit(2);
 }
 
-/* A function of the library. */
-#define CALL(function) ((function##TYPE *)need(#function))
+/* A function of the library, looked for at the first call from here. */
+#define CALL(function)                                                                                                 \
+    ({                                                                                                                 \
+        static function##TYPE *address;                                                                                \
+        if (!address) address = (function##TYPE *)need(#function);                                                     \
+        address;                                                                                                       \
+    })
 
 /* --- the two versions --- */
 

@@ -5,6 +5,7 @@ import shutil
 import struct
 import subprocess
 import sys
+from array import array
 from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from importlib import metadata
@@ -87,6 +88,8 @@ def double(x: float) -> str:
 def orders(host: FmuInstance, run: BlockRun) -> Iterator[tuple[str, str]]:
     """A run as lines for the host in C, and what it answers to each, by the values of the FMU in `host`."""
     letters = {name: LETTERS[kind] for name, (_, kind) in host.kinds.items()}
+    are_real = [letter == "R" for letter in letters.values()]
+    form = " ".join("%016x" if is_real else "%d" for is_real in are_real)
 
     def setting(values: dict[str, Any]) -> Iterator[tuple[str, str]]:
         for name, value in values.items():
@@ -96,7 +99,9 @@ def orders(host: FmuInstance, run: BlockRun) -> Iterator[tuple[str, str]]:
 
     def all_values() -> tuple[str, str]:
         result = host.get()
-        return "g", " ".join(double(result[n]) if k == "R" else str(int(result[n])) for n, k in letters.items())
+        values = [result[name] for name in letters]
+        words = array("Q", array("d", values).tobytes())
+        return "g", form % tuple(w if is_real else v for w, v, is_real in zip(words, values, are_real, strict=True))
 
     yield "n", "0"
     if host.fmi == Fmi.TWO:
