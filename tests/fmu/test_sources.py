@@ -39,9 +39,10 @@ STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]
 NEEDED = {"sqrt", "fmod", "floor", "rint", "fabs", "memcpy", "memset", "memcmp", "strlen", "strcmp", "calloc", "free"}
 ZIG = [sys.executable, "-m", "ziglang", "cc", "-target"]
 BARE = ["-DBARE", "-O1", "-fno-math-errno", "-fno-builtin-bcmp"]  # zig takes it for granted that musl's bcmp is there
-# Two targets that no binary is for, and the emulator of each. A processor of 32 bits needs the compiler's own library.
+# Two targets that no binary is for, and the emulator of each. A processor of 32 bits needs the compiler's own library,
+# which zig compiles first: with -Os it takes least.
 TARGETS = {
-    "arm-linux-musleabihf": ("qemu-arm", ["-rtlib=compiler-rt"]),
+    "arm-linux-musleabihf": ("qemu-arm", ["-rtlib=compiler-rt", "-Os"]),
     "riscv64-linux-musl": ("qemu-riscv64", []),
 }
 FEW = ["Synchronizer", "RemoteSync"]  # compiled for these targets
