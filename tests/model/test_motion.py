@@ -7,7 +7,6 @@ where lengths are of order 1.
 import math
 from collections import Counter
 from collections.abc import Callable
-from fractions import Fraction
 from itertools import pairwise
 from random import Random
 from typing import Any, NamedTuple
@@ -17,6 +16,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from motionsync.motion import Motion, acceleration_limit, stopping_distance
+from tests.oracle.mp import mpq
 from tests.support.compiled import Compiled, equal
 from tests.support.fake_blocks.planner import Planner
 
@@ -178,11 +178,11 @@ def assert_continuous(motion: Motion, start: tuple[float, float, float]) -> None
     near = [32.0 * EPS * (great[i] + end * great[i + 1]) for i in range(3)]
     for (begin, *before), (after, *state) in pairwise(table):
         assert begin < after
-        t = Fraction(after) - Fraction(begin)
-        p, v, a, j = (Fraction(x) for x in before)
+        t = mpq(after) - mpq(begin)
+        p, v, a, j = (mpq(x) for x in before)
         exact = (p + t * (v + t * (a / 2 + t * j / 6)), v + t * (a + t * j / 2), a + t * j)
         for i in range(3):
-            assert abs(exact[i] - Fraction(state[i])) <= near[i], (i, table)
+            assert abs(exact[i] - mpq(state[i])) <= near[i], (i, table)
 
 
 def assert_acceleration_within(motion: Motion, start: float, low: float, high: float) -> None:
@@ -461,6 +461,4 @@ def test_ten_million_steps_of_a_millisecond_do_not_drift(compiled: Compiled) -> 
     compiled.memory[...] = Compiled(Planner()).memory
     compiled.set("steps", 10**7)
     compiled.step(1e-3)
-    assert Fraction(float(compiled.memory["motion"]["clock"]["time"])) == pytest.approx(
-        Fraction(1e-3) * 10**7, abs=4e-12
-    )
+    assert mpq(float(compiled.memory["motion"]["clock"]["time"])) == pytest.approx(mpq(1e-3) * 10**7, abs=4e-12)

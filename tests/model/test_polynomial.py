@@ -1,7 +1,6 @@
 """Roots of polynomials in (0, 1) against exact fractions: all of them, to rounding, whatever the coefficients."""
 
 from collections.abc import Sequence
-from fractions import Fraction
 from math import inf, isfinite, nan
 
 import pytest
@@ -10,14 +9,15 @@ from hypothesis import strategies as st
 
 from motionsync.polynomial import EPSILON, ROUNDING, Polynomial
 from tests.model.flying_saw.fake_blocks import RootFinder
+from tests.oracle.mp import Ratio, mpq
 from tests.oracle.roots import at, roots_inside
 from tests.support.compiled import Compiled, equal
 
 settings.register_profile("polynomial", derandomize=True, deadline=None, max_examples=100)
 repeatable = settings.get_profile("polynomial")
 
-ULP = Fraction(EPSILON)
-LEAST = Fraction(1, 2**60)  # smaller roots, and differences between roots, are lost
+ULP = mpq(EPSILON)
+LEAST = mpq(1, 2**60)  # smaller roots, and differences between roots, are lost
 
 
 def polynomial(coefficients: list[float]) -> Polynomial:
@@ -35,20 +35,20 @@ def solved(coefficients: list[float]) -> list[float]:
 
 def expand(roots: list[float], factor: float = 1.0) -> list[float]:
     """The coefficients, each rounded once."""
-    exact = [Fraction(factor)]
+    exact = [mpq(factor)]
     for root in roots:
-        exact = [a - Fraction(root) * b for a, b in zip([Fraction(0), *exact], [*exact, Fraction(0)], strict=True)]
+        exact = [a - mpq(root) * b for a, b in zip([mpq(0), *exact], [*exact, mpq(0)], strict=True)]
     return [float(c) for c in exact]
 
 
-def terms(f: Sequence[float], u: Fraction) -> Fraction:
+def terms(f: Sequence[float], u: Ratio) -> Ratio:
     return at([abs(c) for c in f], u)
 
 
 def assert_root(coefficients: list[float], root: float) -> None:
     """The value is 0 within its rounding, or that of its place."""
     slope = [n * c for n, c in enumerate(coefficients)][1:]
-    u = Fraction(root)
+    u = mpq(root)
     assert 0.0 < root < 1.0
     assert abs(at(coefficients, u)) <= 8 * ULP * terms(coefficients, u) + LEAST * terms(slope, u)
 
@@ -60,7 +60,7 @@ def assert_solved(coefficients: list[float]) -> int:
     assert result == sorted(result)
     for root in result:
         assert_root(coefficients, root)
-    if abs(at(coefficients, Fraction(1))) <= 2 * Fraction(ROUNDING) * terms(coefficients, Fraction(1)):
+    if abs(at(coefficients, mpq(1))) <= 2 * mpq(ROUNDING) * terms(coefficients, mpq(1)):
         return 0
     certain = 0
     slope = [n * c for n, c in enumerate(coefficients)][1:]
@@ -70,7 +70,7 @@ def assert_solved(coefficients: list[float]) -> int:
         beyond = min(abs(low), abs(high)) > 16 * ULP * terms(coefficients, u)
         if away < u < 1 - away and low * high < 0 and beyond:
             certain += 1
-            assert any(abs(Fraction(root) - u) <= away for root in result), (result, float(u))
+            assert any(abs(mpq(root) - u) <= away for root in result), (result, float(u))
     return certain
 
 

@@ -1,32 +1,33 @@
 """The real roots of a polynomial in (0, 1), exactly: Descartes' rule of signs on halved intervals, in whole numbers."""
 
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
 from itertools import pairwise
 from math import comb, gcd, lcm
 
-Exact = list[Fraction]
+from tests.oracle.mp import Ratio, mpq
+
+Exact = list[Ratio]
 Whole = list[int]  # coefficients of a polynomial, times any factor > 0
 FINE = 90  # a root has this precision, in bits, to which two are distinguished
 
 
-def at(f: Sequence[float | Fraction], u: Fraction) -> Fraction:
-    value = Fraction(0)
+def at(f: Sequence[float | Ratio], u: Ratio) -> Ratio:
+    value = mpq(0)
     for c in reversed(f):
-        value = value * u + Fraction(c)
+        value = value * u + mpq(c)
     return value
 
 
-def derivative(f: Sequence[float | Fraction], order: int = 1) -> Exact:
-    exact = [Fraction(c) for c in f]
+def derivative(f: Sequence[float | Ratio], order: int = 1) -> Exact:
+    exact = [mpq(c) for c in f]
     for _ in range(order):
         exact = [n * c for n, c in enumerate(exact)][1:]
     return exact
 
 
-def roots_inside(f: Sequence[float | Fraction]) -> Exact:
+def roots_inside(f: Sequence[float | Ratio]) -> Exact:
     """The distinct roots, ascending; none of a polynomial that is 0 everywhere."""
-    fractions = [Fraction(c) for c in f]
+    fractions = [mpq(c) for c in f]
     factor = lcm(*(c.denominator for c in fractions))
     whole = distinct(reduced([int(c * factor) for c in fractions]))
     n = len(whole) - 1
@@ -62,7 +63,7 @@ def distinct(f: Whole) -> Whole:
     return reduced(divided(f, a)[0]) if a else f
 
 
-def isolated(f: Whole, bernstein: Whole, number: int, bits: int) -> Iterator[Fraction]:
+def isolated(f: Whole, bernstein: Whole, number: int, bits: int) -> Iterator[Ratio]:
     """The roots from number / 2^bits to (number + 1) / 2^bits. Bernstein's coefficients there, times any factor > 0,
     change their signs as often as there are roots, or an even number more."""
     signs = [b > 0 for b in bernstein if b != 0]
@@ -80,18 +81,18 @@ def isolated(f: Whole, bernstein: Whole, number: int, bits: int) -> Iterator[Fra
         row = [a + b for a, b in pairwise(row)]
     yield from isolated(f, left, 2 * number, bits + 1)
     if right[0] == 0:
-        yield Fraction(2 * number + 1, 2 << bits)
+        yield mpq(2 * number + 1, 2 << bits)
     yield from isolated(f, right, 2 * number + 1, bits + 1)
 
 
-def refined(f: Whole, number: int, bits: int, rising: bool) -> Fraction:
+def refined(f: Whole, number: int, bits: int, rising: bool) -> Ratio:
     while bits < FINE:
         number, bits = 2 * number + 1, bits + 1  # the middle
         value = 0
         for i, c in enumerate(reversed(f)):
             value = value * number + (c << bits * i)
         if value == 0:
-            return Fraction(number, 1 << bits)
+            return mpq(number, 1 << bits)
         if (value > 0) == rising:
             number -= 1
-    return Fraction(2 * number + 1, 2 << bits)
+    return mpq(2 * number + 1, 2 << bits)

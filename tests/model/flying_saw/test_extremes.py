@@ -1,7 +1,6 @@
 """The extremes of synchronisation profiles against exact fractions: values, places, peaks and integrals."""
 
 from collections.abc import Iterator
-from fractions import Fraction
 from itertools import pairwise
 from math import sqrt
 
@@ -12,14 +11,15 @@ from hypothesis import strategies as st
 from motionsync.flying_saw.extremes import Extremes
 from motionsync.flying_saw.profile import Profile, ProfileKind
 from tests.model.flying_saw.fake_blocks import ProfileMeasurer
+from tests.oracle.mp import Ratio, mpq
 from tests.oracle.roots import Exact, at, derivative, roots_inside
 from tests.support.compiled import Compiled, equal
 
 settings.register_profile("extremes", derandomize=True, deadline=None, max_examples=100)
 repeatable = settings.get_profile("extremes")
 
-EPS = Fraction(1, 2**52)
-EQUAL = Fraction(1, 10**12)
+EPS = mpq(1, 2**52)
+EQUAL = mpq(1, 10**12)
 QUANTITIES = ("position", "velocity", "acceleration", "jerk")
 RESULTS = [name for name in Extremes.__slots__ if isinstance(getattr(Extremes(), name), float)]
 
@@ -111,32 +111,32 @@ profiles = st.builds(profile, origins, quintics | ramps | anything)
 # --- the oracle ---
 
 
-def pieces(of: Profile) -> Iterator[tuple[Fraction, Fraction, Exact]]:
+def pieces(of: Profile) -> Iterator[tuple[Ratio, Ratio, Exact]]:
     """Begin, duration and the absolute position of each."""
     for i in range(of.segments):
-        f = [Fraction(c) for c in of.coefficients[6 * i : 6 * i + 6]]
-        yield Fraction(of.start_times[i]), Fraction(of.durations[i]), [f[0] + Fraction(of.origin), *f[1:]]
+        f = [mpq(c) for c in of.coefficients[6 * i : 6 * i + 6]]
+        yield mpq(of.start_times[i]), mpq(of.durations[i]), [f[0] + mpq(of.origin), *f[1:]]
 
 
-def candidates(of: Profile, order: int) -> Iterator[tuple[Fraction, Fraction, Fraction]]:
+def candidates(of: Profile, order: int) -> Iterator[tuple[Ratio, Ratio, Ratio]]:
     """Where the derivative of that order may be extreme: time, value, the velocity there."""
     for begin, d, f in pieces(of):
-        for u in [Fraction(0), *roots_inside(derivative(f, order + 1)), Fraction(1)]:
+        for u in [mpq(0), *roots_inside(derivative(f, order + 1)), mpq(1)]:
             yield begin + u * d, at(derivative(f, order), u) / d**order, at(derivative(f), u) / d
 
 
-def rounding(of: Profile, order: int) -> Fraction:
+def rounding(of: Profile, order: int) -> Ratio:
     """Of the values of that derivative: a few of all its terms together."""
     terms = (sum(abs(c) for c in derivative(f, order)) / d**order for _, d, f in pieces(of))
-    return 8 * EPS * max(terms, key=abs) + (4 * EPS * abs(Fraction(of.origin)) if order == 0 else 0)
+    return 8 * EPS * max(terms, key=abs) + (4 * EPS * abs(mpq(of.origin)) if order == 0 else 0)
 
 
-def integral(f: Exact) -> Fraction:
-    return sum((c / (n + 1) for n, c in enumerate(f)), Fraction(0))
+def integral(f: Exact) -> Ratio:
+    return sum((c / (n + 1) for n, c in enumerate(f)), mpq(0))
 
 
 def product(a: Exact, b: Exact) -> Exact:
-    result = [Fraction(0)] * max(len(a) + len(b) - 1, 0)
+    result = [mpq(0)] * max(len(a) + len(b) - 1, 0)
     for i, x in enumerate(a):
         for k, y in enumerate(b):
             result[i + k] += x * y
@@ -156,8 +156,8 @@ def test_the_extremes_are_those_of_exact_arithmetic(of: Profile) -> None:
     for order, name in enumerate(QUANTITIES):
         near = rounding(of, order)
         values = [value for _, value, _ in candidates(of, order)]
-        assert abs(Fraction(getattr(result, f"{name}_min")) - min(values)) <= near, name
-        assert abs(Fraction(getattr(result, f"{name}_max")) - max(values)) <= near, name
+        assert abs(mpq(getattr(result, f"{name}_min")) - min(values)) <= near, name
+        assert abs(mpq(getattr(result, f"{name}_max")) - max(values)) <= near, name
 
 
 @repeatable
@@ -173,23 +173,23 @@ def test_the_place_of_an_extremum_is_the_first_where_it_is_attained(of: Profile)
         near = rounding(of, order)
         for which, sign in (("min", -1), ("max", 1)):
             best = max(sign * value for _, value, _ in everywhere)
-            time = Fraction(getattr(result, f"{name}_{which}_time"))
+            time = mpq(getattr(result, f"{name}_{which}_time"))
             there = max(sign * value for value in values_at(of, time, order))
             assert there >= best - EQUAL * size - near - drift(of, time, order), (name, which)
-            late = Fraction(of.duration()) / 10**7  # a double root is known to the square root of rounding
+            late = mpq(of.duration()) / 10**7  # a double root is known to the square root of rounding
             before = [sign * value for t, value, _ in everywhere if t < time - late]
             assert not before or max(before) <= best - EQUAL * size + near, (name, which)
 
 
-def values_at(of: Profile, time: Fraction, order: int) -> Iterator[Fraction]:
+def values_at(of: Profile, time: Ratio, order: int) -> Iterator[Ratio]:
     """On either side of a joint."""
-    late = 4 * EPS * Fraction(of.duration())
+    late = 4 * EPS * mpq(of.duration())
     for begin, d, f in pieces(of):
         if begin - late <= time <= begin + d + late:
             yield at(derivative(f, order), (min(max(time, begin), begin + d) - begin) / d) / d**order
 
 
-def drift(of: Profile, time: Fraction, order: int) -> Fraction:
+def drift(of: Profile, time: Ratio, order: int) -> Ratio:
     """What the rounding of a time changes."""
     return (
         4 * EPS * time * max(sum(abs(c) for c in derivative(f, order + 1)) / d ** (order + 1) for _, d, f in pieces(of))
@@ -200,16 +200,14 @@ def drift(of: Profile, time: Fraction, order: int) -> Fraction:
 @given(profiles)
 def test_the_velocity_at_an_extreme_acceleration_is_that_of_its_place(of: Profile) -> None:
     result = measured(of)
-    late = 4 * EPS * Fraction(of.duration())
+    late = 4 * EPS * mpq(of.duration())
     for time, velocity in [
         (result.acceleration_min_time, result.velocity_at_acceleration_min),
         (result.acceleration_max_time, result.velocity_at_acceleration_max),
     ]:
-        near = rounding(of, 1) + drift(of, Fraction(time), 1)
-        places = [v for t, _, v in candidates(of, 2) if abs(t - Fraction(time)) <= late] + [
-            *values_at(of, Fraction(time), 1)
-        ]
-        assert min(abs(Fraction(velocity) - v) for v in places) <= near
+        near = rounding(of, 1) + drift(of, mpq(time), 1)
+        places = [v for t, _, v in candidates(of, 2) if abs(t - mpq(time)) <= late] + [*values_at(of, mpq(time), 1)]
+        assert min(abs(mpq(velocity) - v) for v in places) <= near
 
 
 @repeatable
@@ -217,11 +215,11 @@ def test_the_velocity_at_an_extreme_acceleration_is_that_of_its_place(of: Profil
 def test_no_sample_exceeds_the_extremes(of: Profile) -> None:
     result = measured(of)
     for order, name in enumerate(QUANTITIES):
-        low = Fraction(getattr(result, f"{name}_min")) - rounding(of, order)
-        high = Fraction(getattr(result, f"{name}_max")) + rounding(of, order)
+        low = mpq(getattr(result, f"{name}_min")) - rounding(of, order)
+        high = mpq(getattr(result, f"{name}_max")) + rounding(of, order)
         for _, d, f in pieces(of):
             slope = derivative(f, order)
-            assert all(low <= at(slope, Fraction(n, 64)) / d**order <= high for n in range(65)), name
+            assert all(low <= at(slope, mpq(n, 64)) / d**order <= high for n in range(65)), name
 
 
 # --- peaks and integrals ---
@@ -235,12 +233,12 @@ def test_no_sample_exceeds_the_extremes(of: Profile) -> None:
 def test_peaks_are_the_greatest_magnitudes_where_speed_rises_and_falls(of: Profile) -> None:
     """An interval in which v or a is 0 but for rounding may count or not."""
     result = measured(of)
-    certain = {True: Fraction(0), False: Fraction(0)}
+    certain = {True: mpq(0), False: mpq(0)}
     possible = dict(certain)
     for _, d, f in pieces(of):
         v, a = derivative(f), derivative(f, 2)
         small = [10**-12 * sum(abs(c) for c in g) for g in (v, a)]
-        cuts = sorted({Fraction(0), Fraction(1), *roots_inside(v), *roots_inside(a), *roots_inside(derivative(a))})
+        cuts = sorted({mpq(0), mpq(1), *roots_inside(v), *roots_inside(a), *roots_inside(derivative(a))})
         for low, high in pairwise(cuts):
             middle = (low + high) / 2
             speeding = at(v, middle) * at(a, middle) > 0
@@ -248,7 +246,7 @@ def test_peaks_are_the_greatest_magnitudes_where_speed_rises_and_falls(of: Profi
             possible[speeding] = max(possible[speeding], peak / d**2)
             if max(abs(at(v, low)), abs(at(v, high))) > small[0] and peak > small[1]:
                 certain[speeding] = max(certain[speeding], peak / d**2)
-    for peak, speeding in [(Fraction(result.acceleration_peak), True), (Fraction(result.deceleration_peak), False)]:
+    for peak, speeding in [(mpq(result.acceleration_peak), True), (mpq(result.deceleration_peak), False)]:
         assert certain[speeding] - rounding(of, 2) <= peak <= possible[speeding] + rounding(of, 2)
 
 
@@ -257,21 +255,19 @@ def test_peaks_are_the_greatest_magnitudes_where_speed_rises_and_falls(of: Profi
 def test_momentum_mean_and_effective_value_are_those_of_exact_arithmetic(of: Profile) -> None:
     result = measured(of)
     momenta = []
-    distance = power = Fraction(0)
+    distance = power = mpq(0)
     for _, d, f in pieces(of):
         v, a = derivative(f), derivative(f, 2)
         momentum = product(v, a)
-        momenta += [at(momentum, u) / d**3 for u in [Fraction(0), *roots_inside(derivative(momentum)), Fraction(1)]]
-        turns = [Fraction(0), *roots_inside(v), Fraction(1)]
+        momenta += [at(momentum, u) / d**3 for u in [mpq(0), *roots_inside(derivative(momentum)), mpq(1)]]
+        turns = [mpq(0), *roots_inside(v), mpq(1)]
         distance += sum(abs(at(f, high) - at(f, low)) for low, high in pairwise(turns))
         power += integral(product(a, a)) / d**3
     near = rounding(of, 1) * rounding(of, 2) / EPS / 4
-    assert abs(Fraction(result.momentum_min) - min(momenta)) <= near
-    assert abs(Fraction(result.momentum_max) - max(momenta)) <= near
-    assert result.velocity_mean == pytest.approx(
-        float(distance / Fraction(of.duration())), abs=2 * float(rounding(of, 1))
-    )
-    effective = sqrt(power / Fraction(of.duration()))
+    assert abs(mpq(result.momentum_min) - min(momenta)) <= near
+    assert abs(mpq(result.momentum_max) - max(momenta)) <= near
+    assert result.velocity_mean == pytest.approx(float(distance / mpq(of.duration())), abs=2 * float(rounding(of, 1)))
+    effective = sqrt(power / mpq(of.duration()))
     assert result.acceleration_effective == pytest.approx(effective, rel=1e-13, abs=2 * float(rounding(of, 2)))
 
 
