@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from hypothesis import is_hypothesis_test, settings
+from hypothesis.internal import entropy
 from hypothesis.internal.conjecture import providers
 
 from motionsync.blocks import BLOCKS
@@ -30,6 +31,8 @@ OWN_FOLDERS = {FOLDER / "model" / block_folder(name) for name in BLOCKS}
 # Hypothesis mixes numbers from the project's loaded modules into what it draws. Without them, and with the seed of
 # `repeat_examples`, random runs depend neither on which tests run together nor on the source: a rename changes none.
 providers._get_local_constants = lambda: providers._local_constants
+# No test draws from NumPy's global generator: its state need not be saved and restored for each example.
+entropy.NP_RANDOM = entropy.random
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -54,6 +57,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_finish() -> None:
     gc.freeze()
+    gc.set_threshold(5_000, 20, 20)  # garbage is rare: looking for it as often as by default takes twice the time
     gc.enable()
 
 
