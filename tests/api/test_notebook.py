@@ -4,9 +4,7 @@ import re
 from itertools import pairwise
 from typing import Any
 
-import nbformat
 import pytest
-from nbclient import NotebookClient
 
 from tests import ROOT
 
@@ -14,10 +12,18 @@ FILE = ROOT / "examples" / "order_list_to_saw.ipynb"
 LENGTHS = ("6000", "3000", "1500", "900")
 
 
+def read_notebook() -> Any:
+    import nbformat  # noqa: PLC0415 (a moment that other tests need not wait)
+
+    return nbformat.read(FILE, 4)
+
+
 @pytest.fixture(scope="module")
 def executed(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
     """The code cells with their outputs."""
-    notebook = nbformat.read(FILE, 4)
+    from nbclient import NotebookClient  # noqa: PLC0415
+
+    notebook = read_notebook()
     folder = {"metadata": {"path": str(tmp_path_factory.mktemp("notebook"))}}
     NotebookClient(notebook, timeout=300, kernel_name="python3", resources=folder).execute()
     return [cell for cell in notebook.cells if cell.cell_type == "code"]
@@ -30,7 +36,7 @@ def shown(cell: Any, kind: str = "text/plain") -> str:
 
 
 def test_no_output_is_stored() -> None:
-    cells = [cell for cell in nbformat.read(FILE, 4).cells if cell.cell_type == "code"]
+    cells = [cell for cell in read_notebook().cells if cell.cell_type == "code"]
     assert [(cell.outputs, cell.execution_count) for cell in cells] == [([], None)] * len(cells)
 
 

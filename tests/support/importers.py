@@ -10,8 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fmu_manipulation_toolbox.checker import get_checkers
-from fmu_manipulation_toolbox.operations import FMU
 
 from motionsync_fmu.interface.recipe import Fmi
 from motionsync_fmu.scenario.run.fmu_instance import FmuInstance, read_description
@@ -166,6 +164,9 @@ def check_by_fmutool(fmu: Path, caplog: pytest.LogCaptureFixture) -> None:
     Raises:
         AssertionError: it does; the text is what it says.
     """
+    from fmu_manipulation_toolbox.checker import get_checkers  # noqa: PLC0415 (a moment that other tests need not wait)
+    from fmu_manipulation_toolbox.operations import FMU  # noqa: PLC0415
+
     with caplog.at_level(logging.INFO, "fmu_manipulation_toolbox"), FMU(str(fmu)) as opened:
         checkers = [checker() for checker in get_checkers()]
         for checker in checkers:

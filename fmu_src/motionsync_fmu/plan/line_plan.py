@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from matplotlib.ticker import MaxNLocator
-
 from ..errors import UserError
 from .comparison import Comparison, compare
 from .confirmation import confirm
@@ -185,5 +183,7 @@ def default_lengths(machine: Machine) -> list[float]:
 
 def round_values(low: float, high: float) -> list[float]:
     """About DEFAULT_COUNT round numbers between two numbers."""
+    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 (it takes long to load)
+
     ticks = MaxNLocator(DEFAULT_COUNT, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
     return [float(tick) for tick in ticks if low <= tick <= high]

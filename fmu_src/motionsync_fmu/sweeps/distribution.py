@@ -10,7 +10,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 from ..scenario.engineering import engineering
 from ..scenario.recording import Reals
@@ -190,6 +189,8 @@ class _CapabilityEstimate:
         runs = self.moments.runs
         if runs < 2 or not math.isfinite(self.c_pk):
             return Capability(self.tolerance, self.outside, self.c_pk, math.nan, math.nan)
+        from scipy.special import stdtrit  # noqa: PLC0415 (it takes long to load)
+
         deviation = math.sqrt(self.squares * runs / (runs - 1))
         reach = deviation * float(stdtrit(runs - 1, 0.5 + 0.5 * CONFIDENCE))
         return Capability(self.tolerance, self.outside, self.c_pk, self.c_pk - reach, self.c_pk + reach)
