@@ -64,6 +64,7 @@ def sum_of(scenario: Scenario) -> str:
 # --- bits ---
 
 
+@pytest.mark.slow
 def test_scenarios_of_each_kind_have_the_native_bits_in_the_browser(
     chosen: Chosen, fmus: Fmus, block: str, soak: Callable[[int, int], int]
 ) -> None:

@@ -1,5 +1,7 @@
 """The documentation site in a real browser, from its folder: no page complains, none is wider than its window."""
 
+import pytest
+
 from tests.browser.conftest import Windows
 from tests.support.fmus import Fmus
 from tests.support.site import made_site
@@ -7,6 +9,7 @@ from tests.support.site import made_site
 WIDTHS = (1280, 390)
 
 
+@pytest.mark.slow
 def test_every_page_opens_without_a_message_and_fits_its_window(windows: Windows, fmus: Fmus) -> None:
     """In one window, which becomes narrow on each page, as a telephone's: the theme arranges a page by its width."""
     site = made_site(fmus)
