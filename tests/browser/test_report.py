@@ -27,6 +27,9 @@ ALL = (
 )
 MOTION, CUTS, LANES = "Motion of the slave", "The saw and the passing marks", "States"
 
+FITTED = """document.documentElement.scrollWidth <= document.documentElement.clientWidth
+  && [...document.querySelectorAll('.plot')].every((e) =>
+    Math.abs(e.querySelector('.main-svg').getBoundingClientRect().width - e.clientWidth) < 1)"""
 DRAWN = "new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)))"  # all that has been asked for
 
 
@@ -231,6 +234,32 @@ def test_dark_mode_changes_page_plots_and_machine_and_back(open_report: OpenRepo
         assert seen.setdefault(scheme, looks) == looks
         assert contrast(*visit.colours("body")) > 7.0
     assert all(light != dark for light, dark in zip(seen["light"], seen["dark"], strict=True))
+
+
+def test_a_chart_in_a_window_that_gets_wider_has_its_legend_above_it(open_report: OpenReport) -> None:
+    """As on a telephone that is turned, and after printing. A curve that is hidden stays so, also in other colours."""
+    visit = open_report("Follower/cyclic_through", width=390)
+    page, chart = visit.page, ChartView(visit, MOTION)
+    curves, item = chart.traces, chart.frame.locator(".legend .traces").last
+    item.locator(".legendtoggle").click()
+    page.wait_for_function(
+        "([frame, count]) => frame.querySelectorAll('.trace').length < count",
+        arg=[chart.frame.element_handle(), curves],
+    )
+    left = chart.traces
+    changes = (
+        lambda: page.set_viewport_size({"width": 844, "height": 390}),
+        lambda: page.evaluate("['beforeprint', 'afterprint'].forEach((name) => dispatchEvent(new Event(name)))"),
+        lambda: page.emulate_media(color_scheme="dark"),
+    )
+    for change in changes:
+        change()
+        page.wait_for_function(FITTED)
+        page.evaluate(DRAWN)
+        legend, row = (chart.frame.locator(part).first.bounding_box() for part in (".legend .bg", ".nsewdrag"))
+        assert legend["y"] + legend["height"] < row["y"]
+        assert chart.traces == left
+        assert item.evaluate("e => getComputedStyle(e).opacity") == "0.5"
 
 
 @pytest.mark.parametrize("width", [1280, 390])

@@ -68,7 +68,8 @@ class Chart:
             "hoversubplots": "axis",
             "hoverlabel": {"bgcolor": PAPER, "bordercolor": AXIS, "font": {"color": INK}, "namelength": -1},
             "modebar": {"color": MUTED, "activecolor": INK, "bgcolor": CLEAR},
-            "legend": {"orientation": "h", "x": 0, "y": 1 + 20 / inner, "yanchor": "bottom", "bgcolor": CLEAR},
+            "legend": {"orientation": "h", "x": 0, "y": 1 + 20 / inner, "yanchor": "bottom", "bgcolor": CLEAR}
+            | {"uirevision": "kept"},  # which curves are hidden
             "annotations": [],
             "shapes": [],
             "meta": {"timed": self.timed, "rescaled": [], "span": list(self.span), "right": RIGHT},

@@ -6,7 +6,7 @@
   const PAPER = 703;  // px: the width of A4 less its margins
   const NUMBER = 22;  // px: from the middle of a number to that of the next one, at least
   const config = {
-    displaylogo: false, responsive: true, doubleClick: "reset", plotlyServerURL: "",
+    displaylogo: false, doubleClick: "reset", plotlyServerURL: "",
     modeBarButtons: [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]],  // none that sends data
   };
   // The columns of a chart with bars over time: the value of each lane, at each time at which one of them changes, and at
@@ -86,19 +86,20 @@
     });
   }
 
-  // Draw a chart with the current colours; its zoom stays as it is.
-  function draw(frame, text) {
+  // Draw a chart with the current colours and width; its zoom and the curves that are hidden stay as they are.
+  async function draw(frame, text) {
     const { data, layout } = figure(text);
-    if (document.documentElement.classList.contains("printed")) {
-      layout.width = PAPER;
-      layout.margin.r = layout.meta.right;
-    }
-    layout.annotations = apart(layout, layout.width || frame.clientWidth);
+    const isPrinted = document.documentElement.classList.contains("printed");
+    layout.width = isPrinted ? PAPER : frame.clientWidth;
+    if (isPrinted) layout.margin.r = layout.meta.right;
+    layout.annotations = apart(layout, layout.width);
     for (const axis of Object.keys(layout).filter((key) => /^[xy]axis/.test(key) && frame.layout)) {
       layout[axis].autorange = frame.layout[axis].autorange;
       layout[axis].range = frame.layout[axis].range;
     }
-    return Plotly.react(frame, data, layout, settings(data));
+    const top = () => frame._fullLayout?._size.t, before = top();
+    await Plotly.react(frame, data, layout, settings(data));
+    if (before && before !== top()) await Plotly.redraw(frame);  // the legend is where it was for the margin before
   }
 
   // The range that a vertical axis needs for the points between two times; limits count where they are near.
@@ -189,6 +190,11 @@
     if (event.detail.source !== "plots") cursor(event.detail.time, null);
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
+  let resizing;
+  addEventListener("resize", () => {
+    clearTimeout(resizing);
+    resizing = setTimeout(redraw, 100);
+  });
   // Paper is light, and narrower than a screen.
   addEventListener("beforeprint", () => { document.documentElement.classList.add("printed"); redraw(); });
   addEventListener("afterprint", () => { document.documentElement.classList.remove("printed"); redraw(); });
