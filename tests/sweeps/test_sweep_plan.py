@@ -75,7 +75,7 @@ def test_the_runs_are_all_combinations_of_the_grids_with_every_sample() -> None:
 
 @pytest.mark.parametrize("make_plan", [mixed, sobol])
 @given(st.data())
-@settings(max_examples=60)
+@settings(deadline=None, max_examples=60)
 def test_the_values_do_not_depend_on_how_the_runs_are_cut(
     make_plan: Callable[[], SweepPlan], data: st.DataObject
 ) -> None:
@@ -87,7 +87,7 @@ def test_the_values_do_not_depend_on_how_the_runs_are_cut(
 
 
 @given(st.integers(1, 200), st.integers(0, 2**40))
-@settings(max_examples=25)
+@settings(deadline=None, max_examples=25)
 def test_each_stratum_of_a_latin_hypercube_has_one_sample(samples: int, seed: int) -> None:
     plan = SweepPlan(SAW, SAW.read_text(), mixed().factors[1:2], samples, Method.LHS, seed)
     share = (plan.values(0, samples)["master.velocity"] - 200.0) / 100.0
