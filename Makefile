@@ -57,7 +57,7 @@ format: $(TESTABLE) ## repair the style
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-references: $(TESTABLE) ## the cross-check files of all scenarios, or of B=flying_saw alone, from scripts and oracles
+references: $(TESTABLE) ## the references of all scenarios, or of B=flying_saw alone, from the oracles
 	@$(if $(filter-out $(BLOCKS),$(B)),echo "make references B=<block>: the blocks are $(BLOCKS)" >&2; exit 2,:)
 	$(BIN)/python -m tests.regenerate $(B)
 

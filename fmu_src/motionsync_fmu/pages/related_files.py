@@ -32,7 +32,7 @@ def related_files(example: Scenario) -> Files:
     reference = read_reference(example)
     if reference is None:
         return {}
-    names, table, _ = reference
+    names, table = reference
     available = [name for name in COLUMNS if name in names]
     columns = [0, *(1 + names.index(name) for name in available)]
     times = np.unique(table[:, 0])
