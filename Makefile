@@ -3,7 +3,6 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready-native
-WIRABLE := $(READY) $(VENV)/ready-line
 TESTABLE := $(VENV)/ready-test
 ALIVE = while sleep 1; do printf .; done & dots=$$!; trap "kill $$dots; echo" EXIT;
 FLAGSHIP := CutToLength/cyclic_orders
@@ -16,7 +15,7 @@ BLOCKS := $(patsubst model/motionsync/%/block.py,%,$(wildcard model/motionsync/*
 run: $(READY) ## simulate the flagship scenario, in an FMU for this machine
 	$(BIN)/motionsync run $(FLAGSHIP)
 
-line: $(WIRABLE) ## wire a remote axis through RemoteSync into its followers, and print the errors
+line: $(READY) ## wire a remote axis through RemoteSync into its followers, and print the errors
 	$(BIN)/motionsync line
 
 quick: $(TESTABLE) ## what the blocks do, without an FMU: half a minute

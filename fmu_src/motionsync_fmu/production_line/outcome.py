@@ -8,7 +8,7 @@ from typing import Any
 from ..paths import replace_files
 from ..scenario.evaluate.expectations import Check
 from ..scenario.evaluate.reference_files import csv_text
-from .evaluation import Agreement, LineResult, VariantErrors
+from .evaluation import LineResult, VariantErrors
 from .line import REMOTE, ProductionLine
 from .package import LinePackage
 from .report import write_line_report
@@ -24,8 +24,6 @@ class LineOutcome:
         settled: the time from which it uses its drift in full, in s; None: never.
         before: the errors of each variant before `settled`.
         in_sync: those from then on.
-        agreement: the differences of FMPy and libcosim in each output.
-        libcosim_missing: why libcosim did not run; empty if it ran.
         ssp: the SSP package.
         osp: the OSP system structure.
         result: the CSV file with the outputs.
@@ -40,8 +38,6 @@ class LineOutcome:
     before: list[VariantErrors]
     in_sync: list[VariantErrors]
     expectations: list[Check]
-    agreement: list[Agreement]
-    libcosim_missing: str
     ssp: str
     osp: str
     result: str
@@ -74,8 +70,6 @@ def write_outcome(
         result.before,
         result.after,
         result.checks,
-        result.agreements,
-        result.missing,
         str(package.ssp),
         str(package.osp),
         str(file),
