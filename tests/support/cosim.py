@@ -20,7 +20,7 @@ CLASSES = ("CosimExecution", "CosimLogging", "CosimManipulator", "CosimObserver"
 
 def run_cosim(line: ProductionLine, package: LinePackage) -> dict[str, Values]:
     """The outputs of each component, by libcosim's fixed-step co-simulation of the OSP structure; telegrams and
-    commands override the inputs. It cannot read enumerations: these are missing. Without libcosim the test is skipped."""
+    commands override the inputs. It cannot read enumerations: these are missing. The test is skipped without it."""
     cosim = _Cosim(line, package.osp)
     for name in line.recipes:
         cosim.wire(name)
