@@ -59,7 +59,8 @@ def build(
         flavour: `"native"` or `"python"`; by default all that can be built here.
         fmi: the version of FMI, `"2"` or `"3"`.
         unit: of all positions, `"mm"`, `"m"`, `"deg"`, `"rad"` or `"1"`; velocities follow.
-        slave_unit: of the slave's positions, for a block whose slave may have another unit than its master.
+        slave_unit: of the slave's positions, for a block whose slave may have another unit than its master; by default
+            deg if its tool turns, else `unit`.
         start: start values to bake in, by name: `{"kerf": 4.0}` or `{"kerf": "4 mm"}`; for one block only, as the
             next four.
         as_input: the variables that become inputs, as names or patterns: `"gearing.*"`.
