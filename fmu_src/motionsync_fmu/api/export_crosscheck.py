@@ -7,24 +7,25 @@ from pathlib import Path
 
 from ..errors import UserError
 from ..export.crosscheck import export, models
-from ..fmus.prebuilt import Report, silent
+from ..fmus.prebuilt import Report
 from ..interface.build_time import build_time
 from ..optional_dependencies import how_to_install, missing_for_native
+from .shown import shown
 
 
 def export_crosscheck(
     folder: str | Path,
     model: Sequence[str] = (),
     *,
-    report: Report = silent,
-    exported: Callable[[Path], None] = lambda folder: None,
+    report: Report | None = None,
+    exported: Callable[[Path], None] | None = None,
 ) -> list[Path]:
     """Write FMUs with inputs and references for the FMI cross-check; return the folders that have them.
 
     Args:
         folder: where to write, such as a clone of the cross-check's repository.
         model: scenarios, or blocks, whose examples are taken; all blocks if there are none.
-        report: reports a task while it is done.
+        report: reports a task while it is done; by default this is shown in a notebook only.
         exported: called with each folder as soon as it is written.
 
     Raises:
@@ -36,9 +37,10 @@ def export_crosscheck(
     build_time()  # refuses a bad SOURCE_DATE_EPOCH
     folders: list[Path] = []
     for each in models(model):
-        with report(f"building {each.name}") as notify:
+        with shown(report)(f"building {each.name}") as notify:
             written = export(each, Path(folder), notify)
         for path in written:
-            exported(path)
+            if exported:
+                exported(path)
         folders += written
     return folders

@@ -16,7 +16,7 @@ LONGEST_PITCH = 1.25  # of the longest pitch that limits the line: the longest d
 LEAST_VELOCITY = 0.1  # of the greatest line velocity: the least default velocity
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MachinePlan:
     """What one machine can do.
 
@@ -28,6 +28,9 @@ class MachinePlan:
     machine: Machine
     over_length: list[Prediction]
     over_velocity: list[Prediction]
+
+    def __repr__(self) -> str:
+        return f"{self.machine.title}: {len(self.predictions)} predictions"
 
     @property
     def predictions(self) -> list[Prediction]:
