@@ -83,7 +83,7 @@ release: $(VENV)/ready-release ## build/release: package, FMUs with their pages,
 
 clean: ## remove whatever was made
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
-	find build -mindepth 1 ! -name README.md -delete
+	find build -mindepth 1 ! -path build/README.md -delete
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 help: ## these lines

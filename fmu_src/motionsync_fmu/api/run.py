@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError, choose
-from ..fmus.fmu import Flavour
+from ..fmus.fmu import Flavour, ignore
 from ..fmus.prebuilt import prepare_fmus, select_flavours
 from ..interface.recipe import Fmi
 from ..optional_dependencies import require
@@ -18,15 +18,18 @@ from ..pages.results import evaluate_run, output_columns, write_results
 from ..pages.run_view import view_run
 from ..pages.summary import figure_rows
 from ..paths import replace_file
+from ..scenario.evaluate.axis_figures import LoadFigures
 from ..scenario.evaluate.find_pieces import Piece
 from ..scenario.evaluate.outcome import ScenarioOutcome
 from ..scenario.evaluate.reference_comparison import reference_file
 from ..scenario.evaluate.reference_files import csv_text
+from ..scenario.evaluate.true_pieces import TruePieces
 from ..scenario.recording import Reals, Recording
 from ..scenario.run.simulation import simulate
 from ..scenario.scenario import Scenario
 from .frame import frame
 from .scenario_source import Source, Value, load
+from .shown import shown
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -60,8 +63,8 @@ def run(
     version = choose({str(v): v for v in Fmi}, fmi, "version of FMI")
     chosen = [choose({str(f): f for f in Flavour}, flavour, "flavour")] if flavour else []
     loaded = load(scenario, set=set, step_size=step_size)
-    flavours = select_flavours(version, chosen, lambda text: None)
-    (fmu,) = prepare_fmus([replace(loaded.recipe, fmi=version)], flavours[0])
+    flavours = select_flavours(version, chosen, ignore)
+    (fmu,) = prepare_fmus([replace(loaded.recipe, fmi=version)], flavours[0], shown())
     recording = simulate(loaded, fmu, loaded.step_size)
     return RunResult(loaded, recording, fmu, evaluate_run(loaded, recording))
 
@@ -106,6 +109,17 @@ class RunResult:
         """The pieces that the block reported, in the sequence of their cuts; empty for a block that reports none."""
         production = self.outcome.figures.production
         return [*production.pieces] if production else []
+
+    @property
+    def true_pieces(self) -> TruePieces | None:
+        """The pieces as a tape measure finds them (`.pieces`), and the spread of their lengths; None: the scenario's
+        line is exact, or nothing is cut."""
+        return self.outcome.figures.true_pieces
+
+    @property
+    def load(self) -> LoadFigures | None:
+        """What the motor has to give; None: the scenario has no table [load]."""
+        return self.outcome.figures.load
 
     @property
     def time(self) -> Reals:

@@ -31,7 +31,10 @@ def command(
     unit: Annotated[str, typer.Option(metavar=UNITS, help="Unit of all positions; velocities follow.")] = "mm",
     slave_unit: Annotated[
         str,
-        typer.Option(metavar=UNITS, help="Unit of the slave's positions, of a block that has both (Follower)."),
+        typer.Option(
+            metavar=UNITS,
+            help="Unit of the slave's positions, of a block that has both; else deg for a tool that turns, or --unit.",
+        ),
     ] = "",
     start: Annotated[
         list[str] | None,

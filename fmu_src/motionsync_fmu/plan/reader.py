@@ -51,7 +51,7 @@ def read_machines(
     tops += [read_text("", Path("--set")) for _ in machines[len(tops) :]]
     if unit:
         unit = resolve_name(BASES, unit, "unit")
-        machines = [m.with_units(unit, m.slave_unit if m.default_slave_unit else "") for m in machines]
+        machines = [m.with_units(unit, m.slave_unit if m.recipe.slave_unit else "") for m in machines]
     each = _distribute(settings, machines)
     machines = [_with_settings(m, top, values) for m, top, values in zip(machines, tops, each, strict=True)]
     lengths, velocities = (
@@ -140,7 +140,7 @@ def _from_file(top: TomlTable) -> Machine:
         top.fail("machine", f"{kind!r} is not one of {', '.join(KINDS)}")
     machine = KINDS[kind].default()
     unit = _unit(top, "unit", "mm")
-    if "slave_unit" in top and not machine.default_slave_unit:
+    if "slave_unit" in top and not machine.recipe.slave_unit:
         top.fail("slave_unit", f"the slave of a {kind} is in the unit of the material")
     machine = machine.with_units(unit, _unit(top, "slave_unit", ""))
     subject = Subject(machine.block, machine.recipe.variables, "master", MASTER_SOURCE)

@@ -14,7 +14,7 @@ from .package import LinePackage
 from .report import write_line_report
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LineOutcome:
     """The results of a line, and where they are written. The fields are the keys of `--json`.
 
@@ -42,6 +42,9 @@ class LineOutcome:
     osp: str
     result: str
     report: str | None
+
+    def __repr__(self) -> str:
+        return f"{self.title} ({self.line}): {'as expected' if self.passed else 'NOT as expected'}"
 
     def as_json(self) -> dict[str, Any]:
         """What `--json` prints."""
