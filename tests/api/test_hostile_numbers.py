@@ -59,14 +59,13 @@ def is_read_or_refused(read: Any, *arguments: Any, **others: Any) -> Any:
     """What is read; None: it is refused by a message."""
     try:
         return read(*arguments, **others)
-    except UserError as refusal:
-        assert str(refusal)
+    except UserError:
         return None
 
 
 @NO_DEADLINE
 @given(
-    st.sampled_from([("m", 1000), ("cm", 10), ("in", Fraction(254, 10)), ("inch", Fraction(254, 10)), ("ft", Fraction(3048, 10))]),
+    st.sampled_from([("m", 1000), ("cm", 10), ("in", Fraction(254, 10)), ("ft", Fraction(3048, 10))]),
     st.integers(-(10**18), 10**18),
     st.integers(-500, 500),
 )  # fmt: skip
@@ -109,8 +108,9 @@ def test_a_start_value_is_one_that_its_variable_allows_or_refused(v: Variable, t
 
 @NO_DEADLINE
 @given(
-    st.sampled_from(SETTABLE["Integer"]), st.floats(-1e9, 1e9).filter(lambda x: not x.is_integer()) | st.sampled_from(["x", "1.5"])
-)  # fmt: skip
+    st.sampled_from(SETTABLE["Integer"]),
+    st.floats(-1e9, 1e9).filter(lambda x: not x.is_integer()) | st.sampled_from(["x", "1.5"]),
+)
 def test_a_start_value_of_an_integer_must_be_a_whole_number(v: Variable, value: float | str) -> None:
     with pytest.raises(UserError, match=f"{v.name}.*must be a whole number without a point, -?[0-9]+ to [0-9]+"):
         parse(v, str(value), "mm")

@@ -350,7 +350,7 @@ def test_nothing_to_do_is_done() -> None:
         ({"step_size": None}, "step_size is of the type object: it must be real numbers or Booleans"),
         ({"steps": -1}, "steps = -1 is not allowed: it must be >= 0"),
         ({"instances": -2}, "instances = -2 is not allowed: it must be >= 0"),
-        ({"threads": 0}, "threads = 0 is not allowed: it must be 1 to 2147483647"),
+        ({"threads": 0}, "threads = 0 is not allowed: it must be >= 1"),
         ({"out": np.zeros((1, 2, 1))}, "out is float64 of shape (1, 2, 1): it must be float64 of shape (1, 1, 1)"),
         (
             {"out": np.zeros((1, 1, 1), "f4")},

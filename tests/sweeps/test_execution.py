@@ -61,7 +61,7 @@ def test_only_what_is_missing_is_done(tmp_path: Path) -> None:
     execute(Tiny(25, 10), tmp_path, squares, workers=1)
     before = contents(tmp_path)
     (tmp_path / "part-000001.parquet").unlink()
-    (tmp_path / "part-000001.parquet.0123.tmp").write_bytes(b"a worker was killed here")
+    (tmp_path / "part-000001.parquet.0123.part").write_bytes(b"a worker was killed here")
     reported: list[tuple[int, int]] = []
     execute(Tiny(25), tmp_path, squares, workers=1, progress=lambda *done: reported.append(done))
     assert reported == [(15, 25), (25, 25)]

@@ -17,7 +17,7 @@ from ..pages.report.page import write_report
 from ..pages.results import evaluate_run, output_columns, write_results
 from ..pages.run_view import view_run
 from ..pages.summary import figure_rows
-from ..paths import replace_file
+from ..paths import replace_file, replace_files
 from ..scenario.evaluate.find_pieces import Piece
 from ..scenario.evaluate.outcome import ScenarioOutcome
 from ..scenario.evaluate.reference_files import csv_text, options_text
@@ -171,9 +171,10 @@ class RunResult:
         columns = [choose(self.recording.columns, name, "variable with values over time") for name in listed]
         rows = zip(self.time.tolist(), *(column.tolist() for column in columns), strict=True)
         file = scenario.file.parent / f"{scenario.recipe.name}_ref.csv"
-        with replace_file(file) as part:
-            part.write_text(csv_text(["time", *listed], rows), "utf-8")
-        file.with_suffix(".opt").write_text(options_text(replace(scenario, tolerance=tolerance)), "utf-8")
+        with replace_files(file.parent) as part:
+            part(file.name).write_text(csv_text(["time", *listed], rows), "utf-8")
+            options = options_text(replace(scenario, tolerance=tolerance))
+            part(file.with_suffix(".opt").name).write_text(options, "utf-8")
         return file
 
     def __repr__(self) -> str:

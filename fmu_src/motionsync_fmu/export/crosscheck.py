@@ -160,6 +160,6 @@ def export(
         target = folder / LAYOUT.format(platform=platform, version=__version__, model=model.name)
         with replace_files(target) as part:
             for name, text in texts.items():
-                (part / name).write_bytes(text)
+                part(name).write_bytes(text)
         folders.append(target)
     return folders

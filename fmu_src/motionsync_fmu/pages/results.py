@@ -51,15 +51,15 @@ def write_results(
     inputs, results = inputs_file(scenario), folder / f"{scenario.recipe.name}_out.csv"
     page = folder / "report.html" if report else None
     with replace_files(folder) as part:
-        with (part / results.name).open("w") as out:
+        with part(results.name).open("w") as out:
             write_outputs(out, scenario, recording)
         # The inputs next to the file are those of its own values and step size; a user's own scenario may have none.
         if scenario.overrides or scenario.step_size != scenario.scan or not inputs.exists():
             inputs = folder / inputs.name
-            with (part / inputs.name).open("w") as out:
+            with part(inputs.name).open("w") as out:
                 write_inputs(out, with_recorded_settings(scenario, recording))
         if page:
-            write_report(part / page.name, scenario, recording, outcome, fmu, results)
+            write_report(part(page.name), scenario, recording, outcome, fmu, results)
     shown = str(page) if page else None
     return replace(outcome, result=str(results), report=shown, fmpy=command_line(scenario, fmu, inputs))
 
