@@ -121,6 +121,19 @@ def test_a_worker_that_is_killed_costs_its_chunk_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_no_other_computer_reaches_what_a_sweep_of_this_one_listens_to(tmp_path: Path) -> None:
+    heard: set[str] = set()
+
+    def look(done: int, runs: int) -> None:
+        processes = [psutil.Process(), *psutil.Process().children(recursive=True)]
+        sockets = [c for process in processes for c in process.net_connections("inet")]
+        heard.update(c.laddr.ip for c in sockets if c.status == psutil.CONN_LISTEN)
+
+    execute(SLOW, tmp_path, squares, workers=2, progress=look)
+    assert heard == {"127.0.0.1"}
+
+
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no signal that stops a process")
 def test_a_worker_that_is_stopped_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(worker_pool, "STALL_TIME", 1.0)
