@@ -51,12 +51,12 @@ def write_results(
     inputs, results = (folder / f"{scenario.recipe.name}_{kind}.csv" for kind in ("in", "out"))
     page = folder / "report.html" if report else None
     with replace_files(folder) as part:
-        with (part / results.name).open("w") as out:
+        with part(results.name).open("w") as out:
             write_outputs(out, scenario, recording)
-        with (part / inputs.name).open("w") as out:
+        with part(inputs.name).open("w") as out:
             write_inputs(out, with_recorded_settings(scenario, recording))
         if page:
-            write_report(part / page.name, scenario, recording, outcome, fmu, results)
+            write_report(part(page.name), scenario, recording, outcome, fmu, results)
     shown = str(page) if page else None
     return replace(outcome, result=str(results), report=shown, fmpy=command_line(scenario, fmu, inputs))
 

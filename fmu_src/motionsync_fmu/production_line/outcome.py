@@ -59,11 +59,11 @@ def write_outcome(
     columns = {f"{component}.{n}": values.tolist() for component, of in outputs.items() for n, values in of.items()}
     file, page = folder / f"{line.name}_out.csv", folder / "report.html"
     with replace_files(folder) as part:
-        (part / file.name).write_text(
+        part(file.name).write_text(
             csv_text(["time", *columns], zip(line.times.tolist(), *columns.values(), strict=True))
         )
         if report:
-            write_line_report(part / page.name, line, package, result, file)
+            write_line_report(part(page.name), line, package, result, file)
     return LineOutcome(
         str(line.follower.file),
         line.follower.title,
