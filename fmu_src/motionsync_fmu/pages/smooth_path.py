@@ -20,9 +20,9 @@ def smooth_path(x: Reals, y: Reals) -> Path:
     codes: list[np.uint8] = []
     tolerance = TOLERANCE * float(np.nanmax(y) - np.nanmin(y))
     stepped = steps(y)
-    known = np.isfinite(y)
-    begins = np.flatnonzero(known & ~np.concatenate(([False], known[:-1])))
-    ends = np.flatnonzero(known & ~np.concatenate((known[1:], [False]))) + 1
+    present = np.isfinite(y)
+    begins = np.flatnonzero(present & ~np.concatenate(([False], present[:-1])))
+    ends = np.flatnonzero(present & ~np.concatenate((present[1:], [False]))) + 1
     for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
         vertices.append((x[begin], y[begin]))
         codes.append(Path.MOVETO)
@@ -46,7 +46,7 @@ def steps(y: Reals) -> Indices:
 
 def _pieces(x: Reals, y: Reals, tolerance: float) -> Iterator[list[tuple[float, float]]]:
     """The vertices that follow the first sample: of each piece one, the end of a straight line, or the three of a cubic
-    Bézier curve. The length of a piece is doubled until the tolerance does not allow it, then found by bisection."""
+    Bézier curve. The length of a piece is doubled until the tolerance does not allow it, then longer by bisection."""
     first, last = 0, len(x) - 1
     while first < last:
         reached, length = first + 1, 2
@@ -56,9 +56,9 @@ def _pieces(x: Reals, y: Reals, tolerance: float) -> Iterator[list[tuple[float, 
             tried = min(first + length, last) if beyond > last else (reached + beyond) // 2
             if tried == reached:
                 break
-            found = _fit(x[first : tried + 1], y[first : tried + 1], tolerance)
-            if found:
-                reached, vertices, length = tried, found, 2 * length
+            longer = _fit(x[first : tried + 1], y[first : tried + 1], tolerance)
+            if longer:
+                reached, vertices, length = tried, longer, 2 * length
             else:
                 beyond = tried
         assert vertices
