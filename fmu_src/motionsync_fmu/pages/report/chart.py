@@ -141,8 +141,8 @@ class Chart:
         self.layout["shapes"].append(line | style)
         if text:
             low, high = self.span
-            is_left, room = 2.0 * value < low + high, TEXT * (high - low)
-            outward = min(value - low, high - value) > room  # so that it neither leaves the chart nor meets another one
+            is_left, space = 2.0 * value < low + high, TEXT * (high - low)
+            outward = min(value - low, high - value) > space  # so that it neither leaves the chart nor meets another one
             anchor = "right" if is_left == outward else "left"
             self.annotate(text, xref="x", yref="paper", x=value, y=1, xanchor=anchor, yanchor="top", font={"size": 11})
 
