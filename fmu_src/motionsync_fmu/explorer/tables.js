@@ -125,6 +125,20 @@ class Script {
   }
 }
 
+/** When a line first runs evenly, and its velocity then; null: it never does. */
+function rampEnd(axis) {
+  const {motions, breaks} = new Script(axis), i = motions.findIndex(([, velocity, ...others]) => velocity && others.every((x) => x === 0));
+  return i < 0 ? null : {at: breaks[i], velocity: motions[i][1]};
+}
+
+/** Let a line ramp up to another velocity than the original one does: with all its ramps in proportion, at the same times. */
+function scaleTo(axis, original, velocity) {
+  const scaled = (x) => (x * (velocity - (axis.velocity ?? 0))) / rampEnd(original).velocity;
+  original.segments.forEach((segment, i) => {
+    for (const name of ["velocity", "acceleration", "jerk"]) if (name in segment) axis.segments[i][name] = scaled(segment[name]);
+  });
+}
+
 // --- telegrams ---
 
 /** A receiver's clock and a sender's, and the telegrams that are seen of an axis; `normals`: by seed, the two streams. */
