@@ -23,6 +23,9 @@ The meeting:
   they go by the parameters of now. A variable value given in decel or homing is the next meeting.
 - A skipped start stays skipped, should the master come back to it at park; skipped or missed, the state is
   M_WAITING_NEXT_CYCLE until Q + C - M_f - wait even if a new value in reach has come meanwhile.
+- Too late for this cycle (fixed): the start to its meeting is behind the master. That meeting is the next one ahead of
+  the master (not the one where it is) or, where one was expected already, the one nearest to that. M_WAITING_NEXT_CYCLE
+  then lasts up to the next start, less the wait.
 
 A variable cycle:
 - "Less than C after this one" is checked at sync_out; such a value is lost, not saved for park. "Beyond what the phase
@@ -277,6 +280,13 @@ class FollowerRun(MasterCrossings, EventRun):
             meeting = first_not_before(value, values.cycle, self._master_position() + ramp)
             while meeting - ramp <= self.skipped + tolerance:
                 meeting += values.cycle
+            lowest = self._master_position() + 2 * tolerance
+            if phase.meeting is not None:
+                lowest = phase.meeting - values.cycle / 2
+            present = first_not_before(value, values.cycle, lowest)
+            if present - ramp < self._master_position() - tolerance:
+                self.log.append((self.time, "start missed"))
+                self._wait_for_next(meeting - ramp - values.wait)
         elif self.pending is not None:
             meeting = self.pending - values.shift
             if meeting - ramp < self._master_position() - tolerance:
