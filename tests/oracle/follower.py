@@ -114,6 +114,7 @@ COLUMNS = (
 """What a scenario's reference has in addition to the time."""
 
 REFUSED, MASTER_MOVED, FELL_BACK = 1, 2, 14
+LIMIT_FAULTS = {state: (6 + number, 10 + number) for number, state in enumerate(CYCLE)} | {POSITIONING: (15, 16)}
 NAMES = dict(zip(CYCLE, ("following", "synchronized", "decel", "homing"), strict=True))
 
 
@@ -514,13 +515,12 @@ class FollowerRun(MasterCrossings, EventRun):
 
     def _check_limits(self) -> None:
         """At the end of a step: the values about to be output, with those of the master up to this time."""
-        if self.state not in CYCLE:
+        if self.state not in LIMIT_FAULTS:
             return
         _, v, a, _ = self._slave()
-        for value, kind, first in ((v, "speed", 6), (a, "acceleration", 10)):
+        for value, kind, fault in zip((v, a), ("speed", "acceleration"), LIMIT_FAULTS[self.state], strict=True):
             limit = self._limit(kind)
             if limit is not None and abs(value) > limit:
-                fault = first + CYCLE.index(self.state)
                 self.error_id, self.state, self.phase = fault, IN_ALARM, None
                 self._note()
                 self.given = True
