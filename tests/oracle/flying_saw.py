@@ -19,8 +19,8 @@ Further readings of the specification that it leaves open:
   the start, the slave's sync position only at the start. On a coupled slave the old coupling goes on meanwhile (its
   backstop, at which the block still parks, is not modelled here). gear_out then makes the slave acceleration-free as
   ever. Refused at the start the slave goes on by its own motion, a coupled one at constant velocity.
-- The coupling position counts as passed once the master goes beyond it. Before sync a time-based coupling only notes
-  it; passed by then, it must be passed forwards and backwards again to park the slave.
+- The coupling position counts as passed once the master goes beyond it. Before sync a time-based coupling parks the
+  slave there if one of the two reversal bits is set: at once with the instant stop, else by the halt of case 5.
 - The jerk of a coupled slave takes the master's jerk as 0, as far as a unit can know.
 - Where a plan after the backstop is refused while the slave still halts, the halt goes on to its end, uncoupled.
 - A slave that has reached its target velocity 0 is at STANDSTILL, still with in_velocity.
@@ -397,7 +397,8 @@ class FlyingSawRun(EventRun):
         assert coupling
         coupling.behind = True
         bits = coupling.request.bits
-        if self.time_based or (coupling.reached and "rollback_lock" not in bits):
+        parking_bits = {"rollback_lock"} if coupling.reached else {"rollback_lock", "instant_stop_on_rollback"}
+        if (self.time_based or coupling.reached) and not parking_bits & {*bits}:
             return
         slave = self._slave()
         coupling.state = PREPHASE

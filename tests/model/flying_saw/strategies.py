@@ -12,6 +12,8 @@ from motionsync.flying_saw.block import FlyingSaw
 from motionsync.flying_saw.faults import Fault
 from motionsync.flying_saw.interface import PlcopenState, State
 from motionsync.flying_saw.profile import ProfileKind
+from motionsync.flying_saw.stage import Stage
+from motionsync.flying_saw.sync_mode import SyncMode
 from motionsync.master import MasterInput
 from tests.support.masters import INPUT_MODES, WanderingMaster
 from tests.support.runs import EXTREMES, BlockRun, Strategy
@@ -83,6 +85,9 @@ def _steps(
             values |= {f"{group}.{name}": value for name, value in order.items()}
             values[f"{group}.execute"] = True
             values |= {f"sync_mode.{name}": r.random() < 0.15 for name in MODES}
+            if group == "gear_in_velo" and r.random() < 0.5:
+                bits = ("time_based", "rollback_lock", "instant_stop_on_rollback")
+                values |= {f"sync_mode.{name}": name == "time_based" or r.random() < 0.5 for name in bits}
         if r.random() < extreme:  # the command's values last; the master is set anew in every step
             name = r.choice(
                 ("master.position", "master.velocity", "master.acceleration", "gear_in_velo.ratio_numerator")
@@ -128,7 +133,13 @@ def watch(block: FlyingSaw) -> set[Any]:
         ("fault", block.error_id),
         ("profile", block.characteristics.profile),
         ("limit", block.local.exceeded_limit),
+        *([("parked", _time_based_before_sync(block.active_request.mode))] if block.stage == Stage.PARKED else []),
     }
+
+
+def _time_based_before_sync(mode: SyncMode) -> bool:
+    """Whether a saw that is parked was surely on a time-based way into sync: in sync the lock alone would park it."""
+    return mode.time_based and not mode.rollback_lock
 
 
 # The faults that are not rare: the shapes that break the other checks have tests of their own.
@@ -153,6 +164,7 @@ STRATEGY = Strategy(
             *(("mode", mode) for mode in MasterInput),
             *(("fault", fault) for fault in OFTEN),
             *(("limit", limit) for limit in Limit if limit != Limit.INSTANT_STOP),
+            *(("parked", time_based_before_sync) for time_based_before_sync in (False, True)),
             *(("profile", kind) for kind in (ProfileKind.NONE, ProfileKind.P5, ProfileKind.JERK_LIMITED)),
         }
     ),
