@@ -14,6 +14,7 @@ Further readings of the specification that it leaves open:
 - What is set where the master jumps acts with the master after the jump, and a coupled slave starts a new motion from
   what the coupling makes of that; a time-based ramp takes a jump of the master up from the slave's own velocity.
 - `coupling_factor` is k while coupled, else 0. `characteristics` keep their values after uncoupling.
+- The cycle of an encoder as master is its sample time, or without one the scenario's step.
 - Master positions are unwrapped from the first one in the period; those among the characteristics are shown wrapped.
 - Waiting for `master_start_distance`: limits, factor, mode and a master at rest are checked at the edge and again at
   the start, the slave's sync position only at the start. On a coupled slave the old coupling goes on meanwhile (its
@@ -124,6 +125,8 @@ class FlyingSawRun(EventRun):
         start = script.get("start", {})
         self.inputs = {name: start.get(name, default) for name, default in DEFAULTS.items()}
         self.period = mp.mpf(start.get("master.period", 0))
+        cycle = start.get("master.sample_time", 0) or script["step_size"]
+        self.encoder_noise = 2 * mp.mpf(start.get("master.encoder_scaling", 0)) / mp.mpf(cycle) ** 2
         self.cosine = mp.cos(mp.mpf(start.get("diagonal_angle", 0)) * mp.pi / 180)
         self.commands = {group: Command(group, bool(self.inputs[f"{group}.execute"])) for group in GROUPS}
         position, velocity = (mp.mpf(start.get(f"axis.initial_{name}", 0)) for name in ("position", "velocity"))
@@ -522,6 +525,7 @@ class FlyingSawRun(EventRun):
         if request is None:
             self._refuse(group, BAD_FACTOR)
             return
+        request = replace(request, encoder_noise=self.encoder_noise)
         master, direction = request.master, int(mp.sign(request.master.velocity)) or self.stretch.direction
         error = refusal(request, slave_side=False) or (NOT_AHEAD if distance < 0 else 0)
         wait_until = request.sync[0] - direction * distance if request.sync and distance > 0 else master.position

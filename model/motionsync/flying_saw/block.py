@@ -20,6 +20,7 @@ from .interface import FlyingSawInterface
 from .motion_request import MotionRequest
 from .profile import Profile, ProfileKind
 from .profile_plan import ProfilePlan
+from .saw_master import coupling_acceleration
 from .segments import add_ramp_from_acceleration, ramp_duration
 from .stage import Stage
 from .time_based_sync import TimeBasedSync
@@ -177,7 +178,7 @@ class FlyingSaw(FlyingSawInterface):
         """gear_in_velo or gear_in_pos, at once, or when the master passes the start ahead."""
         master_position = self.master.begin
         request = self.new_request
-        self.set_plan_start(0.0, master_position, self.master.begin_velocity, self.master.begin_acceleration)
+        self.set_plan_start(request, 0.0, master_position, self.master.begin_velocity, self.master.begin_acceleration)
         direction = 1.0 if self.master.begin_velocity > 0.0 else -1.0
         start = request.master_sync - direction * request.start_distance
         later = request.start_distance > 0.0 and (master_position - start) * direction < 0.0
@@ -229,10 +230,14 @@ class FlyingSaw(FlyingSawInterface):
 
     # --- coupling ---
 
-    def set_plan_start(self, time: float, master_position: float, velocity: float, acceleration: float) -> None:
-        """Set the states from which the plan starts: the master's as given, the slave's as it then is."""
+    def set_plan_start(
+        self, request: GearInRequest, time: float, master_position: float, velocity: float, acceleration: float
+    ) -> None:
+        """Set the states from which the request is planned: the master's as given, but for what an encoder makes of its
+        acceleration; the slave's as it then is."""
         self.set_slave_at(time, master_position, velocity, acceleration)
-        self.plan.master.set(master_position, velocity, acceleration)
+        counted = acceleration if request.mode.time_based else coupling_acceleration(self.master, acceleration)
+        self.plan.master.set(master_position, velocity, counted)
         self.plan.slave.set(self.slave.position, self.slave.velocity, self.slave.acceleration)
 
     def try_plan(self, request: GearInRequest) -> Fault:
@@ -263,11 +268,13 @@ class FlyingSaw(FlyingSawInterface):
         """The master passes the start: plan the waiting command from the present state.
 
         If that is refused, a motion of the slave's own goes on, and a coupled slave runs on at its velocity."""
-        self.set_plan_start(time, self.start_position, self.master.velocity_at(time), self.master.end_acceleration)
+        request = self.pending_request
+        velocity = self.master.velocity_at(time)
+        self.set_plan_start(request, time, self.start_position, velocity, self.master.end_acceleration)
         self.waiting = False
-        fault = self.try_plan(self.pending_request)
+        fault = self.try_plan(request)
         if fault == Fault.NONE:
-            var.copy(self.active_request, self.pending_request)
+            var.copy(self.active_request, request)
             self.couple(time, self.start_position)
         else:
             self.fail_owner(fault)
@@ -277,8 +284,10 @@ class FlyingSaw(FlyingSawInterface):
 
     def couple_again(self, time: float) -> None:
         """The master passes the coupling position forwards again: plan anew from the present state."""
-        self.set_plan_start(time, self.coupling_position, self.master.velocity_at(time), self.master.end_acceleration)
-        fault = self.try_plan(self.active_request)
+        request = self.active_request
+        velocity = self.master.velocity_at(time)
+        self.set_plan_start(request, time, self.coupling_position, velocity, self.master.end_acceleration)
+        fault = self.try_plan(request)
         if fault == Fault.NONE:
             self.couple(time, self.coupling_position)
         else:

@@ -68,9 +68,9 @@ def reversed_early(*modes: str, side: float = 1.0, back: float = 0.1, jerk: floa
     """Time based; the master, which comes back at its velocity after the time `back`, is at the coupling position again
     after twice that time.
 
-    With t = `back` and j = `jerk` the slave gets to j t, j t^2 / 2 and j t^3 / 6 until the master turns. Its acceleration
-    goes down by j from then on, for it is after -100: at the coupling position it has none, the velocity j t^2, and the
-    position j t^3 (10 and 1 with the values above)."""
+    With t = `back` and j = `jerk` the slave gets to j t, j t^2 / 2 and j t^3 / 6 until the master comes back. From then
+    on the target is -100, so its acceleration falls by j: at the coupling position it has none, the velocity j t^2, and
+    the position j t^3 (10 and 1 with the values above)."""
     saw = FlyingSawHarness(speed=100.0 * side).modes("time_based", *modes)
     saw.give("gear_in_velo", acceleration=1000.0, deceleration=100.0, jerk=jerk).run(back, cuts=[0.4 * back])
     saw.speed = -100.0 * side
@@ -121,7 +121,7 @@ def test_time_based_the_slave_rests_beyond_the_coupling_position(
 
 
 def test_time_based_a_command_that_waits_keeps_the_slave_parked() -> None:
-    """gear_in_pos waits for the master at 100, so that nothing is planned anew where it passes the coupling position."""
+    """gear_in_pos waits for the master at 100: nothing is planned anew where it passes the coupling position."""
     saw = FlyingSawHarness(speed=100.0).modes("time_based", "rollback_lock").give("gear_in_velo", jerk=1000.0).run(0.05)
     saw.modes().give("gear_in_pos", **AIMS, master_start_distance=AIMS["master_sync_position"] - 100.0).run(0.05)
     assert (saw.state, saw.slave[1] > 0.0) == (State.PREPHASE, True)
