@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from motionsync.flying_saw.block import FlyingSaw
+from motionsync.flying_saw.interface import State
 from motionsync.flying_saw.profile import ProfileKind
 from motionsync.master import MasterInput
 from motionsync_fmu.batch.simulation import simulate_many
@@ -169,3 +170,33 @@ def test_the_accelerations_of_an_encoder_make_no_coupling_overshoot(
     assert np.mean(refused[0.0]) > 0.3
     assert not refused[resolution].any()
     assert (runs[resolution]["characteristics.profile"][:, -1] == ProfileKind.P5_P1).all()
+
+
+@pytest.mark.parametrize("bit", ["rollback_lock", "instant_stop_on_rollback"])
+def test_a_time_based_saw_rests_once_the_line_surely_goes_back(bit: str) -> None:
+    """The line, at 5 mm/s, stops just after the edge, so that noise and overshoot take it back beyond the coupling
+    position: 1.5 times the travel in a reaction time of 21 ms, 0.16 mm of 0.32 mm that are uncertain. Later it goes back
+    for good. The saw comes from 100 mm/s with 50 mm/s^2, so it still moves then."""
+    t = times(6.0)
+    line = 5.0 * np.minimum(t, 1.001) - 50.0 * np.maximum(t - 2.0, 0.0)
+    result = simulate_many(
+        "FlyingSaw",
+        STEP,
+        {"master.position": noisy(line, 0.02), "gear_in_velo.execute": (t >= 1.0).astype(float)},
+        ["state", "slave.position", "slave.velocity", "master.smoothed_position"],
+        start={
+            **MEASURED,
+            "master.velocity": 5.0,
+            "axis.initial_velocity": 100.0,
+            "sync_mode.time_based": True,
+            f"sync_mode.{bit}": True,
+            "gear_in_velo.deceleration": 50.0,
+        },
+    )
+    state, smoothed = result["state"], result["master.smoothed_position"]
+    at_rest = (t >= 1.0) & (t < 2.0)
+    assert (smoothed[:, at_rest].min(axis=1) < 4.95).any()  # the coupling position is 5.005
+    assert (state[:, at_rest] == State.SYNCHRONIZING).all()
+    assert (state[:, -1] == State.PREPHASE).all()
+    assert (changes(state) == 2).all()  # to SYNCHRONIZING and to PREPHASE
+    assert not result["slave.velocity"][:, -1].any()
