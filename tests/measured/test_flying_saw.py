@@ -175,8 +175,8 @@ def test_the_accelerations_of_an_encoder_make_no_coupling_overshoot(
 @pytest.mark.parametrize("bit", ["rollback_lock", "instant_stop_on_rollback"])
 def test_a_time_based_saw_rests_once_the_line_surely_goes_back(bit: str) -> None:
     """The line, at 5 mm/s, stops just after the edge, so that noise and overshoot take it back beyond the coupling
-    position: 1.5 times the travel in a reaction time of 21 ms, 0.16 mm of 0.32 mm that are uncertain. Later it goes back
-    for good. The saw comes from 100 mm/s with 50 mm/s^2, so it still moves then."""
+    position: 1.5 times the travel in a reaction time of 21 ms, 0.16 of 0.32 mm that are uncertain. Later it goes back.
+    The saw comes from 100 mm/s with 50 mm/s^2, so it still moves then."""
     t = times(6.0)
     line = 5.0 * np.minimum(t, 1.001) - 50.0 * np.maximum(t - 2.0, 0.0)
     result = simulate_many(
