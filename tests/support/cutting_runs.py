@@ -229,6 +229,8 @@ def features(block: Any) -> set[Any]:
         ("made", block.last.kind),
         ("late", block.late_mode if block.statistics.late > 0 else None),
         ("out of sync", block.statistics.unsynchronised > 0),
+        ("exceeded", block.local.exceeded_limit),
+        ("skipped", block.local.skip_reason),
         ("stopping in fault", block.state == FAULT and block.slave.velocity != 0.0),
         ("batch", block.batch_done),
         ("order", block.order.completed > 0),

@@ -31,6 +31,18 @@ class SkipReason(Enumeration):
     PARKING = 2, "cut skipped: on its way to park the blade passes its place out of sync", "statistics.unsynchronised"
 
 
+class KnifeLimit(Enumeration):
+    """Which limit of the axis is exceeded, where the knife's axis names another one than `Limit` does"""
+
+    NONE = 0, "none"
+    MAX_DECELERATION = (
+        5,
+        "limit exceeded: the slave's deceleration is beyond its axis's",
+        "local.exceeded_value",
+        "axis.max_acceleration",
+    )
+
+
 class Refusal(Enumeration):
     """Why `initialize` or `step` cannot be carried out with the values given; such a call has changed nothing"""
 

@@ -29,7 +29,7 @@ from ..exceeded_limit import Limit
 from ..master import VELOCITY_SOURCES, Master
 from ..slave import Slave
 from ..var import Enumeration, Report, Role, Unit
-from .faults import KnifeParameter, SkipReason
+from .faults import KnifeLimit, KnifeParameter, SkipReason
 
 MOST_BLADES = 64
 LEAST_OVERSPEED = -0.2
@@ -216,7 +216,7 @@ class Local:
     exceeded_limit: int = var.local(
         0,
         "which limit of the axis is exceeded",
-        codes=var.selected(Limit, "MAX_VELOCITY", "MAX_ACCELERATION", "MAX_JERK", "INSTANT_STOP"),
+        codes=var.merged(var.selected(Limit, "MAX_VELOCITY", "MAX_ACCELERATION", "MAX_JERK"), KnifeLimit),
         report=Report.EPISODES,
     )
     exceeded_value: float = var.snapshot(0.0, "the value that exceeds it, in the limit's unit")
