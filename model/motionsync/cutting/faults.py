@@ -2,7 +2,20 @@
 
 from ..var import Enumeration
 
+REFUSED_MARK = ("local.refused_mark", "statistics.marks_refused", "mark.sensor_distance", "mark.cut_offset")
 LINE_VELOCITIES = ("master.velocity", "limits.max_line_velocity")
+
+
+class MarkRefusal(Enumeration):
+    """Why a mark was refused"""
+
+    NONE = 0, "none was"
+    NO_LENGTH = (
+        1,
+        "mark refused: between its cut and the cut before it, or the material's front end, no piece is left",
+        *REFUSED_MARK,
+    )
+    FAR = 2, "mark refused: its cut is more than 1e4 of mark.spacing ahead", *REFUSED_MARK, "mark.spacing"
 
 
 class PieceFault(Enumeration):
@@ -20,7 +33,7 @@ class PieceFault(Enumeration):
         *("calibration.measured_length", "last.length"),
     )
     TUNABLE = 5, "refused: a tuned parameter is out of its range: local.refused_parameter shows which"
-    CUT_NOW = 6, "refused: cut_now needs a machine that is running"
+    CUT_NOW = 6, "refused: cut_now needs a machine that is running, and material beyond the last cut", "piece.length"
     CUT_MISSED = 16, "the line is too fast for the next cut, and late_mode is STOP_LINE", *LINE_VELOCITIES
     MARKS_MISSING = 18, "more marks in a row are missing than mark.max_missing allows", "mark.max_missing"
     MARKS_FULL = 20, "64 marks wait already"

@@ -6,6 +6,7 @@ from .. import var
 from ..slave import Edge
 from .commands import PieceCommands
 from .faults import PieceFault
+from .material import Material
 
 
 @dataclass(slots=True)
@@ -64,6 +65,14 @@ class Operation:
         else:
             self.pieces.fault = PieceFault.NONE
             self.is_cut_pending = True
+
+    def try_take_cut(self, material: Material, cut: float) -> bool:
+        """Carry out the cut_now that waits: the piece ends at this position. Where it has no length it is refused."""
+        self.is_cut_pending = False
+        if material.try_fix_short(cut):
+            return True
+        self.pieces.fault = PieceFault.CUT_NOW
+        return False
 
     def fail(self, fault: int) -> None:
         """The machine stops for a fault."""

@@ -9,7 +9,7 @@ from .. import var
 from ..axis_limits import AxisLimits
 from ..clock import Clock
 from ..computable_range import LARGEST
-from ..cutting.faults import PieceFault
+from ..cutting.faults import MarkRefusal, PieceFault
 from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import LateMode, PieceKind, Source, StartMode
 from ..cutting.material import Material
@@ -124,12 +124,14 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        longest = MOST_PITCHES * self.predictions.pitch_orders if self.running else 0.0
+        pitch = self.material.repeated_pitch(self.predictions.pitch_orders)
+        longest = MOST_PITCHES * pitch if self.running else 0.0
         refusal = self.master.try_advance_within(h, longest)
         if refusal != PathRefusal.NONE:
             return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
         self.read_demand()
         self.local.skip_reason = SkipReason.NONE
+        self.local.mark_refusal = MarkRefusal.NONE
         for section in range(self.master.path.sections):
             self.travel(section)
             if section == 0:
@@ -357,6 +359,10 @@ class RotaryKnife(RotaryKnifeInterface):
         )
         self.warning.mark_missing = self.material.is_mark_missing
         self.warning.mark_outside = self.material.is_mark_outside
+        self.warning.mark_refused = self.material.is_mark_refused
+        self.local.mark_refusal = self.material.mark_refusal
+        if self.material.mark_refusal != MarkRefusal.NONE:
+            self.local.refused_mark = wrap(self.material.refused_mark, master.period)
         if self.material.piece.is_fixed and not was_fixed:
             self.take_window()
         if self.material.mark_fault != PieceFault.NONE:
@@ -466,11 +472,10 @@ class RotaryKnife(RotaryKnifeInterface):
         limit = self.ramp_velocity if is_fixed else self.predictions.ramp_up.max_line_velocity
         if not self.try_wait_for_line(section, limit):
             return False
-        self.operation.is_cut_pending = False
         if not is_fixed:
             self.take_window()
-        self.material.fix_short(self.place - self.ramp_begin)
-        self.enter_engaging()
+        if self.operation.try_take_cut(self.material, self.place - self.ramp_begin):
+            self.enter_engaging()
         return True
 
     def try_wait_for_line(self, section: int, limit: float) -> bool:
@@ -519,12 +524,12 @@ class RotaryKnife(RotaryKnifeInterface):
             return
         velocity = self.master.velocity_at(self.now)
         is_slow = velocity <= self.ramp_velocity * PUNCTUAL
-        if is_slow and self.place <= begin + LATE * travel:
+        if is_slow and self.place <= begin + LATE * travel and piece.leaves_length(piece.end):
             self.enter_engaging()
         elif piece.waits_for_line():
             piece.end = earliest
             self.enter_engaging()
-        elif is_slow and self.settings.late_mode == LateMode.LATE:
+        elif is_slow and self.settings.late_mode == LateMode.LATE and piece.leaves_length(earliest):
             self.delay_cut(earliest)
             self.enter_engaging()
         elif self.settings.late_mode == LateMode.STOP_LINE:
@@ -636,7 +641,7 @@ class RotaryKnife(RotaryKnifeInterface):
                 self.is_cut_refused = True
         if has_to_rest or not piece.is_fixed:
             self.plan_ramp_down()
-        elif departure.try_cut(self.knife_data, self.piece_window, piece.end, True):
+        elif piece.leaves_length(piece.end) and departure.try_cut(self.knife_data, self.piece_window, piece.end, True):
             self.plan_way()
         else:
             self.act_on_late_cut()
@@ -658,7 +663,9 @@ class RotaryKnife(RotaryKnifeInterface):
         departure = self.departure
         if self.settings.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
-        elif self.settings.late_mode == LateMode.LATE and departure.try_earliest(knife, self.piece_window, piece.end):
+        elif self.settings.late_mode == LateMode.LATE and departure.try_earliest(
+            knife, self.piece_window, max(piece.end, piece.least_end())
+        ):
             self.delay_cut(departure.cut.place)
             self.plan_way()
         else:
@@ -693,17 +700,19 @@ class RotaryKnife(RotaryKnifeInterface):
         if not departure.velocity > 0.0:
             return False
         knife = self.knife_data
+        least = max(departure.begin, piece.least_end())
         if piece.is_fixed:
-            if not departure.try_earliest_turning(knife, self.piece_window, departure.begin, piece.end):
+            if not departure.try_earliest_turning(knife, self.piece_window, least, piece.end):
                 return False
             if not departure.cut.place < piece.end:
                 return False
         else:
             window = self.predictions.window
-            if not departure.try_earliest_turning(knife, window, departure.begin, UNLIMITED):
+            if not departure.try_earliest_turning(knife, window, least, UNLIMITED):
                 return False
             self.take_window()
-        self.material.fix_short(departure.cut.place)
+        if not self.material.try_fix_short(departure.cut.place):
+            return False
         self.plan_way()
         return True
 

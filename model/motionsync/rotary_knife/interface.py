@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..computable_range import LARGEST, SMALLEST_LIMIT
-from ..cutting.faults import PieceFault
+from ..cutting.faults import MarkRefusal, PieceFault
 from ..cutting.interface import (
     Calibration,
     ChangeMode,
@@ -187,6 +187,7 @@ class Warnings:
     velocity: bool = var.local(False, "in the window the knife cannot be as fast as the line")
     mark_missing: bool = var.local(False, "a mark did not come; until the next accepted one")
     mark_outside: bool = var.local(False, "an edge was no mark; until the next accepted one")
+    mark_refused: bool = var.local(False, "at a mark no piece could end; until the next accepted one")
     no_length: bool = var.local(False, "no length is given for the next piece, or none that can be cut")
     change_pending: bool = var.local(False, "a new length, or a cut_now, waits until the piece in progress has ended")
 
@@ -205,6 +206,10 @@ class Local:
         0.0, "HORIZONTAL: the knife's travel per rad; else 0", Unit.SLAVE_POSITION, role=Role.EDGE_RADIUS
     )
     marks_waiting: int = var.local(0, "marks in the queue")
+    mark_refusal: int = var.local(
+        0, "why a mark was refused in the last step; 0: none was", codes=MarkRefusal, report=Report.STEPS
+    )
+    refused_mark: float = var.snapshot(0.0, "master position of the last refused mark", Unit.POSITION)
     refused_parameter: int = var.local(
         0, "which tunable parameter is out of its range", codes=var.merged(KnifeParameter, PieceParameter)
     )
