@@ -1,8 +1,10 @@
 """What holds for every machine that cuts to length, whatever carries its blade and whatever its inputs are."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from math import ceil
+from random import Random
 from typing import Any
 
 import pytest
@@ -11,10 +13,12 @@ from hypothesis import strategies as st
 
 from motionsync.blocks import BLOCKS
 from motionsync.cutting.faults import MarkRefusal, PieceFault
-from motionsync.cutting.interface import PieceKind, Source
+from motionsync.cutting.interface import LateMode, PieceKind, Source, StartMode
+from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
 from tests.support.finite import run_finite
 from tests.support.random_runs import load_strategy
+from tests.support.runs import BlockRun
 
 INTEGER = 2147483647  # the largest number of FMI's Integer
 MARKS: dict[str, Any] = {"source": Source.MARK, "auto_start": True, "mark.sensor_distance": 700.0}
@@ -131,6 +135,70 @@ def test_a_cut_now_before_the_front_end_is_refused(machine: str) -> None:
 
 
 # --- work that a user cannot enlarge ----------------------------------------------------------------------------------
+
+
+def random_scale(r: Random, machine: str) -> dict[str, Any]:
+    """Start values that are within their ranges, and fit to each other by chance only."""
+    length = 10.0 ** r.uniform(-6.0, 12.0)
+    start: dict[str, Any] = {
+        "material_factor": 10.0 ** r.uniform(-12.0, 12.0),
+        "length": length,
+        "kerf": r.choice((0.0, length * r.random(), 10.0 ** r.uniform(-6.0, 6.0))),
+        "length_correction": length * r.choice((0.0, 0.0, 0.1, -0.1)),
+        "front_position": r.choice((0.0, 1.0, -1.0)) * 10.0 ** r.uniform(0.0, 12.0),
+        "trim_length": length * r.choice((0.0, 0.3)),
+        "start_mode": r.choice((StartMode.FRONT, StartMode.TRIM)),
+        "late_mode": r.choice(list(LateMode)),
+        "source": r.choice((Source.LENGTH, Source.LENGTH, Source.MARK)),
+        "auto_start": r.random() < 0.7,
+        "master.position": r.choice((0.0, 1.0, -1.0)) * 10.0 ** r.uniform(0.0, 12.0),
+        "master.velocity": r.choice((0.0, 1.0, 1.0)) * 10.0 ** r.uniform(-6.0, 6.0),
+        "master.input_mode": r.choice(list(MasterInput)),
+        **{f"axis.max_{name}": 10.0 ** r.uniform(0.0, 12.0) for name in ("velocity", "acceleration", "jerk")},
+    }
+    if machine == "RotaryKnife":
+        start["knife.circumference"] = circumference = 10.0 ** r.uniform(-3.0, 6.0)
+        start["sync.before"], start["sync.after"] = (circumference * r.choice((0.0, 0.05, 0.1)) for _ in range(2))
+        start["sync.mode"] = r.choice((1, 2))
+    return start
+
+
+@settings(several, max_examples=60)
+@given(st.integers(0, 2**32 - 1))
+def test_no_scale_leads_to_an_error_or_to_endless_work(machine: str, seed: int) -> None:
+    """Far positions, fine pitches, steep factors, and all commands: a step is made or refused, with a bounded number of
+    operations, and what is cut has a length."""
+    r = Random(seed)
+    start = random_scale(r, machine)
+    position, velocity = start["master.position"], start["master.velocity"]
+    shares = {
+        "start": 0.2,
+        "stop": 0.02,
+        "abort": 0.02,
+        "reset": 0.3,
+        "cut_now": 0.2,
+        "mark.detected": 0.3,
+        "hold": 0.05,
+    }
+
+    def steps() -> Iterator[tuple[float, dict[str, Any]]]:
+        nonlocal position, velocity
+        for _ in range(50):
+            h = 10.0 ** r.uniform(-4.0, 0.0)
+            position += velocity * h
+            velocity *= r.choice((0.0, -0.1, 2.0)) if r.random() < 0.1 else 1.0
+            latched = position - r.choice((0.0, -1.0, 1e3)) * r.random()
+            values = {"master.position": position, "master.velocity": velocity, "mark.position": latched}
+            yield h, values | {name: r.random() < share for name, share in shares.items()}
+
+    cuts, stepped = 0, list[Any]()
+    run = run_finite(BLOCKS[machine](), BlockRun(start, list(steps())))
+    with suppress(StopIteration):
+        while True:
+            assert calls_of(lambda: stepped.append(next(run))) < 1_000_000
+            block = stepped.pop()
+            assert block.statistics.cuts == cuts or block.last.length > 0.0
+            cuts = block.statistics.cuts
 
 
 @settings(several, max_examples=40)

@@ -36,7 +36,7 @@ from .settings import MachineSettings, start_refusal
 
 LONG_AGO = -1e9  # s: the carriage has been at home since long before the initialization
 MOST_PITCHES = 1e4  # that the master may travel in one step
-MOST_EVENTS = 1000000  # in a section of the path; so many never happen
+MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 
 
 @dataclass(slots=True)
@@ -96,8 +96,9 @@ class CutToLength(CutToLengthInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        pitch = self.material.repeated_pitch(self.predictions.pitch_orders)
-        longest = MOST_PITCHES * pitch if self.running else 0.0
+        longest = 0.0
+        if self.running or self.operation.is_started_now(self.start, self.auto_start):
+            longest = MOST_PITCHES * self.material.repeated_pitch(self.predictions.pitch_orders, self.length)
         refusal = self.master.try_advance_within(h, longest)
         if refusal != PathRefusal.NONE:
             return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
@@ -461,7 +462,7 @@ class CutToLength(CutToLengthInterface):
         """Carry out a cut_now: cut where the carriage can be in sync first, if there is material."""
         distance = lead(self.carriage.machine, self.master.velocity_at(self.now))
         cut = cut_of_start(self.master.begin, self.carriage, self.master, self.now, distance)
-        if self.operation.try_take_cut(self.material, cut):
+        if self.operation.try_take_cut(self.material, cut, True):
             self.enter_approaching(distance, False)
 
     def skip_cuts_of_fast_line(self, until: float) -> None:

@@ -6,7 +6,7 @@ Positions are unwrapped positions of the master at which a cut passes slave posi
 from dataclasses import dataclass
 
 from .. import var
-from ..grid import floor, nearest_on_grid
+from ..grid import floor, nearest_on_grid, rounding_tolerance
 from .faults import MarkRefusal, PieceFault
 from .interface import Mark, PieceKind, Source, StartMode, Statistics
 from .marks import MarkQueue
@@ -143,7 +143,7 @@ class Material:
 
     def fix_length(self, kind: PieceKind, length: float, order: int) -> None:
         """Give the piece this length, if a piece can have it."""
-        if min(length, self.piece.material_of(length)) > LEAST_LENGTH:
+        if self.piece.can_have(length):
             self.piece.fix(kind, length, order)
 
     def fix_marked(self) -> None:
@@ -191,7 +191,8 @@ class Material:
     def skip_pitches(self, number: float, statistics: Statistics) -> None:
         """Leave out so many cuts: the piece ends with the one after them."""
         self.piece.kind = PieceKind.MERGED
-        self.piece.end += number * self.piece.pitch
+        end = self.piece.end + number * self.piece.pitch
+        self.piece.end = max(end, self.piece.end + rounding_tolerance(end, end))
         statistics.skipped = increased(statistics.skipped, number)
 
     def end_piece(self, end: float) -> None:
@@ -350,10 +351,12 @@ class Material:
         spacing = self.settings.mark.spacing * float(self.settings.mark.every)
         return spacing / self.settings.factor if spacing > 0.0 else UNLIMITED
 
-    def repeated_pitch(self, shortest: float) -> float:
-        """The least pitch that may come again and again in one step, if `shortest` is the least of all; the marks that
-        wait are few, and each is cut at most once."""
-        return self.pitch_of_marks() if self.demand.source == Source.MARK else shortest
+    def repeated_pitch(self, shortest: float, length: float) -> float:
+        """The least pitch that may come again and again in a step: of `shortest`, the least one at its beginning, and of
+        the input length as it is now. The marks that wait are few, and each is cut at most once."""
+        if self.demand.source == Source.MARK:
+            return self.pitch_of_marks()
+        return min(shortest, self.pitch_of(length)) if self.orders.waiting == 0 else shortest
 
     def expected_length(self, running: bool) -> float:
         """The length of the piece after the one in progress."""

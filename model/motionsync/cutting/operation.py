@@ -40,6 +40,10 @@ class Operation:
         self.reset_edge.take_level(reset)
         self.cut_now_edge.take_level(cut_now)
 
+    def is_started_now(self, start: bool, auto_start: bool) -> bool:
+        """Whether the command start comes in the present step; it may be refused."""
+        return (start and not self.start_edge.before) or (auto_start and not self.has_stepped)
+
     def start(self) -> None:
         """Accept the command start."""
         self.pieces.fault = PieceFault.NONE
@@ -66,10 +70,11 @@ class Operation:
             self.pieces.fault = PieceFault.NONE
             self.is_cut_pending = True
 
-    def try_take_cut(self, material: Material, cut: float) -> bool:
-        """Carry out the cut_now that waits: the piece ends at this position. Where it has no length it is refused."""
+    def try_take_cut(self, material: Material, cut: float, is_reachable: bool) -> bool:
+        """Carry out the cut_now that waits: the piece ends at this position. It is refused if the cut cannot be reached
+        from here, or leaves no piece."""
         self.is_cut_pending = False
-        if material.try_fix_short(cut):
+        if is_reachable and material.try_fix_short(cut):
             return True
         self.pieces.fault = PieceFault.CUT_NOW
         return False

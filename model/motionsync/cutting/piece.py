@@ -48,6 +48,12 @@ class PieceInProgress:
         """Whether a cut at this position leaves a piece of some length."""
         return min(self.length(end), self.factor * (end - self.begin)) > LEAST_LENGTH
 
+    def can_have(self, length: float) -> bool:
+        """Whether it can have a length, u: one that rounding of the cuts' positions does not hide."""
+        material = self.material_of(length)
+        least = ROUNDED * self.factor * rounding_tolerance(self.begin, material / self.factor)
+        return min(length, material) > max(LEAST_LENGTH, least)
+
     def least_end(self) -> float:
         """The first position, but for rounding, at which a cut leaves a piece of some length."""
         least = (max(self.kerf + self.correction, 0.0) + LEAST_LENGTH) / self.factor

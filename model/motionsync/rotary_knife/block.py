@@ -38,7 +38,7 @@ from .velocity import PUNCTUAL, keeps_limits
 from .window import Cut, Window
 
 MOST_PITCHES = 1e4  # that the master may travel in one step
-MOST_EVENTS = 1000000  # in a section of the path; so many never happen
+MOST_EVENTS = 100000  # in a section of the path: more than ten for each pitch; so many never happen
 LATE = 1e-9  # of a ramp's travel: with so much less it begins in time
 
 
@@ -124,8 +124,9 @@ class RotaryKnife(RotaryKnifeInterface):
 
     def step(self, h: float) -> Refusal:
         """From t to t+h. The commands act once the events of the first instant, on section 0, are carried out."""
-        pitch = self.material.repeated_pitch(self.predictions.pitch_orders)
-        longest = MOST_PITCHES * pitch if self.running else 0.0
+        longest = 0.0
+        if self.running or self.operation.is_started_now(self.start, self.auto_start):
+            longest = MOST_PITCHES * self.material.repeated_pitch(self.predictions.pitch_orders, self.length)
         refusal = self.master.try_advance_within(h, longest)
         if refusal != PathRefusal.NONE:
             return Refusal.TRAVEL if refusal == PathRefusal.TRAVEL else Refusal.MASTER_TURNS
@@ -461,10 +462,17 @@ class RotaryKnife(RotaryKnifeInterface):
         if end < begin:
             return False
         self.move_to(section, begin)
-        if piece.waits_for_line() and not self.try_wait_for_line(section, self.ramp_velocity):
+        if piece.waits_for_line() and not (
+            self.try_wait_for_line(section, self.ramp_velocity)
+            and self.can_ramp_to(max(piece.end, self.place - self.ramp_begin))
+        ):
             return False
         self.begin_ramp()
         return True
+
+    def can_ramp_to(self, cut: float) -> bool:
+        """Whether a ramp up to the window of a cut would have a length from here on, where positions are rounded."""
+        return cut - self.piece_window.before > self.place
 
     def try_requested_cut(self, section: int) -> bool:
         """A cut_now at rest, as soon as the line is slow enough."""
@@ -474,7 +482,8 @@ class RotaryKnife(RotaryKnifeInterface):
             return False
         if not is_fixed:
             self.take_window()
-        if self.operation.try_take_cut(self.material, self.place - self.ramp_begin):
+        cut = self.place - self.ramp_begin
+        if self.operation.try_take_cut(self.material, cut, self.can_ramp_to(cut)):
             self.enter_engaging()
         return True
 
@@ -524,12 +533,13 @@ class RotaryKnife(RotaryKnifeInterface):
             return
         velocity = self.master.velocity_at(self.now)
         is_slow = velocity <= self.ramp_velocity * PUNCTUAL
-        if is_slow and self.place <= begin + LATE * travel and piece.leaves_length(piece.end):
+        is_in_time = self.place <= begin + LATE * travel and self.can_ramp_to(piece.end)
+        if is_slow and is_in_time and piece.leaves_length(piece.end):
             self.enter_engaging()
         elif piece.waits_for_line():
             piece.end = earliest
             self.enter_engaging()
-        elif is_slow and self.settings.late_mode == LateMode.LATE and piece.leaves_length(earliest):
+        elif is_slow and self.can_delay_cut(earliest):
             self.delay_cut(earliest)
             self.enter_engaging()
         elif self.settings.late_mode == LateMode.STOP_LINE:
@@ -538,6 +548,11 @@ class RotaryKnife(RotaryKnifeInterface):
             self.show_skipped_cut()
             skip_cuts_before(self.material, earliest - LATE * travel, self.statistics)
             self.predictions.is_cycle_current = False
+
+    def can_delay_cut(self, earliest: float) -> bool:
+        """Whether a late cut out of rest is made at this position, u, as early as it can be."""
+        is_late_mode = self.settings.late_mode == LateMode.LATE
+        return is_late_mode and self.material.piece.leaves_length(earliest) and self.can_ramp_to(earliest)
 
     def enter_engaging(self) -> None:
         """The ramp up to the next cut begins."""

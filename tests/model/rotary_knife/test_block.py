@@ -330,3 +330,19 @@ def test_a_piece_is_not_fixed_with_a_window_that_the_knife_cannot_have() -> None
     assert (knife["statistics.cuts"], knife["warning.no_length"], knife["error_id"]) == (1, True, PieceFault.TUNABLE)
     knife.set({"sync.before": 30.0}).at(0.66)
     assert not knife["warning.no_length"]
+
+
+@pytest.mark.parametrize("factor", [1e7, 1e8, 1e10])
+@pytest.mark.parametrize("front", [0.0, 1e12])
+def test_a_cut_now_whose_ramp_is_hidden_by_rounding_is_refused(factor: float, front: float) -> None:
+    """At 1e12 neighbouring numbers are 1.2e-4 apart; the ramp takes 540/factor of the master. With `front` there is no
+    lack of material. The machine goes on: at 0 the same command cuts after 570/factor."""
+    values = {"material_factor": factor, "length": 1e9, "front_position": front}
+    knife = RotaryKnifeHarness(values, master_position=1e12, speed=0.0).give("start").run(0.01)
+    knife.give("cut_now").run(0.01)
+    assert (knife["error_id"], knife.state, knife["statistics.cuts"]) == (PieceFault.CUT_NOW, State.WAITING, 0)
+    knife.give("stop").run(0.01).set({"front_position": 1e4})
+    knife.master_position = 0.0
+    knife.run(0.01).give("start").run(0.01).give("cut_now").run(0.01)
+    assert (knife["error_id"], knife.state) == (PieceFault.NONE, State.ENGAGING)
+    assert knife["next_cut.position"] == pytest.approx(570.0 / factor)
