@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from motionsync.blocks import BLOCKS
-from motionsync.cutting.faults import MarkRefusal, PieceFault
+from motionsync.cutting.faults import MarkRefusal, NoLength, PieceFault
 from motionsync.cutting.interface import LateMode, PieceKind, Source, StartMode
 from motionsync.master import MasterInput
 from motionsync_fmu.interface.stepper import Stepper
@@ -132,6 +132,32 @@ def test_a_cut_now_before_the_front_end_is_refused(machine: str) -> None:
     assert line["error_id"] == PieceFault.NONE
     ((length, is_good),) = line.run(1.0)
     assert (0.0 < length < 1000.0, is_good) == (True, False)
+
+
+# --- calibration ------------------------------------------------------------------------------------------------------
+
+
+@settings(several, max_examples=25)
+@given(st.floats(700.0, 1500.0), st.floats(0.0, 20.0), st.lists(st.floats(0.2, 4.0), min_size=1, max_size=4))
+def test_a_calibration_whose_factor_is_beyond_a_half_to_two_is_refused(
+    machine: str, length: float, kerf: float, shares: list[float]
+) -> None:
+    """Each share is (measured + kerf)/(length + kerf) of the same piece; the factor is their product, as long as it stays
+    within 0.5 to 2. What is refused leaves it, and the line's limits, as they were."""
+    line = Line(machine, {"auto_start": True, "length": length, "kerf": kerf}, 500.0)
+    line.run(3.5)
+    assert line["last.length"] == pytest.approx(length)
+    line.step(1e-3, hold=True)
+    factor = 1.0
+    for share in shares:
+        limit = line["limits.max_line_velocity"]
+        line.step(1e-3, calibration__execute=True, calibration__measured_length=share * (length + kerf) - kerf)
+        is_accepted = 0.5 <= factor * share <= 2.0
+        factor *= share if is_accepted else 1.0
+        assert line["calibration.factor"] == pytest.approx(factor, rel=1e-9)
+        assert line["error_id"] == (PieceFault.NONE if is_accepted else PieceFault.CALIBRATION)
+        assert is_accepted or line["limits.max_line_velocity"] == limit
+        line.step(1e-3, calibration__execute=False)
 
 
 # --- work that a user cannot enlarge ----------------------------------------------------------------------------------
@@ -282,3 +308,26 @@ def test_a_counter_stays_at_its_largest_number(machine: str, counter: str) -> No
         line.mark(position)
     line.run(4.0)
     assert line[f"statistics.{counter}"] == INTEGER
+
+
+# --- no length --------------------------------------------------------------------------------------------------------
+
+
+@settings(several, max_examples=25)
+@given(st.floats(-1e6, 1e-6), st.floats(-30.0, 30.0), st.floats(0.0, 10.0))
+def test_the_reason_why_there_is_no_length_is_shown(
+    machine: str, length: float, correction: float, kerf: float
+) -> None:
+    """The input length is none; that of an order does not suffice if the correction takes it away. With a length all is
+    well."""
+    line = Line(machine, {"auto_start": True, "length": length, "length_correction": correction, "kerf": kerf}, 100.0)
+    line.step(1e-3)
+    assert (line["local.no_length"], line["warning.no_length"]) == (NoLength.NOT_GIVEN, True)
+    line.step(1e-3, order__add=True, order__length=20.0)
+    has_length = 20.0 + correction + kerf > 1e-6
+    assert line["warning.no_length"] != has_length
+    assert line["local.no_length"] == (NoLength.NONE if has_length else NoLength.TOO_SHORT)
+    line.step(1e-3, length=300.0, order__clear=True)
+    assert (line["local.no_length"], line["warning.no_length"]) == (NoLength.NONE, False)
+    line.step(1e-3, stop=True, length=length).run(5.0)
+    assert (line["running"], line["local.no_length"]) == (False, NoLength.NONE)

@@ -9,7 +9,7 @@ Readings of the specification that it leaves open:
 - THIS_PIECE with a length that is none: the piece stays as it was fixed, and the change waits until it ends.
 - TRIM: a crop of no length is one of 1e-6.
 - A far mark is refused before missing marks are counted.
-- A calibration that would bring the factor out of 1e-6 to 1e6 is refused.
+- A calibration that would bring the factor out of 0.5 to 2 is refused.
 - The order that will be in front after a piece: the next one, if the piece is the last PRODUCT that its order lacks.
 - A missing mark without `substitute` does not count among the n of `mark.every`.
 - With the source MARK, Δ is 0 wherever it occurs, the piece in progress ends at the front of the queue, and the entry
@@ -31,11 +31,19 @@ CUT_MISSED, MARKS_MISSING, MARKS_FULL = 16, 18, 20
 QUEUE = 64
 LEAST_LENGTH = 1e-6
 FARTHEST_MARK = 1e4
-LEAST_FACTOR = 1e-6
+LEAST_FACTOR = 0.5
 
 COUNTERS = (
     *("cuts", "pieces_good", "pieces_bad", "pieces_sample", "pieces_waste", "skipped", "late", "marks"),
-    *("marks_missing", "marks_outside", "marks_refused", "unsynchronised", "length_good", "length_waste", "error_worst"),
+    *(
+        "marks_missing",
+        "marks_outside",
+        "marks_refused",
+        "unsynchronised",
+        "length_good",
+        "length_waste",
+        "error_worst",
+    ),
 )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from .. import var
 from ..clock import Clock
 from ..cosine import cosine
-from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import Source, StartMode
 from ..cutting.material import Material
@@ -654,6 +654,7 @@ class CutToLength(CutToLengthInterface):
         self.local.marks_waiting = material.marks.waiting
         show_warnings(self, carriage, self.exceeded)
         self.local.ease = carriage.homing.share
+        self.local.no_length = material.missing_length() if self.running else NoLength.NONE
         self.local.refused_parameter = self.settings.refused_parameter(material.settings)
         self.clock = self.block_clock.time
 

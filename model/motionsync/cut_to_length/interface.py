@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from .. import var
 from ..axis_limits import AxisLimits
 from ..computable_range import LARGEST, SMALLEST_LIMIT
-from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import (
     Calibration,
     ChangeMode,
@@ -186,6 +186,9 @@ class Local:
     progress: float = var.local(0.0, "share of the approach that is done", min=0.0, max=1.0)
     ease: float = var.snapshot(1.0, "share of the limits that the way home uses")
     marks_waiting: int = var.local(0, "marks in the queue")
+    no_length: int = var.local(
+        0, "why no length is known for the next piece", codes=var.selected(NoLength, "NOT_GIVEN", "TOO_SHORT")
+    )
     mark_refusal: int = var.local(
         0, "why a mark was refused in the last step; 0: none was", codes=MarkRefusal, report=Report.STEPS
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..grid import floor, nearest_on_grid, rounding_tolerance
-from .faults import MarkRefusal, PieceFault
+from .faults import MarkRefusal, NoLength, PieceFault
 from .interface import Mark, PieceKind, Source, StartMode, Statistics
 from .marks import MarkQueue
 from .orders import OrderQueue
@@ -145,6 +145,16 @@ class Material:
         """Give the piece this length, if a piece can have it."""
         if self.piece.can_have(length):
             self.piece.fix(kind, length, order)
+
+    def missing_length(self) -> NoLength:
+        """Why no length is known for the piece that starts at the last cut."""
+        if self.piece.is_fixed or self.demand.source == Source.MARK:
+            return NoLength.NONE
+        length = self.expected_length(False)
+        is_input = not self.demand.waste and not self.is_sample_pending and self.orders.waiting == 0
+        if is_input and length <= LEAST_LENGTH:
+            return NoLength.NOT_GIVEN
+        return NoLength.NONE if self.piece.can_have(length) else NoLength.TOO_SHORT
 
     def fix_marked(self) -> None:
         """The piece ends at the next mark that is cut. Without their spacing marks do not determine its length."""

@@ -9,7 +9,7 @@ from .. import var
 from ..axis_limits import AxisLimits
 from ..clock import Clock
 from ..computable_range import LARGEST
-from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.instants import NEVER, due_instant
 from ..cutting.interface import LateMode, PieceKind, Source, StartMode
 from ..cutting.material import Material
@@ -276,6 +276,13 @@ class RotaryKnife(RotaryKnifeInterface):
     def is_too_long(self, pitch: float) -> bool:
         """Whether the knife would have to park for a piece of that pitch, u of the master, and must not."""
         return not self.allow_parking and self.source == Source.LENGTH and pitch > self.predictions.lengths.longest
+
+    def missing_length(self) -> NoLength:
+        """Why no length is known for the piece that starts at the last cut."""
+        reason = self.material.missing_length()
+        pitch = self.material.pitch_of(self.material.expected_length(False))
+        is_too_long = not self.material.piece.is_fixed and pitch < UNLIMITED and self.is_too_long(pitch)
+        return NoLength.TOO_LONG if reason == NoLength.NONE and is_too_long else reason
 
     def take_window(self) -> None:
         """The piece in progress ends with a cut in the window as it is set."""
@@ -867,6 +874,7 @@ class RotaryKnife(RotaryKnifeInterface):
             self.is_ramp_too_fast,
             self.is_change_pending or self.is_cut_refused,
         )
+        self.local.no_length = self.missing_length() if self.running else NoLength.NONE
         self.local.refused_parameter = self.settings.refused_parameter(material.settings)
         self.clock = self.block_clock.time
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from .. import var
 from ..computable_range import LARGEST, SMALLEST_LIMIT
-from ..cutting.faults import MarkRefusal, PieceFault
+from ..cutting.faults import MarkRefusal, NoLength, PieceFault
 from ..cutting.interface import (
     Calibration,
     ChangeMode,
@@ -206,6 +206,7 @@ class Local:
         0.0, "HORIZONTAL: the knife's travel per rad; else 0", Unit.SLAVE_POSITION, role=Role.EDGE_RADIUS
     )
     marks_waiting: int = var.local(0, "marks in the queue")
+    no_length: int = var.local(0, "why no length is known for the next piece", codes=NoLength)
     mark_refusal: int = var.local(
         0, "why a mark was refused in the last step; 0: none was", codes=MarkRefusal, report=Report.STEPS
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from motionsync.cutting.faults import PieceFault
+from motionsync.cutting.faults import NoLength, PieceFault
 from motionsync.cutting.interface import ChangeMode, LateMode, PieceKind
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.faults import KnifeParameter, Refusal, SkipReason
@@ -169,6 +169,7 @@ def test_a_pitch_of_no_more_than_the_window_is_late_on_any_line() -> None:
 def test_pieces_that_need_a_rest_count_as_no_length_where_the_knife_must_not_park() -> None:
     knife = started_knife({"length": 1300.0, "allow_parking": False}).at(0.5)
     assert (knife["warning.no_length"], knife["error_id"]) == (True, PieceFault.TUNABLE)
+    assert knife["local.no_length"] == NoLength.TOO_LONG
     assert knife.set({"length": 1200.0}).at(0.6)["warning.no_length"] is False
 
 
