@@ -142,8 +142,8 @@ def test_a_cut_now_before_the_front_end_is_refused(machine: str) -> None:
 def test_a_calibration_whose_factor_is_beyond_a_half_to_two_is_refused(
     machine: str, length: float, kerf: float, shares: list[float]
 ) -> None:
-    """Each share is (measured + kerf)/(length + kerf) of the same piece; the factor is their product, as long as it stays
-    within 0.5 to 2. What is refused leaves it, and the line's limits, as they were."""
+    """Each share is (measured + kerf)/(length + kerf) of the same piece; the factor is their product, as long as it
+    stays within 0.5 to 2. What is refused leaves it, and the line's limits, as they were."""
     line = Line(machine, {"auto_start": True, "length": length, "kerf": kerf}, 500.0)
     line.run(3.5)
     assert line["last.length"] == pytest.approx(length)

@@ -27,7 +27,7 @@ from .faults import Fault, Refusal, SawParameter, SkipReason
 from .homing_motion import is_accelerating
 from .instants import Condition, first_instant, has_reached_start
 from .interface import CutToLengthInterface, ToolMode
-from .late_cuts import CutDecision, decide_cut, cut_of_start, fast_line_reason, show_skipped_cut, skip_late_cuts
+from .late_cuts import CutDecision, cut_of_start, decide_cut, fast_line_reason, show_skipped_cut, skip_late_cuts
 from .machine_limits import approach_distance, lead
 from .outputs import show_piece, show_state, show_warnings
 from .pieces import fix_piece, update_piece

@@ -362,8 +362,8 @@ class Material:
         return spacing / self.settings.factor if spacing > 0.0 else UNLIMITED
 
     def repeated_pitch(self, shortest: float, length: float) -> float:
-        """The least pitch that may come again and again in a step: of `shortest`, the least one at its beginning, and of
-        the input length as it is now. The marks that wait are few, and each is cut at most once."""
+        """The least pitch that may come again and again in a step: of `shortest`, the least one at its beginning, and
+        of the input length as it is now. The marks that wait are few, and each is cut at most once."""
         if self.demand.source == Source.MARK:
             return self.pitch_of_marks()
         return min(shortest, self.pitch_of(length)) if self.orders.waiting == 0 else shortest

@@ -552,7 +552,9 @@ class RotaryKnife(RotaryKnifeInterface):
         elif self.settings.late_mode == LateMode.STOP_LINE:
             self.fail(PieceFault.CUT_MISSED)
         else:
-            self.show_skipped_cut()
+            self.show_skipped_cut(SkipReason.RAMP if is_slow else SkipReason.LATE)
+            if is_slow:
+                self.local.missing_distance = max(self.place - begin, 0.0)
             skip_cuts_before(self.material, earliest - LATE * travel, self.statistics)
             self.predictions.is_cycle_current = False
 
@@ -691,7 +693,7 @@ class RotaryKnife(RotaryKnifeInterface):
             self.delay_cut(departure.cut.place)
             self.plan_way()
         else:
-            self.show_skipped_cut()
+            self.show_skipped_cut(SkipReason.LATE)
             if skip_to_reached_cut(departure, knife, self.piece_window, self.material, self.statistics):
                 self.plan_way()
             else:
@@ -704,9 +706,10 @@ class RotaryKnife(RotaryKnifeInterface):
         self.is_piece_late = True
         self.statistics.late = increased(self.statistics.late, 1.0)
 
-    def show_skipped_cut(self) -> None:
-        """Show that the next cut is skipped."""
-        self.local.skip_reason = SkipReason.LATE
+    def show_skipped_cut(self, reason: SkipReason) -> None:
+        """Show that the next cut is skipped, and why."""
+        self.local.skip_reason = reason
+        self.local.missing_distance = 0.0
         self.local.skipped_cut = wrap(self.material.piece.end, self.master.period)
         self.local.line_velocity = self.master.velocity_at(self.now)
 

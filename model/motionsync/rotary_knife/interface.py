@@ -218,6 +218,9 @@ class Local:
         0, "why a cut was skipped in the last step; 0: none was", codes=SkipReason, report=Report.STEPS
     )
     skipped_cut: float = var.snapshot(0.0, "master position of the last skipped cut", Unit.POSITION)
+    missing_distance: float = var.snapshot(
+        0.0, "by how much the line's travel to it was too short for the ramp from rest", Unit.POSITION
+    )
     line_velocity: float = var.snapshot(0.0, "the line's velocity when it was skipped", Unit.VELOCITY)
     exceeded_limit: int = var.local(
         0,

@@ -8,6 +8,8 @@ import math
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from motionsync.cutting.faults import NoLength, PieceFault
 from motionsync.cutting.interface import ChangeMode, LateMode, PieceKind
@@ -148,6 +150,27 @@ def test_a_cut_whose_ramp_would_have_begun_before_start_is_left_out() -> None:
     assert (knife["last.length"], knife["last.kind"]) == (near(600.0), PieceKind.MERGED)
     knife.at(0.9)
     assert (knife["last.length"], knife["last.kind"]) == (near(300.0), PieceKind.PRODUCT)
+
+
+@settings(deadline=None)
+@given(st.floats(100.0, 2000.0), st.floats(0.0, 0.2), st.floats(0.05, 1.3), st.booleans())
+def test_a_cut_that_is_skipped_for_its_ramp_says_how_much_is_missing(
+    circumference: float, window: float, length: float, is_fast: bool
+) -> None:
+    """All in circumferences: the ramp from park, at half a turn, takes 2 (1/2 - before), and the cut is `before` behind
+    it. So 1 - before has to be ahead of it at start; a line that is too fast for the ramp is another reason."""
+    values = dict.fromkeys(("sync.before", "sync.after"), window * circumference)
+    values |= {"knife.circumference": circumference, "length": length * circumference}
+    speed = 0.9 * RotaryKnifeHarness({**values, "length": 1e5}, speed=1.0).run(0.01)["limits.max_line_velocity"]
+    knife = started_knife(values, speed=speed * (1.5 if is_fast else 1.0)).run(1e-9)
+    missing = 1.0 - window - length
+    if is_fast and missing > 0.0:
+        assert knife["local.skip_reason"] == SkipReason.LATE
+    elif missing > 1e-6:
+        assert knife["local.skip_reason"] == SkipReason.RAMP
+        assert knife["local.missing_distance"] == pytest.approx(missing * circumference, rel=1e-6)
+    elif missing < -1e-6:
+        assert knife["local.skip_reason"] == SkipReason.NONE
 
 
 def test_what_becomes_of_a_cut_that_is_too_near() -> None:
