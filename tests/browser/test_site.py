@@ -86,7 +86,7 @@ def test_the_first_page_says_who_it_is_for_and_has_the_machine_and_three_ways_on
     visit = windows.open(site.folder / "index.html", width)
     page = visit.page
     page.set_viewport_size({"width": width, "height": 900})
-    assert page.locator("h1 + p").first.inner_text().startswith("For engineers who ")
+    assert page.locator("h1 + p").first.inner_text().startswith("motionsync is for engineers who ")
     picture = page.locator("img[src$='first_picture.svg']").bounding_box()
     assert picture["y"] + picture["height"] < 900.0
     assert picture["width"] > 0.9 * min(width, 560) - 30.0
