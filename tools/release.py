@@ -39,7 +39,6 @@ from motionsync_fmu.interface.recipe import Fmi, Recipe
 from motionsync_fmu.interface.variables import summary
 from motionsync_fmu.pages.block_page import PICTURE
 from motionsync_fmu.pages.style import load_template
-from motionsync_fmu.scenario.files.example import load_example
 from tools.site.build import make_site
 
 ROOT = Path(__file__).parent.parent
@@ -159,13 +158,7 @@ def build_fmus(blocks: list[str], units: list[str], flavour: Flavour, progress: 
     versions = list(Fmi) if native else [Fmi.TWO]
     first_page = make_first_page(blocks, units, native=native)
     files: Files = {"LICENSE": (ROOT / "LICENSE").read_bytes(), "README.html": first_page}
-    slave_units = {block: load_example(block).slave_unit for block in blocks}  # a knife turns in degrees
-    recipes = [
-        Recipe(block, unit, slave_unit=slave_units[block], fmi=fmi)
-        for unit in units
-        for fmi in versions
-        for block in blocks
-    ]
+    recipes = [Recipe(block, unit, fmi=fmi) for unit in units for fmi in versions for block in blocks]
     with tempfile.TemporaryDirectory() as folder:
         for i, recipe in enumerate(recipes, 1):
             folder_name = recipe.unit if recipe.fmi == Fmi.TWO else f"{recipe.unit}/fmi3"

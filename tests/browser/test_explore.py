@@ -123,6 +123,23 @@ noise = 0.01
 """,
     "recorded": '[master]\nfile = "trace.csv"\n',
 }
+SAW = """\
+title = "A saw on a measured line"
+fmu = "FlyingSaw"
+stop_time = 2.5
+step_size = 0.001
+[start]
+"sync_mode.check_overshoot_velocity" = true
+"gear_in_pos.master_sync_position" = 1100.0
+"gear_in_pos.slave_sync_position" = 750.0
+[master]
+velocity = 437.7
+[encoder]
+resolution = 0.1
+[[set]]
+at = 0.2
+"gear_in_pos.execute" = true
+"""
 TRACE = "time,position\n7.0,29\n7.1,3.5\n7.33,28\n7.9,8.25\n8.1,9\n"
 
 
@@ -144,6 +161,20 @@ def test_a_measured_line_has_the_native_bits_in_the_browser(open_page: Open, fmu
     loaded = load_scenario(file)
     assert loaded.encoder == scenarios[0].encoder
     assert sum_of(loaded) == fingerprint
+
+
+def test_a_saw_on_a_measured_line_knows_the_resolution_in_the_browser(
+    open_page: Open, fmus: Fmus, tmp_path: Path
+) -> None:
+    """Without it the command would be refused: the acceleration of the encoder would make the saw overshoot."""
+    file, page = tmp_path / "saw.toml", tmp_path / "FlyingSaw.html"
+    file.write_text(SAW)
+    scenario = load_scenario(file)
+    write_page("FlyingSaw", [scenario], fmus.native("FlyingSaw"), page)
+    visit = open_page(page)
+    visit.page.wait_for_selector("html[data-ready]")
+    run = "motionsyncExplore.fingerprint(motionsyncExplore.run('saw'))"
+    assert visit.page.evaluate(f"async () => await {run}") == sum_of(shown(scenario))
 
 
 def test_the_badge_compares_what_is_shown(chosen: Chosen, fmus: Fmus) -> None:

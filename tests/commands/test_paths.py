@@ -60,7 +60,7 @@ def test_a_file_that_cannot_be_written_is_named_and_nothing_of_it_left(full_disk
 def test_a_folder_that_cannot_be_written_is_named_and_nothing_of_it_left(full_disk: None, tmp_path: Path) -> None:
     folder = tmp_path / "results"
     with pytest.raises(OSError, match="File too large") as error, replace_files(folder) as part:
-        [(part / f"{size}.csv").write_bytes(bytes(size)) for size in (LIMIT, 2 * LIMIT)]
+        [part(f"{size}.csv").write_bytes(bytes(size)) for size in (LIMIT, 2 * LIMIT)]
     assert error.value.filename == str(folder)
     assert list(tmp_path.iterdir()) == []
 

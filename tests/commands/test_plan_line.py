@@ -40,6 +40,32 @@ def rows(out: str, heading: str) -> list[list[str]]:
     return [re.split(r"\s{2,}", line) for line in lines[:end]]
 
 
+@pytest.mark.parametrize(
+    ("lengths", "headline"),
+    [
+        ("1500", "1297.29 mm/s (77.84 m/min), for pieces of 1500 mm, limited by cycle time"),
+        ("1500,500", "619.646 mm/s (37.18 m/min), for all given lengths, limited by pieces of 500 mm: cycle time"),
+        ("500,900,1500", "619.646 mm/s (37.18 m/min), for all given lengths, limited by pieces of 500 mm: cycle time"),
+    ],
+)
+def test_the_first_figure_is_that_of_the_lengths_that_are_asked_for(
+    motionsync: Command, lengths: str, headline: str
+) -> None:
+    """The velocities as below."""
+    outcome = motionsync("plan-line", saw(), "--length", lengths, "--no-report")
+    assert f"  greatest line velocity: {headline}" in outcome.out
+
+
+def test_a_knife_is_limited_by_the_length_that_suits_it_least(motionsync: Command) -> None:
+    """Its blade, 600 mm around, is as fast as the material all along at 600 mm, where only the limit of its velocity
+    counts, 10 turns a second; and its way is longer or shorter for others."""
+    for lengths, worst in (("300,600", "300"), ("600", "600"), ("600,550,300", "300")):
+        outcome = motionsync("plan-line", "--machine", "knife", "--length", lengths, "--no-report")
+        assert f"pieces of {worst} mm" in outcome.out.splitlines()[1]
+    outcome = motionsync("plan-line", "--machine", "knife", "--length", "600", "--no-report")
+    assert outcome.out.splitlines()[1].startswith("  greatest line velocity: 6000 mm/s (360 m/min), for pieces of 600")
+
+
 def test_a_file_is_planned(motionsync: Command) -> None:
     """Known: 619.646 for 500, 1297.29 for 1500; 372.937 at 500, 997.607 at 1000."""
     outcome = motionsync("plan-line", saw())
@@ -47,7 +73,8 @@ def test_a_file_is_planned(motionsync: Command) -> None:
     head, top, *_ = outcome.out.splitlines()
     assert head == "Saw 3 (saw.toml): confirmed by 12 runs of the block"
     assert top == (
-        "  greatest line velocity: 1431.8 mm/s (85.91 m/min), for any length, limited by the carriage's stroke"
+        "  greatest line velocity: 619.646 mm/s (37.18 m/min), for all given lengths, limited by pieces of 500 mm: "
+        "cycle time: acceleration"
     )
     fastest = rows(outcome.out, "The greatest line velocity, over the length of the pieces")
     assert [row[:4] for row in fastest] == [

@@ -30,7 +30,7 @@ PLATFORMS = {  # in the table's words: in uv's words, and sys_platform and platf
     "macOS arm64": ("aarch64-apple-darwin", "darwin", "arm64"),
 }
 PROJECT = ROOT / "pyproject.toml"
-EXTRAS = ("", "native", "line", "test")
+EXTRAS = ("", "native", "test")
 
 
 def versions(platform: str, python: str, extra: str = "", source: Path = PROJECT) -> dict[str, str]:

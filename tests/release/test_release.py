@@ -33,6 +33,9 @@ NAME = f"motionsync-{VERSION}"
 MADE = {f"{NAME}-py3-none-any.whl", f"{NAME}.tar.gz", f"{NAME}-fmus.zip", "RELEASE_NOTES.md", "SHA256SUMS"}
 RELEASE = """
 from pathlib import Path
+from tests.support.extras import dry_run, hide_others
+
+hide_others(*dry_run("release")[0])
 from motionsync_fmu.fmus.fmu import BuildOptions, Flavour
 from tools.release import make_release
 
@@ -102,7 +105,7 @@ def made(shared: Shared, project: Path) -> Path:
 
 
 def run(project: Path, folder: Path, **environment: str) -> str:
-    """Make the release in a process of its own, and return its output."""
+    """Make the release in a process of its own, with nothing but what `make release` installs; return its output."""
     path = os.pathsep.join(str(project / part) for part in ("", "model", "fmu_src"))
     path = os.pathsep.join([path, os.environ.get("PYTHONPATH", "")])
     code = RELEASE.format(folder=str(folder))

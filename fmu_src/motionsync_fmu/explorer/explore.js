@@ -208,7 +208,7 @@ function lineVelocity() {
 const firstOf = (s) => untouched.settings.find(({at: t}) => t === s.at)?.values ?? {};
 
 function addStart(name) {
-  const present = withMeasuredInputs(scenario).start[name] ?? variables.get(name).start;
+  const present = withMeasuredInputs(scenario, block.variables).start[name] ?? variables.get(name).start;
   scenario.start[name] = untouched.start[name] = present; // it changes nothing
   controls();
 }
@@ -526,7 +526,7 @@ const place = (t) => Math.max(bisect(course.time, t + block.runner.close, true) 
 
 /** Show the last run, if there is one; `lines`: what the block has logged of a run that could not start. */
 function show(lines) {
-  showKey(course?.scenario ?? withMeasuredInputs(scenario));
+  showKey(course?.scenario ?? withMeasuredInputs(scenario, block.variables));
   if (!stale || !course) window.motionsyncMachine.load(course && sceneOf(course, block));
   const none = stale ? "Nothing has run." : "The block has logged nothing.";
   $("log").replaceChildren(...listOf(stale ? lines : messagesOf(course, block), none, point));

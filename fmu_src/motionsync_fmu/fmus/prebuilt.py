@@ -68,7 +68,7 @@ def _prepare_fmu(recipe: Recipe, flavour: Flavour, report: Report) -> Path:
     target = paths.cache_folder() / kind / compute_guid(recipe).strip("{}") / complete.name
     if not _is_current(target, recipe):
         with report(f"building {target}{', for this machine alone' if platform else ''}") as notify:
-            build(recipe, target, BuildOptions(flavour, [platform] if platform else ()), notify)
+            build(recipe, target, BuildOptions(flavour, platforms=[platform] if platform else ()), notify)
     return target
 
 

@@ -26,6 +26,7 @@ from motionsync.blocks import BLOCKS
 from motionsync.var import Unit
 
 from ..interface.units import axis_label, unit_name
+from ..paths import replace_file
 from ..scenario.cutting import CutSpec
 from ..scenario.evaluate.cuts import passages, reach
 from ..scenario.evaluate.find_pieces import Piece, coupling_factor, find_pieces
@@ -295,10 +296,10 @@ def _plot(axes: Axes, panel: Panel) -> None:
 def main() -> None:
     """Write the pictures of the blocks' examples."""
     folder, *names = sys.argv[1:]
-    Path(folder).mkdir(parents=True, exist_ok=True)
     for name in names or BLOCKS:
         example = load_example(name)
-        Path(folder, f"{name}.svg").write_bytes(draw_example(name, example.unit, example.slave_unit))
+        with replace_file(Path(folder, f"{name}.svg")) as part:
+            part.write_bytes(draw_example(name, example.unit, example.slave_unit))
 
 
 if __name__ == "__main__":

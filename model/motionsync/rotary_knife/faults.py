@@ -9,7 +9,8 @@ from ..master import TOO_MANY_TURNS
 from ..var import Enumeration
 
 MASTER = ("master.position", "master.velocity", "master.acceleration")
-SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity", "limits.max_line_velocity")
+SKIPPED_CUT = ("local.skipped_cut", "statistics.skipped", "local.line_velocity")
+MOST_VELOCITY = ("limits.max_line_velocity",)
 FACTORS = ("material_factor", "calibration.factor")
 WAY_BETWEEN_WINDOWS = (
     "between the windows of two blades there must be a way, with knife.park_angle on it; with sync.mode HORIZONTAL "
@@ -27,8 +28,32 @@ class SkipReason(Enumeration):
     """Why a cut was skipped"""
 
     NONE = 0, "no cut was skipped"
-    LATE = 1, "cut skipped: the knife cannot be in sync with it within the limits of its axis", *SKIPPED_CUT
+    LATE = (
+        1,
+        "cut skipped: the knife cannot be in sync with it within the limits of its axis",
+        *SKIPPED_CUT,
+        *MOST_VELOCITY,
+    )
     PARKING = 2, "cut skipped: on its way to park the blade passes its place out of sync", "statistics.unsynchronised"
+    RAMP = (
+        3,
+        "cut skipped: the ramp from rest would have had to begin before start, before the end of hold, or before the "
+        "place of the cut was known",
+        *SKIPPED_CUT,
+        "local.missing_distance",
+    )
+
+
+class KnifeLimit(Enumeration):
+    """Which limit of the axis is exceeded, where the knife's axis names another one than `Limit` does"""
+
+    NONE = 0, "none"
+    MAX_DECELERATION = (
+        5,
+        "limit exceeded: the slave's deceleration is beyond its axis's",
+        "local.exceeded_value",
+        "axis.max_acceleration",
+    )
 
 
 class Refusal(Enumeration):

@@ -8,8 +8,10 @@ import math
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from motionsync.cutting.faults import PieceFault
+from motionsync.cutting.faults import NoLength, PieceFault
 from motionsync.cutting.interface import ChangeMode, LateMode, PieceKind
 from motionsync.rotary_knife.block import RotaryKnife
 from motionsync.rotary_knife.faults import KnifeParameter, Refusal, SkipReason
@@ -150,6 +152,27 @@ def test_a_cut_whose_ramp_would_have_begun_before_start_is_left_out() -> None:
     assert (knife["last.length"], knife["last.kind"]) == (near(300.0), PieceKind.PRODUCT)
 
 
+@settings(deadline=None)
+@given(st.floats(100.0, 2000.0), st.floats(0.0, 0.2), st.floats(0.05, 1.3), st.booleans())
+def test_a_cut_that_is_skipped_for_its_ramp_says_how_much_is_missing(
+    circumference: float, window: float, length: float, is_fast: bool
+) -> None:
+    """All in circumferences: the ramp from park, at half a turn, takes 2 (1/2 - before), and the cut is `before` behind
+    it. So 1 - before has to be ahead of it at start; a line that is too fast for the ramp is another reason."""
+    values = dict.fromkeys(("sync.before", "sync.after"), window * circumference)
+    values |= {"knife.circumference": circumference, "length": length * circumference}
+    speed = 0.9 * RotaryKnifeHarness({**values, "length": 1e5}, speed=1.0).run(0.01)["limits.max_line_velocity"]
+    knife = started_knife(values, speed=speed * (1.5 if is_fast else 1.0)).run(1e-9)
+    missing = 1.0 - window - length
+    if is_fast and missing > 0.0:
+        assert knife["local.skip_reason"] == SkipReason.LATE
+    elif missing > 1e-6:
+        assert knife["local.skip_reason"] == SkipReason.RAMP
+        assert knife["local.missing_distance"] == pytest.approx(missing * circumference, rel=1e-6)
+    elif missing < -1e-6:
+        assert knife["local.skip_reason"] == SkipReason.NONE
+
+
 def test_what_becomes_of_a_cut_that_is_too_near() -> None:
     """At 1200 u/s the piece of 300 is too short: SKIP cuts 600, LATE as soon as possible, STOP_LINE stops the line."""
     skip, late, stop = (started_knife({"length": 300.0, "late_mode": mode}, speed=1200.0).at(1.65) for mode in LateMode)
@@ -169,6 +192,7 @@ def test_a_pitch_of_no_more_than_the_window_is_late_on_any_line() -> None:
 def test_pieces_that_need_a_rest_count_as_no_length_where_the_knife_must_not_park() -> None:
     knife = started_knife({"length": 1300.0, "allow_parking": False}).at(0.5)
     assert (knife["warning.no_length"], knife["error_id"]) == (True, PieceFault.TUNABLE)
+    assert knife["local.no_length"] == NoLength.TOO_LONG
     assert knife.set({"length": 1200.0}).at(0.6)["warning.no_length"] is False
 
 
@@ -330,3 +354,19 @@ def test_a_piece_is_not_fixed_with_a_window_that_the_knife_cannot_have() -> None
     assert (knife["statistics.cuts"], knife["warning.no_length"], knife["error_id"]) == (1, True, PieceFault.TUNABLE)
     knife.set({"sync.before": 30.0}).at(0.66)
     assert not knife["warning.no_length"]
+
+
+@pytest.mark.parametrize("factor", [1e7, 1e8, 1e10])
+@pytest.mark.parametrize("front", [0.0, 1e12])
+def test_a_cut_now_whose_ramp_is_hidden_by_rounding_is_refused(factor: float, front: float) -> None:
+    """At 1e12 neighbouring numbers are 1.2e-4 apart; the ramp takes 540/factor of the master. With `front` there is no
+    lack of material. The machine goes on: at 0 the same command cuts after 570/factor."""
+    values = {"material_factor": factor, "length": 1e9, "front_position": front}
+    knife = RotaryKnifeHarness(values, master_position=1e12, speed=0.0).give("start").run(0.01)
+    knife.give("cut_now").run(0.01)
+    assert (knife["error_id"], knife.state, knife["statistics.cuts"]) == (PieceFault.CUT_NOW, State.WAITING, 0)
+    knife.give("stop").run(0.01).set({"front_position": 1e4})
+    knife.master_position = 0.0
+    knife.run(0.01).give("start").run(0.01).give("cut_now").run(0.01)
+    assert (knife["error_id"], knife.state) == (PieceFault.NONE, State.ENGAGING)
+    assert knife["next_cut.position"] == pytest.approx(570.0 / factor)

@@ -134,7 +134,7 @@ def _draw_reference(chart: Chart, scenario: Scenario) -> None:
     reference = read_reference(scenario)
     if reference is None:
         return
-    names, table, _ = reference
+    names, table = reference
     table = table[:: 1 + len(table) // MOST_MARKERS]
     for i, (name, kind, _) in enumerate(ROWS, 1):
         if (full := f"slave.{name}") in names:

@@ -3,6 +3,7 @@
 Its table [figures] has the names of the figures that a user knows of a machine, each with the path of the value in the
 scenario: `stroke = "start.axis.max_position"`."""
 
+import json
 import re
 import tomllib
 from collections.abc import Mapping
@@ -15,6 +16,7 @@ from ...errors import UserError, choose
 from ...interface.block_folder import block_file
 from ...interface.quantities import is_quantity
 from .reader import read_scenario_text
+from .toml_tables import writable
 
 FILE = "new.toml"
 FIGURES = "\n[figures]\n"
@@ -87,11 +89,11 @@ def _find(text: str, path: str) -> re.Match[str]:
 
 def _literal(name: str, value: str | float) -> str:
     """A figure as TOML writes it."""
-    text = str(value).strip()
+    text = str(writable(value)).strip()
     try:
         return repr(float(text))
     except ValueError:
-        if is_quantity(text) and '"' not in text and "\\" not in text:
-            return f'"{text}"'
+        if is_quantity(text):
+            return json.dumps(text, ensure_ascii=False)
     option = f"--{name.replace('_', '-')}"
     raise UserError(f'{option} {text}: it must be a number, or one with a unit, as in: {option} "40 m/min"')
