@@ -62,6 +62,7 @@ references: $(TESTABLE) ## the references of all scenarios, or of B=flying_saw a
 
 pictures: $(READY) ## the pictures of the README and of docs/
 	$(BIN)/python -m motionsync_fmu.pages.pictures docs
+	$(BIN)/python -m tools.first_picture docs
 	$(BIN)/python -m tools.shortest_length_picture docs
 	$(BIN)/python -m tools.measured_line_pictures docs
 

@@ -287,9 +287,13 @@ def _stretches(panel: Panel) -> Iterator[tuple[float, float]]:
 
 def _plot(axes: Axes, panel: Panel) -> None:
     for curve in panel.curves:
-        line = {"linewidth": curve.width, "label": curve.label, "capstyle": "projecting", "joinstyle": "round"}
-        path = smooth_path(panel.time, curve.values)
-        axes.add_patch(PathPatch(path, fill=False, edgecolor=curve.colour, **line))
+        line: Any = {
+            "edgecolor": curve.colour,
+            "linewidth": curve.width,
+            "capstyle": "projecting",
+            "joinstyle": "round",
+        }
+        axes.add_patch(PathPatch(smooth_path(panel.time, curve.values), fill=False, **line))
     axes.autoscale_view()
 
 

@@ -46,7 +46,7 @@ def steps(y: Reals) -> Indices:
 
 def _pieces(x: Reals, y: Reals, tolerance: float) -> Iterator[list[tuple[float, float]]]:
     """The vertices that follow the first sample: of each piece one, the end of a straight line, or the three of a cubic
-    Bézier curve. The length of a piece is doubled until the tolerance does not allow it, then longer by bisection."""
+    Bézier curve. The length of a piece is doubled until the tolerance does not allow it, then bisected."""
     first, last = 0, len(x) - 1
     while first < last:
         reached, length = first + 1, 2

@@ -142,7 +142,7 @@ class Chart:
         if text:
             low, high = self.span
             is_left, space = 2.0 * value < low + high, TEXT * (high - low)
-            outward = min(value - low, high - value) > space  # so that it neither leaves the chart nor meets another one
+            outward = min(value - low, high - value) > space  # neither beyond the chart nor on another one
             anchor = "right" if is_left == outward else "left"
             self.annotate(text, xref="x", yref="paper", x=value, y=1, xanchor=anchor, yanchor="top", font={"size": 11})
 

@@ -16,6 +16,7 @@ from ..numbers import DIGITS, TIME_DIGITS, Indices, evenly_spaced, jumps, rounde
 from ..style import with_unit
 from .chart import LIMIT, MASTER, RECEIVED, REFERENCE, SLAVE, Chart, Style, hover_template
 from .histogram import Histogram, bar_borders
+from .motion import fit
 
 MOST_POINTS = 4000  # of the force over the velocity
 CLOSE = 0.4  # of the greatest force: nearer limits of the motor have one text
@@ -73,6 +74,7 @@ def chart_axis(scenario: Scenario, recording: Recording, load: LoadFigures | Non
         chart.write_title(row["error"], with_unit("following error", length))
         error = Style(SLAVE, 1.4)
         chart.draw_curve(row["error"], "following error", time, columns[FOLLOWING_ERROR], error, unit=length)
+        fit(chart, row["error"], [columns[FOLLOWING_ERROR]], max(1.0, float(np.abs(setpoint).max())))
     if load and scenario.load:
         chart.write_title(row["force"], with_unit(load.what, load.unit))
         chart.draw_curve(row["force"], "motor", time, columns[FORCE], Style(RECEIVED, 1.6), load.what, load.unit)
