@@ -347,16 +347,19 @@ def part(
     kind: Callable[[], T],
     depends: Mapping[str, tuple[str, ...]] | None = None,
     *,
+    periods: Mapping[str, str] | None = None,
     hidden: bool = False,
     slave_unit: bool = False,
 ) -> T:
     """An object that is made once with the block, and holds a part of its variables and state.
 
     `depends`: what the outputs and locals in the part depend on after initialization, by their names in the part.
+    `periods`: of the positions in the part that wrap, the parameters that hold their periods (0: such a one does not).
     `hidden`: the part's declared fields are not variables of the block; it stores values that such variables had.
     `slave_unit`: what the part declares in the position unit is in the slave's own position unit.
     """
-    return field(default_factory=kind, metadata={"depends": depends or {}, "hidden": hidden, "slave_unit": slave_unit})
+    metadata = {"depends": depends or {}, "periods": periods or {}, "hidden": hidden, "slave_unit": slave_unit}
+    return field(default_factory=kind, metadata=metadata)
 
 
 def ring(length: int) -> list[float]:

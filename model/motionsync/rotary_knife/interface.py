@@ -244,7 +244,9 @@ class RotaryKnifeInterface:
     line: LineRequest = var.part(
         LineRequest, depends={"velocity_request": (*COUPLING, *WINDOW, "knife.park_angle", *AXIS, *PITCH, *REQUEST)}
     )
-    slave: Slave = var.part(Slave, depends={"position": ("knife.park_angle",)}, slave_unit=True)
+    slave: Slave = var.part(
+        Slave, depends={"position": ("knife.park_angle",)}, periods={"position": "knife.turn"}, slave_unit=True
+    )
     state: State = var.output(State.OFF, "what the machine does")
     state_code: int = var.output(0, "the state as a plain integer")
     error: bool = var.output(False, "a command was refused, or the machine has stopped for a fault")

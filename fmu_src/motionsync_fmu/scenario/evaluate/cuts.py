@@ -1,7 +1,8 @@
 """Cuts of a saw: where on the material they are, and how far each is from its mark.
 
 The material moves with the master. Marks are on it at distances of `length`. A saw that is coupled at a mark stays at
-this mark: slave = ratio (master - mark). Each interval in which the Boolean of the table [cuts] is true is one cut.
+this mark: slave = ratio (master - mark), of a saw that turns without whole turns, near 0. Each interval in which the
+Boolean of the table [cuts] is true is one cut.
 """
 
 from collections.abc import Iterator
@@ -10,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..cutting import CutSpec
-from ..recording import Reals, Recording
+from ..recording import Reals, Recording, unwrapped
+from .time_series import in_nearest_turn
 
 
 @dataclass(frozen=True)
@@ -29,16 +31,22 @@ class Cut:
     error: float
 
 
-def find_cuts(spec: CutSpec, recording: Recording) -> list[Cut]:
-    """The cuts of a run, in the order of time."""
+def find_cuts(spec: CutSpec, recording: Recording, slave_period: float = 0.0) -> list[Cut]:
+    """The cuts of a run, in the order of time.
+
+    `slave_period`: that of the saw's position; 0: it is not wrapped."""
     on = recording.values[spec.name] != 0.0
     borders = np.flatnonzero(np.diff(on, prepend=False, append=False))
     first, after = borders[::2], borders[1::2]
     if not len(first):
         return []
-    places = recording.master[on, 0] - recording.values["slave.position"][on] / spec.ratio
     points = after - first
     begins = np.cumsum(points) - points  # of the cuts, among the places
+    saw = recording.values["slave.position"]
+    if slave_period:
+        saw = unwrapped(recording.time, saw, recording.values["slave.velocity"], slave_period)
+    saw = in_nearest_turn(saw[on], begins, slave_period)
+    places = recording.master[on, 0] - saw / spec.ratio
     marks = spec.nearest_marks(np.add.reduceat(places, begins) / points)
     errors = places - np.repeat(marks, points)
     greatest = np.maximum.reduceat(np.abs(errors), begins)

@@ -21,7 +21,8 @@ class CuttingResults:
     @cached_property
     def cuts(self) -> tuple[Cut, ...]:
         """The cuts in the order of time; empty if the scenario has no marks."""
-        return tuple(find_cuts(self.scenario.cuts, self.recording)) if self.scenario.cuts else ()
+        spec = self.scenario.cuts
+        return tuple(find_cuts(spec, self.recording, self.scenario.slave_period)) if spec else ()
 
     @cached_property
     def production(self) -> Production | None:

@@ -1,7 +1,7 @@
 """Checks a run against the expectations of its scenario."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from ...interface.variables import Variable
 from ..computed_columns import needed_outputs
 from ..cutting import CutSpec, PieceSpec
 from ..engineering import engineering
-from ..recording import Recording, greatest_position
+from ..recording import Recording, greatest_position, nearest_turn
 from ..remote_view import RemoteView
 from ..scenario import AtTime, Scenario, When, Within
 from ..settings import COMPARISONS, UnmetReaction
@@ -46,6 +46,8 @@ def checked_outputs(scenario: Scenario) -> set[str]:
         names |= {scenario.cuts.name, "slave.position"}
     if pieces := scenario.recipe.piece_variables:
         names |= {*pieces.outputs, "slave.position"}
+    if scenario.slave_period and (scenario.cuts or pieces):
+        names.add("slave.velocity")  # it unwraps the position
     if scenario.remote and scenario.remote.accuracy:
         names |= {scenario.remote.names.corrected_index, "slave.position"}
     return names
@@ -59,7 +61,7 @@ def check_expectations(scenario: Scenario, recording: Recording, results: Cuttin
     for e in scenario.expectations:
         match e:
             case AtTime():
-                checks += _check_values_at_time(e, recording, scenario.columns)
+                checks += _check_values_at_time(e, recording, scenario)
             case When():
                 checks.append(
                     _check_first_time(e, recording, scenario.remote.clocks.task_cycle if scenario.remote else 0.0)
@@ -87,15 +89,16 @@ def check_reactions(unmet: Iterable[UnmetReaction]) -> list[Check]:
     return [Check(u.expected, u.actual, False) for u in unmet if u.reaction.required]
 
 
-def _check_values_at_time(e: AtTime, recording: Recording, variables: Mapping[str, Variable]) -> Iterator[Check]:
+def _check_values_at_time(e: AtTime, recording: Recording, scenario: Scenario) -> Iterator[Check]:
     i = int(np.argmin(np.abs(recording.time - e.at)))
     for name, required in e.values.items():
         value = float(recording.columns[name][i])
-        text = variables[name].text
+        text = scenario.columns[name].text
         named = text(required)
         allowed = f" ± {engineering(e.tolerance)}" if named == f"{required:.10g}" else ""
         actual = named if value == required else text(value)
-        yield Check(f"{name} = {named}{allowed} at {e.at:.10g} s", actual, abs(value - required) <= e.tolerance)
+        off = abs(nearest_turn(value, required, scenario.period_of(name)) - required)
+        yield Check(f"{name} = {named}{allowed} at {e.at:.10g} s", actual, off <= e.tolerance)
 
 
 def _check_first_time(e: When, recording: Recording, cycle: float) -> Check:

@@ -17,7 +17,7 @@ from ..computed_columns import ACTUAL_POSITION
 from ..recording import Reals, Recording
 from ..scenario import Scenario
 from .find_pieces import coupling_factor, tool_travel
-from .time_series import time_series, true_stretches
+from .time_series import in_nearest_turn, slave_positions, time_series, true_stretches
 
 if TYPE_CHECKING:
     from .cutting_results import CuttingResults
@@ -126,10 +126,13 @@ def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
     points = after - first
     begins = np.cumsum(points) - points  # of the cuts, among the points of all
     at = np.arange(points.sum()) + np.repeat(first - begins, points)
-    tool = recording.computed.get(ACTUAL_POSITION, recording.values["slave.position"])
+    actual = recording.computed.get(ACTUAL_POSITION)
+    tool = slave_positions(scenario, recording) if actual is None else actual
     if names := scenario.recipe.piece_variables:
-        tool = tool_travel(names, recording, tool)
-    places = recording.master[at, 0] - tool[at] / _ratio(scenario, recording)
+        tool = tool_travel(names, recording, tool)[at]
+    else:
+        tool = in_nearest_turn(tool[at], begins, scenario.slave_period)
+    places = recording.master[at, 0] - tool / _ratio(scenario, recording)
     spans = np.diff(recording.time[at], prepend=0.0)
     spans[begins] = 0.0
     weights = spans + np.append(spans[1:], 0.0)  # twice those of trapezoids
