@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from motionsync.blocks import BLOCKS
-from motionsync_fmu.scenario.evaluate.expectations import check_expectations, checked_outputs
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
 from motionsync_fmu.scenario.evaluate.key_figures import compute_key_figures
 from motionsync_fmu.scenario.evaluate.reference_comparison import compare_with_reference
+from motionsync_fmu.scenario.evaluate.verdict import needed_outputs
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.files.shipped import find_files
 from motionsync_fmu.scenario.recording import Recording
@@ -22,6 +22,7 @@ from tests import ROOT
 from tests.regenerate import examples
 from tests.support.harness import MOTION
 from tests.support.recordings import assert_same, run_compiled
+from tests.support.verdicts import checks_of
 
 SCENARIOS = pytest.mark.parametrize(
     "file",
@@ -57,9 +58,9 @@ def test_the_block_does_what_its_scenario_expects(file: Path, all_parts: bool) -
     if not all_parts:
         return
     assert_same(run_in_process(scenario, scenario.step_size), recording)
-    names = sorted(checked_outputs(scenario).union(MOTION))
+    names = sorted(needed_outputs(scenario) | {*MOTION})
     narrow = recorded_compiled(scenario, names)
-    assert check_expectations(scenario, narrow) == check_expectations(scenario, recording)
+    assert checks_of(scenario, narrow) == checks_of(scenario, recording)
     assert compute_key_figures(scenario, narrow) == compute_key_figures(scenario, recording)
 
 
@@ -90,7 +91,7 @@ def recorded_compiled(scenario: Scenario, names: Sequence[str] | None = None) ->
 
 
 def assert_as_expected(scenario: Scenario, recording: Recording) -> None:
-    result = [*check_expectations(scenario, recording), *compare_with_reference(scenario, recording)]
+    result = [*checks_of(scenario, recording), *compare_with_reference(scenario, recording)]
     assert result
     assert [check for check in result if not check.passed] == []
     assert at_its_place(scenario, recording)

@@ -19,8 +19,8 @@ from motionsync_fmu.pages.machine.fragment import machine
 from motionsync_fmu.pages.pictures import piece_ends
 from motionsync_fmu.pages.report.chart import Chart
 from motionsync_fmu.pages.report.page import run_charts, write_report
-from motionsync_fmu.pages.results import evaluate_run
 from motionsync_fmu.scenario.evaluate.find_pieces import find_pieces
+from motionsync_fmu.scenario.evaluate.outcome import evaluate_run
 from motionsync_fmu.scenario.files.reader import load_scenario
 from motionsync_fmu.scenario.recording import Recording
 from motionsync_fmu.scenario.scenario import Scenario

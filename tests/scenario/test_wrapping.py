@@ -87,8 +87,8 @@ def test_a_servo_follows_a_slave_that_turns_as_one_that_does_not(block: str) -> 
 @pytest.mark.parametrize("turn", [360.0, 6.283185307179586, 1.0])
 @pytest.mark.parametrize("blades", [1, 3])
 def test_the_servo_of_a_knife_sees_no_jump_at_a_turn(turn: float, blades: int) -> None:
-    """Pieces of a blade's share of the circumference: the knife turns evenly by V = turn v / circumference. A servo with
-    full feedforward and a dead time T lags by V T once it has settled, at the ends of turns, too."""
+    """Pieces of a blade's share of the circumference: the knife turns evenly by V = turn v / circumference. A servo
+    with full feedforward and a dead time T lags by V T once it has settled, at the ends of turns, too."""
     file = ROOT / "scenarios/RotaryKnife/formats/scenario.toml"
     scenario = load_scenario(file)
     start = dict(scenario.start) | {

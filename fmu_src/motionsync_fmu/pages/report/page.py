@@ -63,7 +63,6 @@ def write_report(
         outcome=outcome,
         reactions=[_describe_reaction(reaction, scenario) for reaction in filed.reactions],
         drive=filed.drive,
-        unmet=recording.unmet,
         charts=charts,
         machine=machine(scenario, recording),
         keys=colour_keys(lanes),

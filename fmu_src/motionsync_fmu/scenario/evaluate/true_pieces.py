@@ -14,7 +14,8 @@ from motionsync.var import Unit
 
 from ...interface.units import unit_name
 from ..computed_columns import ACTUAL_POSITION
-from ..recording import Reals, Recording
+from ..engineering import ROUNDING, engineering
+from ..recording import Reals, Recording, greatest_position
 from ..scenario import Scenario
 from .find_pieces import coupling_factor, tool_travel
 from .time_series import in_nearest_turn, slave_positions, time_series, true_stretches
@@ -70,7 +71,8 @@ class TruePieces:
         mean: the mean length.
         deviation: one sigma of the errors, from two pieces on; where all are ordered alike, that of the lengths.
         worst: the error of the greatest magnitude.
-        c_pk: the process capability: how many times 3 sigma the mean error is away from the tolerance.
+        c_pk: the process capability: how many times 3 sigma the mean error is away from the tolerance; infinite where
+            sigma is rounding.
         movement: how far the tool moves against the material while it cuts, in the worst of all cuts.
         tolerance: how far a length may be off.
         unit: the unit of lengths.
@@ -84,6 +86,11 @@ class TruePieces:
     movement: float
     tolerance: float
     unit: str
+
+    @property
+    def c_pk_text(self) -> str:
+        """The process capability; empty where there is none, or where it is infinite."""
+        return engineering(self.c_pk) if math.isfinite(self.c_pk) else ""
 
 
 def cutting_flag(scenario: Scenario) -> str:
@@ -109,7 +116,7 @@ def find_true_pieces(scenario: Scenario, recording: Recording, results: "Cutting
         float(np.mean([piece.length for piece in pieces])) if pieces else math.nan,
         _deviation(errors) if len(errors) > 1 else math.nan,
         max(errors, key=abs, default=math.nan),
-        capability(errors, tolerance),
+        capability(errors, tolerance, greatest_position(recording)),
         float(cuts.movement.max(initial=0.0)),
         tolerance,
         unit_name(Unit.POSITION, scenario.unit),
@@ -142,14 +149,16 @@ def find_true_cuts(scenario: Scenario, recording: Recording) -> TrueCuts:
     return TrueCuts(recording.time[first], means, movement)
 
 
-def capability(errors: Sequence[float], tolerance: float) -> float:
+def capability(errors: Sequence[float], tolerance: float, scale: float = 0.0) -> float:
     """The process capability C_pk of errors that may be up to `tolerance` on both sides; NaN for fewer than two.
 
-    Where all are the same it is infinite: positive within the tolerance, negative beyond."""
+    Where all are the same but for rounding it is infinite: positive within the tolerance, negative beyond.
+
+    `scale`: the greatest magnitude of the positions from which the errors come."""
     if len(errors) < 2:
         return math.nan
     margin, sigma = tolerance - abs(float(np.mean(errors))), _deviation(errors)
-    return margin / (3.0 * sigma) if sigma else math.copysign(math.inf, margin)
+    return margin / (3.0 * sigma) if sigma > ROUNDING * scale else math.copysign(math.inf, margin)
 
 
 def _deviation(errors: Sequence[float]) -> float:
