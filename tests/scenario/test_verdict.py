@@ -94,7 +94,7 @@ def replaced(text: str, old: str, new: str) -> str:
 
 
 FAILING = [
-    Case(0, GEARED.replace("= 0\n", "= 1\n") + UNTIL.replace("1e6", "10.0"), "slave.position at most 10"),
+    Case(0, GEARED.replace("= 0\n", "= 1\n") + UNTIL.replace("max = 1e6", "min = 5.0"), "slave.position at least 5"),
     Case(
         0,
         SAW + '[[on]]\nwhen = "error"\nset = { hold = true }\nrequired = true\n',

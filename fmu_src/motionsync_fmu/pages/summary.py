@@ -42,7 +42,7 @@ def print_result(outcome: ScenarioOutcome, *, verbose: bool) -> None:
     number = len(outcome.messages)
     shown = outcome.messages if verbose or number <= MOST_MESSAGES else outcome.messages[:MOST_MESSAGES]
     for message in shown:
-        out.print(f"  the FMU logged: {escape(' '.join(message.split()))}")
+        out.print(f"  the FMU logged {escape(' '.join(message.split()))}")
     if number > len(shown):
         out.print(f"  the FMU logged {number - len(shown)} more; --verbose shows all")
     out.print(f"  {'result':<12}  {escape(outcome.result)}")

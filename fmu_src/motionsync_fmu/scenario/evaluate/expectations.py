@@ -75,7 +75,7 @@ def _check_values_at_time(e: AtTime, recording: Recording, scenario: Scenario) -
         named = text(required)
         allowed = f" ± {engineering(e.tolerance)}" if named == f"{required:.10g}" else ""
         actual = named if value == required else text(value)
-        off = abs(nearest_turn(value, required, scenario.period_of(name)) - required)
+        off = abs(float(nearest_turn(value, required, scenario.period_of(name))) - required)
         yield Check(f"{name} = {named}{allowed} at {e.at:.10g} s", actual, off <= e.tolerance)
 
 
