@@ -66,6 +66,7 @@ def test_the_result_of_one_scenario_has_a_line_for_each_figure(workshop: Command
         "  velocity      100 mm/s",
         "  acceleration  500 mm/s2",
         "  jerk          0 mm/s3",
+        "  peaks         at the communication points",
         "  expectations  4 of 4 met",
         f"  result        {Path('build/reports/Synchronizer/stop/Synchronizer_out.csv')}",
         f"report: {Path('build/reports/Synchronizer/stop/report.html').resolve().as_uri()}",
@@ -125,7 +126,8 @@ def test_a_scenario_without_checks_has_a_note(workshop: Command) -> None:
 def test_what_the_fmu_logs_is_counted_and_shown(workshop: Command) -> None:
     """A phasing of 0 is refused when a stop reads it."""
     scenario("refused", STOP.replace("stop = true", "stop = true\noutput_phasing = 0.0").split("[[expect]]")[0])
-    assert re.search(r"^  the FMU logged: .*output_phasing = 0", workshop("run", "refused").out, re.MULTILINE)
+    logged = r"^  the FMU logged at [\d.]+ s: .*output_phasing = 0"
+    assert re.search(logged, workshop("run", "refused").out, re.MULTILINE)
     assert "; 1 message of the FMU\n" in workshop("run", "refused", "stop").out
 
 

@@ -63,6 +63,7 @@ def write_report(
         outcome=outcome,
         reactions=[_describe_reaction(reaction, scenario) for reaction in filed.reactions],
         drive=filed.drive,
+        unmet=recording.unmet,
         charts=charts,
         machine=machine(scenario, recording),
         keys=colour_keys(lanes),
