@@ -80,7 +80,7 @@ def test_a_scenario_means_the_same_at_other_step_sizes_or_says_why_not(file: Pat
             assert_as_expected_late(scenario, 0.1 * step_size if scenario.remote else step_size)
         return
     recording = recorded_compiled(replace(scenario, step_size=step_size))
-    assert_as_expected(scenario, recording, kept_limits=step_size == scenario.step_size)
+    assert_as_expected(scenario, recording, has_its_limits=step_size == scenario.step_size)
     if step_size == 0.0471:
         assert_same(run_in_process(scenario, step_size), recording)
 
@@ -91,12 +91,12 @@ def recorded_compiled(scenario: Scenario, names: Sequence[str] | None = None) ->
     return run.recording
 
 
-def assert_as_expected(scenario: Scenario, recording: Recording, *, kept_limits: bool = True) -> None:
-    """`kept_limits`: by how much a line that ramps makes the setpoint exceed a limit depends on the step."""
+def assert_as_expected(scenario: Scenario, recording: Recording, *, has_its_limits: bool = True) -> None:
+    """`has_its_limits`: by how much a line that ramps makes the setpoint exceed a limit depends on the step."""
     result = [*checks_of(scenario, recording), *compare_with_reference(scenario, recording)]
     assert result
     broken = [check.text for check in result if not check.passed]
-    assert [text for text in broken if kept_limits or not text.startswith("no limit of the axis exceeded")] == []
+    assert [text for text in broken if has_its_limits or not text.startswith("no limit of the axis exceeded")] == []
     assert at_its_place(scenario, recording)
 
 

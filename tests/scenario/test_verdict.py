@@ -161,7 +161,7 @@ def assert_same_in_a_sweep(scenario: Scenario, outcome: ScenarioOutcome) -> None
 
 
 @pytest.mark.parametrize("case", FAILING, ids=lambda case: case.broken)
-def test_each_rule_fails_a_run_in_all_that_judges_one(case: Case, tmp_path: Path) -> None:
+def test_each_rule_fails_a_run_in_all_that_evaluates_one(case: Case, tmp_path: Path) -> None:
     scenario = written(case.text, tmp_path)
     outcome = outcome_of(scenario)
     broken = [check for check in outcome.failed if check.text.startswith(case.broken)]

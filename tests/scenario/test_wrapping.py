@@ -65,9 +65,9 @@ def test_a_servo_follows_a_slave_that_turns_as_one_that_does_not(block: str) -> 
     """The oracle of the servo follows the setpoint without turns, which NumPy unwraps: in a step it goes by less than
     half a turn."""
     servo, oracle = Servo(50.0, 0.003, 0.9, 0.002), Oracle(50.0, 0.003, 0.9, 0.002)
-    turned = 0
+    used = 0
     for scenario in turning_scenarios(block):
-        if scenario.stop_time / scenario.step_size > MOST_POINTS or turned > 1:
+        if scenario.stop_time / scenario.step_size > MOST_POINTS or used > 1:
             continue
         recording = run_in_process(replace(scenario, servo=servo), scenario.step_size)
         time, velocity = recording.time, recording.values["slave.velocity"]
@@ -76,12 +76,12 @@ def test_a_servo_follows_a_slave_that_turns_as_one_that_does_not(block: str) -> 
         straight = np.unwrap(recording.values["slave.position"], period=scenario.slave_period)
         if np.ptp(straight - recording.values["slave.position"]) < 0.5 * scenario.slave_period:
             continue  # it passes no end of a turn
-        turned += 1
+        used += 1
         exact, *_ = oracle.run(time.tolist(), straight.tolist(), velocity.tolist())
         error = straight - np.array([float(x) for x in exact])
         assert np.abs(error).max() < 0.5 * scenario.slave_period
         np.testing.assert_allclose(recording.computed["actual.slave.following_error"], error, rtol=0, atol=1e-7)
-    assert turned
+    assert used
 
 
 @pytest.mark.parametrize("turn", [360.0, 6.283185307179586, 1.0])
@@ -137,25 +137,25 @@ def recording_at(positions: Reals) -> Recording:
 
 
 @pytest.mark.parametrize(
-    ("expected", "found", "passes"),
+    ("expected", "actual", "passes"),
     [(0.0, 359.99999, True), (359.99999, 0.0, True), (0.0, 359.9, False), (180.0, 0.0, False), (720.0, 0.0, True)],
 )
-def test_a_value_is_expected_within_a_turn(expected: float, found: float, passes: bool, tmp_path: Path) -> None:
+def test_a_value_is_expected_within_a_turn(expected: float, actual: float, passes: bool, tmp_path: Path) -> None:
     scenario = replace(geared(tmp_path), expectations=(AtTime(1.0, {"slave.position": expected}, 1e-4),))
-    (check,) = check_expectations(scenario, recording_at(np.array([0.0, found, 0.0])))
+    (check,) = check_expectations(scenario, recording_at(np.array([0.0, actual, 0.0])))
     assert check.passed == passes
 
 
 @pytest.mark.parametrize(
-    ("found", "greatest"),
+    ("actual", "greatest"),
     [(0.0, 0.0), (360.0 - 1e-7, 1e-7), (1e-7, 1e-7), (180.0, 180.0), (90.0, 90.0), (300.0, 60.0)],
 )
-def test_the_end_of_a_turn_in_a_reference_is_no_jump(found: float, greatest: float, tmp_path: Path) -> None:
+def test_the_end_of_a_turn_in_a_reference_is_no_jump(actual: float, greatest: float, tmp_path: Path) -> None:
     """At 1 s the reference has 360 before the end of a turn and 0 after it: not each value in between agrees."""
     scenario = geared(tmp_path)
     (tmp_path / "Gearing_ref.csv").write_text('"time","slave.position"\n0,270\n1,360\n1,0\n2,90\n')
     (tmp_path / "Gearing_ref.opt").write_text("StartTime, 0.0\nStopTime, 2.0\nStepSize, 1.0\nRelTol, 1e-9\n")
-    (deviation,) = compare_with_reference(scenario, recording_at(np.array([270.0, found, 90.0])))
+    (deviation,) = compare_with_reference(scenario, recording_at(np.array([270.0, actual, 90.0])))
     assert deviation.greatest == pytest.approx(greatest, abs=1e-9)
 
 

@@ -54,9 +54,9 @@ def check_missed(results: CuttingResults) -> Iterator[Check]:
             yield Check(f"number of late cuts = {late}", f"{production.late}", production.late == late)
     if (spec := scenario.cuts) and (spec.skipped or results.missed_marks):
         missed = results.missed_marks
-        found = uncut_text(missed, unit_name(Unit.POSITION, scenario.unit)) or "0"
+        actual = uncut_text(missed, unit_name(Unit.POSITION, scenario.unit)) or "0"
         expected = f"number of marks that pass uncut after the first cut = {spec.skipped}"
-        yield Check(expected, found, len(missed) == spec.skipped)
+        yield Check(expected, actual, len(missed) == spec.skipped)
 
 
 def check_lengths(results: CuttingResults) -> Iterator[Check]:

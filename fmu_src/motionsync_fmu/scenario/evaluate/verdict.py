@@ -1,4 +1,4 @@
-"""What makes a run fail, and what is a note: two lists, which all ask that judge a run.
+"""What makes a run fail, and what is a note: two lists, which all ask that evaluate a run.
 
 What a scenario expects is no failure: an [[expect]] expects a value that a variable shows, if it is met by this value
 and would not be met without a fault.
@@ -171,15 +171,15 @@ def check_limits(scenario: Scenario, peaks: Iterable[Peak], exceeded: Iterable[E
     if flag and is_expected(scenario, flag.name, 1.0):
         return
     beyond = [peak for peak in peaks if peak.exceeded]
-    found = {peak.name: peak.text for peak in beyond}
+    broken = {peak.name: peak.text for peak in beyond}
     expected = {peak.name for peak in beyond if _is_demanded_beyond(scenario, peak)}
     if coded and coded.declaration.codes:
         limited = {int(m): m.name.rpartition("_")[2].lower() for m in coded.declaration.codes}  # MAX_JERK: jerk
         expected |= {what for code, what in limited.items() if is_expected(scenario, coded.name, code)}
         for code, at in exceeded:
             text = f"{coded.name} = {code} at {engineering(at, 's')}{_meaning([coded], code)}"
-            found.setdefault(limited.get(code, f"{code}"), text)
-    if unexpected := [text for what, text in found.items() if what not in expected]:
+            broken.setdefault(limited.get(code, f"{code}"), text)
+    if unexpected := [text for what, text in broken.items() if what not in expected]:
         yield Check("no limit of the axis exceeded", "; ".join(unexpected), False)
 
 
@@ -197,7 +197,7 @@ def _last(v: Variable) -> str:
 
 
 def _meaning(coded: Iterable[Variable], code: int) -> str:
-    """What a code means, after a colon; empty if nothing tells."""
+    """What a code means, after a colon; empty if nothing states it."""
     members = (m for v in coded for m in v.declaration.codes or () if m == code)
     return next((f": {m.description}" for m in members), "")
 
