@@ -278,6 +278,11 @@ def test_orders_that_are_done_or_repeated_are_no_note(tmp_path: Path) -> None:
     assert not any("left" in note for note in outcome_of(written(endless, tmp_path)).notes)
 
 
+def test_orders_that_are_expected_earlier_are_a_note_if_they_are_left(tmp_path: Path) -> None:
+    earlier = written(MANY + '[[expect]]\nat = 3.0\n"order.waiting" = 1\n', tmp_path)
+    assert any("left" in note for note in outcome_of(earlier).notes)
+
+
 @pytest.mark.parametrize(("left", "passes"), [(0, False), (1, True), (2, False)])
 def test_the_number_of_orders_left_is_checked(left: int, passes: bool, tmp_path: Path) -> None:
     scenario = written(MANY + f"[cuts]\ntolerance = 1.0\norders_left = {left}\n", tmp_path)

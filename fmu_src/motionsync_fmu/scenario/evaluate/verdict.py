@@ -130,10 +130,14 @@ def find_notes(evidence: Evidence) -> list[str]:
 # --- what a scenario expects ---
 
 
-def is_expected(scenario: Scenario, name: str, value: float) -> bool:
-    """Whether an [[expect]] is met by this value of a variable, and not by 0."""
-    spans = (_demanded(e, name) for e in scenario.expectations)
+def is_expected(scenario: Scenario, name: str, value: float, *, at_end: bool = False) -> bool:
+    """Whether an [[expect]] is met by this value of a variable, and not by 0; `at_end`: one of the end of the run."""
+    spans = (_demanded(e, name) for e in scenario.expectations if not at_end or _is_of_end(e, scenario))
     return any(low <= value <= high and not low <= 0.0 <= high for low, high in filter(None, spans))
+
+
+def _is_of_end(e: Expectation, scenario: Scenario) -> bool:
+    return not isinstance(e, When) and (e.at if isinstance(e, AtTime) else e.end) >= scenario.stop_time
 
 
 def _demanded(e: Expectation, name: str) -> tuple[float, float] | None:
@@ -214,7 +218,8 @@ def _orders(e: Evidence) -> Iterator[str]:
     if not names or (pieces and pieces.orders_left is not None):
         return
     left, lacking = orders_left(e.results), int(e.recording.values[names.remaining][-1])
-    expected = is_expected(e.scenario, names.orders, left) or is_expected(e.scenario, names.remaining, lacking)
+    counts = ((names.orders, left), (names.remaining, lacking))
+    expected = any(is_expected(e.scenario, name, count, at_end=True) for name, count in counts)
     if left and not expected and not time_series(e.scenario, e.recording, names.repeat)[-1]:
         orders = f"{left} order{'s' * (left != 1)} left at the end"
         yield f"{orders}: the active one lacks {lacking} piece{'s' * (lacking != 1)}"
