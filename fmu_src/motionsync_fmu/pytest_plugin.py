@@ -90,5 +90,5 @@ class NotAsExpectedError(Exception):
             lines += [f"  expected: {check.expected}", f"  found:    {check.actual}"]
         lines += [f"  reference: {deviation.text}" for deviation in outcome.reference if not deviation.passed]
         lines += [f"  note: {note}" for note in outcome.notes]
-        lines += [f"  the FMU logged: {message}" for message in outcome.messages[:MOST_MESSAGES]]
+        lines += [f"  the FMU logged {message}" for message in outcome.messages[:MOST_MESSAGES]]
         super().__init__("\n".join(lines))

@@ -8,6 +8,7 @@ from motionsync.var import Unit
 
 from ...interface.units import unit_name
 from ..computed_columns import FOLLOWING_ERROR, FORCE, POWER
+from ..engineering import engineering
 from ..load import Load
 from ..recording import Reals, Recording
 from ..scenario import Scenario
@@ -57,6 +58,16 @@ class LoadFigures:
     def what(self) -> str:
         """What the motor gives: a force, or a torque."""
         return "torque" if self.unit == TORQUE else "force"
+
+    @property
+    def beyond_motor(self) -> list[str]:
+        """What the motor cannot give, a sentence each."""
+        shares = (("peak", self.peak, self.peak_share), ("rms", self.rms, self.rms_share))
+        return [
+            f"beyond the motor: {name} {self.what} {engineering(force, self.unit)}, {100.0 * share:.3g} % of its own"
+            for name, force, share in shares
+            if share is not None and share > 1.0
+        ]
 
 
 def find_following_error(scenario: Scenario, recording: Recording) -> FollowingError | None:
