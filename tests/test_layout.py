@@ -15,6 +15,7 @@ FILES = {
     "LICENSE",
     "Makefile",
     "README.md",
+    "SECURITY.md",
     "hatch_build.py",
     "mkdocs.yml",
     "pyproject.toml",

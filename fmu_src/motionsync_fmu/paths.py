@@ -1,9 +1,12 @@
 """The folders for files whose path the user did not give, and files that are written as a whole or not at all."""
 
+import errno
 import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from stat import S_IMODE, S_ISREG
 from tempfile import TemporaryFile
 from uuid import uuid4
 
@@ -16,6 +19,40 @@ PART = ".part"  # the end of the name of a file that is being written
 def cache_folder() -> Path:
     """motionsync's folder in the user's cache, which may not exist."""
     return user_cache_path("motionsync", appauthor=False)
+
+
+def own_cache(*names: str) -> Path:
+    """A folder in motionsync's cache, made if it is missing, into which this user alone can look and write: what is run
+    from there must be nobody else's.
+
+    Raises:
+        OSError: it cannot be made, or it is another user's.
+        RuntimeError: there is no folder for a cache.
+    """
+    folder = cache_folder()
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    for name in ("", *names):
+        folder /= name
+        folder.mkdir(0o700, exist_ok=True)
+        if sys.platform != "win32":  # where the folders of a user have been his own
+            status = folder.stat()
+            if status.st_uid != os.geteuid():
+                raise PermissionError(errno.EPERM, "it is another user's", str(folder))
+            if S_IMODE(status.st_mode) & 0o077:
+                folder.chmod(0o700)
+    return folder
+
+
+def is_own(file: Path) -> bool:
+    """Whether a file is this user's, and nobody else can have written it.
+
+    Raises:
+        OSError: there is no such file.
+    """
+    if sys.platform == "win32":
+        return True
+    status = file.lstat()
+    return S_ISREG(status.st_mode) and status.st_uid == os.geteuid() and not status.st_mode & 0o022
 
 
 def output_folder(notify: Callable[[str], None]) -> Path:

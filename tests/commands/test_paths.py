@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from motionsync_fmu.fmus.fmu import Flavour
+from motionsync_fmu.fmus.prebuilt import prepare_fmus
+from motionsync_fmu.interface.recipe import Recipe
 from motionsync_fmu.paths import replace_file, replace_files
 from tests.support.command_line import Command
 from tests.support.workshop import PYTHON
@@ -34,6 +37,25 @@ def test_in_a_folder_that_cannot_be_written_all_goes_to_the_cache(
     outcome = motionsync("build", "Synchronizer", *PYTHON)
     assert outcome.status == 0, outcome.err
     assert outcome.out.startswith(str(cache))
+
+
+@pytest.mark.parametrize("change", ["others may write it", "a link"])
+def test_an_fmu_in_the_cache_that_others_could_write_is_built_anew(
+    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (fmu,) = prepare_fmus([Recipe("Synchronizer")], Flavour.PYTHON)
+    assert fmu.is_relative_to(cache)
+    assert [path.stat().st_mode & 0o777 for path in (cache, fmu.parent, fmu)] == [0o700, 0o700, 0o600]
+    if change == "a link":
+        fmu.replace(tmp_path / fmu.name)
+        fmu.symlink_to(tmp_path / fmu.name)
+    else:
+        fmu.chmod(0o666)
+    before = fmu.lstat().st_ino
+    prepare_fmus([Recipe("Synchronizer")], Flavour.PYTHON)
+    assert fmu.lstat().st_ino != before
+    assert fmu.lstat().st_mode & 0o777 == 0o600
 
 
 @pytest.fixture

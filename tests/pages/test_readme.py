@@ -147,15 +147,18 @@ def test_the_line_that_follows_the_request_misses_no_cut(fmus: Fmus, capsys: pyt
 
 
 def test_the_first_lines_from_python_run_as_they_are_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At 400 mm/s for 5 s there is one cut of 1500 mm; the shorter pieces are 600, 800 and 1000 mm long."""
+    """From the start at 0.1 s on, a line of 400 mm/s brings 9560 mm in 24 s: seven pieces of 1200 mm. At
+    1000 mm/s pieces of 600 and 800 mm are too short for this saw."""
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
     exec(code_with(README, "result.to_frame()"), names)
     result, rows = names["result"], names["rows"].to_frame()
-    assert [piece.length for piece in result.pieces] == pytest.approx([1500.0], abs=1e-6)
+    assert [piece.length for piece in result.pieces] == pytest.approx([1200.0] * 7, abs=1e-6)
+    assert result.passed
     assert result.time.shape == result["slave.position"].shape == (result.to_frame().num_rows,)
     assert Path("report.html").stat().st_size > 100_000
     assert rows.column("length").to_pylist() == [600.0, 800.0, 1000.0]
+    assert rows.column("passed").to_pylist() == [False, False, True]
 
 
 def test_a_run_of_a_saw_that_is_made_in_python() -> None:

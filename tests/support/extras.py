@@ -10,15 +10,14 @@ import runpy
 import subprocess
 import sys
 from importlib.machinery import ModuleSpec, PathFinder
-from importlib.metadata import PackageNotFoundError, packages_distributions, requires
+from importlib.metadata import packages_distributions
 from types import ModuleType
 from typing import Any
 
-from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from tests import ROOT
-from tests.install.resolver import required
+from tools.requirements import distributions_of
 
 
 def dry_run(target: str) -> tuple[list[str], list[str]]:
@@ -31,7 +30,7 @@ def dry_run(target: str) -> tuple[list[str], list[str]]:
 
 def hide_others(*extras: str) -> None:
     """From now on this process finds no package but those of the extras, of every installation, and of the library."""
-    installed = distributions_of(*extras)
+    installed = distributions_of(*extras) | {"motionsync"}
     hidden = {
         package
         for package, owners in packages_distributions().items()
@@ -46,26 +45,6 @@ def hide_others(*extras: str) -> None:
             return None if fullname.partition(".")[0] in hidden else PathFinder.find_spec(fullname, path, target)
 
     sys.meta_path[sys.meta_path.index(PathFinder)] = Finder
-
-
-def distributions_of(*extras: str) -> set[str]:
-    """The distributions that an installation with these extras has, those that others need included."""
-    found = {"motionsync"}
-    left = [requirement for extra in ("", *extras) for requirement in required(extra)]
-    seen = set()
-    while left:
-        requirement = left.pop()
-        if str(requirement) in seen:
-            continue
-        seen.add(str(requirement))
-        found.add(canonicalize_name(requirement.name))
-        try:
-            needed = map(Requirement, requires(requirement.name) or [])
-        except PackageNotFoundError:  # not for this platform
-            continue
-        asked = [{"extra": each} for each in ("", *requirement.extras)]
-        left += [r for r in needed if not r.marker or any(r.marker.evaluate(given) for given in asked)]
-    return found
 
 
 if __name__ == "__main__":

@@ -352,7 +352,7 @@ function axisTables(unit, scenario, {axis, telegrams, scans}) {
   };
 }
 
-/** The scenario with the start values of a block, of these variables, that takes what its encoder measures, unless it has others. */
+/** The scenario with the start values of a block with these variables that takes what its encoder measures, unless it has others. */
 function withMeasuredInputs(scenario, variables) {
   const {encoder, start} = scenario, values = {[INPUT_MODE]: MEASURED};
   if (!encoder) return scenario;

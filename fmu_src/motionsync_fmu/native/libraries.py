@@ -128,7 +128,7 @@ def is_shared(name: str) -> bool:
 def _keep(files: Files, other: Path) -> Path:
     """A folder in the user's cache that holds these files; the folder `other` if the cache cannot be written."""
     with suppress(OSError, RuntimeError):  # there may be no folder for a cache
-        folder = paths.cache_folder() / "c" / digest(files)[:32]
+        folder = paths.own_cache("c", digest(files)[:32])
         for name, text in files.items():
             if not (file := folder / name).is_file() or file.read_bytes() != text:
                 with paths.replace_file(file) as part:

@@ -90,8 +90,8 @@ class Cylinder:
     )
     blades: int = var.parameter(1, "evenly spaced; one cuts at 0", min=1, max=MOST_BLADES)
     park_angle: float = var.parameter(
-        180.0,
-        "where the blade that has cut last rests, between the windows of two blades",
+        0.0,
+        "where the blade that has cut last rests, between the windows of two blades; 0: half way between them",
         Unit.SLAVE_POSITION,
         min=0.0,
         max=LARGEST,
@@ -214,6 +214,8 @@ class Local:
     refused_parameter: int = var.local(
         0, "which tunable parameter is out of its range", codes=var.merged(KnifeParameter, PieceParameter)
     )
+    allowed_from: float = var.local(0.0, "the least value that a machine setting may have which is refused")
+    allowed_to: float = var.local(0.0, "the greatest one; 0: none is refused")
     skip_reason: int = var.local(
         0, "why a cut was skipped in the last step; 0: none was", codes=SkipReason, report=Report.STEPS
     )

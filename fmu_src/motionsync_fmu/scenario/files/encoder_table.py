@@ -17,7 +17,8 @@ SCALING = "master.encoder_scaling"
 ENCODER = TableKeys(
     "[encoder]",
     "An encoder between the true master and master.position. In mode MEASURED master.delay and master.sample_time are "
-    "those of the encoder, and so is master.encoder_scaling of a block that has it, unless [start] has others.",
+    "those of the encoder, and master.encoder_scaling, where a block has it, is the resolution in every mode, unless "
+    "[start] has others.",
     (
         number("resolution", "the position is rounded down to a multiple of it", "u", smallest=SMALLEST, most=MOST),
         number("noise", "one sigma; white, Gaussian, clipped at 4 sigma", "u", default=0.0, least=0.0, most=MOST),

@@ -60,7 +60,7 @@ def new_scenario(block: str, given: Mapping[str, str | float], file: Path) -> st
     for name, value in given.items():
         path = choose(paths, name, f"figure of {block}")
         match = _find(text, path)
-        literal = _literal(name, value)
+        literal = _literal(name, value, is_count=match["value"].isdigit())
         padding = " " * max(1, len(match["value"] + match["space"]) - len(literal)) if match["comment"] else ""
         text = (
             text[: match.start("value")]
@@ -87,13 +87,17 @@ def _find(text: str, path: str) -> re.Match[str]:
     return match
 
 
-def _literal(name: str, value: str | float) -> str:
-    """A figure as TOML writes it."""
-    text = str(writable(value)).strip()
+def _literal(name: str, value: str | float, *, is_count: bool) -> str:
+    """A figure as TOML writes it; `is_count`: a whole number."""
+    text, option = str(writable(value)).strip(), f"--{name.replace('_', '-')}"
+    if is_count:
+        try:
+            return str(int(text))
+        except ValueError:
+            raise UserError(f"{option} {text}: it must be a whole number, as in: {option} 2") from None
     try:
         return repr(float(text))
     except ValueError:
         if is_quantity(text):
             return json.dumps(text, ensure_ascii=False)
-    option = f"--{name.replace('_', '-')}"
     raise UserError(f'{option} {text}: it must be a number, or one with a unit, as in: {option} "40 m/min"')
