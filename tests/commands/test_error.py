@@ -22,7 +22,7 @@ def test_error_explains_a_code(motionsync: Command, arguments: tuple[str, ...]) 
 
 def test_error_lists_all_blocks_that_have_a_code(motionsync: Command) -> None:
     """Of these seven; a further block may have the code, too."""
-    having = ["FlyingSaw", "Gearing", "Follower", *4 * ["CutToLength"], *3 * ["RotaryKnife"]]
+    having = ["FlyingSaw", "Gearing", "Follower", *6 * ["CutToLength"], *5 * ["RotaryKnife"]]
     listed = re.findall(r"^(\w+), 2 ", motionsync("error", "2").out, re.MULTILINE)
     assert [name for name in listed if name in {*having, "Synchronizer", "RemoteSync"}] == having
     assert re.findall(r"^(\w+), 2 ", motionsync("error", "Follower", "2").out, re.MULTILINE) == ["Follower"]
