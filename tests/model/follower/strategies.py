@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from motionsync.follower.block import Follower
-from motionsync.follower.faults import Fault
+from motionsync.follower.faults import DropReason, Fault
 from motionsync.follower.interface import State
 from motionsync.follower.stages import Stage
 from motionsync.master import MasterInput
@@ -148,6 +148,7 @@ def watch(block: Follower) -> set[Any]:
         ("fault", block.error_id),
         ("cyclic", block.slave_cycle > 0.0, block.state),
         ("variable", block.variable_cycle, block.state),
+        ("drop reason", block.local.drop_reason),
         ("shortened approach", block.sequence.current.is_approach_shortened),
     }
 
@@ -173,6 +174,7 @@ STRATEGY = Strategy(
             *(("cyclic", False, state) for state in State),
             *(("cyclic", True, state) for state in State if state != State.M_DECEL),
             *(("variable", variable, state) for variable in (False, True) for state in State),
+            *(("drop reason", reason) for reason in DropReason),
             *(("shortened approach", is_shortened) for is_shortened in (False, True)),
         }
     ),
